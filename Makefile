@@ -23,13 +23,13 @@ help:  ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-11s %s\n", $$1, $$2}' Makefile
 
 demo: $(VENV)/.installed  ## tables on the screen, plots and reports in out/
-	$(RUN) -m torsionnet.demo
+	$(RUN) examples/demo/run_all.py
 
 figures: $(VENV)/.installed  ## only the figures of the virtual test bench, in out/
-	$(RUN) -m torsionnet.demo.figures
+	$(RUN) examples/demo/figures.py
 
 identify: $(VENV)/.installed  ## the paper's identification on the virtual bench
-	$(RUN) -m torsionnet.demo.identification
+	$(RUN) examples/demo/identification.py
 
 # Python that writes no bytecode compiles package and tests anew in every process that tests start.
 test test-slow test-all test-campaigns test-kernel test-oldest test-newest reach test-changed precheck lint generate docs: export PYTHONDONTWRITEBYTECODE =

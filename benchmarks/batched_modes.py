@@ -14,9 +14,9 @@ import numpy as np
 
 import torsionnet as tn
 from benchmarks._sizes import ARGUMENTS, sized
-from torsionnet.solve.batch.batch_plan import batch_plan
-from torsionnet.solve.batch.batched_modes import batched_modes
-from torsionnet.solve.batch.mode_tracking import track_modes
+from torsionnet.linear.batch.batch_plan import batch_plan
+from torsionnet.linear.batch.batched_modes import batched_modes
+from torsionnet.linear.batch.mode_tracking import track_modes
 
 COUNT, LOOP = sized((100_000, 300), (400, 20))
 CHUNK = 5000  # variants of a batch

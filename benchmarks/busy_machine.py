@@ -21,7 +21,7 @@ from dataclasses import replace
 from types import SimpleNamespace
 import numpy as np
 import torsionnet as tn
-from torsionnet.core import threads
+from torsionnet.base import threads
 from torsionnet.modal import Settings, identify_modes
 from torsionnet.signals import PAPER
 

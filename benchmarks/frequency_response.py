@@ -17,10 +17,10 @@ import numpy as np
 
 import torsionnet as tn
 from benchmarks._sizes import ARGUMENTS, sized
-from torsionnet.assembly.law_stiffness import law_stiffness
-from torsionnet.assembly.rows import Rows, RowSystem
-from torsionnet.solve.dynamic_stiffness.quotient import METHODS
-from torsionnet.solve.dynamic_stiffness.response_problem import Loading, ResponseProblem
+from torsionnet.linear.assembly.law_stiffness import law_stiffness
+from torsionnet.linear.assembly.rows import Rows, RowSystem
+from torsionnet.linear.dynamic_stiffness.quotient import METHODS
+from torsionnet.linear.dynamic_stiffness.response_problem import Loading, ResponseProblem
 
 OPENTORSION = """
 import sys, time, numpy as np

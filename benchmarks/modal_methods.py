@@ -15,8 +15,8 @@ from scipy.optimize import linear_sum_assignment
 
 import torsionnet as tn
 from benchmarks._sizes import ARGUMENTS, sized
+from torsionnet import Channel, FrequencyResponse
 from torsionnet.modal import Settings, identify_modes
-from torsionnet.response import Channel, FrequencyResponse
 
 METHODS = ("rational", "lscf", "auto")
 SAME_FREQUENCY, SAME_DAMPING = 0.004, 0.5

@@ -17,7 +17,7 @@ from scipy.integrate import odeint
 
 import torsionnet as tn
 from benchmarks._sizes import sized
-from torsionnet.solve.motion.marching import march
+from torsionnet.motion.marching import march
 
 N, SECONDS, RATE = 20, sized(60, 2), 1000
 GAPS = (6, 13)
@@ -107,7 +107,7 @@ def main():
     rows = [("LSODA, compiled right side", lsoda[0], error(lsoda[1]), "", "")]
     by_us(chain, SECONDS)  # compiles
     whole = least(lambda: by_us(chain, SECONDS))
-    with patch("torsionnet.solve.motion.piece_system._compiled_march", lambda: march):
+    with patch("torsionnet.motion.piece_system._compiled_march", lambda: march):
         plain = least(lambda: by_us(chain, SECONDS))
     for name, (took, motion, _), goal in (("here, numba", whole, ">= 40"), ("here, numpy", plain, ">= 3")):
         rows.append((name, took, error(motion), f"{lsoda[0] / took:.1f}", goal))

@@ -70,7 +70,7 @@ def stages(shape: str, n: int) -> dict[str, float]:
         done("load YAML")
         _ = model.assembly
         done("assemble")
-        from torsionnet.cli.terminal import print_table
+        from torsionnet.app.cli.terminal import print_table
         from torsionnet.model.overview import tables
 
         with contextlib.redirect_stdout(io.StringIO()):

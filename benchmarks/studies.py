@@ -19,10 +19,10 @@ import numpy as np
 
 import torsionnet as tn
 from benchmarks._sizes import ARGUMENTS, sized
-from torsionnet.solve.batch.batch import Batch
-from torsionnet.solve.batch.batch_plan import BatchPlan, batch_plan
-from torsionnet.solve.batch.batched_responses import batched_responses
-from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, cached_request
+from torsionnet.linear.batch.batch import Batch
+from torsionnet.linear.batch.batch_plan import BatchPlan, batch_plan
+from torsionnet.linear.batch.batched_responses import batched_responses
+from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest, cached_request
 
 RUNS = sized(5, 1)
 N_LOOP = sized(40, 3)

@@ -11,14 +11,14 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from torsionnet.cli import main as torsionnet
+from torsionnet.app.cli import main as torsionnet
 
 DOCS = Path(__file__).parent
 sys.path.insert(0, str(DOCS.parent / "tests"))
 
 from support.explore_pages import chromium, serving, visit  # noqa: E402
 
-from torsionnet.explore.choices import ResponseChoice  # noqa: E402
+from torsionnet.app.explore.choices import ResponseChoice  # noqa: E402
 
 PICTURE, OVER_SPEED = DOCS / "images" / "explore.png", DOCS / "images" / "explore_speed.png"
 POINT = DOCS / "images" / "explore_operating_point.png"

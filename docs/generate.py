@@ -28,13 +28,13 @@ from validation_pages import bench_numbers_page, cases_page, paper_page
 from verification_pages import verification_page
 
 import torsionnet as tn
-from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.scalars import QuantityKind, ValueInUnitOfUse
-from torsionnet.core.entries.spec import Count, Flag, OneOf, Spec, spec_of
-from torsionnet.core.errors import ModelError
-from torsionnet.core.expressions import Algebra
-from torsionnet.core.units import _BASE, _JOINED, _PREFIXES, DIMENSIONS, Dimension, expected_unit
-from torsionnet.model.bench import (
+from torsionnet.base.entries.declared import Declared
+from torsionnet.base.entries.scalars import QuantityKind, ValueInUnitOfUse
+from torsionnet.base.entries.spec import Count, Flag, OneOf, Spec, spec_of
+from torsionnet.base.errors import ModelError
+from torsionnet.base.expressions import Algebra
+from torsionnet.base.units import _BASE, _JOINED, _PREFIXES, DIMENSIONS, Dimension, expected_unit
+from torsionnet.bench.plan import (
     Acquisition,
     DropOuts,
     Encoder,
@@ -49,8 +49,8 @@ from torsionnet.model.bench import (
     Transducer,
     ZeroDrift,
 )
-from torsionnet.model.bench.bench_motions import MOTIONS
-from torsionnet.model.bench.plan import EXCITATIONS
+from torsionnet.bench.plan.bench_motions import MOTIONS
+from torsionnet.bench.plan.plan import EXCITATIONS
 from torsionnet.model.damping import MEASURES, LossFactor
 from torsionnet.model.element_base.element_entries import MultipleValues, NodeName, NodePair, Teeth
 from torsionnet.model.element_base.shaft_stiffness import ShaftStiffness
@@ -67,7 +67,7 @@ from torsionnet.model.elements import (
     Values,
     make_element,
 )  # fmt: skip
-from torsionnet.model.report import SECTIONS
+from torsionnet.report.plan import SECTIONS
 from torsionnet.report.wording import replaceable_texts
 
 SAMPLES = {
@@ -579,7 +579,7 @@ def tutorial_pictures(folder: Path) -> None:
 
 def schemas(folder: Path) -> None:
     """Write the JSON Schemas of model, study and campaign files, as ``torsionnet schema`` does."""
-    from torsionnet.cli import main
+    from torsionnet.app.cli import main
 
     for kind, name in (("model", "torsionnet"), ("study", "study"), ("campaign", "campaign")):
         with (folder / f"{name}.schema.json").open("w", encoding="utf-8") as file, redirect_stdout(file):

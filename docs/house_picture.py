@@ -16,20 +16,20 @@ from typing import NamedTuple
 from page_parts import code, table
 
 import torsionnet
-from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.assembly.system import Assembly
 from torsionnet.drivetrain import Drivetrain
+from torsionnet.linear.assembly.assembled import AssembledModel
+from torsionnet.linear.assembly.system import Assembly
+from torsionnet.linear.dynamic_stiffness.quotient import transfer_functions
+from torsionnet.linear.dynamic_stiffness.response_problem import make_tape
+from torsionnet.linear.dynamic_stiffness.tape import Tape
+from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest, cached_request
+from torsionnet.linear.frequency_response import FrequencyResponse
 from torsionnet.model.defining import define
 from torsionnet.model.definition import Definition
 from torsionnet.model.files.located_yaml import LocatedDocument, compose
 from torsionnet.report.build import build
 from torsionnet.report.document_tree import Report
 from torsionnet.report.report import write_report
-from torsionnet.response import FrequencyResponse
-from torsionnet.solve.dynamic_stiffness.quotient import transfer_functions
-from torsionnet.solve.dynamic_stiffness.response_problem import make_tape
-from torsionnet.solve.dynamic_stiffness.tape import Tape
-from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, cached_request
 
 PACKAGE = Path(torsionnet.__file__).parent
 sys.path.append(str(Path(__file__).parents[1] / "tests"))

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from sign_picture import save
 
 import torsionnet as tn
-from torsionnet.core.expressions import FLOAT
+from torsionnet.base.expressions import FLOAT
 from torsionnet.model.elements import Element, MotionLaw, Values
 from torsionnet.model.motion_laws.piece_curve import Hold, PieceCurve
 from torsionnet.plot.drawing import style

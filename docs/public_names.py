@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import Any
 
 import torsionnet as tn
-from torsionnet.core.entries.declared import Declared
-from torsionnet.core.packages import TABLES, LazyMethod, NotebookResult
+from torsionnet.base.entries.declared import Declared
+from torsionnet.base.packages import TABLES, LazyMethod, NotebookResult
 
 SIGNATURES = Path(__file__).parents[1] / "tests" / "public_signatures.txt"
 HEAD = "# Public names and signatures: a change is a decision (docs/stability.md). Written by `make signatures`.\n"
@@ -34,9 +34,9 @@ INNER_MEMBERS: dict[type, set[str]] = {
     tn.Parameter: {"given", "with_operating_values", "written"},
     tn.TorqueScenario: {*_SCENARIO, "histories", "read_entries", "to_data"},
     tn.ShortCircuitScenario: {*_SCENARIO, "torque", "what"},
-    tn.response.OrderResponse: {"engine_notes", "no_cycle"},
-    tn.response.LimitCheck: {"findings", "highest", "passed"},
-    tn.response.LimitConclusion: {"findings", "records", "worst_table"},
+    tn.machinery.OrderResponse: {"engine_notes", "no_cycle"},
+    tn.machinery.LimitCheck: {"findings", "highest", "passed"},
+    tn.machinery.LimitConclusion: {"findings", "records", "worst_table"},
     tn.study.Space: {"read"},
     tn.study.Study: {"entries", "evaluator", "model_in", "model_text"},
     tn.study.Workers: {"executor"},
@@ -137,7 +137,7 @@ def _lines(one: PublicName) -> Iterator[str]:
         yield f"{one.name}{_call(one.value)}" if callable(one.value) else f"{one.name}: {type(one.value).__name__}"
         return
     bases = [
-        base.__name__ for base in one.value.__mro__[1:-1] if base.__module__ in ("builtins", "torsionnet.core.errors")
+        base.__name__ for base in one.value.__mro__[1:-1] if base.__module__ in ("builtins", "torsionnet.base.errors")
     ]
     yield f"{one.name}: class({', '.join(bases)})"
     if not issubclass(one.value, BaseException):

@@ -13,22 +13,28 @@ MODEL = (
     *("Drivetrain", "Parameter", "Input", "Sensor", "OperatingPoint", "load", "loads", "library_models"),
     *("ShortCircuitScenario", "TorqueScenario"),
 )
+RESULTS = (
+    *("Adaptive", "Channel", "Column", "Conventions", "FrequencyResponse", "FrequencyResponses"),
+    *("Modes", "Note", "SI", "Table"),
+)
 DAMPING = ("convert_damping",)
 IDENTIFICATION = ("identify", "Measurement", "Unknown", "Fit")
 BENCHES = ("Bench", "load_bench", "library_benches")
 SUBJECTS: tuple[tuple[str, str, tuple[str, ...]], ...] = (
     ("Model", "", MODEL),
     ("Elements", "Their entries with units and bounds are on the page [Elements](elements.md).", ("element types",)),
-    ("Results", "", ("response", "Adaptive")),
+    ("Responses and modes", "", ("linear", *RESULTS)),
+    ("Running machinery", "", ("machinery",)),
+    ("Motion over time", "", ("motion",)),
     ("Signals", "Records of a test bench, real or simulated; [](test_bench.md) explains them.", ("signals",)),
     (
         "Modes of frequency responses",
         "Identified without a model; [](how_to/identify_modes.md) shows their use.",
         ("modal",),
     ),
-    ("Identification", "", (*IDENTIFICATION, "identification", "solve.sensitivity")),
+    ("Identification", "", (*IDENTIFICATION, "identification", "linear.sensitivity")),
     ("Virtual benches", "", (*BENCHES, "bench")),
-    ("Campaigns", "Rotating tests; [](how_to/campaign.md) walks through one.", ("campaign",)),
+    ("Campaigns", "Rotating tests; [](how_to/campaign.md) walks through one.", ("bench.campaign",)),
     ("Symbols", "", ("symbolic",)),
     ("Plots", "Each function returns a figure of matplotlib.", ("plot",)),
     (
@@ -38,7 +44,7 @@ SUBJECTS: tuple[tuple[str, str, tuple[str, ...]], ...] = (
     ),
     ("Reports", "", ("write_report", "report")),
     ("Interchange", "Which file goes to which program is on [its page](how_to/interchange.md).", ("io",)),
-    ("Damping and units", "Units are `tn.units`.", (*DAMPING, "core.units")),
+    ("Damping and units", "Units are `tn.units`.", (*DAMPING, "base.units")),
     ("Errors", "", ("errors",)),
 )
 """Heading, sentence and contents of every part of the index: names of ``tn``, packages, element types and errors."""
@@ -67,7 +73,7 @@ def subject_of(one: PublicName) -> str:
     package, _, last = one.name.removeprefix("torsionnet.").rpartition(".")
     if isinstance(one.value, type) and issubclass(one.value, tn.Element):
         package = "element types"
-    if one.value.__class__ is type and one.value.__module__ == "torsionnet.core.errors":
+    if one.value.__class__ is type and one.value.__module__ == "torsionnet.base.errors":
         package = "errors"
     also = {other.removeprefix("torsionnet.").rpartition(".")[0] for other in one.others}
     for heading, _, contents in SUBJECTS:
@@ -92,7 +98,8 @@ def page_names() -> dict[str, PublicName]:
 
 def shown_name(one: PublicName) -> str:
     """Name as a program writes it after ``import torsionnet as tn``."""
-    return f"tn.{one.name.removeprefix('torsionnet.').removeprefix('core.').removeprefix('solve.')}"
+    package, _, last = one.name.removeprefix("torsionnet.").rpartition(".")
+    return ".".join(["tn", *([package.rpartition(".")[2]] if package else []), last])
 
 
 def reference_index() -> str:

@@ -14,12 +14,12 @@ from pathlib import Path
 from textwrap import fill, indent
 
 import torsionnet as tn
-import torsionnet.core.entries.accepted_types as accepted
-from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.scalars import QuantityKind
-from torsionnet.core.entries.spec import Spec
-from torsionnet.core.packages import TABLES
-from torsionnet.core.units import expected_unit
+import torsionnet.base.entries.accepted_types as accepted
+from torsionnet.base.entries.declared import Declared
+from torsionnet.base.entries.scalars import QuantityKind
+from torsionnet.base.entries.spec import Spec
+from torsionnet.base.packages import TABLES
+from torsionnet.base.units import expected_unit
 from torsionnet.model.element_base.element_entries import NodeName, NodePair
 from torsionnet.model.elements import Element, element_classes
 
@@ -57,7 +57,7 @@ def package_stub(package: str) -> str:
     lines = [f"{_imported(home, name)} as {name}" for name, home in table.items()]
     names = sorted(table)
     if package == "torsionnet":
-        lines.append("from torsionnet.core.version import __version__ as __version__")
+        lines.append("from torsionnet.base.version import __version__ as __version__")
         names = ["__version__", *names]
     listed = "".join(f'    "{name}",\n' for name in names)
     return f"{HEAD}{_lines(sorted(lines))}\n__all__ = [\n{listed}]\n"

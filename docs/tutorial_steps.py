@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from math import isclose
 from pathlib import Path
 
-from torsionnet.cli import main
+from torsionnet.app.cli import main
 
 DOCS = Path(__file__).parent
 TUTORIALS = (DOCS / "tutorial_rig.md", DOCS / "tutorial_ship.md")

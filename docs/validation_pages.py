@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import math
 import re
 import sys
@@ -15,17 +16,21 @@ import torsionnet as tn
 
 DOCS = Path(__file__).parent
 TESTS = DOCS.parent / "tests"
+sys.path.append(str(DOCS.parent / "examples" / "demo"))
+
+
+def demo_rigs() -> Any:
+    """Module of the demonstration with the rigs of the source paper."""
+    return importlib.import_module("rigs")
 
 
 def paper_page() -> str:
     """Table of the rigs of the source paper: the model against the results of its test."""
-    from torsionnet.demo import rigs as demo
-
-    rigs = demo.rigs()
+    rigs = demo_rigs().rigs()
     rows = []
     for rig in rigs:
-        for quantity, unit, value in demo.quantities(rig):
-            printed = demo.PAPER.get((rig.case, quantity))
+        for quantity, unit, value in demo_rigs().quantities(rig):
+            printed = demo_rigs().PAPER.get((rig.case, quantity))
             if printed is not None:
                 apart = f"{value - printed:+.1f} deg" if unit == "deg" else f"{100 * (value / printed - 1):+.1f} %"
                 shown = [f"{printed:g} {unit}".removesuffix(" 1"), f"{value:.5g} {unit}".removesuffix(" 1"), apart]
@@ -61,9 +66,7 @@ def model_table(rigs: list[Any]) -> str:
 
 
 def demo_quantities(rig: Any) -> Any:
-    from torsionnet.demo import rigs as demo
-
-    return demo.quantities(rig)
+    return demo_rigs().quantities(rig)
 
 
 def poles(modes: tn.Modes) -> str:
@@ -185,7 +188,7 @@ def bench_numbers_page() -> str:
 def _agreement(bench: Any) -> list[str]:
     import numpy as np
 
-    from torsionnet.model.bench import Encoder
+    from torsionnet.bench.plan import Encoder
     from torsionnet.signals import difference
 
     channels = {**bench.plan.channels, "theta_1": Encoder(lines=1024, quadrature=True)}

@@ -13,7 +13,7 @@ import numpy as np
 
 import torsionnet as tn
 from torsionnet import plot
-from torsionnet.response import MotionStart
+from torsionnet.motion import MotionStart
 
 plt.style.use(plot.STYLE)
 

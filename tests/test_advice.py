@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from torsionnet.response import Channel, Conventions, FrequencyResponse
+from torsionnet.base.conventions import Conventions
+from torsionnet.linear.frequency_response import Channel, FrequencyResponse
 from torsionnet.signals.advice import half_power_bandwidth, peak_warnings, significant_peaks
 from torsionnet.signals.agreement import agreement
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from torsionnet.core.entries.composite import given_entries, one_at_most, one_exactly
+from torsionnet.base.entries.composite import given_entries, one_at_most, one_exactly
 
 
 @dataclass

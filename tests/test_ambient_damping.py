@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from support import campaigns
 
-from torsionnet.core.errors import MissingExtraError, SolveError, UsageError
+from torsionnet.base.errors import MissingExtraError, SolveError, UsageError
 from torsionnet.modal import modes_from_ambient
-from torsionnet.response.recording import Recording, Signal
+from torsionnet.signals.recording import Recording, Signal
 
 RATE = 100
 

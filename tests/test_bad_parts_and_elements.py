@@ -2,7 +2,7 @@
 
 import pytest
 
-from torsionnet.cli import main
+from torsionnet.app.cli import main
 
 THROW = """  throw:
     ports: [front, rear]

@@ -7,9 +7,9 @@ from support.library_cases import library_cases
 from support.models import EVERY_ELEMENT, around
 
 import torsionnet as tn
+from torsionnet.linear.batch.batch_plan import batch_plan
 from torsionnet.model.elements import ELEMENT_TYPES, make_element
 from torsionnet.model.model import Model
-from torsionnet.solve.batch.batch_plan import batch_plan
 
 SHEETS = {"mass_elastic"}
 """Types that are a short way of writing others."""

@@ -9,12 +9,12 @@ from support.library_cases import library_cases
 from support.models import EVERY_ELEMENT, around
 
 import torsionnet as tn
+from torsionnet.linear.batch import batched_responses as module
+from torsionnet.linear.batch.batch_plan import batch_plan
+from torsionnet.linear.batch.batched_responses import batched_responses
+from torsionnet.linear.dynamic_stiffness import quotient
+from torsionnet.linear.dynamic_stiffness.transfer_request import cached_request, usable_channels
 from torsionnet.model.model import Model
-from torsionnet.solve.batch import batched_responses as module
-from torsionnet.solve.batch.batch_plan import batch_plan
-from torsionnet.solve.batch.batched_responses import batched_responses
-from torsionnet.solve.dynamic_stiffness import quotient
-from torsionnet.solve.dynamic_stiffness.transfer_request import cached_request, usable_channels
 
 F = np.array([0.31, 2.2, 17.0, 91.0])
 methods = pytest.mark.parametrize("method", ["graph", "compiled"])

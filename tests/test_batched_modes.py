@@ -10,10 +10,10 @@ from support.library_cases import library_cases
 from support.random_drivetrains import draw
 
 import torsionnet as tn
-from torsionnet.core.errors import ModelError
-from torsionnet.solve.batch.batch_plan import batch_plan
-from torsionnet.solve.batch.batched_modes import batched_modes, single_modes
-from torsionnet.solve.modes.modes import natural_modes
+from torsionnet.base.errors import ModelError
+from torsionnet.linear.batch.batch_plan import batch_plan
+from torsionnet.linear.batch.batched_modes import batched_modes, single_modes
+from torsionnet.linear.modes.natural_modes import natural_modes
 
 LIBRARY = [
     "amt_rig",

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import torsionnet as tn
+from torsionnet.base.errors import ModelError, UsageError
 from torsionnet.bench.exciter_torque import exciter_output
+from torsionnet.bench.plan import Acquisition, Encoder, Exciter, Plan, Transducer
 from torsionnet.bench.recorded_signal import recorded_signal
-from torsionnet.core.errors import ModelError, UsageError
-from torsionnet.model.bench import Acquisition, Encoder, Exciter, Plan, Transducer
 from torsionnet.model.files import json_schema, library_benches
 from torsionnet.model.files.library import library_folder
 from torsionnet.signals import (
@@ -486,7 +486,7 @@ def test_a_model_without_a_bench_says_where_there_are_some():
     ],
 )
 def test_every_excitation_is_written_and_read(excitation):
-    from torsionnet.model.bench.plan import Plan
+    from torsionnet.bench.plan.plan import Plan
 
     written = plan(excitation=excitation).to_data()
     again, faults = Plan.read(written)

@@ -8,8 +8,8 @@ import pytest
 from support.command_line import run
 
 import torsionnet as tn
-from torsionnet.core.errors import ModelError, UsageError
-from torsionnet.response.measured.between_samples import Folding
+from torsionnet.base.errors import ModelError, UsageError
+from torsionnet.linear.between_samples import Folding
 from torsionnet.signals import BetweenSamples, Recording, Signal, Welch, decimate, estimate, full_record
 
 J, C, K = 0.1, 0.8, 1000.0

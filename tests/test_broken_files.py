@@ -5,7 +5,7 @@ import re
 import pytest
 from support.broken_models import BASE, CASES
 
-from torsionnet.core.errors import ModelError, UsageError
+from torsionnet.base.errors import ModelError, UsageError
 from torsionnet.loading import load, loads
 from torsionnet.model.files import located_yaml, read_file
 from torsionnet.model.files.located_yaml import PythonParser, compose

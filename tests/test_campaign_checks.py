@@ -8,10 +8,10 @@ from click.testing import CliRunner
 from support.steady_campaign import CAMPAIGN, RATE, SPEED, STEADY_FAN, TURNS, torque, write_steady_record
 
 import torsionnet as tn
-from torsionnet.cli.app import app
-from torsionnet.core.errors import ModelError
+from torsionnet.app.cli.app import app
+from torsionnet.base.errors import ModelError
 from torsionnet.io import read_recording, write_recording
-from torsionnet.response.recording import Recording, Signal
+from torsionnet.signals.recording import Recording, Signal
 
 STILL = slice(4000, 4400)
 

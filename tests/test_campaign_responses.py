@@ -8,13 +8,13 @@ import pytest
 from click.testing import CliRunner
 
 import torsionnet as tn
-from torsionnet.campaign import running_campaign
-from torsionnet.cli.app import app
-from torsionnet.core.errors import ModelError
+from torsionnet.app.cli.app import app
+from torsionnet.base.errors import ModelError
+from torsionnet.bench.campaign import running_campaign
 from torsionnet.io import write_recording
 from torsionnet.report.campaign_report import campaign_report
 from torsionnet.report.report import writer_for
-from torsionnet.response.recording import Recording, Signal
+from torsionnet.signals.recording import Recording, Signal
 
 MODEL = """
 torsionnet: 1
@@ -116,8 +116,7 @@ def test_repeats_spread_as_their_coherence_says(folder):
 
 def test_only_the_record_that_changed_is_estimated_again(folder, monkeypatch):
     read, names = running_campaign.campaign_response, []
-
-    from torsionnet.campaign import estimating_responses
+    from torsionnet.bench.campaign import estimating_responses
 
     original = estimating_responses.estimated_response
     monkeypatch.setattr(

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import torsionnet as tn
-from torsionnet.core.errors import ModelError
+from torsionnet.base.errors import ModelError
 from torsionnet.io import mass_elastic_report, read_catalogue
 from torsionnet.model.catalogues.catalogue_values import shipped_catalogues
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from support.command_line import run
 
-from torsionnet.core.errors import ModelError
-from torsionnet.core.notes import warning
+from torsionnet.base.errors import ModelError
+from torsionnet.base.notes import warning
 from torsionnet.signals import iter_blocks, read_recording
 
 RATE = 1000.0
@@ -71,7 +71,7 @@ class TestTdms:
         assert np.array_equal(np.concatenate([block["w"].values for block in blocks]), found["w"].values)
 
     def test_a_large_file_tells_its_notes_once(self, written, monkeypatch):
-        from torsionnet.io import large_records
+        from torsionnet.signals.records import large_records
 
         path = written(("T", torque(TIMES), self.wave("N*m")), ("w", speed(TIMES + 0.25), self.wave("rad/s", 0.25)))
         monkeypatch.setattr(large_records, "LARGE_FILE", 1000)

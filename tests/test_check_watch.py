@@ -13,7 +13,7 @@ import pytest
 from click.testing import CliRunner
 from support.patience import PATIENCE
 
-from torsionnet.cli.app import app
+from torsionnet.app.cli.app import app
 
 ROOT = Path(__file__).parents[1]
 SOUND = """torsionnet: 1
@@ -40,7 +40,7 @@ class Watching:
     def __init__(self, folder, *models):
         # A run in the background of a shell ignores Ctrl-C, and its children do.
         heard = "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler)"
-        program = f"{heard}; from torsionnet.cli import main; sys.exit(main())"
+        program = f"{heard}; from torsionnet.app.cli import main; sys.exit(main())"
         command = [sys.executable, "-u", "-c", program, "check", "--watch", *models]
         new_group = {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP} if os.name == "nt" else {}
         self.process = subprocess.Popen(

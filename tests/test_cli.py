@@ -18,8 +18,8 @@ from support.patience import PATIENCE
 from support.written_models import CLUTCH
 
 import torsionnet as tn
-from torsionnet.cli.app import COMMANDS, app
-from torsionnet.cli.options import OutputFile
+from torsionnet.app.cli.app import COMMANDS, app
+from torsionnet.app.cli.options import OutputFile
 
 ROOT = Path(__file__).parents[1]
 
@@ -795,7 +795,7 @@ def test_files_are_written_before_anything_is_printed(words, tmp_path, monkeypat
         raise KeyboardInterrupt
 
     monkeypatch.setattr("click.echo", interrupted)
-    monkeypatch.setattr("torsionnet.cli.command.print_file_written", lambda _: None)
+    monkeypatch.setattr("torsionnet.app.cli.command.print_file_written", lambda _: None)
     files = [tmp_path / "table.csv", tmp_path / "picture.svg"]
     run(command, *rest, "--csv", files[0], "--plot", files[1], code=130)
     assert all(file.stat().st_size for file in files)

@@ -8,12 +8,12 @@ import pytest
 from support.command_line import run
 from support.known_rotation import pulse_times, shaft
 
-from torsionnet.core.errors import ModelError
+from torsionnet.base.errors import ModelError
 from torsionnet.io.wheel_files import read_wheels
-from torsionnet.response.measured.pulse_channel import PulseChannel
-from torsionnet.response.measured.wheel_pattern import WheelPattern
-from torsionnet.response.recording import Recording, Signal
 from torsionnet.signals import read_recording, write_recording
+from torsionnet.signals.recording import Recording, Signal
+from torsionnet.signals.rotation.pulse_channel import PulseChannel
+from torsionnet.signals.rotation.wheel_pattern import WheelPattern
 
 PITCH = 2 * np.pi / 60
 _, ANGLE = shaft(60.0, {6: np.radians(0.1)}, acceleration=6.0)

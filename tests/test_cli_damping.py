@@ -10,13 +10,13 @@ import pytest
 from support.known_damping import F0, ZETA, swept
 
 import torsionnet as tn
-from torsionnet.cli import main
+from torsionnet.app.cli import main
 from torsionnet.io import write_recording
 from torsionnet.io.tracked_order_tables import write_tracked_orders
 from torsionnet.modal.operational.swept_response import sweep_of, swept_response
-from torsionnet.response.measured.pulse_channel import PulseChannel
-from torsionnet.response.measured.tracked_orders import TrackedOrders
-from torsionnet.response.recording import Recording, Signal
+from torsionnet.signals.orders.tracked_orders import TrackedOrders
+from torsionnet.signals.recording import Recording, Signal
+from torsionnet.signals.rotation.pulse_channel import PulseChannel
 
 
 @pytest.fixture

@@ -8,9 +8,9 @@ import pytest
 from support.command_line import run
 
 import torsionnet as tn
-from torsionnet.cli.app import COMMANDS, app
-from torsionnet.core import number_text
-from torsionnet.response import Column, Table
+from torsionnet.app.cli.app import COMMANDS, app
+from torsionnet.base import number_text
+from torsionnet.base.table import Column, Table
 
 SCREEN = 120
 

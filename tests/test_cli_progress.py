@@ -9,7 +9,7 @@ import threading
 import pytest
 
 import torsionnet as tn
-from torsionnet.cli.app import run
+from torsionnet.app.cli.app import run
 
 pty = pytest.importorskip("pty", reason="a pseudo-terminal needs Linux or macOS")
 
@@ -50,7 +50,7 @@ def test_a_terminal_shows_what_is_calculated(words, monkeypatch):
 
 @pytest.mark.parametrize("few", ["--lowest", "--up-to"])
 def test_many_modes_point_to_the_lowest(few, monkeypatch, capsys):
-    monkeypatch.setattr("torsionnet.solve.modes.modes.MANY_COORDINATES", 2)
+    monkeypatch.setattr("torsionnet.linear.modes.natural_modes.MANY_COORDINATES", 2)
     run(COMMANDS["modes"])
     assert "all modes of 2 coordinates take a minute or more; the lowest N take seconds" in capsys.readouterr().err
     with pytest.warns(tn.TorsionnetWarning, match=r"lowest=N"):

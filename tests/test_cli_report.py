@@ -13,9 +13,9 @@ from support.patience import PATIENCE
 from support.written_models import CLUTCH
 
 import torsionnet as tn
-from torsionnet.cli.app import app
+from torsionnet.app.cli.app import app
 from torsionnet.model.files import json_schema
-from torsionnet.model.report import Pair, ReportPlan, parse_band
+from torsionnet.report.plan import Pair, ReportPlan, parse_band
 
 MODEL = """\
 torsionnet: 1
@@ -47,8 +47,8 @@ def folder(tmp_path, monkeypatch):
 
 def response_of(record, seconds, band):
     """What the command compares: of a record, between two frequencies."""
-    from torsionnet.cli.commands.report import _measured
-    from torsionnet.cli.record_options import Averaging, RecordReading
+    from torsionnet.app.cli.commands.report import _measured
+    from torsionnet.app.cli.record_options import Averaging, RecordReading
 
     how = RecordReading(), Averaging(seconds=seconds)
     return _measured(record, tn.load("dmf_rig"), ("theta_1", "T_T"), how, band).response

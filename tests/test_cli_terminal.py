@@ -5,7 +5,7 @@ import re
 import pytest
 from click.testing import CliRunner
 
-from torsionnet.cli.app import app
+from torsionnet.app.cli.app import app
 
 STEERING = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u202a-\u202e\u2066-\u2069]")
 MODEL = r"""

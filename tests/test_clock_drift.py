@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from torsionnet.core.errors import UsageError
-from torsionnet.response.measured.pulse_channel import PulseChannel
+from torsionnet.base.errors import UsageError
 from torsionnet.signals import (
     Recording,
     Signal,
@@ -13,6 +12,7 @@ from torsionnet.signals import (
     signal_clocks,
 )
 from torsionnet.signals.rotation.clock_drift import ClockDrift
+from torsionnet.signals.rotation.pulse_channel import PulseChannel
 from torsionnet.signals.rotation.wheel import Wheel
 from torsionnet.signals.rotation.wheel_rotation import wheel_rotation
 

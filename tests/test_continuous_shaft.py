@@ -14,12 +14,12 @@ from hypothesis import strategies as st
 from support import campaigns
 
 import torsionnet as tn
-from torsionnet.core.errors import ModelError, TorsionnetWarning, UsageError
+from torsionnet.base.errors import ModelError, TorsionnetWarning, UsageError
+from torsionnet.linear.modes.continuous_damped import damped_modes
+from torsionnet.linear.modes.wittrick_williams import negative_pivots
+from torsionnet.linear.sensitivity.mode_sensitivities import mode_sensitivities
+from torsionnet.linear.sensitivity.parametric import parametric_response
 from torsionnet.model.element_base.shaft_stiffness import ShaftEnd, ShaftTwist
-from torsionnet.solve.modes.continuous_damped import damped_modes
-from torsionnet.solve.modes.wittrick_williams import negative_pivots
-from torsionnet.solve.sensitivity.mode_sensitivities import mode_sensitivities
-from torsionnet.solve.sensitivity.parametric import parametric_response
 
 G, RHO, D, L = 79.3e9, 7850.0, 0.1, 2.0
 POLAR = np.pi * D**4 / 32

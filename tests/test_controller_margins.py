@@ -8,8 +8,8 @@ from click.testing import CliRunner
 from support.controlled_plants import Plant
 
 import torsionnet as tn
-from torsionnet.cli.app import app
-from torsionnet.solve.sensitivity.parametric import parametric_response
+from torsionnet.app.cli.app import app
+from torsionnet.linear.sensitivity.parametric import parametric_response
 
 
 def speed_loop(gain=-30.0, delay=0.05, inertia=2.0):
@@ -158,7 +158,7 @@ configurations: {mild: {}, push: {g: 20}, idle: {off: [governor]}}
         assert fault.path == ("elements", "governor")
 
     def test_is_not_asked_where_nothing_feeds(self, monkeypatch):
-        from torsionnet.solve.modes import stability
+        from torsionnet.linear.modes import stability
 
         monkeypatch.setattr(stability, "natural_modes", lambda _: pytest.fail("modes were calculated"))
         tn.Drivetrain("plain", shaft_loop(-1)[:-1]).check()

@@ -9,8 +9,8 @@ import scipy
 from support.controlled_plants import Plant
 
 import torsionnet as tn
-from torsionnet.solve.dynamic_stiffness.state_space import state_space
-from torsionnet.solve.modes.active_pencil import ActivePencil
+from torsionnet.linear.dynamic_stiffness.state_space import state_space
+from torsionnet.linear.modes.active_pencil import ActivePencil
 
 
 def governed(law, delay=0, inertia=3.0, quantity="velocity", **more):

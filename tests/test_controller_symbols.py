@@ -7,7 +7,7 @@ import pytest
 from support.controlled_plants import FREQUENCIES, Plant
 
 import torsionnet as tn
-from torsionnet.assembly.symbolic import symbolic_matrices
+from torsionnet.linear.assembly.symbolic import symbolic_matrices
 
 
 def speed_loop(delay=0, law=None):

@@ -10,12 +10,12 @@ from support.command_line import run
 from support.running_plants import INLINE_SIX, PRESSURE, car, engine, marine, two_mass
 
 import torsionnet as tn
-from torsionnet.response.margin_rules import PRESETS, MarginClause, MarginRule, margin_rule
-from torsionnet.response.star_diagram import StarDiagram
-from torsionnet.response.vibrations.vibration_mode import amplification
-from torsionnet.solve.running.generalised_force import star_diagram
-from torsionnet.solve.running.speed_peaks import SAME_PEAK
-from torsionnet.solve.sensitivity import mode_sensitivities
+from torsionnet.linear.modes.vibration_mode import amplification
+from torsionnet.linear.sensitivity import mode_sensitivities
+from torsionnet.machinery.criticals.speed_peaks import SAME_PEAK
+from torsionnet.machinery.phasors.generalised_force import star_diagram
+from torsionnet.machinery.phasors.star_diagram import StarDiagram
+from torsionnet.machinery.verdicts.margin_rules import PRESETS, MarginClause, MarginRule, margin_rule
 from torsionnet.study.quantities.natural_frequency import NaturalFrequency
 from torsionnet.study.quantities.variant_block import VariantBlock
 

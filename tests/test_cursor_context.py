@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from torsionnet.text.cursor_context import CursorContext, cursor_context
+from torsionnet.app.text.cursor_context import CursorContext, cursor_context
 
 
 def at_mark(marked: str) -> tuple[CursorContext, str]:

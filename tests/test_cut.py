@@ -5,8 +5,8 @@ import pytest
 from support.models import geared_line
 
 import torsionnet as tn
-from torsionnet.solve.dynamic_stiffness.transfer_request import resolve_request
-from torsionnet.solve.modes.bordered_poles import measured_poles
+from torsionnet.linear.dynamic_stiffness.transfer_request import resolve_request
+from torsionnet.linear.modes.bordered_poles import measured_poles
 
 
 def residue(model, output, measured, pole):

@@ -8,10 +8,10 @@ from support.command_line import run
 
 import torsionnet as tn
 from torsionnet import plot
-from torsionnet.response.damper_optimum import DamperOptimum, DesignParameter, FixedPoint, LevelPeak
-from torsionnet.response.frequency_response import Channel
-from torsionnet.solve.design.levels import OrderLevels, ReceptanceLevels, VariedModel
-from torsionnet.solve.sensitivity.parametric import parametric_response
+from torsionnet.linear.frequency_response import Channel
+from torsionnet.linear.sensitivity.parametric import parametric_response
+from torsionnet.machinery.design.damper_optimum import DamperOptimum, DesignParameter, FixedPoint, LevelPeak
+from torsionnet.machinery.design.levels import OrderLevels, ReceptanceLevels, VariedModel
 
 J, K = 2.0, 8e4
 OMEGA = np.sqrt(K / J)

@@ -8,8 +8,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from support.models import sympy_algebra
 
-from torsionnet.core.expression_reading import parse_expression, scalar
-from torsionnet.core.expressions import FLOAT, RATIONAL, ExpressionError
+from torsionnet.base.expression_reading import parse_expression, scalar
+from torsionnet.base.expressions import FLOAT, RATIONAL, ExpressionError
 from torsionnet.model.damping import MEASURES, DampingError, DampingMeasure, convert_damping
 
 K, F = 1300.0, 12.5

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from support import campaigns
 
-from torsionnet.core.errors import SolveError, UsageError
+from torsionnet.base.errors import SolveError, UsageError
 from torsionnet.modal import modes_from_decay
 from torsionnet.modal.operational.decrement import logarithmic_decrement
 from torsionnet.modal.operational.matrix_pencil import pencil_poles
-from torsionnet.response.recording import Recording, Signal
+from torsionnet.signals.recording import Recording, Signal
 
 RATE = 1000
 TIMES = np.arange(0, 6, 1 / RATE)

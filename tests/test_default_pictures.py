@@ -8,18 +8,17 @@ import pytest
 
 import torsionnet as tn
 from torsionnet import plot
-from torsionnet.cli.commands.estimate import peak_table
+from torsionnet.app.cli.commands.estimate import peak_table
+from torsionnet.base.conventions import Conventions
 from torsionnet.identification.fit_result import Compared
-from torsionnet.response import Channel, FrequencyResponse
-from torsionnet.response.conventions import Conventions
-from torsionnet.response.damper_optimum import DesignParameter
-from torsionnet.response.measured.tracked_orders import TrackedOrders
-from torsionnet.response.motion.motion_event import MotionEvent
-from torsionnet.response.order_comparison import MeasuredOrder
+from torsionnet.linear.frequency_response import Channel, FrequencyResponse
+from torsionnet.linear.responses.peaks import _standing_out
+from torsionnet.machinery.design.damper_optimum import DesignParameter
 from torsionnet.signals import Recording, Signal, spectrogram
 from torsionnet.signals.advice import peak_warnings
 from torsionnet.signals.harmonics import Harmonics
-from torsionnet.solve.responses.peaks import _standing_out
+from torsionnet.signals.motion_event import MotionEvent
+from torsionnet.signals.orders.tracked_orders import MeasuredOrder, TrackedOrders
 from torsionnet.study.shown_units import IN_SI
 
 RATE = 4000.0

@@ -5,11 +5,13 @@ import csv
 import io
 import re
 
+import figures
+import identification
 import pytest
+import rigs
+import run_all
 
-from torsionnet import demo
 from torsionnet.bench import load_bench
-from torsionnet.demo import figures, identification, rigs
 
 FIGURES = [
     "fig_02_time_histories.png",
@@ -38,7 +40,7 @@ def printed(main, folder):
 def shown(tmp_path_factory):
     """The whole demo."""
     folder = tmp_path_factory.mktemp("demo") / "out"
-    return printed(lambda folder: demo.main([str(folder)]), folder)
+    return printed(lambda folder: run_all.main([str(folder)]), folder)
 
 
 @pytest.fixture(scope="module")

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from support.command_line import run
 
-from torsionnet.core.errors import ModelError
-from torsionnet.core.notes import warning
+from torsionnet.base.errors import ModelError
+from torsionnet.base.notes import warning
 from torsionnet.signals import read_recording
 
 TIMES = np.arange(4000) / 1000

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import torsionnet as tn
-from torsionnet.model.bench import Acquisition, Encoder, Plan, Transducer
+from torsionnet.bench.plan import Acquisition, Encoder, Plan, Transducer
 from torsionnet.signals import (
     BurstRandom,
     LinearChirp,

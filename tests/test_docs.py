@@ -14,9 +14,9 @@ import pytest
 from structure.floors import LAYERS
 
 import torsionnet as tn
-from torsionnet.cli import main
-from torsionnet.core.entries.declared import files_beside
-from torsionnet.core.units import _BASE
+from torsionnet.app.cli import main
+from torsionnet.base.entries.declared import files_beside
+from torsionnet.base.units import _BASE
 from torsionnet.model.damping import MEASURES
 from torsionnet.model.elements import ELEMENT_TYPES, make_element
 from torsionnet.model.files.located_yaml import compose

@@ -10,9 +10,8 @@ from support import campaigns
 from support.report_blocks import blocks, of, rows, words
 
 import torsionnet as tn
-from torsionnet.cli.commands.report import command as report_command
-from torsionnet.core.number_text import aligned_numbers
-from torsionnet.model.report import SECTIONS
+from torsionnet.app.cli.commands.report import command as report_command
+from torsionnet.base.number_text import aligned_numbers
 from torsionnet.report import Measured, make_report
 from torsionnet.report.build import BUILDERS
 from torsionnet.report.document_tree import (
@@ -27,6 +26,7 @@ from torsionnet.report.document_tree import (
     TableBlock,
     inlines,
 )
+from torsionnet.report.plan import SECTIONS
 from torsionnet.report.report_data import document_kind
 
 RUNNING = ("excitations", "mean_torques", "critical_speeds", "orders", "limits")

@@ -5,10 +5,10 @@ import pytest
 from support.dotted_models import dotted
 
 import torsionnet as tn
-from torsionnet.explore import open_session
-from torsionnet.explore.answers import answer
-from torsionnet.explore.choices import ResponseChoice
-from torsionnet.explore.state import State
+from torsionnet.app.explore import open_session
+from torsionnet.app.explore.answers import answer
+from torsionnet.app.explore.choices import ResponseChoice
+from torsionnet.app.explore.state import State
 from torsionnet.io import (
     read_frequency_response,
     read_recording,

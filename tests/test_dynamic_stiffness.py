@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 
 import torsionnet as tn
-from torsionnet.core.entries.scalars import PhysicalQuantity
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.errors import UsageError
-from torsionnet.core.expressions import Expression
+from torsionnet.base.entries.scalars import PhysicalQuantity
+from torsionnet.base.entries.spec import entry
+from torsionnet.base.errors import UsageError
+from torsionnet.base.expressions import Expression
+from torsionnet.linear.sensitivity.mode_sensitivities import mode_sensitivities
+from torsionnet.linear.sensitivity.parametric import parametric_response
 from torsionnet.model.element_base.dynamic_stiffness import ScaledStiffness
 from torsionnet.model.element_base.element import Element
 from torsionnet.model.element_base.element_entries import NodePair
@@ -19,8 +21,6 @@ from torsionnet.model.element_base.laws import difference
 from torsionnet.model.element_base.stiffness_rows import TableEntry
 from torsionnet.model.element_base.stiffness_table import StiffnessTable
 from torsionnet.model.elements import Law
-from torsionnet.solve.sensitivity.mode_sensitivities import mode_sensitivities
-from torsionnet.solve.sensitivity.parametric import parametric_response
 
 F = np.array([0.5, 1.7, 3.0, 12.0])
 ROWS = [[1, 300, 2], [9, 700, 1]]

@@ -205,7 +205,7 @@ def test_a_text_that_no_file_takes_becomes_a_download(chromium, file, monkeypatc
     with serving_text(**sources.get(why, {"path": file})) as server, writing_on(chromium, server) as found:
         found.exchange("name:", "nam:")
         if why == "read-only":  # root may write such files all the same
-            monkeypatch.setattr("torsionnet.explore.disk_file.os.access", lambda *_: False)
+            monkeypatch.setattr("torsionnet.app.explore.disk_file.os.access", lambda *_: False)
         if why == "ended":
             found.page.route("**/api/**", lambda route: route.abort())
         with found.page.expect_download() as download:
@@ -271,7 +271,7 @@ def test_two_writers_of_one_file(writing, file):
 
 @pytest.mark.slow
 def test_unsaved_text_survives_a_closed_tab(chromium, file, monkeypatch):
-    monkeypatch.setattr("torsionnet.explore.document.ALIVE_SECONDS", 0.0)
+    monkeypatch.setattr("torsionnet.app.explore.document.ALIVE_SECONDS", 0.0)
     with serving_text(file) as server:
         with writing_on(chromium, server) as first:
             first.exchange("13.3", "15")

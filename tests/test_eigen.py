@@ -10,13 +10,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from support import campaigns
 
-from torsionnet.assembly.rows import Rows, RowSystem
-from torsionnet.core.errors import SolveError
+from torsionnet.base.errors import SolveError
+from torsionnet.linear.assembly.rows import Rows, RowSystem
+from torsionnet.linear.dynamic_stiffness.row_algebra import unresisted_motions
+from torsionnet.linear.modes import ehrlich_aberth
+from torsionnet.linear.modes import spectrum as spectrum_module
+from torsionnet.linear.modes.eigen import complex_modes, undamped_modes
 from torsionnet.model.element_base.dynamic_stiffness import ComplexStiffness, DynamicStiffness
-from torsionnet.solve.dynamic_stiffness.row_algebra import unresisted_motions
-from torsionnet.solve.modes import ehrlich_aberth
-from torsionnet.solve.modes import spectrum as spectrum_module
-from torsionnet.solve.modes.eigen import complex_modes, undamped_modes
 
 # --- builders -------------------------------------------------------------------------------------------------------
 

@@ -9,8 +9,8 @@ import pytest
 from support.models import EVERY_ELEMENT, SHEET
 
 import torsionnet as tn
-from torsionnet.core.entries.declared import files_beside
-from torsionnet.core.entries.spec import Renaming, spec_of
+from torsionnet.base.entries.declared import files_beside
+from torsionnet.base.entries.spec import Renaming, spec_of
 from torsionnet.model.element_base.element_entries import NodeName, NodePair
 from torsionnet.model.elements import ELEMENT_TYPES, Action, Constraint, Law, Values, make_element
 

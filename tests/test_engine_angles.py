@@ -9,12 +9,12 @@ from support.command_line import run
 from support.twin_engines import ENGINE, PORT, plant, text
 
 import torsionnet as tn
-from torsionnet.model.excitations.engine_phases import conditions_running_alone
-from torsionnet.response.engine_angles import at_worst_angles
-from torsionnet.response.frequency_response import Channel
-from torsionnet.response.least_angle import at_least_range_angles
-from torsionnet.response.order_line import OrderLine
-from torsionnet.response.order_response import OrderResponse
+from torsionnet.linear.frequency_response import Channel
+from torsionnet.machinery.excitations.engine_phases import conditions_running_alone
+from torsionnet.machinery.orders.engine_angles import at_worst_angles
+from torsionnet.machinery.orders.least_angle import at_least_range_angles
+from torsionnet.machinery.orders.order_line import OrderLine
+from torsionnet.machinery.orders.order_response import OrderResponse
 
 
 def response(given, output="torque(sh)"):

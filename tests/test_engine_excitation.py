@@ -13,18 +13,18 @@ from support.report_blocks import blocks, of, rows
 from support.running_plants import engine as inline_six
 
 import torsionnet as tn
-from torsionnet.core.expression_reading import scalar
-from torsionnet.model.excitations.engine_faults import engine_remarks
-from torsionnet.model.excitations.firing_angles import banked_phases
-from torsionnet.model.excitations.pressure_file import read_pressure_file
-from torsionnet.model.excitations.pressure_trace import PressureTrace
-from torsionnet.model.excitations.reciprocating_engine import ReciprocatingEngine
-from torsionnet.model.excitations.slider_crank import inertia_harmonics
+from torsionnet.base.expression_reading import scalar
+from torsionnet.machinery.excitations.engine_faults import engine_remarks
+from torsionnet.machinery.excitations.firing_angles import banked_phases
+from torsionnet.machinery.excitations.pressure_file import read_pressure_file
+from torsionnet.machinery.excitations.pressure_trace import PressureTrace
+from torsionnet.machinery.excitations.reciprocating_engine import ReciprocatingEngine
+from torsionnet.machinery.excitations.slider_crank import inertia_harmonics
+from torsionnet.machinery.orders import worst_combination
+from torsionnet.machinery.orders.worst_combination import Contributions, largest_amplitudes
 from torsionnet.model.files.value_editing import ValuePlace, changed_text
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import TableBlock
-from torsionnet.solve.running import worst_combination
-from torsionnet.solve.running.worst_combination import Contributions, largest_amplitudes
 
 ORDERS = np.arange(0.5, 12.1, 0.5)
 OMEGA = np.array([60.0, 80.0])
@@ -594,7 +594,7 @@ class TestWorstCase:
     @pytest.mark.slow
     def test_parts_of_the_speeds_do_not_matter(self, monkeypatch):
         whole = self.rig(misfire="each", spread="2 %").order_response("twist(crank3)")
-        monkeypatch.setattr("torsionnet.solve.running.operating_groups.SPEEDS_PER_BLOCK", 2)
+        monkeypatch.setattr("torsionnet.machinery.orders.operating_groups.SPEEDS_PER_BLOCK", 2)
         parts = self.rig(misfire="each", spread="2 %").order_response("twist(crank3)")
         assert parts.values == pytest.approx(whole.values, rel=1e-12)
         assert parts.cases() == whole.cases()

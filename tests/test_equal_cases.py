@@ -7,9 +7,9 @@ import pytest
 from support.written_models import TWO_CYLINDER_PLANT, TWO_CYLINDERS
 
 import torsionnet as tn
+from torsionnet.machinery.orders.worst_response import ALL_CASES_EQUAL
 from torsionnet.report.document_tree import TableBlock
 from torsionnet.report.report import make_report
-from torsionnet.response.worst_response import ALL_CASES_EQUAL
 
 
 @pytest.fixture(scope="module")

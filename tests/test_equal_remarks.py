@@ -10,10 +10,10 @@ from support.command_line import run
 from support.written_models import TWO_CYLINDER_PLANT
 
 import torsionnet as tn
+from torsionnet.base.equal_remarks import configurations_in_words, grouped_remarks
+from torsionnet.machinery.verdicts.limit_checking import MISFIRING
 from torsionnet.report.document_tree import Listing
 from torsionnet.report.report import make_report
-from torsionnet.response.equal_remarks import configurations_in_words, grouped_remarks
-from torsionnet.solve.running.limit_check import MISFIRING
 
 CONDITIONS = [
     f"rubber={rubber},firing={firing}" for rubber in ("cold", "warm") for firing in ("normal", "first", "each")

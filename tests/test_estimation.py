@@ -10,13 +10,13 @@ import pytest
 import scipy
 from support.known_damping import two_light_modes
 
-from torsionnet.core.errors import UsageError
-from torsionnet.response import Channel, FrequencyResponse
-from torsionnet.response.recording import Recording, Signal
+from torsionnet.base.errors import UsageError
+from torsionnet.linear.frequency_response import Channel, FrequencyResponse
 from torsionnet.signals.advice import half_power_bandwidth, peak_warnings, resolution_limit, significant_peaks
 from torsionnet.signals.comparison import difference, frac
 from torsionnet.signals.estimators import estimate, multiple_coherence
 from torsionnet.signals.record_blocks import blocks_in_order
+from torsionnet.signals.recording import Recording, Signal
 from torsionnet.signals.spectra import cross_spectra
 from torsionnet.signals.unaveraged_estimates import Step, full_record, stepped_sine
 from torsionnet.signals.uncertainty import random_error, random_errors

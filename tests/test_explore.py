@@ -17,14 +17,14 @@ from support.library_cases import library_cases
 from support.patience import PATIENCE
 
 import torsionnet as tn
-from torsionnet.cli import main
-from torsionnet.explore import Documents, open_session
-from torsionnet.explore.answers import answer, response_frequencies
-from torsionnet.explore.api import QUESTIONS, reply
-from torsionnet.explore.choices import ResponseChoice, choices, default_pair, read_pair
-from torsionnet.explore.server import STATIC, pages
-from torsionnet.explore.sliders import sliders
-from torsionnet.explore.state import RequestError, State, read_state
+from torsionnet.app.cli import main
+from torsionnet.app.explore import Documents, open_session
+from torsionnet.app.explore.answers import answer, response_frequencies
+from torsionnet.app.explore.api import QUESTIONS, reply
+from torsionnet.app.explore.choices import ResponseChoice, choices, default_pair, read_pair
+from torsionnet.app.explore.server import STATIC, pages
+from torsionnet.app.explore.sliders import sliders
+from torsionnet.app.explore.state import RequestError, State, read_state
 from torsionnet.io import write_frequency_response
 from torsionnet.model.files.value_editing import changed_text, place_of
 
@@ -452,7 +452,7 @@ class TestCommand:
         began = resource.getrusage(resource.RUSAGE_CHILDREN)
         # A run in the background of a shell ignores Ctrl-C, and its children do.
         heard = "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler)"
-        program = f"{heard}; from torsionnet.cli import main; sys.exit(main())"
+        program = f"{heard}; from torsionnet.app.cli import main; sys.exit(main())"
         done = subprocess.Popen(
             [sys.executable, "-c", program, "explore", "amt_rig", "--no-browser"],
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=pytestconfig.rootpath,
@@ -474,8 +474,8 @@ class TestCommand:
     @pytest.mark.slow
     def test_nothing_heavy_on_the_way(self):
         program = (
-            "import sys; from torsionnet.explore import ExploreServer, open_session;"
-            "from torsionnet.explore.answers import answer; s = open_session('amt_rig'); answer(s, s.start);"
+            "import sys; from torsionnet.app.explore import ExploreServer, open_session;"
+            "from torsionnet.app.explore.answers import answer; s = open_session('amt_rig'); answer(s, s.start);"
             "print(sorted({'sympy', 'control', 'matplotlib', 'pandas'} & set(sys.modules)), 'scipy.signal' in sys.modules)"
         )
         found = subprocess.run(

@@ -7,15 +7,15 @@ import pytest
 from support.explore_texts import RIG, Page
 from support.patience import PATIENCE, wait_for
 
-from torsionnet.cli import main
-from torsionnet.explore import ExploreServer, api, connections, document, documents, open_documents
-from torsionnet.explore.api import reply
-from torsionnet.explore.choices import read_pair
-from torsionnet.explore.line_ends import LineEnds
-from torsionnet.explore.newest_turn import NewestTurn
-from torsionnet.explore.offset_counting import OffsetCounting
-from torsionnet.explore.state import RequestError
-from torsionnet.text.text_edits import character_offset, utf16_offset
+from torsionnet.app.cli import main
+from torsionnet.app.explore import ExploreServer, api, connections, document, documents, open_documents
+from torsionnet.app.explore.api import reply
+from torsionnet.app.explore.choices import read_pair
+from torsionnet.app.explore.line_ends import LineEnds
+from torsionnet.app.explore.newest_turn import NewestTurn
+from torsionnet.app.explore.offset_counting import OffsetCounting
+from torsionnet.app.explore.state import RequestError
+from torsionnet.app.text.text_edits import character_offset, utf16_offset
 
 # k (1/J_1 + 1/J_2) = 400 (12.5 + 3.125) = 6250 = omega^2
 NATURAL = 6250**0.5 / (2 * 3.141592653589793)
@@ -458,7 +458,7 @@ class TestCommand:
     def served(self, monkeypatch):
         found = []
         monkeypatch.setattr(
-            "torsionnet.cli.commands.explore._serve",
+            "torsionnet.app.cli.commands.explore._serve",
             lambda server, **_: found.append(Page(server.documents).ask("open")),
         )
         return found

@@ -7,10 +7,10 @@ import time
 import pytest
 from support.explore_texts import RIG, Page
 
-from torsionnet.explore import open_documents, text_requests
-from torsionnet.explore.document import MOST_FAULTS
+from torsionnet.app.explore import open_documents, text_requests
+from torsionnet.app.explore.document import MOST_FAULTS
+from torsionnet.app.text import text_faults
 from torsionnet.model.files.part_includes import MOST_INCLUDED
-from torsionnet.text import text_faults
 
 links = pytest.mark.skipif(os.name == "nt", reason="links need rights of their own on Windows")
 

@@ -11,8 +11,8 @@ import pytest
 from support.explore_pages import serving
 from support.patience import PATIENCE, wait_for
 
-from torsionnet.explore import api, connections, documents
-from torsionnet.explore.connections import MOST_CONNECTIONS
+from torsionnet.app.explore import api, connections, documents
+from torsionnet.app.explore.connections import MOST_CONNECTIONS
 
 CLIENTS = 40
 

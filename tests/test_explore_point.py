@@ -8,11 +8,11 @@ import pytest
 from support.explore_texts import CRANK, ENGINE, GEARS, LINE, MOWER, RATIO, VEHICLE, WHEEL
 
 import torsionnet as tn
-from torsionnet.cli import main
-from torsionnet.core.errors import ModelError, UsageError
-from torsionnet.explore import open_session
-from torsionnet.explore.answers import answer
-from torsionnet.explore.state import State
+from torsionnet.app.cli import main
+from torsionnet.app.explore import open_session
+from torsionnet.app.explore.answers import answer
+from torsionnet.app.explore.state import State
+from torsionnet.base.errors import ModelError, UsageError
 
 FIRST, SECOND, CORNER = 450.0, 1800.0, 0.1
 """Stiffness of both stages in N m/rad, and the twist in rad at which the second one begins, under 45 N m."""
@@ -72,13 +72,13 @@ class TestSliders:
         expected = (SECOND - second * w**2) / (w**2 * (ENGINE * second * w**2 - SECOND * (ENGINE + second)))
         np.testing.assert_allclose(response["magnitude"], np.abs(expected), rtol=1e-8)
 
-    def test_torques_not_moved_change_by_one_factor(self):
+    def test_torques_notchange_by_one_factor(self):
         found = rows(answer(opened(TAKE_OFF), State(values={CRANK: "40 N*m"})))
         assert [found[name]["value"] for name in (CRANK, WHEEL, MOWER)] == pytest.approx([40, -120, -10], rel=1e-11)
         assert [found[name]["remark"] != "" for name in (CRANK, WHEEL, MOWER)] == [False, True, True]
         assert [found[name]["changed"] for name in (CRANK, WHEEL, MOWER)] == [True, False, False]
 
-    def test_only_those_that_nobody_has_moved_follow(self):
+    def test_only_those_that_nobody_hasfollow(self):
         found = rows(answer(opened(TAKE_OFF), State(values={CRANK: 40, MOWER: -10})))
         assert found[WHEEL]["value"] == pytest.approx(-120, rel=1e-11)
         found = rows(answer(opened(TAKE_OFF), State(values={CRANK: 40, WHEEL: -40})))

@@ -11,9 +11,9 @@ import pytest
 from support.explore_pages import serving
 from support.patience import PATIENCE
 
-from torsionnet.explore import connections
-from torsionnet.explore.api import LARGEST_REQUEST, QUESTIONS
-from torsionnet.explore.guard import HEADERS
+from torsionnet.app.explore import connections
+from torsionnet.app.explore.api import LARGEST_REQUEST, QUESTIONS
+from torsionnet.app.explore.guard import HEADERS
 
 
 @pytest.fixture(scope="module")

@@ -9,12 +9,12 @@ from support import running_fan
 from support.library_cases import library_cases
 
 import torsionnet as tn
-from torsionnet.cli import main
-from torsionnet.explore import Documents, open_session
-from torsionnet.explore.answers import answer
-from torsionnet.explore.api import reply
-from torsionnet.explore.over_speed import MOST_ORDERS, ROUGH_SPEEDS
-from torsionnet.explore.state import RequestError, State, read_state
+from torsionnet.app.cli import main
+from torsionnet.app.explore import Documents, open_session
+from torsionnet.app.explore.answers import answer
+from torsionnet.app.explore.api import reply
+from torsionnet.app.explore.over_speed import MOST_ORDERS, ROUGH_SPEEDS
+from torsionnet.app.explore.state import RequestError, State, read_state
 
 OVER_SPEED = State(output="T", axis="speed")
 

@@ -9,7 +9,7 @@ from support import running_fan
 from support.explore_pages import SLOW, WIDE, kept_quiet, serving, visit
 
 import torsionnet as tn
-from torsionnet.explore.over_speed import ROUGH_SPEEDS
+from torsionnet.app.explore.over_speed import ROUGH_SPEEDS
 
 DRAWN = "() => torsionnet.drawn().map(({ name, x, magnitude, width }) => ({ name, x, magnitude, width }))"
 

@@ -12,9 +12,9 @@ from support.explore_pages import serving
 from support.explore_texts import RIG
 from support.patience import PATIENCE
 
-from torsionnet.explore import disk_file
-from torsionnet.explore.api import LARGEST_REQUEST, LARGEST_TEXT_REQUEST
-from torsionnet.explore.disk_file import GONE, DiskFile
+from torsionnet.app.explore import disk_file
+from torsionnet.app.explore.api import LARGEST_REQUEST, LARGEST_TEXT_REQUEST
+from torsionnet.app.explore.disk_file import GONE, DiskFile
 from torsionnet.model.files.library import MOST_BYTES
 
 NEW = RIG.replace("400", "900")

@@ -6,9 +6,9 @@ from support import running_fan
 from support.explore_pages import WIDE, kept_quiet, serving, visit
 
 import torsionnet as tn
-from torsionnet.explore import open_session
-from torsionnet.explore.answers import answer
-from torsionnet.explore.state import State
+from torsionnet.app.explore import open_session
+from torsionnet.app.explore.answers import answer
+from torsionnet.app.explore.state import State
 
 DRAWN = "() => torsionnet.drawn().map(({ name, kind, x, magnitude }) => ({ name, kind, x, magnitude }))"
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from torsionnet.core.errors import ModelError
+from torsionnet.base.errors import ModelError
 from torsionnet.signals import read_recording
 
 TIMES = np.arange(400) / 2000

@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 from support import campaigns
 from support.models import sympy_algebra
 
-from torsionnet.core.errors import TorsionnetError
-from torsionnet.core.expression_reading import RESERVED_NAMES, check_name, parse_expression, scalar
-from torsionnet.core.expressions import FLOAT, RATIONAL, Compound, Expression, ExpressionError, Name, Number
-from torsionnet.core.units import DIMENSIONS, UnitError
+from torsionnet.base.errors import TorsionnetError
+from torsionnet.base.expression_reading import RESERVED_NAMES, check_name, parse_expression, scalar
+from torsionnet.base.expressions import FLOAT, RATIONAL, Compound, Expression, ExpressionError, Name, Number
+from torsionnet.base.units import DIMENSIONS, UnitError
 
 VALUES = {"k_1": Fraction(3), "J": Fraction(1, 2), "tau": Fraction(-2), "x": Fraction(9, 4)}
 

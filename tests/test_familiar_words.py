@@ -6,7 +6,7 @@ from importlib import import_module
 import pytest
 
 import torsionnet as tn
-from torsionnet.core import familiar_words
+from torsionnet.base import familiar_words
 from torsionnet.model.elements import ELEMENT_TYPES
 
 SPRING = "elements: {{s: {{type: {kind}, nodes: [a, b], {entries}}}, j: {{type: inertia, node: a, inertia: 1}}}}"
@@ -134,7 +134,7 @@ def test_no_word_hides_something_that_exists():
 
 
 def test_a_class_that_is_registered_again_gives_one_hint():
-    from torsionnet.core.packages import with_argument_hints
+    from torsionnet.base.packages import with_argument_hints
 
     assert with_argument_hints(with_argument_hints(tn.Shaft)) is tn.Shaft
     with pytest.raises(TypeError) as caught:

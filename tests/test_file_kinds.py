@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from support.command_line import run
 
-from torsionnet.core.errors import ModelError, UsageError
+from torsionnet.base.errors import ModelError, UsageError
 from torsionnet.io import read_frequency_response
-from torsionnet.io.formats.registry import EXPORTS, FORMATS
-from torsionnet.io.formats.uff.datasets import function_dataset, write_sets
-from torsionnet.io.recording_files import iter_blocks, read_recording, write_recording
-from torsionnet.response.recording import Recording, Signal
+from torsionnet.signals.formats.registry import EXPORTS, FORMATS
+from torsionnet.signals.formats.uff.datasets import function_dataset, write_sets
+from torsionnet.signals.recording import Recording, Signal
+from torsionnet.signals.records.recording_files import iter_blocks, read_recording, write_recording
 
 RANDOM = np.random.default_rng(0)
 FREQUENCIES = np.arange(1.0, 51.0)

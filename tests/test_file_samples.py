@@ -10,8 +10,8 @@ import pytest
 from support.file_samples import RECORDS, RESPONSES
 
 import torsionnet as tn
-from torsionnet.core import deprecation
-from torsionnet.core.entries.declared import files_beside
+from torsionnet.base import deprecation
+from torsionnet.base.entries.declared import files_beside
 from torsionnet.model.elements import ELEMENT_TYPES, make_element
 from torsionnet.study import Workers, answer_study, load_study
 

@@ -23,9 +23,9 @@ from support.library_cases import library_cases
 from support.models import EVERY_ELEMENT
 from support.patience import PATIENCE
 
-from torsionnet.core import atomic
-from torsionnet.core.entries.spec import Renaming
-from torsionnet.core.errors import ModelError
+from torsionnet.base import atomic
+from torsionnet.base.entries.spec import Renaming
+from torsionnet.base.errors import ModelError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.loading import load, loads
 from torsionnet.model.channels import ELEMENT_QUANTITIES
@@ -482,7 +482,7 @@ def test_a_pipe_gets_the_bytes_and_stays_a_pipe(tmp_path, through_link):
 def test_told_to_end_it_leaves_no_temporary_file(tmp_path):
     path = tmp_path / "out.csv"
     program = (
-        "import sys, time\nfrom torsionnet.core.atomic import atomic_replacement\n"
+        "import sys, time\nfrom torsionnet.base.atomic import atomic_replacement\n"
         "with atomic_replacement(sys.argv[1]) as temporary:\n"
         "    temporary.write_text('half')\n    print('writing', flush=True)\n    time.sleep(60)\n"
     )

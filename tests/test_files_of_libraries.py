@@ -5,8 +5,8 @@ import shutil
 import numpy as np
 import pytest
 
-from torsionnet.core.errors import ModelError
-from torsionnet.core.notes import warning
+from torsionnet.base.errors import ModelError
+from torsionnet.base.notes import warning
 from torsionnet.io import read_frequency_response
 from torsionnet.signals import read_recording
 

@@ -12,11 +12,11 @@ import pytest
 import scipy
 
 import torsionnet as tn
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
 from torsionnet.identification import Candidate, choose_model
 from torsionnet.identification.fit_problem import FitProblem
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
-from torsionnet.response import Channel, FrequencyResponse
+from torsionnet.linear.frequency_response import Channel, FrequencyResponse
 
 F = np.array([1.0, 2.1, 3.4, 5.3, 8.2])
 INERTIA = np.array([1.9, 2.2, 2.05, 2.1, 1.8])

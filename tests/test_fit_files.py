@@ -5,14 +5,14 @@ import pytest
 from support.command_line import run
 
 import torsionnet as tn
-from torsionnet.core.entries.scalars import Band, Bands
-from torsionnet.core.entries.spec import EntryError
-from torsionnet.core.errors import ModelError, UsageError
+from torsionnet.base.entries.scalars import Band, Bands
+from torsionnet.base.entries.spec import EntryError
+from torsionnet.base.errors import ModelError, UsageError
 from torsionnet.identification.fit_file import load_fit_plan
+from torsionnet.identification.plan.fit_entries import FitFile
+from torsionnet.linear.frequency_response import Channel, FrequencyResponse
 from torsionnet.model.files.located_yaml import compose
 from torsionnet.model.files.model_schema import file_schema
-from torsionnet.model.fit import FitFile
-from torsionnet.response import Channel, FrequencyResponse
 from torsionnet.signals import Recording, Signal, Welch, write_recording
 
 RIG = """\

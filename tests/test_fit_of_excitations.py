@@ -13,7 +13,7 @@ from support.order_fits import HARMONICS, K_COUPLING, dense_orders, engine_model
 import torsionnet as tn
 from torsionnet.identification import Measurement, identify, rank_causes
 from torsionnet.io.tracked_order_tables import write_tracked_orders
-from torsionnet.response.measured.tracked_orders import TrackedOrders
+from torsionnet.signals.orders.tracked_orders import TrackedOrders
 
 RPM = np.pi / 30
 SHIP = """torsionnet: 1

@@ -8,7 +8,7 @@ from support import campaigns
 from support.order_fits import HARMONICS, K_COUPLING, SPEEDS, dense_orders, engine_model, tracked
 
 import torsionnet as tn
-from torsionnet.core.errors import ModelError, UsageError
+from torsionnet.base.errors import ModelError, UsageError
 from torsionnet.identification import Measurement, Unknown, identify, load_fit, rank_causes
 from torsionnet.identification.fit_file import load_fit_plan
 from torsionnet.identification.fit_problem import make_problem
@@ -17,8 +17,8 @@ from torsionnet.identification.orders.parametric_orders import parametric_orders
 from torsionnet.identification.unknown_parameter import read_unknowns
 from torsionnet.io import read_frequency_response
 from torsionnet.io.tracked_order_tables import read_tracked_orders, write_tracked_orders
-from torsionnet.response.order_comparison import MeasuredOrder
-from torsionnet.solve.sensitivity import ParametricResponse
+from torsionnet.linear.sensitivity import ParametricResponse
+from torsionnet.signals.orders.tracked_orders import MeasuredOrder
 
 SIGMA = 2.0
 ENGINE = "engine.misfire_share.4"

@@ -7,7 +7,7 @@ import pytest
 from support.command_line import run
 
 import torsionnet as tn
-from torsionnet.core.errors import ModelError, UsageError
+from torsionnet.base.errors import ModelError, UsageError
 from torsionnet.io import read_frequency_response
 
 FIT = """\

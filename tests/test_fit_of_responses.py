@@ -8,13 +8,13 @@ import scipy
 from support.campaigns import examples
 
 import torsionnet as tn
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
+from torsionnet.bench.plan import Encoder, Transducer
 from torsionnet.identification.residuals.line_noise import line_correlation
 from torsionnet.identification.residuals.smoothing import smoothing
 from torsionnet.io import read_frequency_response, write_frequency_response
-from torsionnet.model.bench import Encoder, Transducer
-from torsionnet.response import Channel, FrequencyResponse
-from torsionnet.response.estimation import Estimation
+from torsionnet.linear.estimation import Estimation
+from torsionnet.linear.frequency_response import Channel, FrequencyResponse
 from torsionnet.signals import Recording, Signal, Welch, estimate
 
 SHORT = Welch("hamming", 2.0, 0.8, decimation=10)

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import torsionnet as tn
-from torsionnet.core.expressions import Number
+from torsionnet.base.expressions import Number
+from torsionnet.linear.sensitivity.mode_sensitivities import mode_sensitivities
 from torsionnet.model.element_base.sheared_shapes import ShearedBush, ShearedDisc
 from torsionnet.model.element_base.viscoelastic import Viscoelastic
 from torsionnet.model.elements import Values
-from torsionnet.solve.sensitivity.mode_sensitivities import mode_sensitivities
 
 RPM = np.pi / 30
 SHARES = {0.25: 200, 0.5: 300, 1: 700}

@@ -24,12 +24,12 @@ from support.foreign_files import (
 )
 
 import torsionnet as tn
-from torsionnet.cli.app import app
-from torsionnet.core.errors import ModelError
-from torsionnet.io.foreign import ForeignFileError, process, resource_limits
-from torsionnet.io.foreign.__main__ import error_line
-from torsionnet.io.foreign.uff_content import check_end
+from torsionnet.app.cli.app import app
+from torsionnet.base.errors import ModelError
 from torsionnet.signals import iter_blocks, read_recording, write_recording
+from torsionnet.signals.foreign import ForeignFileError, process, resource_limits
+from torsionnet.signals.foreign.__main__ import error_line
+from torsionnet.signals.foreign.uff_content import check_end
 
 
 def needs(ending):
@@ -57,7 +57,7 @@ def library(tmp_path, monkeypatch):
         )
         process.end_all()
         monkeypatch.syspath_prepend(str(folder))
-        monkeypatch.setattr("torsionnet.io.formats.extras.require_extra", lambda _: None)
+        monkeypatch.setattr("torsionnet.signals.formats.extras.require_extra", lambda _: None)
         path = tmp_path / "plant.h5"
         path.write_bytes(b"anything")
         return path
@@ -577,5 +577,5 @@ def test_written_whole_in_memory_first(tmp_path):
 
 def test_what_pyarrow_imports_later_is_imported_before_the_limits_begin():
     pytest.importorskip("pandas")
-    program = "import sys; from torsionnet.io.foreign.parquet_content import load; load(); sys.exit('pandas' not in sys.modules)"
+    program = "import sys; from torsionnet.signals.foreign.parquet_content import load; load(); sys.exit('pandas' not in sys.modules)"
     assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0

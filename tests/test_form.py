@@ -34,7 +34,7 @@ from structure.sentences import first_sentence, is_fragment
 from support.models import EVERY_ELEMENT
 
 import torsionnet as tn
-from torsionnet.core import deprecation
+from torsionnet.base import deprecation
 
 ROOT = Path(__file__).parents[1]
 
@@ -54,8 +54,8 @@ def a_module(tmp_path, name, source):
     ("name", "source"),
     [
         ("model/gear.py", "from torsionnet.solve import modes"),
-        ("model/gear.py", "from torsionnet.solve.modes.modes import modes"),
-        ("model/gear.py", "import torsionnet.solve.modes.modes"),
+        ("model/gear.py", "from torsionnet.linear.modes.natural_modes import modes"),
+        ("model/gear.py", "import torsionnet.linear.modes.natural_modes"),
         ("model/gear.py", "from torsionnet import solve"),
         ("model/gear.py", "from torsionnet import load"),
         ("model/gear.py", "from .. import solve"),
@@ -63,8 +63,8 @@ def a_module(tmp_path, name, source):
         ("model/__init__.py", "from ..solve import modes"),
         ("model/gear.py", "def f():\n    from torsionnet.solve import modes"),
         ("model/gear.py", "try:\n    from torsionnet.solve import modes\nexcept ImportError:\n    pass"),
-        ("core/units.py", "from ..model import Gear"),
-        ("core/units.py", "from torsionnet.nowhere import x"),
+        ("base/units.py", "from ..model import Gear"),
+        ("base/units.py", "from torsionnet.nowhere import x"),
         ("model/model.py", "class D:\n    def modes(self):\n        from torsionnet.solve import modes"),
         ("model/gear.py", "if TYPE_CHECKING:\n    from torsionnet.solve import Modes"),
         ("model/reader.py", "def f():\n    from torsionnet.solve import modes"),
@@ -79,13 +79,13 @@ def test_upward_import_is_found(tmp_path, name, source):
     ("name", "source"),
     [
         (
-            "solve/modes/modes.py",
+            "linear/modes/natural_modes.py",
             "from torsionnet.model.elements import Gear\nfrom . import time\nfrom ..core import SolveError",
         ),
         ("model/gear.py", "from .base import Element\nimport math\nfrom collections import abc"),
         ("drivetrain.py", "class D:\n    def modes(self):\n        from torsionnet.solve import modes"),
         ("io/tors.py", "from torsionnet.drivetrain import Drivetrain"),
-        ("__init__.py", "from torsionnet.cli import main"),
+        ("__init__.py", "from torsionnet.app.cli import main"),
     ],
 )
 def test_other_imports_are_allowed(tmp_path, name, source):
@@ -95,11 +95,11 @@ def test_other_imports_are_allowed(tmp_path, name, source):
 @pytest.mark.parametrize(
     ("name", "source", "allowed"),
     [
-        ("solve/modes/modes.py", "from torsionnet.solve.running.orders import x", False),
-        ("solve/modes/modes.py", "def f():\n    from torsionnet.solve.responses.grid import x", False),
-        ("solve/modes/modes.py", "from torsionnet.solve.dynamic_stiffness.tape import x", True),
-        ("solve/modes/modes.py", "from torsionnet.solve.modes.eigen import x", True),
-        ("solve/__init__.py", "from torsionnet.solve.design.damper import x", True),
+        ("linear/modes/natural_modes.py", "from torsionnet.solve.running.orders import x", False),
+        ("linear/modes/natural_modes.py", "def f():\n    from torsionnet.linear.responses.grid import x", False),
+        ("linear/modes/natural_modes.py", "from torsionnet.linear.dynamic_stiffness.tape import x", True),
+        ("linear/modes/natural_modes.py", "from torsionnet.linear.modes.eigen import x", True),
+        ("solve/__init__.py", "from torsionnet.machinery.design.damper import x", True),
         ("plot/bode.py", "from torsionnet.plot.study.axes import x", False),
         ("plot/bode.py", "from torsionnet.plot.schematic.texts import x", True),
         ("plot/schematic/texts.py", "from torsionnet.plot.bode import x", False),
@@ -135,7 +135,7 @@ def test_an_import_from_a_floor_above_is_found(tmp_path, name, source, allowed):
     ],
 )
 def test_forbidden_thing_is_found(tmp_path, rule, source):
-    place = "nowhere/modes.py" if rule is without_layer else "solve/modes/modes.py"
+    place = "nowhere/modes.py" if rule is without_layer else "linear/modes/natural_modes.py"
     (fault,) = rule(a_module(tmp_path, place, source))
     assert re.fullmatch(rf"torsionnet/{place}:\d+", fault.place)
     assert fault.remedy
@@ -146,7 +146,7 @@ def test_forbidden_thing_is_found(tmp_path, rule, source):
     [
         ("plot/bode.py", plotting, "import matplotlib.pyplot as plt"),
         ("solve/grid.py", plotting, "if TYPE_CHECKING:\n    from matplotlib.figure import Figure"),
-        ("cli/app.py", printing, "print('x')"),
+        ("app/cli/app.py", printing, "print('x')"),
         ("text/fixes/names.py", data_from_prose, "written.text, fault.kind"),
         ("solve/grid.py", idle_dataclasses, "@dataclass(eq=False, repr=False)\nclass A(B):\n    x: int = 1"),
     ],
@@ -192,7 +192,7 @@ def test_faults_of_the_theory_manual_are_found(tmp_path):
         "\\tag{1.1}\n\\tag{1.3}\n`modes/eigen.py`, `solve/modes/`, `tests/test_modes.py`, `solve/grid.py`\n",
         encoding="utf-8",
     )
-    modules = [a_module(tmp_path, "solve/modes/eigen.py", "")]
+    modules = [a_module(tmp_path, "linear/modes/eigen.py", "")]
     assert [f"{fault.place} {fault.what}" for fault in faults_of_theory(theory, modules)] == [
         "docs/theory/laws.md:2 equation 1.3 should be 1.2",
         "docs/theory/laws.md:3 there is no solve/grid.py",
@@ -317,7 +317,7 @@ from torsionnet.solve import batch
 ```
 ```python
 for name in tn.units.convert, tn.frob:
-    from torsionnet.core.units import convert
+    from torsionnet.base.units import convert
 ```
 """
 
@@ -327,7 +327,7 @@ def test_uses_of_inner_names_are_found():
     assert [f"{fault.place} {fault.what}" for fault in public.inner_uses(PAGE, Path("docs/page.md"), packages)] == [
         "docs/page.md:5 torsionnet.solve is not public",
         "docs/page.md:4 torsionnet.plot._inner is not public",
-        "docs/page.md:9 takes units from torsionnet.core.units",
+        "docs/page.md:9 takes units from torsionnet.base.units",
         "docs/page.md:8 torsionnet.frob is not public",
     ]
     program = PAGE.split("```python\n")[1].partition("```")[0]

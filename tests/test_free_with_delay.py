@@ -19,11 +19,11 @@ from support.free_plants import DIGITS, HOLDS, FreePlant
 from support.study_blocks import singly
 
 import torsionnet as tn
-from torsionnet.cli.app import app
-from torsionnet.solve.modes.active_pencil import ActivePencil
-from torsionnet.solve.modes.deflated_columns import DelayedSum
-from torsionnet.solve.modes.exact_pencil import ExactPencil
-from torsionnet.solve.modes.zero_chains import zero_chains
+from torsionnet.app.cli.app import app
+from torsionnet.linear.modes.active_pencil import ActivePencil
+from torsionnet.linear.modes.deflated_columns import DelayedSum
+from torsionnet.linear.modes.exact_pencil import ExactPencil
+from torsionnet.linear.modes.zero_chains import zero_chains
 from torsionnet.study.quantities.quantity import QUANTITIES
 
 

@@ -6,7 +6,7 @@ import random
 import pytest
 from fuzz.mutating import mutated
 
-from torsionnet.core.errors import ModelError
+from torsionnet.base.errors import ModelError
 from torsionnet.loading import loads
 from torsionnet.model.files import dump, library_models
 from torsionnet.model.files.library import decode

@@ -11,11 +11,15 @@ from support.running_plants import PRESSURE, engine
 from support.twin_engines import text
 
 import torsionnet as tn
-from torsionnet.model.excitations.cylinder_harmonics import cylinder_harmonics, firing_intervals, indicated_pressures
+from torsionnet.machinery.excitations.cylinder_harmonics import (
+    cylinder_harmonics,
+    firing_intervals,
+    indicated_pressures,
+)
+from torsionnet.machinery.phasors.excitation_lines import excitation_lines
+from torsionnet.machinery.phasors.order_vectors import vector_sums
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import Paragraph, Picture, TableBlock
-from torsionnet.solve.running.excitation_lines import excitation_lines
-from torsionnet.solve.running.order_vectors import vector_sums
 
 SPEED = 78.5
 AREA, RADIUS, ROD, MASS = math.pi * 0.32**2 / 4, 0.2, 0.84, 78.0

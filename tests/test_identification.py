@@ -9,10 +9,10 @@ from support.campaigns import examples
 
 import torsionnet as tn
 from torsionnet import plot
-from torsionnet.core.errors import ModelError, UsageError
+from torsionnet.base.errors import ModelError, UsageError
+from torsionnet.bench.plan import Acquisition, Encoder, Plan, Transducer
 from torsionnet.identification import Candidate, choose_model, load_fit
 from torsionnet.identification.verdict_words import NO_SCATTER
-from torsionnet.model.bench import Acquisition, Encoder, Plan, Transducer
 from torsionnet.signals import LinearChirp, Recording, Signal, Welch, estimate
 
 F = np.linspace(0.5, 25, 120)

@@ -10,7 +10,7 @@ from support.tors_models import THRUSTER
 
 import torsionnet as tn
 from torsionnet.io.fmu.platforms import this_machine
-from torsionnet.io.formats import extras
+from torsionnet.signals.formats import extras
 
 
 @pytest.mark.few(3)

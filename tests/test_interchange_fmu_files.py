@@ -14,11 +14,11 @@ from support.fmu_hosts import VERSIONS, Host, fmpy, library_model, unpacked
 from support.patience import PATIENCE
 
 import torsionnet as tn
-from torsionnet.core.errors import MissingExtraError, UsageError
+from torsionnet.base.errors import MissingExtraError, UsageError
 from torsionnet.io import write_fmu
 from torsionnet.io.fmu import compiling
 from torsionnet.io.fmu.platforms import universal_binary
-from torsionnet.io.formats import extras
+from torsionnet.signals.formats import extras
 
 validation = OnDemand("fmpy.validation")
 compiler = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")

@@ -11,7 +11,7 @@ from support.models import EVERY_ELEMENT, around, without_indeterminate
 from support.random_drivetrains import draw
 
 import torsionnet as tn
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
 from torsionnet.io.fmu.archive import suggested_step
 from torsionnet.io.fmu.dependencies import dependencies
 from torsionnet.io.fmu.traced_matrices import trace_system

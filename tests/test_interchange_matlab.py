@@ -11,7 +11,7 @@ from support.models import geared_line
 from support.patience import PATIENCE
 
 import torsionnet as tn
-from torsionnet.core.errors import TorsionnetWarning, UsageError
+from torsionnet.base.errors import TorsionnetWarning, UsageError
 from torsionnet.io import to_matlab, write_matlab
 
 FREQUENCIES = np.array([1.3, 7.7, 33.0])

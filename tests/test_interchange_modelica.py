@@ -12,7 +12,7 @@ from support.modelica_reader import Model
 from support.models import EVERY_ELEMENT, around, geared_line, without_indeterminate
 
 import torsionnet as tn
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
 from torsionnet.io import to_modelica, write_modelica
 
 FREQUENCIES = [0.7, 5.3, 21.0]

@@ -8,11 +8,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import torsionnet as tn
-from torsionnet.cli import main
-from torsionnet.core.errors import MissingExtraError, ModelError, UsageError
+from torsionnet.app.cli import main
+from torsionnet.base.errors import MissingExtraError, ModelError, UsageError
 from torsionnet.io import read_frequency_response, write_frequency_response
-from torsionnet.io.formats import extras
-from torsionnet.response.frequency_response import Channel, FrequencyResponse
+from torsionnet.linear.frequency_response import Channel, FrequencyResponse
+from torsionnet.signals.formats import extras
 
 ENDINGS = [".csv", ".npz", ".mat", ".uff", ".unv"]
 UNITS = ["rad", "rad/s", "rad/s^2", "N*m"]

@@ -12,7 +12,7 @@ from support.made_up_elements import EXPORTED
 from support.tors_models import THRUSTER, random_tree
 
 import torsionnet as tn
-from torsionnet.core.errors import ModelError, TorsionnetWarning, UsageError
+from torsionnet.base.errors import ModelError, TorsionnetWarning, UsageError
 from torsionnet.io import from_tors, read_tors, to_tors, write_tors
 
 # Assembly.from_tors(THRUSTER): sqrt(eigh(K, M)) / 2 pi; eigenvalues of its state matrix with positive imaginary part;

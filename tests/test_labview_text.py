@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from support.command_line import run
 
-from torsionnet.core.errors import ModelError, UsageError
-from torsionnet.io.recording_files import iter_blocks, read_recording, write_recording
+from torsionnet.base.errors import ModelError, UsageError
 from torsionnet.signals.record_blocks import blocks_in_order
+from torsionnet.signals.records.recording_files import iter_blocks, read_recording, write_recording
 
 FILE = (
     "LabVIEW Measurement\t\nWriter_Version\t2\nReader_Version\t2\nSeparator\tTab\nDecimal_Separator\t.\n"

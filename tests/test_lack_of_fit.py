@@ -12,13 +12,13 @@ import scipy
 from support.campaigns import examples
 
 import torsionnet as tn
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
+from torsionnet.bench.plan import Acquisition, Encoder, Plan, Transducer
 from torsionnet.identification import Unknown
 from torsionnet.identification.fit_problem import make_problem
 from torsionnet.identification.noise_bias import noise_bias, noise_bias_sentence
 from torsionnet.identification.residuals.instrument import without_background
 from torsionnet.identification.residuals.noise import noise_between_lines
-from torsionnet.model.bench import Acquisition, Encoder, Plan, Transducer
 from torsionnet.signals import BurstRandom, LinearChirp, Recording, Signal, Welch, estimate
 
 FINE = Encoder(lines=1024, quadrature=True)

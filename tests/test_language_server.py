@@ -20,7 +20,7 @@ from click.testing import CliRunner
 from support.collecting import OnDemand
 from support.patience import PATIENCE
 
-from torsionnet.cli.app import app
+from torsionnet.app.cli.app import app
 
 lsp = OnDemand("lsprotocol.types")
 ROOT = Path(__file__).parents[1]
@@ -559,7 +559,7 @@ def test_the_newest_text_wins(tmp_path):
 
 
 def test_what_is_typed_over_is_not_checked():
-    from torsionnet.language_server.check_schedule import CheckSchedule
+    from torsionnet.app.language_server.check_schedule import CheckSchedule
 
     checked = []
 
@@ -682,7 +682,7 @@ def test_no_message_ends_the_server(broken):
 
 
 def test_a_message_that_is_too_long_is_passed_over():
-    from torsionnet.language_server import guarded_input
+    from torsionnet.app.language_server import guarded_input
 
     long = guarded_input.MOST_MESSAGE + 1
     stream = guarded_input.GuardedInput(io.BytesIO(b"x" * long + message({"a": 1})))
@@ -710,11 +710,11 @@ def test_ctrl_c_ends_a_server_that_somebody_started_by_hand():
 @pytest.mark.parametrize(("before", "after", "offered"), [(3, 0, True), (3, -1, False), (0, 3, True), (-1, 3, False)])
 def test_mending_is_offered_where_the_marked_stretch_touches_the_fault(before, after, offered):
     """In this process: stretches that end or begin at the fault, and beside it."""
-    from torsionnet.language_server.diagnostics import code_actions
-    from torsionnet.language_server.editor_text import EditorText
-    from torsionnet.language_server.open_model import OpenModel
-    from torsionnet.text.text_edits import TextSpan
-    from torsionnet.text.text_faults import text_faults
+    from torsionnet.app.language_server.diagnostics import code_actions
+    from torsionnet.app.language_server.editor_text import EditorText
+    from torsionnet.app.language_server.open_model import OpenModel
+    from torsionnet.app.text.text_edits import TextSpan
+    from torsionnet.app.text.text_faults import text_faults
 
     model = OpenModel("file:///model.yaml", EditorText(README.replace("stiffness: k_1", "stifness: k_1")), "", None)
     faults = [one for one in text_faults(model.text) if one.fixes]
@@ -727,9 +727,9 @@ def test_mending_is_offered_where_the_marked_stretch_touches_the_fault(before, a
 
 def test_a_failing_service_becomes_a_message_in_the_log(monkeypatch):
     """Tried in this process, with a service that is broken on purpose."""
-    from torsionnet.language_server.editor_text import EditorText
-    from torsionnet.language_server.model_server import ModelServer
-    from torsionnet.language_server.open_model import OpenModel
+    from torsionnet.app.language_server.editor_text import EditorText
+    from torsionnet.app.language_server.model_server import ModelServer
+    from torsionnet.app.language_server.open_model import OpenModel
 
     server, told = ModelServer(), []
     model = OpenModel("file:///model.yaml", EditorText(README), "/model.yaml", None)
@@ -756,7 +756,7 @@ def test_without_the_extra_the_command_says_how_to_get_it(monkeypatch):
 
 def test_positions_are_those_of_the_protocol():
     """Its lines end at line feed, carriage return or both; YAML and Python know more ends."""
-    from torsionnet.language_server.editor_text import EditorText
+    from torsionnet.app.language_server.editor_text import EditorText
 
     text = EditorText("a\r\nb\u2028c\x0cd\re\U0001d70ff\n")
     assert [text.position(text.text.index(char)) for char in "abcdef"] == [

@@ -7,8 +7,8 @@ import pytest
 import yaml
 from click.testing import CliRunner
 
-from torsionnet.cli.app import app
-from torsionnet.core.errors import UsageError
+from torsionnet.app.cli.app import app
+from torsionnet.base.errors import UsageError
 from torsionnet.model.files import library_studies
 from torsionnet.study import load_study, run_study
 from torsionnet.study.space.space import Space

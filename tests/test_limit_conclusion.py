@@ -8,10 +8,10 @@ from support.command_line import run
 from support.running_fan import MODEL
 
 import torsionnet as tn
+from torsionnet.machinery.verdicts.limit_check import LimitCheck
+from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion
 from torsionnet.report.document_tree import Strong, TableBlock, inlines
 from torsionnet.report.report import make_report
-from torsionnet.response.limits.limit_check import LimitCheck
-from torsionnet.response.limits.limit_conclusion import LimitConclusion
 
 LOUD = "supply=rough,rig=n6"
 BELOW = "starts and stops not examined: speeds below 300 rpm of motor"

@@ -12,8 +12,8 @@ from support.limit_cases import RPM, STEEL, hump, m68, stressed
 from support.ship_plant import PAGE_SHIP, SHIP
 
 import torsionnet as tn
-from torsionnet.model.limits.iacs_m68 import IacsM68
-from torsionnet.model.limits.m68_stress import permissible, size_factor, usual_range
+from torsionnet.machinery.limits.iacs_m68 import IacsM68
+from torsionnet.machinery.limits.m68_stress import permissible, size_factor, usual_range
 
 
 class TestPermissibleStress:

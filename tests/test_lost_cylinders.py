@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import torsionnet as tn
+from torsionnet.machinery.excitations.engine_entries import EngineEntries
 from torsionnet.model.channels import Input
-from torsionnet.model.excitations.engine_entries import EngineEntries
 from torsionnet.model.load.lost_torques import remaining_by_node
 
 RPM = np.pi / 30

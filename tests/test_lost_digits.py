@@ -7,10 +7,10 @@ import scipy
 from support import campaigns
 
 import torsionnet as tn
-from torsionnet.assembly.law_stiffness import LawStiffness
-from torsionnet.solve.dynamic_stiffness import sweep
-from torsionnet.solve.dynamic_stiffness.response_problem import Loading, ResponseProblem
-from torsionnet.solve.responses import transfer
+from torsionnet.linear.assembly.law_stiffness import LawStiffness
+from torsionnet.linear.dynamic_stiffness import sweep
+from torsionnet.linear.dynamic_stiffness.response_problem import Loading, ResponseProblem
+from torsionnet.linear.responses import transfer
 
 DIGITS = 60
 UNMARKED_ERROR = 1e-10

@@ -7,11 +7,11 @@ from hypothesis import strategies as st
 from support import campaigns
 
 import torsionnet as tn
-from torsionnet.assembly.rows import Rows, RowSystem
-from torsionnet.core.errors import SolveError
-from torsionnet.solve.dynamic_stiffness.row_algebra import null_space
-from torsionnet.solve.modes import eigen
-from torsionnet.solve.modes.eigen import complex_modes, undamped_modes
+from torsionnet.base.errors import SolveError
+from torsionnet.linear.assembly.rows import Rows, RowSystem
+from torsionnet.linear.dynamic_stiffness.row_algebra import null_space
+from torsionnet.linear.modes import eigen
+from torsionnet.linear.modes.eigen import complex_modes, undamped_modes
 
 
 def tree(seed, n, *, damped=True, geared=True, branched=True, massless=0, ground=0, loops=0, drag=False):

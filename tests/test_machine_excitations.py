@@ -9,11 +9,11 @@ from support.command_line import run
 from validation.build import build, damper_matrix, read_case, spring_name
 
 import torsionnet as tn
+from torsionnet.machinery.excitations.electric_machine import ElectricMachine
+from torsionnet.machinery.excitations.gear_mesh import GearMesh
+from torsionnet.machinery.excitations.propeller_torque import PropellerTorque
+from torsionnet.machinery.excitations.universal_joint import UniversalJoint
 from torsionnet.model.channels import Input
-from torsionnet.model.excitations.electric_machine import ElectricMachine
-from torsionnet.model.excitations.gear_mesh import GearMesh
-from torsionnet.model.excitations.propeller_torque import PropellerTorque
-from torsionnet.model.excitations.universal_joint import UniversalJoint
 from torsionnet.model.files.reader import read_text
 
 RPM = np.pi / 30

@@ -9,8 +9,8 @@ from support import campaigns
 from support.random_motion_plants import moving_plant
 
 import torsionnet as tn
-from torsionnet.response import MotionStart
-from torsionnet.solve.motion import contact_states, piece_system
+from torsionnet.motion import contact_states, piece_system
+from torsionnet.motion.motion_start import MotionStart
 
 
 def simulated(seed=3, rate=1000.0, seconds=0.2, most=3):
@@ -74,7 +74,7 @@ def test_motions_need_no_numba(monkeypatch, broken):
     plain, _ = simulated()
     monkeypatch.setattr(piece_system, "STEPS_WORTH_COMPILING", 0)
     monkeypatch.setitem(sys.modules, "numba", broken)
-    monkeypatch.delitem(sys.modules, "torsionnet.solve.motion.compiled_march", raising=False)
+    monkeypatch.delitem(sys.modules, "torsionnet.motion.compiled_march", raising=False)
     assert piece_system._compiled_march() is piece_system.marching.march
     assert np.array_equal(simulated()[0], plain)
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import torsionnet as tn
-from torsionnet.core.errors import ModelError, UsageError
+from torsionnet.base.errors import ModelError, UsageError
 from torsionnet.io import mass_elastic_report, read_mass_elastic
 
 CASES = Path(__file__).parent / "validation" / "cases"

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import torsionnet as tn
-from torsionnet.cli import main
-from torsionnet.core.errors import TorsionnetWarning, UsageError
+from torsionnet.app.cli import main
+from torsionnet.base.errors import TorsionnetWarning, UsageError
 from torsionnet.io import read_mass_elastic, to_mass_elastic, write_mass_elastic
 
 WHOLE = {

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import torsionnet as tn
-from torsionnet.core.errors import ModelError
+from torsionnet.base.errors import ModelError
 from torsionnet.model.files.reader import read_text
 
 RPM = np.pi / 30

@@ -6,10 +6,10 @@ from support.command_line import run
 from support.report_blocks import blocks, of, rows
 
 import torsionnet as tn
-from torsionnet.model.report.report_plan import ReportPlan
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import TableBlock
 from torsionnet.report.measured_orders import MeasuredFile
+from torsionnet.report.plan.report_plan import ReportPlan
 from torsionnet.report.report_request import ReportRequest
 
 RPM = np.pi / 30

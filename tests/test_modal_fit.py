@@ -12,7 +12,8 @@ from support import campaigns
 from support.modal_cases import chain_residues, pole, response_of
 
 import torsionnet as tn
-from torsionnet.core.errors import SolveError, UsageError
+from torsionnet.base.errors import SolveError, UsageError
+from torsionnet.linear.frequency_response import Channel
 from torsionnet.modal import Criteria, Settings, fit_poles, identify_modes, match, peak_picking, stabilisation
 from torsionnet.modal.matrix_fraction import largest_order
 from torsionnet.modal.projection import Projection
@@ -21,7 +22,6 @@ from torsionnet.modal.schwarz_criterion import significant_poles
 from torsionnet.modal.selection import clusters
 from torsionnet.modal.spectral_lines import lines_of, power
 from torsionnet.modal.stabilisation import Order, Stabilisation, _same
-from torsionnet.response import Channel
 
 LINES = np.arange(0.5, 30.01, 0.1)
 CUT = {  # Hz, %; of the rigs cut at the torque meter

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from support.modal_cases import chain_residues, pole, response_of
 
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
 from torsionnet.modal import Criteria, Settings, fit_poles, identify_modes
 from torsionnet.modal.polynomials import orthogonal, powers, roots
 from torsionnet.modal.projection import Projection

@@ -7,8 +7,8 @@ import pytest
 from support.modal_cases import pole
 
 from torsionnet.modal import Settings, identify_modes
-from torsionnet.response.recording import Recording, Signal
 from torsionnet.signals import Welch, estimate
+from torsionnet.signals.recording import Recording, Signal
 
 RATE, FINE = 200.0, 10
 TWO_INERTIAS = (np.diag([0.23, 0.13]), np.array([[4.3, -4], [-4, 8.2]]), np.array([[460, -460], [-460, 654.0]]))

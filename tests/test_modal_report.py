@@ -6,7 +6,7 @@ from support.modal_cases import chain_residues, pole, response_of
 
 import torsionnet as tn
 from torsionnet import plot
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
 from torsionnet.modal import Settings, circle_fit, cmif, identify_modes, stabilisation
 
 LINES = np.arange(0.5, 30.01, 0.1)

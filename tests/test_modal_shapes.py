@@ -10,9 +10,9 @@ from hypothesis.extra.numpy import arrays
 from support.modal_cases import chain_residues, pole, response_of
 
 import torsionnet as tn
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
+from torsionnet.linear.frequency_response import Channel
 from torsionnet.modal import cmif, identify_modes, mac, match, mpc, msf
-from torsionnet.response import Channel
 from torsionnet.signals import frac
 
 LINES = np.arange(0.5, 30.01, 0.1)

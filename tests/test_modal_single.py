@@ -7,9 +7,9 @@ import pytest
 from support.modal_cases import chain_residues, pole, response_of
 
 import torsionnet as tn
-from torsionnet.core.errors import SolveError, UsageError
+from torsionnet.base.errors import SolveError, UsageError
+from torsionnet.linear.frequency_response import Channel, FrequencyResponse
 from torsionnet.modal import circle_fit, peak_picking
-from torsionnet.response import Channel, FrequencyResponse
 
 # Half power of theta_1/T_T in percent; the poles of the rigs cut at the torque meter have 25 (31 with c_O = 360).
 HALF_POWER = {"dmf": 30.6, "II": 28.4, "III": 29.1, "IV": 29.1, "V": 28.5, "V_c_O_360": 41.6}

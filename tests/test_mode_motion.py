@@ -9,11 +9,11 @@ from support.drawn_models import inertia
 from support.library_cases import library_cases
 
 import torsionnet as tn
-from torsionnet.explore import Documents, open_session
-from torsionnet.explore.api import reply
-from torsionnet.explore.mode_motion import mean_torques, mode_motion
-from torsionnet.explore.picture_requests import motion_answer, schematic_answer
-from torsionnet.explore.state import State
+from torsionnet.app.explore import Documents, open_session
+from torsionnet.app.explore.api import reply
+from torsionnet.app.explore.mode_motion import mean_torques, mode_motion
+from torsionnet.app.explore.picture_requests import motion_answer, schematic_answer
+from torsionnet.app.explore.state import State
 
 ROUNDED = 1e-6
 """Amplitudes and phases have six decimals."""

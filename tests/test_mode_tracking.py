@@ -6,9 +6,9 @@ import scipy
 from support import campaigns
 
 import torsionnet as tn
-from torsionnet.solve.batch.batch_plan import batch_plan
-from torsionnet.solve.batch.batched_modes import batched_modes, single_modes
-from torsionnet.solve.batch.mode_tracking import track_modes
+from torsionnet.linear.batch.batch_plan import batch_plan
+from torsionnet.linear.batch.batched_modes import batched_modes, single_modes
+from torsionnet.linear.batch.mode_tracking import track_modes
 
 
 def followed(model, values):

@@ -8,9 +8,9 @@ import pytest
 from support.models import geared_line
 
 import torsionnet as tn
-from torsionnet.core.errors import UsageError
-from torsionnet.solve.modes import frozen_stiffness
-from torsionnet.solve.modes.eigen import undamped_modes
+from torsionnet.base.errors import UsageError
+from torsionnet.linear.modes import frozen_stiffness
+from torsionnet.linear.modes.eigen import undamped_modes
 
 
 def test_energy_shares_by_hand():

@@ -10,8 +10,8 @@ from support import campaigns
 from support.command_line import run
 
 import torsionnet as tn
-from torsionnet.solve.running import modes_over_speed
-from torsionnet.solve.running.modes_over_speed import ModesOverSpeed
+from torsionnet.machinery.criticals import modes_over_speed
+from torsionnet.machinery.criticals.modes_over_speed import ModesOverSpeed
 
 RPM = np.pi / 30
 TORQUE = 1e4

@@ -9,15 +9,15 @@ import pytest
 import scipy
 
 import torsionnet as tn
-from torsionnet.assembly.symbolic import TWINS, Twin
-from torsionnet.core.expressions import FLOAT
+from torsionnet.base.expressions import FLOAT
+from torsionnet.linear.assembly.symbolic import TWINS, Twin
+from torsionnet.linear.sensitivity.dual import DUALS, Dual
 from torsionnet.model.element_base.laws import MotionState, ScaledCurve
 from torsionnet.model.elements import Constraint, Law, MotionLaw, Values
-from torsionnet.model.motion_balance.rate_states import roots_along
 from torsionnet.model.motion_laws.cubic_curve import CubicCurve
 from torsionnet.model.motion_laws.friction_curve import friction_curve
 from torsionnet.model.motion_laws.piece_curve import Hold, PieceCurve, Slope, symmetric_curve
-from torsionnet.solve.sensitivity.dual import DUALS, Dual
+from torsionnet.motion.balance.rate_states import roots_along
 
 ENDS = {"nodes": ("a", "b")}
 STAGES = [

@@ -11,10 +11,10 @@ import scipy
 from support.controlled_plants import Plant
 
 import torsionnet as tn
-from torsionnet.core.errors import SolveError, UsageError
+from torsionnet.base.errors import SolveError, UsageError
 from torsionnet.model.element_base.laws import MotionLaw, Part, Values, WholePart, difference
 from torsionnet.model.motion_laws.piece_curve import Hold, PieceCurve, Slope
-from torsionnet.response.motion.motion_start import MotionStart
+from torsionnet.motion.motion_start import MotionStart
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from torsionnet.response.motion.energy_balance import EnergyBalance
-from torsionnet.response.motion.motion_summary import energy_table
-from torsionnet.response.recording import Recording, Signal
+from torsionnet.motion.motion_summary import energy_table
+from torsionnet.signals.energy_balance import EnergyBalance
+from torsionnet.signals.recording import Recording, Signal
 
 
 @pytest.mark.parametrize(

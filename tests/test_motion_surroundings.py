@@ -6,10 +6,10 @@ import scipy
 from support.random_motion_plants import moving_plant
 
 import torsionnet as tn
-from torsionnet.core.errors import SolveError, UsageError
-from torsionnet.model.scenarios.time_history import HistoryPiece, TimeHistory, constant
-from torsionnet.response import MotionStart
-from torsionnet.solve.motion.smooth.smooth_method import SmoothMethod
+from torsionnet.base.errors import SolveError, UsageError
+from torsionnet.motion.motion_start import MotionStart
+from torsionnet.motion.scenarios.time_history import HistoryPiece, TimeHistory, constant
+from torsionnet.motion.smooth.smooth_method import SmoothMethod
 
 
 def motor(**entries):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import torsionnet as tn
-from torsionnet.core.errors import ModelError
+from torsionnet.base.errors import ModelError
 from torsionnet.study.run.run_chunks import run_study
 from torsionnet.study.study import define
 

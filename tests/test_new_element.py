@@ -24,9 +24,9 @@ from typing import ClassVar
 
 from torsionnet.model.element_base.element import Element, register
 from torsionnet.model.element_base.element_entries import NodePair
-from torsionnet.core.entries.scalars import PhysicalQuantity
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.expressions import Expression
+from torsionnet.base.entries.scalars import PhysicalQuantity
+from torsionnet.base.entries.spec import entry
+from torsionnet.base.expressions import Expression
 from torsionnet.model.element_base.laws import Law, difference
 
 

@@ -10,9 +10,9 @@ from support.ship_plant import SHIP
 from support.written_models import TWO_DISCS
 
 import torsionnet as tn
-from torsionnet.core import packages
-from torsionnet.response import Table
-from torsionnet.solve.sensitivity import mode_sensitivities
+from torsionnet.base import packages
+from torsionnet.base.table import Table
+from torsionnet.linear.sensitivity import mode_sensitivities
 from torsionnet.study import answer_study
 
 LONGEST_NAME = 200

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from support.known_rotation import pulse_times
 
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
 from torsionnet.signals import PulseChannel, Wheel, mean_rotation, wheel_rotation
 
 RPM = np.pi / 30

@@ -11,8 +11,8 @@ from oracle.package import drivetrain
 from oracle.solution import Mechanics
 
 import torsionnet as tn
-from torsionnet.core.errors import UsageError
-from torsionnet.solve.sensitivity import parametric_response
+from torsionnet.base.errors import UsageError
+from torsionnet.linear.sensitivity import parametric_response
 
 F = Fraction
 LOW = np.array([1e-4, 1e-3, 0.01, 1.0])

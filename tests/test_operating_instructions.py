@@ -10,13 +10,13 @@ from support.command_line import run
 from support.limit_cases import RPM, hump, m68, stressed
 
 import torsionnet as tn
-from torsionnet.core.result_rows import json_schema
+from torsionnet.base.result_rows import json_schema
+from torsionnet.machinery.verdicts.limit_check import LimitCheck
+from torsionnet.machinery.verdicts.limit_conclusion import ConclusionRecord, LimitConclusion
+from torsionnet.machinery.verdicts.operating_instructions import instruction_table, operating_instructions
+from torsionnet.machinery.verdicts.speed_spans import SpeedSpan
 from torsionnet.report.document_tree import TableBlock, inlines
 from torsionnet.report.report import make_report
-from torsionnet.response.limits.limit_check import LimitCheck
-from torsionnet.response.limits.limit_conclusion import ConclusionRecord, LimitConclusion
-from torsionnet.response.limits.operating_instructions import instruction_table, operating_instructions
-from torsionnet.response.limits.speed_spans import SpeedSpan
 
 
 def check(found, configuration="", misfiring=False):

@@ -8,7 +8,7 @@ from support import campaigns
 from support.random_motion_plants import moving_plant
 
 import torsionnet as tn
-from torsionnet.core.errors import ModelError, UsageError
+from torsionnet.base.errors import ModelError, UsageError
 from torsionnet.model.element_base.laws import MotionLaw, Values
 from torsionnet.model.motion_laws.piece_curve import Hold, PieceCurve
 

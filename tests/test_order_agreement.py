@@ -11,11 +11,12 @@ import scipy
 from support.command_line import run
 from support.twin_engines import plant
 
-from torsionnet.response.measured.common_turn import common_turn
-from torsionnet.response.measured.interval_statistics import amplitude_scores, complex_scores
-from torsionnet.response.measured.order_agreement import order_agreement
-from torsionnet.response.measured.order_pair import OrderPair
-from torsionnet.response.order_comparison import MeasuredOrder, compared_orders, order_comparison
+from torsionnet.machinery.orders.common_turn import common_turn
+from torsionnet.machinery.orders.order_agreement import order_agreement
+from torsionnet.machinery.orders.order_comparison import compared_orders, order_comparison
+from torsionnet.machinery.orders.order_pair import OrderPair
+from torsionnet.signals.interval_statistics import amplitude_scores, complex_scores
+from torsionnet.signals.orders.tracked_orders import MeasuredOrder
 
 RPM = np.pi / 30
 SPEEDS = np.linspace(400, 800, 81) * RPM

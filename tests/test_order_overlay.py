@@ -11,11 +11,12 @@ from support.command_line import run
 
 import torsionnet as tn
 from torsionnet.io.order_tables import read_orders
-from torsionnet.response.frequency_response import Channel
-from torsionnet.response.measured.calculated_order import between_speeds
-from torsionnet.response.order_comparison import MeasuredOrder, compared_orders
-from torsionnet.response.order_line import OrderLine
-from torsionnet.response.order_response import OrderResponse
+from torsionnet.linear.frequency_response import Channel
+from torsionnet.machinery.orders.calculated_order import between_speeds
+from torsionnet.machinery.orders.order_comparison import compared_orders
+from torsionnet.machinery.orders.order_line import OrderLine
+from torsionnet.machinery.orders.order_response import OrderResponse
+from torsionnet.signals.orders.tracked_orders import MeasuredOrder
 
 RPM = np.pi / 30
 PLANT = """torsionnet: 1

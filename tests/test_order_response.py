@@ -12,12 +12,12 @@ from support.forced_plants import NAMES, plant, reference
 from support.written_models import TWO_FANS
 
 import torsionnet as tn
-from torsionnet.model.excitations.reciprocating_engine import ReciprocatingEngine
-from torsionnet.model.excitations.slider_crank import piston_curvature, piston_rate
-from torsionnet.response.order_line import OrderLine
-from torsionnet.response.order_response import OrderResponse
-from torsionnet.solve.responses import shared_response
-from torsionnet.solve.running import order_response as solver
+from torsionnet.linear.responses import shared_response
+from torsionnet.machinery.excitations.reciprocating_engine import ReciprocatingEngine
+from torsionnet.machinery.excitations.slider_crank import piston_curvature, piston_rate
+from torsionnet.machinery.orders import order_solution as solver
+from torsionnet.machinery.orders.order_line import OrderLine
+from torsionnet.machinery.orders.order_response import OrderResponse
 
 CASES = {"normal": lambda data: data["normal"], "motored": lambda data: data["misfire"]["motored"],
          "gas_off": lambda data: data["misfire"]["gas_off"]}  # fmt: skip
@@ -65,8 +65,8 @@ class TestManySpeeds:
     def test_speeds_do_not_depend_on_those_solved_with_them(self, monkeypatch):
         rig = plant(reference("forced_two_stroke_propulsion"))
         whole = rig.order_response("twist(thrust)")
-        monkeypatch.setattr("torsionnet.solve.running.operating_groups.SPEEDS_PER_BLOCK", 2)
-        monkeypatch.setattr("torsionnet.response.cycle_extremes.MOST_WAVEFORM_POINTS", 1)
+        monkeypatch.setattr("torsionnet.machinery.orders.operating_groups.SPEEDS_PER_BLOCK", 2)
+        monkeypatch.setattr("torsionnet.machinery.orders.cycle_extremes.MOST_WAVEFORM_POINTS", 1)
         parts = rig.order_response("twist(thrust)")
         assert parts.values == pytest.approx(whole.values, rel=1e-13)
         assert parts.half_range == pytest.approx(whole.half_range, rel=1e-12)

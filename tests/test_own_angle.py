@@ -6,8 +6,8 @@ import scipy
 from support.turned_wheels import crossing_angles, steady
 
 import torsionnet as tn
-from torsionnet.response.measured.pulse_channel import PulseChannel
 from torsionnet.signals import PhaseReference, track_orders
+from torsionnet.signals.rotation.pulse_channel import PulseChannel
 from torsionnet.signals.rotation.wheel import Wheel
 from torsionnet.signals.rotation.wheel_rotation import wheel_rotation
 

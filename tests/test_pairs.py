@@ -12,15 +12,15 @@ from support.modelica_reader import Model as ModelicaModel
 
 import torsionnet as tn
 import torsionnet.plot as plot
-from torsionnet.cli.app import app
-from torsionnet.core.errors import ModelError, UsageError
-from torsionnet.explore.choices import choices
+from torsionnet.app.cli.app import app
+from torsionnet.app.explore.choices import choices
+from torsionnet.base.errors import ModelError, UsageError
 from torsionnet.io import to_modelica
 from torsionnet.io.matrices import matrices
+from torsionnet.linear.sensitivity import parametric_response
 from torsionnet.model.files import dump, json_schema
 from torsionnet.model.files.reader import read_text
 from torsionnet.model.overview import channels_table
-from torsionnet.solve.sensitivity import parametric_response
 
 CAR = Path(__file__).parent / "plants" / "front_wheel_drive_car.yaml"
 F = np.array([0.3, 2.0, 5.5, 9.0, 14.0, 40.0])

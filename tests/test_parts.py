@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import torsionnet as tn
-from torsionnet.core.expression_reading import scalar
+from torsionnet.base.expression_reading import scalar
 from torsionnet.model.files.reader import read_text
 from torsionnet.model.files.value_editing import ValuePlace, changed_text
 from torsionnet.model.files.writer import dump, flat_text
@@ -278,7 +278,7 @@ def test_reading_is_faultless():
 
 
 def test_show_prints_the_flat_file_and_draws_boxes(tmp_path, capsys):
-    from torsionnet.cli.app import run
+    from torsionnet.app.cli.app import run
 
     path = tmp_path / "car.yaml"
     path.write_text(MODEL, encoding="utf-8")

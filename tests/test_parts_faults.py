@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 import torsionnet as tn
-from torsionnet.core.errors import ModelError
+from torsionnet.base.errors import ModelError
 from torsionnet.model.files.reader import read_file, read_text
 
 MODEL = """\
@@ -271,7 +271,7 @@ def test_python_says_the_same():
 def test_check_gives_both_places_to_programs(tmp_path, capsys):
     import json
 
-    from torsionnet.cli.app import run
+    from torsionnet.app.cli.app import run
 
     path = tmp_path / "model.yaml"
     path.write_text(MODEL.replace("stiffness: k}", "stiffness: kk}"), encoding="utf-8")

@@ -3,12 +3,12 @@
 import pytest
 
 import torsionnet as tn
-from torsionnet.core.entries.spec import Renaming
-from torsionnet.core.expression_reading import scalar
+from torsionnet.base.entries.spec import Renaming
+from torsionnet.base.expression_reading import scalar
+from torsionnet.machinery.excitations import excitation_kinds
+from torsionnet.machinery.limits import limit_rules
 from torsionnet.model.definition import Definition
 from torsionnet.model.elements import ELEMENT_TYPES
-from torsionnet.model.excitations import excitation_kinds
-from torsionnet.model.limits import limit_rules
 
 NAMES = Renaming("left.", {"ground": "ground", "n1": "outer"})
 

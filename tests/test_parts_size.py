@@ -5,7 +5,7 @@ import time
 import pytest
 
 import torsionnet as tn
-from torsionnet.core.errors import ModelError
+from torsionnet.base.errors import ModelError
 
 THROW = """\
 torsionnet: 1

@@ -91,9 +91,9 @@ def test_what_a_change_reaches(monkeypatch, tmp_path, capsys):
     noted.write_text("kernels HEAD 2024-01-01\nfuzz HEAD 2024-01-01\npackages a-lost-commit 2024-01-01\n")
     monkeypatch.setattr(nightly, "GREEN", noted)
     monkeypatch.setattr(
-        nightly, "_git", lambda *words: "" if "a-lost-commit^{commit}" in words else "torsionnet/solve/modes/eigen.py"
+        nightly, "_git", lambda *words: "" if "a-lost-commit^{commit}" in words else "torsionnet/linear/modes/eigen.py"
     )
-    assert nightly.reached("kernels", "HEAD") == ["torsionnet/solve/modes/eigen.py"] * 2
+    assert nightly.reached("kernels", "HEAD") == ["torsionnet/linear/modes/eigen.py"] * 2
     assert nightly.reached("fuzz", "HEAD") == []
     to_run = nightly.status(None)
     assert "fuzz" not in to_run

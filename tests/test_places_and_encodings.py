@@ -14,8 +14,8 @@ from click.testing import CliRunner
 from support.patience import PATIENCE
 
 import torsionnet as tn
-from torsionnet.cli.app import app
-from torsionnet.core.errors import printable_text
+from torsionnet.app.cli.app import app
+from torsionnet.base.errors import printable_text
 
 
 def name(text):

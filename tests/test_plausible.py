@@ -7,7 +7,7 @@ import pytest
 from support import models
 
 import torsionnet as tn
-from torsionnet.core.entries.scalars import PhysicalQuantity
+from torsionnet.base.entries.scalars import PhysicalQuantity
 from torsionnet.model.checks.values import unusual_sizes
 
 MODEL = """\

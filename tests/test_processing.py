@@ -8,13 +8,13 @@ import pytest
 import scipy
 
 from torsionnet import plot
-from torsionnet.core.errors import UsageError
-from torsionnet.response.recording import QUANTITY_UNITS, Recording, Signal
+from torsionnet.base.errors import UsageError
 from torsionnet.signals.calculus import convert, differentiate, integrate
 from torsionnet.signals.decimation import anti_alias_taps, decimate, decimated, usable_up_to
 from torsionnet.signals.detrending import detrend
 from torsionnet.signals.harmonics import sweep_harmonics
 from torsionnet.signals.order_tracking import order_map
+from torsionnet.signals.recording import QUANTITY_UNITS, Recording, Signal
 from torsionnet.signals.spectrogram import spectrogram
 from torsionnet.signals.welch import Welch
 

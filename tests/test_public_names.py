@@ -19,10 +19,22 @@ from torsionnet.model.elements import Element, element_classes
 ROOT = Path(__file__).parents[1]
 MISTAKES = Path(__file__).with_name("user_types") / "mistakes.py"
 PACKAGES = [
-    *(tn.bench, tn.identification, tn.io, tn.modal, tn.plot, tn.report, tn.response, tn.sensitivity, tn.signals),
+    *(
+        tn.bench,
+        tn.identification,
+        tn.io,
+        tn.modal,
+        tn.plot,
+        tn.report,
+        tn.linear,
+        tn.machinery,
+        tn.motion,
+        tn.sensitivity,
+        tn.signals,
+    ),
     *(tn.study, tn.symbolic, tn.campaign),
 ]
-OFFERED_MODULES = {*(package.__name__ for package in PACKAGES), "torsionnet.core.units"}
+OFFERED_MODULES = {*(package.__name__ for package in PACKAGES), "torsionnet.base.units"}
 named = pytest.mark.parametrize("package", [tn, *PACKAGES], ids=lambda package: package.__name__)
 
 
@@ -199,7 +211,7 @@ def test_mistakes_fail_when_they_run():
 
 def test_elements_of_users_need_no_signature():
     """Whoever writes a kind of value of his own says nothing of it to type checkers."""
-    from torsionnet.core.entries.spec import Spec
+    from torsionnet.base.entries.spec import Spec
 
     assert Spec("anything").accepted == "object"
     assert issubclass(tn.Spring, Element)

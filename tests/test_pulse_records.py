@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from support.foreign_files import EXTRAS
 
-from torsionnet.core.errors import ModelError, UsageError
-from torsionnet.response.measured.pulse_channel import PulseChannel
+from torsionnet.base.errors import ModelError, UsageError
 from torsionnet.signals import Recording, Signal, iter_blocks, read_recording, write_recording
 from torsionnet.signals.rotation.counter import lowest_speed, pulse_channel
+from torsionnet.signals.rotation.pulse_channel import PulseChannel
 from torsionnet.signals.rotation.pulse_reading import PulseReading
 
 RPM = np.pi / 30

@@ -7,7 +7,7 @@ import pytest
 from support.command_line import run
 from support.written_models import TWO_DISCS
 
-from torsionnet.core.errors import ModelError, SolveError, TorsionnetWarning, UsageError
+from torsionnet.base.errors import ModelError, SolveError, TorsionnetWarning, UsageError
 from torsionnet.identification.fit_file import load_fit_plan
 from torsionnet.signals import (
     Recording,

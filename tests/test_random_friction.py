@@ -6,8 +6,8 @@ from support import campaigns
 from support.friction_plants import RubbingPlant, rubbing_motion, rubbing_plant
 
 import torsionnet as tn
-from torsionnet.response import MotionStart
-from torsionnet.solve.motion.guard_polynomials import DEGREE, first_root
+from torsionnet.motion.guard_polynomials import DEGREE, first_root
+from torsionnet.motion.motion_start import MotionStart
 
 SECONDS = 0.2
 

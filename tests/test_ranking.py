@@ -11,7 +11,7 @@ import pytest
 from support.command_line import run
 
 import torsionnet as tn
-from torsionnet.core.errors import SolveError, UsageError
+from torsionnet.base.errors import SolveError, UsageError
 from torsionnet.identification import cause_fits, fitting, load_fit, rank_causes
 from torsionnet.identification.causes import Cause
 from torsionnet.identification.explanations import _promising as promising

@@ -14,10 +14,10 @@ from reach.recording import WITHOUT_NUMBERS
 
 ROOT = Path(__file__).parents[1]
 NOTES = {
-    "tests/test_a.py::test_cheap": (0.1, False, ["torsionnet/solve/a.py:f", "torsionnet/core/b.py:B.g"]),
+    "tests/test_a.py::test_cheap": (0.1, False, ["torsionnet/solve/a.py:f", "torsionnet/base/b.py:B.g"]),
     "tests/test_a.py::test_dear": (3.0, False, ["torsionnet/solve/a.py:f"]),
     "tests/test_a.py::test_slow": (9.0, True, ["torsionnet/solve/a.py:f"]),
-    "tests/test_b.py::test_text": (0.2, False, ["library/rig.yaml", "torsionnet/core/b.py:B.g"]),
+    "tests/test_b.py::test_text": (0.2, False, ["library/rig.yaml", "torsionnet/base/b.py:B.g"]),
 }
 
 
@@ -48,8 +48,8 @@ def test_tests_of_a_function_the_cheapest_first(reach):
 
 
 def test_what_stands_outside_of_functions_counts_for_the_whole_file(reach):
-    assert names(reach, "torsionnet/core/b.py:") == ["test_cheap", "test_text"]
-    assert names(reach, "torsionnet/core/c.py:") == []
+    assert names(reach, "torsionnet/base/b.py:") == ["test_cheap", "test_text"]
+    assert names(reach, "torsionnet/base/c.py:") == []
 
 
 class TestNumbers:
@@ -62,8 +62,8 @@ class TestNumbers:
         [
             ("torsionnet/solve/a.py:f", ["tests/test_b.py"]),
             ("library/rig.yaml", ["tests/test_a.py"]),
-            ("torsionnet/core/b.py:B.g", ["tests/test_a.py::test_dear", "tests/test_a.py::test_slow"]),
-            ("torsionnet/core/c.py:f", ["tests/test_a.py", "tests/test_b.py"]),
+            ("torsionnet/base/b.py:B.g", ["tests/test_a.py::test_dear", "tests/test_a.py::test_slow"]),
+            ("torsionnet/base/c.py:f", ["tests/test_a.py", "tests/test_b.py"]),
         ],
     )
     def test_files_and_functions_that_reach_none_of_them(self, reach, numerical, names):
@@ -95,7 +95,7 @@ class TestChange:
         assert self.chosen(reach, 100.0, "torsionnet/solve/a.py:f") == (["test_cheap", "test_dear"], 2)
 
     def test_every_file_has_a_turn_within_the_time(self, reach):
-        places = ("torsionnet/solve/a.py:f", "torsionnet/core/b.py:B.g")
+        places = ("torsionnet/solve/a.py:f", "torsionnet/base/b.py:B.g")
         # Half a second for each of both files, and 0.1 + 0.2 s: the dear one has no more time.
         assert self.chosen(reach, 1.4, *places) == (["test_cheap", "test_text"], 3)
         assert self.chosen(reach, 1.2, *places) == (["test_cheap"], 3)
@@ -125,7 +125,7 @@ class TestChange:
 NOTED = """
 import subprocess, sys
 import pytest
-from torsionnet.core.units import Dimension
+from torsionnet.base.units import Dimension
 
 @pytest.fixture(scope="module")
 def once():
@@ -134,7 +134,7 @@ def once():
 def test_first(once): str(Dimension())
 def test_second(once): ...
 def test_child():
-    subprocess.run([sys.executable, "-c", "from torsionnet.core.units import Dimension as D; D() * D()"], check=True)
+    subprocess.run([sys.executable, "-c", "from torsionnet.base.units import Dimension as D; D() * D()"], check=True)
 def test_file(): open(ROOT + "/library/dmf_rig.yaml").close()
 """
 
@@ -158,7 +158,7 @@ def test_calls_are_noted_by_test_with_those_of_fixtures_and_of_processes(tmp_pat
     ]
     subprocess.run([*command, "--rootdir", str(tmp_path), str(file)], cwd=tmp_path, env=environment, check=True)
     reach = ReachMap.read(written)
-    units = "torsionnet/core/units.py:Dimension"
+    units = "torsionnet/base/units.py:Dimension"
     assert sorted(names(reach, f"{units}.__str__")) == ["test_first"]
     # A new process divides and multiplies while it imports the table of units, too.
     assert sorted(names(reach, f"{units}.__truediv__")) == ["test_child", "test_first", "test_second"]

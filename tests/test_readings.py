@@ -11,12 +11,12 @@ from support.models import EVERY_ELEMENT
 from support.random_drivetrains import draw
 
 import torsionnet as tn
-from torsionnet.core.errors import UsageError
-from torsionnet.core.registers import Groups
+from torsionnet.base.errors import UsageError
+from torsionnet.base.registers import Groups
+from torsionnet.linear.modes.natural_modes import modes
+from torsionnet.linear.sensitivity.mode_sensitivities import mode_sensitivities
+from torsionnet.linear.sensitivity.parametric import parametric_response
 from torsionnet.model.elements import GROUND, Constraint, Values
-from torsionnet.solve.modes.modes import modes
-from torsionnet.solve.sensitivity.mode_sensitivities import mode_sensitivities
-from torsionnet.solve.sensitivity.parametric import parametric_response
 
 F = np.array([0.37, 5.3])
 STEP = Fraction(1, 10**20)

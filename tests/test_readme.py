@@ -9,7 +9,7 @@ import pytest
 from support import campaigns
 
 import torsionnet as tn
-from torsionnet.cli import main
+from torsionnet.app.cli import main
 
 FILES = Path(__file__).parents[1] / "examples" / "files"
 README = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")

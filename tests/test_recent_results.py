@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from torsionnet.core import registers
-from torsionnet.core.registers import RecentResults
+from torsionnet.base import registers
+from torsionnet.base.registers import RecentResults
 
 
 @pytest.mark.parametrize(("number", "room"), [(2, 100), (10, 8)])

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from torsionnet.core.delimited.headings import plain_unit
-from torsionnet.core.errors import ModelError
-from torsionnet.core.units import parse_unit
-from torsionnet.io.recording_files import iter_blocks, read_recording
+from torsionnet.base.delimited.headings import plain_unit
+from torsionnet.base.errors import ModelError
+from torsionnet.base.units import parse_unit
+from torsionnet.signals.records.recording_files import iter_blocks, read_recording
 
 
 def write(tmp_path, text, name="r.csv"):

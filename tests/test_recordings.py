@@ -10,14 +10,14 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from support.foreign_files import CHILD_ENDINGS
 
-from torsionnet.core.errors import MissingExtraError, ModelError, TorsionnetWarning, UsageError
-from torsionnet.io.formats import extras, npz
-from torsionnet.io.formats.registry import FORMATS
-from torsionnet.io.recording_files import iter_blocks, read_recording, write_recording
-from torsionnet.response.recording import Recording, Signal
+from torsionnet.base.errors import MissingExtraError, ModelError, TorsionnetWarning, UsageError
 from torsionnet.signals.encoder import angle_from_counts, angle_from_pulses, unwrapped
+from torsionnet.signals.formats import extras, npz
+from torsionnet.signals.formats.registry import FORMATS
 from torsionnet.signals.pulses import missing_pulses
+from torsionnet.signals.recording import Recording, Signal
 from torsionnet.signals.recording_checks import check_recording
+from torsionnet.signals.records.recording_files import iter_blocks, read_recording, write_recording
 from torsionnet.signals.resampling import resampled
 from torsionnet.signals.value_faults import encoder_leaps
 
@@ -125,7 +125,7 @@ class TestRoundTrip:
 
         path = tmp_path / f"r{ending}"
         path.write_text("old")
-        monkeypatch.setattr("torsionnet.core.atomic._permissions", full)
+        monkeypatch.setattr("torsionnet.base.atomic._permissions", full)
         with pytest.raises(OSError, match="no space left"):
             write_recording(recording(), path)
         assert path.read_text() == "old"

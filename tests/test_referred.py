@@ -8,13 +8,13 @@ from click.testing import CliRunner
 from support.modelica_reader import Model as ModelicaModel
 
 import torsionnet as tn
-from torsionnet.cli.app import app
-from torsionnet.core.errors import ModelError, UsageError
+from torsionnet.app.cli.app import app
+from torsionnet.base.errors import ModelError, UsageError
 from torsionnet.io import to_modelica
+from torsionnet.linear.modes.referred_shapes import referred_shapes
+from torsionnet.linear.sensitivity import parametric_response
 from torsionnet.model.files import dump, json_schema
 from torsionnet.model.files.reader import read_text
-from torsionnet.solve.modes.referred_shapes import referred_shapes
-from torsionnet.solve.sensitivity import parametric_response
 
 F = np.array([0.4, 3.0, 8.0, 30.0])
 TAU = 2.5

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import torsionnet as tn
-from torsionnet.solve.modes.mode_shapes import _nodes_apart
+from torsionnet.linear.modes.mode_shapes import _nodes_apart
 
 
 def star(branches, damping=0.0, drag=0.0):

@@ -22,12 +22,12 @@ from validation.build import build, read_case
 
 import torsionnet as tn
 from torsionnet import plot
-from torsionnet.core.number_text import NumberText
+from torsionnet.base.number_text import NumberText
+from torsionnet.linear.frequency_response import Channel, FrequencyResponse
+from torsionnet.linear.phase import unwrapped_phase
 from torsionnet.plot.drawing.labels import quantity, symbol
 from torsionnet.plot.drawing.pieces import ROLES
 from torsionnet.plot.schematic.stations import idle_nodes, node_axis
-from torsionnet.response import Channel, FrequencyResponse
-from torsionnet.response.phase import unwrapped_phase
 
 DEGREES = tn.Conventions(angle="deg", frequency="cpm")
 FREQUENCIES = np.geomspace(0.3, 40, 60)

@@ -6,10 +6,10 @@ from support.report_blocks import blocks, of, rows
 from support.written_models import SHIP_SHAFTING
 
 import torsionnet as tn
+from torsionnet.machinery.verdicts.limit_check import GRAVITY
+from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import Listing, Paragraph, Picture, TableBlock
-from torsionnet.response.limits.limit_check import GRAVITY
-from torsionnet.response.limits.limit_conclusion import LimitConclusion
 
 
 @pytest.fixture(scope="module")

@@ -8,11 +8,11 @@ import pytest
 from support.report_blocks import blocks, of, rows
 
 import torsionnet as tn
-from torsionnet.model.free_end import free_end
+from torsionnet.machinery.verdicts.governing_peaks import governing_peaks, line_name
+from torsionnet.machinery.verdicts.order_peaks import LEAST_SHARE, order_peaks, order_shares
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import Paragraph, Picture, TableBlock
-from torsionnet.response.limits.governing_peaks import governing_peaks, line_name
-from torsionnet.response.limits.order_peaks import LEAST_SHARE, order_peaks, order_shares
+from torsionnet.report.free_end import free_end
 
 PLANT = """
 torsionnet: 1

@@ -5,8 +5,8 @@ from support.command_line import run
 from support.written_models import FAN
 
 import torsionnet as tn
-from torsionnet.model.report import KINDS, SECTIONS
 from torsionnet.report import make_report
+from torsionnet.report.plan import KINDS, SECTIONS
 from torsionnet.report.report_data import document_kind
 
 APPROVAL = {

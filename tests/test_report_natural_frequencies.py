@@ -5,13 +5,13 @@ import pytest
 from support.report_blocks import of, rows, words
 
 import torsionnet as tn
+from torsionnet.machinery.holzer.counted_frequencies import natural_frequencies
+from torsionnet.machinery.holzer.vibration_nodes import vibration_nodes
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import Paragraph, Picture, TableBlock
 from torsionnet.report.report_data import ReportData, cases_of
 from torsionnet.report.report_request import ReportRequest
 from torsionnet.report.sections.natural_frequencies import natural_frequencies_section
-from torsionnet.response.vibrations.vibration_nodes import vibration_nodes
-from torsionnet.solve.modes.counted_frequencies import natural_frequencies
 
 J, k = [2.0, 1.0, 3.0, 0.5], [1e4, 3e4, 2e4]
 NAMES = ["a", "b", "c", "d"]

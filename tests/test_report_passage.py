@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 import torsionnet as tn
-from torsionnet.core.units import RPM
-from torsionnet.model.report import ReportPlan
+from torsionnet.base.units import RPM
+from torsionnet.machinery.verdicts.operating_instructions import operating_instructions, passed_ranges
+from torsionnet.machinery.verdicts.ranges_passed import range_passages
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import Paragraph, Picture, TableBlock, inlines
-from torsionnet.response.limits.operating_instructions import operating_instructions, passed_ranges
-from torsionnet.solve.running.range_passage import range_passages
+from torsionnet.report.plan import ReportPlan
 
 pytestmark = pytest.mark.slow
 

@@ -8,7 +8,7 @@ import pytest
 from support.report_blocks import blocks, of, rows
 
 import torsionnet as tn
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import Facts, Listing, Picture, Remark, TableBlock
 
@@ -211,7 +211,7 @@ def test_words_that_no_result_depends_on_may_differ(result):
 
 def test_the_command_refuses_before_it_calculates(tmp_path, monkeypatch, capsys):
     """The study takes a while; the model is another one, or has another value for this report."""
-    from torsionnet.cli import main
+    from torsionnet.app.cli import main
 
     monkeypatch.setattr("torsionnet.study.run.run_chunks.run_study", lambda *_, **__: pytest.fail("calculated"))
     for given in (["dmf_rig"], ["amt_rig", "--set", "k_1=500"]):

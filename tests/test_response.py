@@ -8,7 +8,7 @@ import pytest
 from support.models import geared_line
 
 import torsionnet as tn
-from torsionnet.response.phase import phase_at_zero_frequency
+from torsionnet.linear.phase import phase_at_zero_frequency
 
 F = np.array([1.0, 2.0, 5.0])
 

@@ -7,10 +7,13 @@ import numpy as np
 import pytest
 
 import torsionnet as tn
-from torsionnet.core.errors import UsageError
-from torsionnet.response import Channel, Column, Conventions, FrequencyResponse, Modes, Table
-from torsionnet.response.phase import unwrapped_phase
-from torsionnet.response.variant_responses import FrequencyResponses
+from torsionnet.base.conventions import Conventions
+from torsionnet.base.errors import UsageError
+from torsionnet.base.table import Column, Table
+from torsionnet.linear.frequency_response import Channel, FrequencyResponse
+from torsionnet.linear.modes.modes import Modes
+from torsionnet.linear.phase import unwrapped_phase
+from torsionnet.linear.responses.variant_responses import FrequencyResponses
 
 TURN = 2 * np.pi
 OUTPUTS = (Channel("phi", "rad"), Channel("omega", "rad/s"))

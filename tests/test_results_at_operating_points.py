@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import torsionnet as tn
-from torsionnet.solve.batch.batch_plan import batch_plan
-from torsionnet.solve.batch.batched_modes import batched_modes
-from torsionnet.solve.sensitivity import mode_sensitivities
+from torsionnet.linear.batch.batch_plan import batch_plan
+from torsionnet.linear.batch.batched_modes import batched_modes
+from torsionnet.linear.sensitivity import mode_sensitivities
 
 pytestmark = pytest.mark.slow
 FREQUENCIES = [0.7, 4.0, 11.0]

@@ -9,10 +9,10 @@ from click.testing import CliRunner
 from support.steady_campaign import CAMPAIGN, SPEED, STEADY_FAN, torque, write_steady_record
 
 import torsionnet as tn
-from torsionnet.campaign import running_campaign
-from torsionnet.cli.app import app
-from torsionnet.core.errors import ModelError
-from torsionnet.io import large_records
+from torsionnet.app.cli.app import app
+from torsionnet.base.errors import ModelError
+from torsionnet.bench.campaign import running_campaign
+from torsionnet.signals.records import large_records
 
 
 @pytest.fixture

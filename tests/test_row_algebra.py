@@ -5,7 +5,7 @@ from itertools import combinations
 
 import pytest
 
-from torsionnet.solve.dynamic_stiffness.row_algebra import combine_rows, common_motion, equivalent_links, normalised
+from torsionnet.linear.dynamic_stiffness.row_algebra import combine_rows, common_motion, equivalent_links, normalised
 
 NOTHING, LITTLE = 1e-14, 1e-12
 """Relative differences below and above what rounding leaves."""

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
 from torsionnet.identification.residuals.windowed_estimate import windowed_estimate
 from torsionnet.signals import Recording, Signal, Welch, estimate
 

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from torsionnet.cli.app import app
-from torsionnet.core.errors import ModelError, UsageError
-from torsionnet.io.recording_files import read_recording
-from torsionnet.response.recording import Recording, Signal
+from torsionnet.app.cli.app import app
+from torsionnet.base.errors import ModelError, UsageError
 from torsionnet.signals.decimation import decimate
 from torsionnet.signals.encoder import angle_from_pulses
 from torsionnet.signals.estimators import estimate
 from torsionnet.signals.pulses import repaired_pulses
+from torsionnet.signals.recording import Recording, Signal
+from torsionnet.signals.records.recording_files import read_recording
 from torsionnet.signals.resampling import resampled
 from torsionnet.signals.resolution import resolution
 from torsionnet.signals.sample_counts import ALWAYS_ALLOWED_COUNT, MOST_MULTIPLE, check_count, even_times

@@ -9,11 +9,11 @@ import scipy
 from support.command_line import run
 
 import torsionnet as tn
-from torsionnet.io.recording_files import read_recording
 from torsionnet.model.elements import Values
-from torsionnet.model.scenarios.short_circuit import ShortCircuitScenario
-from torsionnet.model.scenarios.time_history import HistoryPiece, TimeHistory, Wave, straight
-from torsionnet.model.scenarios.torques_of_nodes import TorqueScenario
+from torsionnet.motion.scenarios.short_circuit import ShortCircuitScenario
+from torsionnet.motion.scenarios.time_history import HistoryPiece, TimeHistory, Wave, straight
+from torsionnet.motion.scenarios.torques_of_nodes import TorqueScenario
+from torsionnet.signals.records.recording_files import read_recording
 from torsionnet.study.quantities.scenario_peak import ScenarioPeak
 from torsionnet.study.quantities.variant_block import VariantBlock
 
@@ -190,7 +190,7 @@ class TestFaultySynchronisation:
     def test_later_and_faster_than_the_grid(self):
         first = {"g": 1.01 * OMEGA, "b": 1.012 * OMEGA}
         record = self.set_of_two().simulate(
-            self.OUTPUTS, scenario=self.onto(angle="-60 deg", at=0.1), start=tn.response.MotionStart(speeds=first)
+            self.OUTPUTS, scenario=self.onto(angle="-60 deg", at=0.1), start=tn.motion.MotionStart(speeds=first)
         )
         self.matches(record, self.integrated(-pi / 3, at=0.1, start=(0, 0, *first.values()), grid=OMEGA))
 
@@ -209,7 +209,7 @@ class TestFaultySynchronisation:
 
     @pytest.mark.parametrize("start", ["rest", "given"])
     def test_backwards_is_the_mirror_image(self, start):
-        turning = {"start": tn.response.MotionStart(speeds={"g": -OMEGA, "b": -OMEGA})} if start == "given" else {}
+        turning = {"start": tn.motion.MotionStart(speeds={"g": -OMEGA, "b": -OMEGA})} if start == "given" else {}
         record = self.set_of_two(operating_point={"speed": {"g": -1.002 * OMEGA}}).simulate(
             self.OUTPUTS, scenario=self.onto(angle="50 deg", decay=0.1, start="rest"), **turning
         )

@@ -18,7 +18,7 @@ from support.pictures import texts
 
 import torsionnet as tn
 from torsionnet import plot
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
 from torsionnet.plot.drawing.pieces import ROLES, is_math, text_width
 from torsionnet.plot.drawing.symbol_runs import X_HEIGHT, symbol_runs, symbols_width
 from torsionnet.plot.drawing.text_widths import font_widths

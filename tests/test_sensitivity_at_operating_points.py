@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import torsionnet as tn
-from torsionnet.core.errors import UsageError
-from torsionnet.solve.sensitivity import mode_sensitivities, parametric_response
+from torsionnet.base.errors import UsageError
+from torsionnet.linear.sensitivity import mode_sensitivities, parametric_response
 
 FREQUENCIES = [3.0, 5.0, 9.0]
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from torsionnet.cli.app import app
-from torsionnet.core.errors import ModelError
+from torsionnet.app.cli.app import app
+from torsionnet.base.errors import ModelError
 from torsionnet.signals import PulseReading, iter_blocks, read_recording
 from torsionnet.signals.resampling import interpolated_at, spline_error
 

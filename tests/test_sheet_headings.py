@@ -9,9 +9,9 @@ import random
 import pytest
 
 import torsionnet as tn
-from torsionnet.cli import main
-from torsionnet.core.delimited.cell_grid import parse_grid
-from torsionnet.core.errors import ModelError, UsageError
+from torsionnet.app.cli import main
+from torsionnet.base.delimited.cell_grid import parse_grid
+from torsionnet.base.errors import ModelError, UsageError
 from torsionnet.model.sheets.mass_elastic_sheet import SheetReading, parse_sheet
 
 LBF_IN = 0.45359237 * 9.80665 * 0.0254

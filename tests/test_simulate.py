@@ -5,7 +5,7 @@ import pytest
 import scipy
 
 import torsionnet as tn
-from torsionnet.solve.dynamic_stiffness import triangular
+from torsionnet.linear.dynamic_stiffness import triangular
 
 RATE = 2000.0
 

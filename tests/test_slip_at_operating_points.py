@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import torsionnet as tn
-from torsionnet.core.errors import ModelError
+from torsionnet.base.errors import ModelError
 
 STRIBECK = [["0 rad/s", "120 N*m"], ["50 rad/s", "110 N*m"], ["100 rad/s", "130 N*m"]]
 

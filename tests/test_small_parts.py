@@ -5,16 +5,17 @@ import numpy as np
 import pytest
 
 import torsionnet as tn
-from torsionnet.core.errors import ModelError, UsageError
+from torsionnet.base.conventions import Conventions
+from torsionnet.base.errors import ModelError, UsageError
 from torsionnet.identification.fit_file import load_fit_plan
-from torsionnet.response import Channel, Conventions, FrequencyResponse
+from torsionnet.linear.dynamic_stiffness.many_digits import ManyDigits, _quotient
+from torsionnet.linear.dynamic_stiffness.transfer_request import resolve_request
+from torsionnet.linear.frequency_response import Channel, FrequencyResponse
 from torsionnet.signals import Recording, Signal, Welch, angle_from_counts, angle_from_pulses, estimate
 from torsionnet.signals.agreement import agreement
 from torsionnet.signals.detrending import without_trend
 from torsionnet.signals.excitation import SteppedSine
 from torsionnet.signals.timing import gaps
-from torsionnet.solve.dynamic_stiffness.many_digits import ManyDigits, _quotient
-from torsionnet.solve.dynamic_stiffness.transfer_request import resolve_request
 
 
 def rotor(*elements):

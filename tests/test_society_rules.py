@@ -9,18 +9,18 @@ import pytest
 from support.limit_cases import hump, m68, stressed
 
 import torsionnet as tn
-from torsionnet.model.checks.limit_checks import unfit_limits
-from torsionnet.model.limits.generating_set_shaft import GeneratingSetShaft
-from torsionnet.model.limits.society_rules import NOT_AT_HAND, SHAFT_SOCIETIES, SOCIETIES
-from torsionnet.model.report import SECTIONS, ReportPlan
+from torsionnet.machinery.checks.limit_checks import unfit_limits
+from torsionnet.machinery.limits.generating_set_shaft import GeneratingSetShaft
+from torsionnet.machinery.limits.society_rules import NOT_AT_HAND, SHAFT_SOCIETIES, SOCIETIES
+from torsionnet.machinery.verdicts.shaft_margins import shaft_margins
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import Heading, Math, TableBlock, TableGroup
+from torsionnet.report.plan import SECTIONS, ReportPlan
 from torsionnet.report.report_data import ReportData, cases_of
 from torsionnet.report.report_request import ReportRequest
 from torsionnet.report.sections.separation_margins import separation_margins
 from torsionnet.report.sections.society_form import society_form
 from torsionnet.report.society_words import in_society_words
-from torsionnet.solve.running.shaft_margins import shaft_margins
 
 RPM = np.arange(20.0, 104.01, 0.5)
 
@@ -339,7 +339,7 @@ def test_generator_shaft_by_hand():
 
 
 def test_reports_know_every_society():
-    from torsionnet.model.limits.society_rules import SOCIETIES
-    from torsionnet.model.report.report_plan import SOCIETY_NAMES
+    from torsionnet.machinery.limits.society_rules import SOCIETIES
+    from torsionnet.report.plan.report_plan import SOCIETY_NAMES
 
     assert tuple(SOCIETIES) == SOCIETY_NAMES

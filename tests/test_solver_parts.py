@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 import scipy
 
-from torsionnet.core.errors import UsageError
-from torsionnet.response import Channel, FrequencyResponse, Modes
-from torsionnet.solve.dynamic_stiffness.triangular import blocks
-from torsionnet.solve.responses.grid import Adaptive, rounded, vibration_range
-from torsionnet.solve.responses.peaks import inner_maxima, peaks, static_value
+from torsionnet.base.errors import UsageError
+from torsionnet.linear.dynamic_stiffness.triangular import blocks
+from torsionnet.linear.frequency_response import Channel, FrequencyResponse
+from torsionnet.linear.modes.modes import Modes
+from torsionnet.linear.responses.grid import Adaptive, rounded, vibration_range
+from torsionnet.linear.responses.peaks import inner_maxima, peaks, static_value
 
 TURN = 2 * np.pi
 

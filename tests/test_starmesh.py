@@ -11,12 +11,12 @@ from hypothesis import strategies as st
 from support import campaigns
 
 import torsionnet as tn
-from torsionnet.assembly.law_stiffness import LawStiffness
-from torsionnet.assembly.rows import Rows, RowSystem
-from torsionnet.solve.dynamic_stiffness import dense, response_problem, sweep
-from torsionnet.solve.dynamic_stiffness.graph_plan import make_plan
-from torsionnet.solve.dynamic_stiffness.response_problem import Loading, ResponseProblem
-from torsionnet.solve.dynamic_stiffness.row_algebra import combine_rows, common_motion, equivalent_links, normalised
+from torsionnet.linear.assembly.law_stiffness import LawStiffness
+from torsionnet.linear.assembly.rows import Rows, RowSystem
+from torsionnet.linear.dynamic_stiffness import dense, response_problem, sweep
+from torsionnet.linear.dynamic_stiffness.graph_plan import make_plan
+from torsionnet.linear.dynamic_stiffness.response_problem import Loading, ResponseProblem
+from torsionnet.linear.dynamic_stiffness.row_algebra import combine_rows, common_motion, equivalent_links, normalised
 
 DIGITS = 60
 

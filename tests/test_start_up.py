@@ -38,7 +38,7 @@ def loaded_packages(body, directory):
 
 
 def command(*arguments):
-    return f"from torsionnet.cli import main\nsys.argv = {['torsionnet', *arguments]}\nsys.exit(main())"
+    return f"from torsionnet.app.cli import main\nsys.argv = {['torsionnet', *arguments]}\nsys.exit(main())"
 
 
 @pytest.mark.few(2)
@@ -62,7 +62,7 @@ def test_loads_no_heavy_package(body, unwanted, pytestconfig):
 def test_help_of_a_command_reads_no_entries(name, pytestconfig):
     """What makes JSON of results, and what a notebook shows, wait until one is asked for."""
     loaded = loaded_modules(command(name, "--help"), pytestconfig.rootpath)
-    wanted_later = {"torsionnet.core.entries", "torsionnet.core.expressions", "torsionnet.response", "base64"}
+    wanted_later = {"torsionnet.base.entries", "torsionnet.base.expressions", "torsionnet.response", "base64"}
     assert loaded & wanted_later == set()
 
 
@@ -145,13 +145,13 @@ def test_what_is_not_imported_is_there(module):
 
 ONLY_DECLARED = {
     "torsionnet/drivetrain.py",  # names the functions that are its methods
-    "torsionnet/core/errors.py",  # nothing is wrong with the rigs
-    "torsionnet/core/notes.py",  # warnings among the notes of results, of which there are none
-    "torsionnet/core/result_rows.py",  # fields of Modes, which nobody writes here
+    "torsionnet/base/errors.py",  # nothing is wrong with the rigs
+    "torsionnet/base/notes.py",  # warnings among the notes of results, of which there are none
+    "torsionnet/base/result_rows.py",  # fields of Modes, which nobody writes here
     "torsionnet/model/files/__init__.py",
     "torsionnet/model/parts/part_entries.py",  # sections of a model file
     "torsionnet/model/parts/part_table.py",
-    "torsionnet/model/report/title_block.py",
+    "torsionnet/report/plan/title_block.py",
 }
 """Modules that the rigs load for what they declare."""
 

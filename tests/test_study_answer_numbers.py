@@ -5,7 +5,7 @@ import pytest
 import scipy
 from support import campaigns
 
-from torsionnet.core.errors import SolveError, UsageError
+from torsionnet.base.errors import SolveError, UsageError
 from torsionnet.study.answers.map_answer import parameter_map
 from torsionnet.study.answers.scatter_answer import rank_correlations
 from torsionnet.study.answers.share_interval import counted_share

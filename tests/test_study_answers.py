@@ -7,7 +7,7 @@ import pytest
 import scipy
 
 import torsionnet as tn
-from torsionnet.core.errors import ModelError
+from torsionnet.base.errors import ModelError
 from torsionnet.study import define, run_study
 
 DEVIATION = 0.05

@@ -14,8 +14,8 @@ from support import campaigns
 from support.patience import wait_for
 from support.study_runs import answers_as_text, processes_of_session, small_study, started, study_of_answers
 
-from torsionnet.cli.app import app
-from torsionnet.core.errors import SolveError, UsageError
+from torsionnet.app.cli.app import app
+from torsionnet.base.errors import SolveError, UsageError
 from torsionnet.study.quantities.evaluator import Evaluator
 from torsionnet.study.run import evaluation_memory, shared_blocks
 from torsionnet.study.run.answering import answer_study

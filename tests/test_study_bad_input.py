@@ -5,7 +5,7 @@ import re
 import pytest
 
 import torsionnet as tn
-from torsionnet.core.errors import ModelError, UsageError
+from torsionnet.base.errors import ModelError, UsageError
 from torsionnet.study import define
 from torsionnet.study.quantities.user_function import function
 

@@ -20,7 +20,7 @@ from support.cluster_processes import STUDY_CLIENT, client, kill_all_of, process
 from support.cluster_work import DeadlyWork, FailingWork, NoiseWork, Prepared, noise
 from support.patience import PATIENCE, wait_for
 
-from torsionnet.core.errors import MissingExtraError, ModelError, UsageError
+from torsionnet.base.errors import MissingExtraError, ModelError, UsageError
 from torsionnet.study.run.cluster import chunk_task, cluster_losses, dask_executor
 from torsionnet.study.run.cluster.cluster_losses import ClusterError
 from torsionnet.study.run.cluster.connecting import connected

@@ -9,8 +9,8 @@ from click.testing import CliRunner
 from support.study_runs import small_study
 
 import torsionnet as tn
-from torsionnet.cli.app import app
-from torsionnet.core.errors import MissingExtraError, UsageError
+from torsionnet.app.cli.app import app
+from torsionnet.base.errors import MissingExtraError, UsageError
 from torsionnet.study.run.run_chunks import run_study
 from torsionnet.study.run.workload import Workload, shown_time
 

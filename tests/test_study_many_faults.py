@@ -3,7 +3,7 @@
 import pytest
 
 import torsionnet as tn
-from torsionnet.core.errors import ModelError
+from torsionnet.base.errors import ModelError
 
 GOOD = """\
 torsionnet: 1

@@ -8,9 +8,9 @@ import scipy
 
 import torsionnet as tn
 from torsionnet import plot
-from torsionnet.solve.design.levels import ReceptanceLevels
-from torsionnet.solve.design.worst_levels import WorstLevels
-from torsionnet.solve.sensitivity.parametric import parametric_response
+from torsionnet.linear.sensitivity.parametric import parametric_response
+from torsionnet.machinery.design.levels import ReceptanceLevels
+from torsionnet.machinery.design.worst_levels import WorstLevels
 from torsionnet.study.design.conditions_damper import damper_over_conditions
 from torsionnet.study.design.design_quantities import ExactSlopes
 from torsionnet.study.design.local_search import polish

@@ -7,7 +7,7 @@ import pytest
 import scipy
 
 import torsionnet as tn
-from torsionnet.response.damper_optimum import DesignParameter
+from torsionnet.machinery.design.damper_optimum import DesignParameter
 from torsionnet.study.design.design_goals import DesignGoals, DesignObjective, DesignTarget
 from torsionnet.study.design.design_problem import DesignProblem
 from torsionnet.study.design.design_tolerances import DesignTolerance, DesignTolerances

@@ -5,7 +5,7 @@ import pytest
 
 import torsionnet as tn
 from torsionnet import plot
-from torsionnet.core.units import RPM
+from torsionnet.base.units import RPM
 from torsionnet.study import define, run_study
 from torsionnet.study.answers.draws_beyond import limited_values
 from torsionnet.study.answers.map_answer import MapResult, ParameterMap

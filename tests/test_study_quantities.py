@@ -23,8 +23,8 @@ from support.study_blocks import (
 )
 
 import torsionnet as tn
-from torsionnet.core.collected_warnings import collected_warnings
-from torsionnet.core.errors import ModelError, TorsionnetWarning
+from torsionnet.base.collected_warnings import collected_warnings
+from torsionnet.base.errors import ModelError, TorsionnetWarning
 from torsionnet.study.quantities.peak_search import band_grid, largest
 from torsionnet.study.quantities.quantity import QUANTITIES
 from torsionnet.study.quantities.variant_block import VariantBlock

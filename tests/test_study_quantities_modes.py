@@ -8,7 +8,7 @@ import pytest
 from support.study_blocks import amt_rig, columns, dmf_rig, ship, singly, spread, together
 
 import torsionnet as tn
-from torsionnet.response.modes import OSCILLATORY
+from torsionnet.linear.modes.modes import OSCILLATORY
 from torsionnet.study.quantities.evaluator import Evaluator
 from torsionnet.study.quantities.natural_frequency import MIXED
 from torsionnet.study.quantities.quantity import QUANTITIES

@@ -8,8 +8,8 @@ import pytest
 from support.study_blocks import THREE, columns, dmf_rig, ship, ship_at_three_speeds, singly, spread
 
 import torsionnet as tn
-from torsionnet.core.entries.declared import files_beside
-from torsionnet.core.errors import ModelError, UsageError
+from torsionnet.base.entries.declared import files_beside
+from torsionnet.base.errors import ModelError, UsageError
 from torsionnet.study.quantities.counted_remarks import MOST_REMARKS, OTHERS
 from torsionnet.study.quantities.evaluator import Evaluator
 from torsionnet.study.quantities.quantity import QUANTITIES, QuantityForm

@@ -7,7 +7,7 @@ import pytest
 import scipy
 from support import campaigns
 
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
 from torsionnet.study.answers.design_points import design_points
 from torsionnet.study.answers.importance_sampling import _centres, importance_sampling
 from torsionnet.study.answers.subset_sampling import subset_levels, subset_sampling

@@ -9,8 +9,8 @@ from click.testing import CliRunner
 from support.study_runs import contents, small_study
 
 import torsionnet as tn
-from torsionnet.cli.app import app
-from torsionnet.core.errors import MissingExtraError, SolveError, UsageError
+from torsionnet.app.cli.app import app
+from torsionnet.base.errors import MissingExtraError, SolveError, UsageError
 from torsionnet.study.answers.answer import ANSWERS
 from torsionnet.study.answers.answer_inputs import LIMIT, PARAMETER, QUANTITY, unknown_names
 from torsionnet.study.quantities.quantity import QUANTITIES
@@ -178,14 +178,14 @@ def test_a_numba_that_refuses_this_numpy_is_done_without(monkeypatch):
     for name in [
         one
         for one in sys.modules
-        if one == "torsionnet.solve.dynamic_stiffness.compiled" or one.partition(".")[0] == "numba"
+        if one == "torsionnet.linear.dynamic_stiffness.compiled" or one.partition(".")[0] == "numba"
     ]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setattr(sys, "meta_path", [Refusing(), *sys.meta_path])
     study = small_study(count=10**6)
     assert study.method == "graph"
     with pytest.raises(MissingExtraError, match=r"works with this numpy: Numba needs NumPy 2\.3 or less"):
-        import torsionnet.solve.dynamic_stiffness.compiled  # noqa: F401
+        import torsionnet.linear.dynamic_stiffness.compiled  # noqa: F401
 
 
 @pytest.mark.parametrize("processes", [61, 62])

@@ -15,7 +15,7 @@ from support import campaigns
 from support.patience import PATIENCE, wait_for
 from support.study_runs import CHUNK, VARIANTS, contents, deadly, deaf, processes_of_session, small_study, started
 
-from torsionnet.core.errors import SolveError, TorsionnetWarning, UsageError
+from torsionnet.base.errors import SolveError, TorsionnetWarning, UsageError
 from torsionnet.study.run import calculating, folder_lock, study_record, workload
 from torsionnet.study.run.folder_lock import LOCK, locked
 from torsionnet.study.run.process_pool import MOST_DEATHS, ProcessExecutor

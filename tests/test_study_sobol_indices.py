@@ -5,7 +5,7 @@ import pytest
 import scipy
 from support import campaigns
 
-from torsionnet.core.errors import SolveError, UsageError
+from torsionnet.base.errors import SolveError, UsageError
 from torsionnet.study.answers.sobol_indices import sobol_estimates
 
 FIRST, TOTAL = np.array([0.31390519, 0.44241114, 0.0]), np.array([0.55758886, 0.44241114, 0.24368366])

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 import torsionnet as tn
 import torsionnet.study.space.sampling_points as sampling_points
-from torsionnet.core.errors import ModelError
+from torsionnet.base.errors import ModelError
 from torsionnet.study.examined_study import space_faults
 from torsionnet.study.space.correlation import Correlation
 from torsionnet.study.space.correlation_matrix import CorrelationOfPair, HermiteSeries

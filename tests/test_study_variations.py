@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import torsionnet as tn
-from torsionnet.core.errors import ModelError
-from torsionnet.core.units import DIMENSIONS
+from torsionnet.base.errors import ModelError
+from torsionnet.base.units import DIMENSIONS
 from torsionnet.study.space.variations.list_of_values import ListOfValues
 from torsionnet.study.space.variations.lognormal import Lognormal
 from torsionnet.study.space.variations.nominal import Nominal, NominalReader, nominals

@@ -11,8 +11,8 @@ from click.testing import CliRunner
 from support.study_runs import contents
 
 import torsionnet as tn
-from torsionnet.cli.app import app
-from torsionnet.core.errors import ModelError, UsageError
+from torsionnet.app.cli.app import app
+from torsionnet.base.errors import ModelError, UsageError
 from torsionnet.study import define, run_study, study_result
 from torsionnet.study.reductions.limit_counts import MOST_LIMITS, LimitBits, LimitCounts
 from torsionnet.study.run import chunks, workload

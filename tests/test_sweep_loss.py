@@ -9,8 +9,8 @@ from support.command_line import run
 
 import torsionnet as tn
 from torsionnet.io.tracked_order_tables import write_tracked_orders
-from torsionnet.response.measured.sweep_loss import MOST_DAMPED, sweep_loss, sweep_remarks
-from torsionnet.response.measured.tracked_orders import TrackedOrders
+from torsionnet.signals.orders.tracked_orders import TrackedOrders
+from torsionnet.signals.sweep_loss import MOST_DAMPED, sweep_loss, sweep_remarks
 
 NATURAL, RATIO = 20.0, 0.02
 PLANT = """torsionnet: 1

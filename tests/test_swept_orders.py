@@ -11,12 +11,12 @@ from support.report_blocks import blocks, of, rows
 
 import torsionnet as tn
 from torsionnet.io.tracked_order_tables import read_tracked_orders, write_tracked_orders
+from torsionnet.machinery.orders.swept_comparison import swept_comparison
+from torsionnet.machinery.orders.swept_orders import swept_orders
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import TableBlock
 from torsionnet.report.writers.markdown import markdown_text
-from torsionnet.response.measured.tracked_orders import TrackedOrders
-from torsionnet.solve.running.swept_comparison import swept_comparison
-from torsionnet.solve.running.swept_orders import swept_orders
+from torsionnet.signals.orders.tracked_orders import TrackedOrders
 
 RPM = np.pi / 30
 PLANT = """torsionnet: 1

@@ -14,13 +14,13 @@ from support import campaigns
 from support.patience import PATIENCE
 
 import torsionnet as tn
-from torsionnet.core.units import DIMENSIONS, parse_unit
+from torsionnet.app.text.completing.completion_units import units_of
+from torsionnet.app.text.completion import Completion, completions
+from torsionnet.app.text.text_edits import TextEdit, TextLines, edited
+from torsionnet.base.units import DIMENSIONS, parse_unit
 from torsionnet.model.element_base.element import ELEMENT_TYPES
 from torsionnet.model.files.library import library_models
 from torsionnet.model.files.located_yaml import LocatedNode, compose
-from torsionnet.text.completing.completion_units import units_of
-from torsionnet.text.completion import Completion, completions
-from torsionnet.text.text_edits import TextEdit, TextLines, edited
 
 MODELS = library_models()
 FEW = ("dmf_rig", "geared_branch")
@@ -411,7 +411,7 @@ def least_seconds(text: str, at: int) -> float:
 
 def test_completion_of_elements_loads_no_numpy() -> None:
     code = (
-        "import sys\nfrom torsionnet.text.completion import completions\n"
+        "import sys\nfrom torsionnet.app.text.completion import completions\n"
         "text = 'elements: {m: {type: sp'\nassert completions(text, len(text))\n"
         "text = 'elements: {m: {type: inertia, inertia: 3 '\nassert completions(text, len(text))\n"
         "assert completions('', 0)\nassert 'numpy' not in sys.modules\n"

@@ -7,11 +7,11 @@ import pytest
 from support import campaigns
 from support.broken_models import BASE
 
-from torsionnet.core.errors import UsageError
+from torsionnet.app.text.element_edits import inserted_element, value_edit, without_element
+from torsionnet.app.text.text_edits import edited
+from torsionnet.base.errors import UsageError
 from torsionnet.model.files.library import library_models
 from torsionnet.model.files.located_yaml import compose
-from torsionnet.text.element_edits import inserted_element, value_edit, without_element
-from torsionnet.text.text_edits import edited
 
 BLOCK = """\
 elements:

@@ -8,13 +8,13 @@ import pytest
 from support import campaigns
 from support.broken_models import BASE, CASES
 
-from torsionnet.cli.models import checked_model
-from torsionnet.core.errors import ModelError
+from torsionnet.app.cli.models import checked_model
+from torsionnet.app.text.text_edits import edited
+from torsionnet.app.text.text_faults import text_faults
+from torsionnet.base.errors import ModelError
 from torsionnet.model.files.library import library_models
 from torsionnet.model.files.located_yaml import compose
 from torsionnet.model.files.reader import read_text
-from torsionnet.text.text_edits import edited
-from torsionnet.text.text_faults import text_faults
 
 LIBRARY = {name: path.read_text(encoding="utf-8") for name, path in sorted(library_models().items())}
 QUICK = [name for name in LIBRARY if name not in ("front_wheel_drive_car", "marine_medium_speed")]
@@ -338,7 +338,7 @@ def test_fixes_of_misspelt_library_models_bring_no_errors():
 
 def test_fixes_of_many_faults_in_a_long_text_end(monkeypatch: pytest.MonkeyPatch) -> None:
     """Each fix is tried on the whole text; with one for each of 1000 faults that takes minutes."""
-    monkeypatch.setattr("torsionnet.text.text_faults._MOST_REREAD", 0)
+    monkeypatch.setattr("torsionnet.app.text.text_faults._MOST_REREAD", 0)
     spring = "  s{}: {{type: spring, nodes: [a, b], stifness: 3 N*m/rad}}\n"
     text = "torsionnet: 1\nelements:\n" + "".join(map(spring.format, range(25)))
     mended = [bool(one.fixes) for one in text_faults(text) if "stifness" in one.fault.message]

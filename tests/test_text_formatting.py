@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 from support import campaigns
 from support.broken_models import BASE, CASES
 
-from torsionnet.core.errors import ModelError
+from torsionnet.app.text.formatting import formatted
+from torsionnet.app.text.text_edits import edited
+from torsionnet.base.errors import ModelError
 from torsionnet.model.files.located_yaml import compose
-from torsionnet.text.formatting import formatted
-from torsionnet.text.text_edits import edited
 
 ROOT = Path(__file__).parent.parent
 FILES = sorted([*ROOT.glob("library/**/*.yaml"), *ROOT.glob("tests/plants/*.yaml"), *ROOT.glob("examples/**/*.yaml")])

@@ -6,14 +6,14 @@ from functools import cache
 import pytest
 from support import campaigns
 
-from torsionnet.core.errors import UsageError
+from torsionnet.app.text.name_change import renamable, rename
+from torsionnet.app.text.name_definition import definition, references
+from torsionnet.app.text.named_places import named_places
+from torsionnet.app.text.text_edits import TextSpan, edited
+from torsionnet.base.errors import UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.model.files.library import library_models
 from torsionnet.model.files.reader import read_text
-from torsionnet.text.name_change import renamable, rename
-from torsionnet.text.name_definition import definition, references
-from torsionnet.text.named_places import named_places
-from torsionnet.text.text_edits import TextSpan, edited
 
 FRESH = "zz_fresh"
 PLANT = """\

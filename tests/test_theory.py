@@ -11,9 +11,9 @@ import pytest
 import scipy
 
 import torsionnet as tn
-from torsionnet.model.limits.iacs_m68 import IacsM68
-from torsionnet.model.limits.m68_stress import permissible, size_factor, usual_range
-from torsionnet.response.cycle_extremes import cycle_extremes
+from torsionnet.machinery.limits.iacs_m68 import IacsM68
+from torsionnet.machinery.limits.m68_stress import permissible, size_factor, usual_range
+from torsionnet.machinery.orders.cycle_extremes import cycle_extremes
 from torsionnet.study.answers.share_interval import counted_share
 from torsionnet.study.answers.sobol_indices import sobol_estimates
 
@@ -219,7 +219,7 @@ class TestMeasuredInputs:
 
 class TestOrders:
     def test_6_4_series_of_the_inertia_torque(self):
-        from torsionnet.model.excitations.slider_crank import inertia_harmonics
+        from torsionnet.machinery.excitations.slider_crank import inertia_harmonics
 
         lam = 0.02  # small, so that what the series leaves out is below the tolerance
         series = [lam / 4 + lam**3 / 16, -0.5, -(3 * lam / 4 + 9 * lam**3 / 32), -(lam**2) / 4]
@@ -341,7 +341,7 @@ class TestIdentification:
 
 class TestSensitivitiesAndTolerances:
     def test_10_2_derivative_of_a_receptance(self):
-        from torsionnet.solve.sensitivity import parametric_response
+        from torsionnet.linear.sensitivity import parametric_response
 
         model = train(
             inertia("a", J1), inertia("b", J2), spring("a", "b", "k", damping=C), parameters={"k": f"{K} N*m/rad"}
@@ -352,7 +352,7 @@ class TestSensitivitiesAndTolerances:
         assert found == pytest.approx(-(twist**2), rel=1e-10)
 
     def test_10_3_and_10_4_derivative_of_a_natural_frequency(self):
-        from torsionnet.solve.sensitivity import mode_sensitivities
+        from torsionnet.linear.sensitivity import mode_sensitivities
 
         model = train(inertia("a", J1), inertia("b", J2), spring("a", "b", "k"), parameters={"k": f"{K} N*m/rad"})
         found = mode_sensitivities(model, ["k"])

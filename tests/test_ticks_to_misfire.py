@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from torsionnet.cli import main
+from torsionnet.app.cli import main
 
 PAGE = Path(__file__).parents[1] / "docs" / "how_to" / "ticks_to_misfire.md"
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from support.command_line import run
 
-from torsionnet.core.delimited.time_stamps import StampReader
-from torsionnet.core.errors import ModelError
-from torsionnet.core.notes import warning
-from torsionnet.io.recording_files import iter_blocks, read_recording
-from torsionnet.io.records.rounded_times import rounded_grid
+from torsionnet.base.delimited.time_stamps import StampReader
+from torsionnet.base.errors import ModelError
+from torsionnet.base.notes import warning
+from torsionnet.signals.records.recording_files import iter_blocks, read_recording
+from torsionnet.signals.records.rounded_times import rounded_grid
 from torsionnet.signals.timing import gaps, jitter
 
 COUNT = 3000

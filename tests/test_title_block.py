@@ -7,8 +7,8 @@ import pytest
 from support.command_line import run
 
 import torsionnet as tn
-from torsionnet.model.report import Revision, TitleBlock
 from torsionnet.report import make_report
+from torsionnet.report.plan import Revision, TitleBlock
 from torsionnet.report.writers.html import html_page
 from torsionnet.report.writers.latex import latex_document
 from torsionnet.report.writers.markdown import markdown_text
@@ -185,7 +185,7 @@ def test_command_shows_section_after_section(monkeypatch, tmp_path):
     words = ("report", "dmf_rig", "--section", "modes", "--section", "validity", "-o", "r.md")
     quiet = run(*words)
     assert quiet.stderr == "wrote: r.md\n"
-    monkeypatch.setattr("torsionnet.cli.progress.stages", stages)
+    monkeypatch.setattr("torsionnet.app.cli.progress.stages", stages)
     run(*words)
     assert told == [
         ("reading", 0, None, "reading the model"),

@@ -11,10 +11,10 @@ from typing import Any
 import pytest
 from support import campaigns
 
+from torsionnet.app.text import tolerant_reading
+from torsionnet.app.text.tolerant_reading import tolerant_data, tolerant_document
 from torsionnet.model.files.library import library_models, library_parts
 from torsionnet.model.files.located_yaml import MOST_NODES, LocatedDocument, LocatedNode, compose
-from torsionnet.text import tolerant_reading
-from torsionnet.text.tolerant_reading import tolerant_data, tolerant_document
 
 MODELS = library_models()
 FEW = ("dmf_rig", "two_stroke_ship")

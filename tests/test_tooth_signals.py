@@ -7,10 +7,10 @@ import pytest
 from support.known_rotation import pulse_times as crossings
 from support.known_rotation import shaft
 
-from torsionnet.core.errors import ModelError, UsageError
-from torsionnet.response.measured.pulse_channel import PulseChannel
-from torsionnet.response.recording import Recording, Signal
+from torsionnet.base.errors import ModelError, UsageError
 from torsionnet.signals.pulse_train import pulse_times
+from torsionnet.signals.recording import Recording, Signal
+from torsionnet.signals.rotation.pulse_channel import PulseChannel
 from torsionnet.signals.rotation.pulse_reading import PulseReading
 from torsionnet.signals.rotation.quadrature import DirectedPulses, quadrature_pulses
 from torsionnet.signals.rotation.reversing import ReversingRotation

@@ -9,17 +9,17 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from torsionnet.cli.app import app
-from torsionnet.core.errors import ModelError, UsageError
-from torsionnet.core.notes import Note, warning
+from torsionnet.app.cli.app import app
+from torsionnet.base.errors import ModelError, UsageError
+from torsionnet.base.notes import Note, warning
 from torsionnet.io import read_tracked_orders, write_recording, write_tracked_orders
 from torsionnet.io.tracked_order_tables import is_tracked_table
-from torsionnet.response.measured.pulse_channel import PulseChannel
-from torsionnet.response.measured.tracked_orders import TrackedOrders
-from torsionnet.response.measured.tracking_kernel import TrackingKernel
-from torsionnet.response.recording import Recording, Signal
 from torsionnet.signals.orders.derived_orders import order_slices, stress_orders
+from torsionnet.signals.orders.tracked_orders import TrackedOrders
 from torsionnet.signals.orders.tracking_entries import BANDWIDTH, ORDERS
+from torsionnet.signals.orders.tracking_kernel import TrackingKernel
+from torsionnet.signals.recording import Recording, Signal
+from torsionnet.signals.rotation.pulse_channel import PulseChannel
 
 
 @pytest.fixture(scope="module")

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from support.collecting import OnDemand
 
-from torsionnet.response.recording import Recording, Signal
 from torsionnet.signals import CycleAverage, PhaseReference, VoldKalman, mean_rotation, track_orders
+from torsionnet.signals.recording import Recording, Signal
 
 rota = OnDemand("rota")
 RATE = 1000.0

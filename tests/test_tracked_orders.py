@@ -9,9 +9,7 @@ import numpy as np
 import pytest
 import scipy
 
-from torsionnet.core.errors import UsageError
-from torsionnet.response.measured.pulse_channel import PulseChannel
-from torsionnet.response.recording import Recording, Signal
+from torsionnet.base.errors import UsageError
 from torsionnet.signals import (
     CycleAverage,
     PhaseReference,
@@ -23,6 +21,8 @@ from torsionnet.signals import (
     track_orders,
 )
 from torsionnet.signals.orders.mean_rotation import MeanRotation
+from torsionnet.signals.recording import Recording, Signal
+from torsionnet.signals.rotation.pulse_channel import PulseChannel
 from torsionnet.signals.rotation.wheel import Wheel
 from torsionnet.signals.rotation.wheel_rotation import WheelRotation, wheel_rotation
 
@@ -506,7 +506,7 @@ import sys
 from pathlib import Path
 import numpy as np
 from torsionnet.io import iter_blocks, write_recording
-from torsionnet.response.recording import Recording, Signal
+from torsionnet.signals.recording import Recording, Signal
 from torsionnet.signals import CycleAverage, VoldKalman, mean_rotation, track_orders
 path, seconds, what = sys.argv[1], int(sys.argv[2]), sys.argv[3]
 names = [f"T{number}" for number in range(7)]
@@ -539,7 +539,7 @@ def test_a_wheel_of_an_hour_and_blocks_of_eight_channels_fit_into_400_megabytes(
 import sys
 from pathlib import Path
 import numpy as np
-from torsionnet.response.recording import Recording, Signal
+from torsionnet.signals.recording import Recording, Signal
 from torsionnet.signals import PulseChannel, mean_rotation
 from torsionnet.signals.orders.orders_of_test import orders_of_test
 from torsionnet.signals.rotation.rotations_of_wheels import rotations_of_wheels

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from torsionnet.response.measured.pulse_channel import PulseChannel
 from torsionnet.signals import Recording, Signal, check_recording
+from torsionnet.signals.rotation.pulse_channel import PulseChannel
 from torsionnet.signals.rotation.turn_pattern import turn_pattern
 
 RATE = 2000.0

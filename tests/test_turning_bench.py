@@ -8,11 +8,9 @@ import pytest
 import scipy
 
 import torsionnet as tn
+from torsionnet.base.errors import ModelError, UsageError
 from torsionnet.bench.coast_down import coast_down, turning_inertia
-from torsionnet.bench.wheel_speeds import with_wheel_speeds
-from torsionnet.bench.wheel_turning import true_places
-from torsionnet.core.errors import ModelError, UsageError
-from torsionnet.model.bench import (
+from torsionnet.bench.plan import (
     Acquisition,
     CoastDown,
     Encoder,
@@ -25,7 +23,9 @@ from torsionnet.model.bench import (
     ToothedWheel,
     Transducer,
 )
-from torsionnet.response.recording import PulseChannel, Recording
+from torsionnet.bench.wheel_speeds import with_wheel_speeds
+from torsionnet.bench.wheel_turning import true_places
+from torsionnet.signals.recording import PulseChannel, Recording
 
 RPM = np.pi / 30
 J_A, J_B, K, C = 1.0, 3.0, 4000.0, 6.0

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from torsionnet.core.errors import MissingExtraError
+from torsionnet.base.errors import MissingExtraError
 from torsionnet.report.writers.pdf import find_browser
 
 DOCS = Path(__file__).parents[1] / "docs"

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from torsionnet.assembly.law_stiffness import LawStiffness
-from torsionnet.solve.responses.transfer import PERTURBATION, expected_errors
+from torsionnet.linear.assembly.law_stiffness import LawStiffness
+from torsionnet.linear.responses.transfer import PERTURBATION, expected_errors
 
 
 def test_further_solutions_only_of_points_that_are_not_sure():

@@ -11,9 +11,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from torsionnet.core.entries.scalars import read_scalar
-from torsionnet.core.entries.spec import EntryError
-from torsionnet.core.units import (
+from torsionnet.base.entries.scalars import read_scalar
+from torsionnet.base.entries.spec import EntryError
+from torsionnet.base.units import (
     ANGLES,
     DIMENSIONS,
     Dimension,
@@ -26,7 +26,7 @@ from torsionnet.core.units import (
     parse_quantity,
     parse_unit,
 )
-from torsionnet.io.records.quantities import quantity_of
+from torsionnet.signals.records.quantities import quantity_of
 
 LBF = Fraction("4.4482216152605")
 INCH = Fraction("0.0254")

@@ -8,8 +8,8 @@ import pytest
 from click.testing import CliRunner
 
 import torsionnet as tn
-from torsionnet.cli.app import app
-from torsionnet.core import atomic
+from torsionnet.app.cli.app import app
+from torsionnet.base import atomic
 
 MODES = ["modes", "dmf_rig", "--csv"]
 links = pytest.mark.skipif(os.name == "nt", reason="links need rights that Windows users do not have")

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import torsionnet as tn
-from torsionnet.assembly.law_stiffness import law_stiffness
-from torsionnet.solve.dynamic_stiffness import sweep
+from torsionnet.linear.assembly.law_stiffness import law_stiffness
+from torsionnet.linear.dynamic_stiffness import sweep
 
 F = np.array([0.0, 0.5, 4.0, 8.1, 30.0])
 both = pytest.mark.parametrize("method", ["graph", "compiled"])
@@ -104,7 +104,7 @@ def test_compiled_without_numba_names_the_command(monkeypatch):
     import sys
 
     monkeypatch.setitem(sys.modules, "numba", None)
-    monkeypatch.delitem(sys.modules, "torsionnet.solve.dynamic_stiffness.compiled", raising=False)
-    monkeypatch.delattr("torsionnet.solve.dynamic_stiffness.compiled", raising=False)
+    monkeypatch.delitem(sys.modules, "torsionnet.linear.dynamic_stiffness.compiled", raising=False)
+    monkeypatch.delattr("torsionnet.linear.dynamic_stiffness.compiled", raising=False)
     with pytest.raises(tn.MissingExtraError, match=r'pip install "torsionnet\[fast\]"'):
         tn.load("dmf_rig").frequency_response("theta_1", "T_M", [1.0], method="compiled")

@@ -8,10 +8,10 @@ from support.models import sympy_algebra
 
 import torsionnet as tn
 import torsionnet.io as io
-from torsionnet.core.expressions import FLOAT
+from torsionnet.base.expressions import FLOAT
+from torsionnet.linear.batch.batch_plan import batch_plan
 from torsionnet.model.elements import MotionLaw, Values
 from torsionnet.model.files.reader import read_text
-from torsionnet.solve.batch.batch_plan import batch_plan
 
 PARAMETERS = {
     "k_1": "460 N*m/rad", "phi_1": "0.12 rad", "T_2": "150 N*m", "k_2": "1500 N*m/rad", "P": "3 N*m",

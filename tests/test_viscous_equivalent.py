@@ -6,10 +6,10 @@ from click.testing import CliRunner
 from support.modelica_reader import Model as ModelicaModel
 
 import torsionnet as tn
-from torsionnet.cli.app import app
-from torsionnet.core.errors import UsageError
+from torsionnet.app.cli.app import app
+from torsionnet.base.errors import UsageError
 from torsionnet.io import to_modelica
-from torsionnet.model.viscous_equivalent import viscous_equivalent
+from torsionnet.machinery.design.viscous_equivalent import viscous_equivalent
 
 F = [2.0, 11.0, 40.0]
 TABLE = [[1, 900, 6], [20, 1500, 3], [60, 2000, 1]]

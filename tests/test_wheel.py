@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from torsionnet.cli.commands.new import KINDS
+from torsionnet.app.cli.commands.new import KINDS
 
 pytestmark = pytest.mark.slow
 
@@ -76,12 +76,12 @@ def test_wheel_holds_models_and_type_marker(wheel, library_names):
     assert files >= {f"torsionnet/library/{name}.yaml" for name in library_names}
     page = ("index.html", "main.js", "style.css", "vendor/uPlot.iife.min.js", "vendor/LICENSE-uPlot.txt")
     page += ("vendor/codemirror.min.js", "vendor/LICENSE-codemirror.txt")
-    assert not any(name.startswith("torsionnet/explore/bundle/") for name in files)
-    assert files >= {f"torsionnet/explore/static/{name}" for name in page}
+    assert not any(name.startswith("torsionnet/app/explore/bundle/") for name in files)
+    assert files >= {f"torsionnet/app/explore/static/{name}" for name in page}
     templates = Path(__file__).parents[1] / "torsionnet" / "report" / "writers" / "templates"
     assert files >= {f"torsionnet/report/writers/templates/{template.name}" for template in templates.iterdir()}
     assert "torsionnet/report/texts.yaml" in files
-    assert files >= {f"torsionnet/cli/starting_models/{kind}.yaml" for kind in KINDS}
+    assert files >= {f"torsionnet/app/cli/starting_models/{kind}.yaml" for kind in KINDS}
     sources = Path(__file__).parents[1] / "torsionnet" / "io" / "fmu" / "c"
     assert files >= {f"torsionnet/io/fmu/c/{source.name}" for source in sources.iterdir()}
     assert {name.split("/")[0].split("-")[0] for name in files} == {"torsionnet"}

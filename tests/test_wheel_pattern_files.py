@@ -9,11 +9,11 @@ import scipy
 from support.command_line import run
 from support.wheel_tests import DEGREE, RPM, VALUES, Z, record, teeth
 
-from torsionnet.core.errors import ModelError
+from torsionnet.base.errors import ModelError
 from torsionnet.io import read_wheel_pattern, write_recording, write_wheel_pattern
-from torsionnet.response.measured.pulse_channel import PulseChannel
-from torsionnet.response.measured.wheel_pattern import WheelPattern
-from torsionnet.response.recording import Recording, Signal
+from torsionnet.signals.recording import Recording, Signal
+from torsionnet.signals.rotation.pulse_channel import PulseChannel
+from torsionnet.signals.rotation.wheel_pattern import WheelPattern
 
 
 def test_what_is_written_is_read_again(tmp_path):

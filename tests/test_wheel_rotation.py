@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from support.known_rotation import order_of, pulse_times, shaft
 
-from torsionnet.core.errors import UsageError
-from torsionnet.response.measured.pulse_channel import PulseChannel
-from torsionnet.response.measured.wheel_pattern import WheelPattern
+from torsionnet.base.errors import UsageError
+from torsionnet.signals.rotation.pulse_channel import PulseChannel
 from torsionnet.signals.rotation.wheel import Wheel
 from torsionnet.signals.rotation.wheel_channel import WheelChannel
+from torsionnet.signals.rotation.wheel_pattern import WheelPattern
 from torsionnet.signals.rotation.wheel_rotation import wheel_rotation
 
 RPM = 2 * np.pi / 60

@@ -9,7 +9,7 @@ import scipy
 from support.models import sympy_algebra
 
 import torsionnet as tn
-from torsionnet.core.expressions import FLOAT
+from torsionnet.base.expressions import FLOAT
 from torsionnet.model.element_base.laws import MotionState
 from torsionnet.model.elements import Action, Constraint, Law, MotionLaw, Values, make_element
 

@@ -5,9 +5,9 @@ import pytest
 from support.study_blocks import together
 
 import torsionnet as tn
-from torsionnet.core.errors import ModelError
+from torsionnet.base.errors import ModelError
 from torsionnet.io.fmu.fmu_coordinates import trace_motion
-from torsionnet.solve.sensitivity import mode_sensitivities
+from torsionnet.linear.sensitivity import mode_sensitivities
 from torsionnet.study.quantities.quantity import QUANTITIES
 
 SLIP = [["0 rad/s", "200 N*m"], ["10 rad/s", "190 N*m"], ["30 rad/s", "185 N*m"]]

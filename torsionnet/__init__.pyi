@@ -1,29 +1,36 @@
 # Written by `make generate`.
 from torsionnet import bench as bench
-from torsionnet import campaign as campaign
 from torsionnet import identification as identification
 from torsionnet import io as io
+from torsionnet import linear as linear
+from torsionnet import machinery as machinery
 from torsionnet import modal as modal
+from torsionnet import motion as motion
 from torsionnet import plot as plot
 from torsionnet import report as report
-from torsionnet import response as response
 from torsionnet import signals as signals
 from torsionnet import study as study
 from torsionnet import symbolic as symbolic
+from torsionnet.base import units as units
+from torsionnet.base.conventions import Conventions as Conventions
+from torsionnet.base.conventions import SI as SI
+from torsionnet.base.errors import Fault as Fault
+from torsionnet.base.errors import MissingExtraError as MissingExtraError
+from torsionnet.base.errors import ModelError as ModelError
+from torsionnet.base.errors import Position as Position
+from torsionnet.base.errors import SolveError as SolveError
+from torsionnet.base.errors import TorsionnetError as TorsionnetError
+from torsionnet.base.errors import TorsionnetWarning as TorsionnetWarning
+from torsionnet.base.errors import UsageError as UsageError
+from torsionnet.base.notes import Note as Note
+from torsionnet.base.table import Column as Column
+from torsionnet.base.table import Table as Table
+from torsionnet.base.version import __version__ as __version__
 from torsionnet.bench import Bench as Bench
+from torsionnet.bench import campaign as campaign
 from torsionnet.bench import load_bench as load_bench
-from torsionnet.campaign import load_campaign as load_campaign
-from torsionnet.campaign import run_campaign as run_campaign
-from torsionnet.core import units as units
-from torsionnet.core.errors import Fault as Fault
-from torsionnet.core.errors import MissingExtraError as MissingExtraError
-from torsionnet.core.errors import ModelError as ModelError
-from torsionnet.core.errors import Position as Position
-from torsionnet.core.errors import SolveError as SolveError
-from torsionnet.core.errors import TorsionnetError as TorsionnetError
-from torsionnet.core.errors import TorsionnetWarning as TorsionnetWarning
-from torsionnet.core.errors import UsageError as UsageError
-from torsionnet.core.version import __version__ as __version__
+from torsionnet.bench.campaign import load_campaign as load_campaign
+from torsionnet.bench.campaign import run_campaign as run_campaign
 from torsionnet.drivetrain import Drivetrain as Drivetrain
 from torsionnet.entry_classes import OperatingPoint as OperatingPoint
 from torsionnet.entry_classes import Parameter as Parameter
@@ -33,6 +40,12 @@ from torsionnet.identification import Fit as Fit
 from torsionnet.identification import Measurement as Measurement
 from torsionnet.identification import Unknown as Unknown
 from torsionnet.identification import identify as identify
+from torsionnet.linear import sensitivity as sensitivity
+from torsionnet.linear.frequency_response import Channel as Channel
+from torsionnet.linear.frequency_response import FrequencyResponse as FrequencyResponse
+from torsionnet.linear.modes.modes import Modes as Modes
+from torsionnet.linear.responses.grid import Adaptive as Adaptive
+from torsionnet.linear.responses.variant_responses import FrequencyResponses as FrequencyResponses
 from torsionnet.loading import load as load
 from torsionnet.loading import loads as loads
 from torsionnet.model.channels import Input as Input
@@ -79,13 +92,6 @@ from torsionnet.model.elements.element_types import ViscousDamper as ViscousDamp
 from torsionnet.model.files import library_benches as library_benches
 from torsionnet.model.files import library_models as library_models
 from torsionnet.report import write_report as write_report
-from torsionnet.response import Channel as Channel
-from torsionnet.response import Conventions as Conventions
-from torsionnet.response import FrequencyResponse as FrequencyResponse
-from torsionnet.response import FrequencyResponses as FrequencyResponses
-from torsionnet.response import Modes as Modes
-from torsionnet.solve import sensitivity as sensitivity
-from torsionnet.solve.responses.grid import Adaptive as Adaptive
 from torsionnet.study import load_study as load_study
 
 __all__ = [
@@ -97,6 +103,7 @@ __all__ = [
     "Channel",
     "Clearance",
     "Clutch",
+    "Column",
     "ConstantPowerLoad",
     "ContinuousShaft",
     "Controller",
@@ -128,6 +135,7 @@ __all__ = [
     "MissingExtraError",
     "ModelError",
     "Modes",
+    "Note",
     "OperatingPoint",
     "Parameter",
     "PendulumAbsorber",
@@ -135,6 +143,7 @@ __all__ = [
     "Position",
     "Propeller",
     "RigidCoupling",
+    "SI",
     "Sensor",
     "Shaft",
     "ShortCircuitScenario",
@@ -142,6 +151,7 @@ __all__ = [
     "Spring",
     "SpringDamper",
     "SynchronousMachine",
+    "Table",
     "TabulatedSpring",
     "TorqueConverter",
     "TorqueScenario",
@@ -161,15 +171,17 @@ __all__ = [
     "io",
     "library_benches",
     "library_models",
+    "linear",
     "load",
     "load_bench",
     "load_campaign",
     "load_study",
     "loads",
+    "machinery",
     "modal",
+    "motion",
     "plot",
     "report",
-    "response",
     "run_campaign",
     "sensitivity",
     "signals",

@@ -2,7 +2,7 @@
 
 import sys
 
-from torsionnet.cli import main
+from torsionnet.app.cli import main
 
 if __name__ == "__main__":
     sys.exit(main())

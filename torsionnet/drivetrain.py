@@ -7,33 +7,33 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
-from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.core.packages import AttributeHints, LazyMethod
+from torsionnet.base.packages import AttributeHints, LazyMethod
+from torsionnet.linear.assembly.assembled import AssembledModel
 
 if TYPE_CHECKING:
+    import torsionnet.linear.batch.variants
+    import torsionnet.linear.dynamic_stiffness.state_space
+    import torsionnet.linear.modes.natural_modes
+    import torsionnet.linear.responses.loop_margin_search
+    import torsionnet.linear.responses.transfer
+    import torsionnet.machinery.criticals.critical_speed_search
+    import torsionnet.machinery.design.damper_design
+    import torsionnet.machinery.holzer.holzer
+    import torsionnet.machinery.holzer.mass_elastic_lines
+    import torsionnet.machinery.mean.dissipation
+    import torsionnet.machinery.mean.mean_solution
+    import torsionnet.machinery.mean.power_solution
+    import torsionnet.machinery.mean.static_solution
+    import torsionnet.machinery.orders.refined_response
+    import torsionnet.machinery.passage.passage_solution
+    import torsionnet.machinery.verdicts.limit_checking
+    import torsionnet.machinery.verdicts.shaft_margins
     import torsionnet.model.graph
     import torsionnet.model.overview
-    import torsionnet.solve.batch.variants
-    import torsionnet.solve.design.damper_design
-    import torsionnet.solve.dynamic_stiffness.state_space
-    import torsionnet.solve.modes.holzer
-    import torsionnet.solve.modes.mass_elastic_lines
-    import torsionnet.solve.modes.modes
-    import torsionnet.solve.motion.scenario_run
-    import torsionnet.solve.responses.loop_margin_search
-    import torsionnet.solve.responses.transfer
-    import torsionnet.solve.running.critical_speeds
-    import torsionnet.solve.running.dissipation
-    import torsionnet.solve.running.limit_check
-    import torsionnet.solve.running.mean_response
-    import torsionnet.solve.running.passage_response
-    import torsionnet.solve.running.power_balance
-    import torsionnet.solve.running.refined_response
-    import torsionnet.solve.running.shaft_margins
-    import torsionnet.solve.running.static_state
+    import torsionnet.motion.scenario_run
     import torsionnet.symbolic.symbolic_system
-    from torsionnet.core.errors import Fault
-    from torsionnet.model.motion_balance.balanced_state import BalancedState
+    from torsionnet.base.errors import Fault
+    from torsionnet.model.balanced_state import BalancedState
 else:
     torsionnet = LazyMethod("torsionnet")
 
@@ -85,28 +85,28 @@ class Drivetrain(AssembledModel, AttributeHints):
 
     # A method is the function that solves it, with its docstring; the module is imported at the first call.
     graph = torsionnet.model.graph.graph
-    frequency_response = torsionnet.solve.responses.transfer.frequency_response
-    frequency_responses = torsionnet.solve.batch.variants.frequency_responses
-    modes = torsionnet.solve.modes.modes.modes
-    simulate = torsionnet.solve.motion.scenario_run.simulate
-    loop_margins = torsionnet.solve.responses.loop_margin_search.loop_margins
+    frequency_response = torsionnet.linear.responses.transfer.frequency_response
+    frequency_responses = torsionnet.linear.batch.variants.frequency_responses
+    modes = torsionnet.linear.modes.natural_modes.modes
+    simulate = torsionnet.motion.scenario_run.simulate
+    loop_margins = torsionnet.linear.responses.loop_margin_search.loop_margins
     symbolic = torsionnet.symbolic.symbolic_system.symbolic
-    to_control = torsionnet.solve.dynamic_stiffness.state_space.to_control
+    to_control = torsionnet.linear.dynamic_stiffness.state_space.to_control
     _repr_html_ = torsionnet.model.overview.page
 
     # What is asked of running machinery, with its speeds, load, excitations and limits.
-    order_response = torsionnet.solve.running.refined_response.order_response
-    passage_response = torsionnet.solve.running.passage_response.passage_response
-    critical_speeds = torsionnet.solve.running.critical_speeds.critical_speeds
-    shaft_margins = torsionnet.solve.running.shaft_margins.shaft_margins
-    holzer_table = torsionnet.solve.modes.holzer.holzer_table
-    mass_elastic_table = torsionnet.solve.modes.mass_elastic_lines.mass_elastic_table
-    mean_response = torsionnet.solve.running.mean_response.mean_response
-    static_state = torsionnet.solve.running.static_state.static_state
-    power_balance = torsionnet.solve.running.power_balance.power_balance
-    dissipated_power = torsionnet.solve.running.dissipation.dissipated_power
-    check_limits = torsionnet.solve.running.limit_check.check_limits
-    damper_design = torsionnet.solve.design.damper_design.damper_design
+    order_response = torsionnet.machinery.orders.refined_response.order_response
+    passage_response = torsionnet.machinery.passage.passage_solution.passage_response
+    critical_speeds = torsionnet.machinery.criticals.critical_speed_search.critical_speeds
+    shaft_margins = torsionnet.machinery.verdicts.shaft_margins.shaft_margins
+    holzer_table = torsionnet.machinery.holzer.holzer.holzer_table
+    mass_elastic_table = torsionnet.machinery.holzer.mass_elastic_lines.mass_elastic_table
+    mean_response = torsionnet.machinery.mean.mean_solution.mean_response
+    static_state = torsionnet.machinery.mean.static_solution.static_state
+    power_balance = torsionnet.machinery.mean.power_solution.power_balance
+    dissipated_power = torsionnet.machinery.mean.dissipation.dissipated_power
+    check_limits = torsionnet.machinery.verdicts.limit_checking.check_limits
+    damper_design = torsionnet.machinery.design.damper_design.damper_design
 
     def check(self) -> tuple[Fault, ...]:
         """Warnings and notes about the model, unstable modes included (errors have already been refused)."""
@@ -115,7 +115,7 @@ class Drivetrain(AssembledModel, AttributeHints):
     @cached_property
     def _operating_faults(self) -> tuple[Fault, ...]:
         """Faults of an operating point at which laws of motion are not in balance, as a torque beyond a last stage."""
-        from torsionnet.core.errors import Fault, ModelError, TorsionnetError
+        from torsionnet.base.errors import Fault, ModelError, TorsionnetError
 
         tangents = self.definition.tangents
         try:
@@ -130,7 +130,7 @@ class Drivetrain(AssembledModel, AttributeHints):
     def _unstable_modes(self) -> tuple[Fault, ...]:
         if not any(element.may_feed for element in self.elements.values()):
             return ()
-        from torsionnet.solve.modes.stability import unstable_modes
+        from torsionnet.linear.modes.stability import unstable_modes
 
         return unstable_modes(self)
 
@@ -176,7 +176,7 @@ class Drivetrain(AssembledModel, AttributeHints):
         >>> [round(2 * 3.141592653589793 * float(one), 6) for one in frequencies]
         [30.0, 60.0]
         """
-        from torsionnet.model.motion_balance.asked_point import asked_point
+        from torsionnet.motion.balance.asked_point import asked_point
 
         return self.at_point(asked_point(self.definition, torque, speed))
 

@@ -1,18 +1,18 @@
 # Written by `make generate`.
 import datetime
 from collections.abc import Mapping
-from torsionnet.core.entries.accepted_types import Entries, NumberByNumber, NumberRows, Scalar, Scalars, WholeNumber
-from torsionnet.model.report import SECTIONS
+from torsionnet.base.entries.accepted_types import Entries, NumberByNumber, NumberRows, Scalar, Scalars, WholeNumber
+from torsionnet.report.plan import SECTIONS
 from typing import Any, Literal
-from torsionnet.model.bench.parts import Acquisition as _Acquisition
+from torsionnet.bench.plan.parts import Acquisition as _Acquisition
 from torsionnet.signals.excitation.broadband import BurstRandom as _BurstRandom
-from torsionnet.model.bench.bench_motions import CoastDown as _CoastDown
+from torsionnet.bench.plan.bench_motions import CoastDown as _CoastDown
 from torsionnet.study.space.correlation import Correlation as _Correlation
-from torsionnet.model.bench.parts import DropOuts as _DropOuts
-from torsionnet.model.bench.parts import Encoder as _Encoder
-from torsionnet.model.bench.parts import Exciter as _Exciter
-from torsionnet.model.bench.bench_motions import GivenSpeed as _GivenSpeed
-from torsionnet.model.bench.parts import Hum as _Hum
+from torsionnet.bench.plan.parts import DropOuts as _DropOuts
+from torsionnet.bench.plan.parts import Encoder as _Encoder
+from torsionnet.bench.plan.parts import Exciter as _Exciter
+from torsionnet.bench.plan.bench_motions import GivenSpeed as _GivenSpeed
+from torsionnet.bench.plan.parts import Hum as _Hum
 from torsionnet.signals.excitation.sweeps import LinearChirp as _LinearChirp
 from torsionnet.study.space.variations.list_of_values import ListOfValues as _ListOfValues
 from torsionnet.signals.excitation.sweeps import LogarithmicSweep as _LogarithmicSweep
@@ -21,31 +21,31 @@ from torsionnet.signals.excitation.broadband import Multisine as _Multisine
 from torsionnet.study.space.variations.normal import Normal as _Normal
 from torsionnet.model.operating_point import OperatingPoint as _OperatingPoint
 from torsionnet.model.parameters import Parameter as _Parameter
-from torsionnet.model.bench.toothed_wheel import PitchErrors as _PitchErrors
-from torsionnet.model.bench.plan import Plan as _Plan
+from torsionnet.bench.plan.toothed_wheel import PitchErrors as _PitchErrors
+from torsionnet.bench.plan.plan import Plan as _Plan
 from torsionnet.signals.rotation.pulse_reading import PulseReading as _PulseReading
-from torsionnet.model.bench.toothed_wheel import RadialVibration as _RadialVibration
-from torsionnet.model.bench.parts import RecordingSystem as _RecordingSystem
-from torsionnet.model.report.report_plan import ReportPlan as _ReportPlan
-from torsionnet.model.report.title_block import Revision as _Revision
-from torsionnet.model.bench.bench_motions import RunDown as _RunDown
-from torsionnet.model.bench.bench_motions import RunUp as _RunUp
+from torsionnet.bench.plan.toothed_wheel import RadialVibration as _RadialVibration
+from torsionnet.bench.plan.parts import RecordingSystem as _RecordingSystem
+from torsionnet.report.plan.report_plan import ReportPlan as _ReportPlan
+from torsionnet.report.plan.title_block import Revision as _Revision
+from torsionnet.bench.plan.bench_motions import RunDown as _RunDown
+from torsionnet.bench.plan.bench_motions import RunUp as _RunUp
 from torsionnet.study.space.samples import Samples as _Samples
-from torsionnet.model.scenarios.short_circuit import ShortCircuitScenario as _ShortCircuitScenario
-from torsionnet.model.bench.strain_gauge import ShuntCalibration as _ShuntCalibration
-from torsionnet.model.bench.bench_motions import SteadyPoints as _SteadyPoints
+from torsionnet.motion.scenarios.short_circuit import ShortCircuitScenario as _ShortCircuitScenario
+from torsionnet.bench.plan.strain_gauge import ShuntCalibration as _ShuntCalibration
+from torsionnet.bench.plan.bench_motions import SteadyPoints as _SteadyPoints
 from torsionnet.signals.excitation.sweeps import SteppedSine as _SteppedSine
-from torsionnet.model.bench.strain_gauge import StrainGauge as _StrainGauge
-from torsionnet.model.report.title_block import TitleBlock as _TitleBlock
-from torsionnet.model.bench.toothed_wheel import ToothedWheel as _ToothedWheel
-from torsionnet.model.scenarios.torques_of_nodes import TorqueScenario as _TorqueScenario
-from torsionnet.model.bench.parts import Transducer as _Transducer
+from torsionnet.bench.plan.strain_gauge import StrainGauge as _StrainGauge
+from torsionnet.report.plan.title_block import TitleBlock as _TitleBlock
+from torsionnet.bench.plan.toothed_wheel import ToothedWheel as _ToothedWheel
+from torsionnet.motion.scenarios.torques_of_nodes import TorqueScenario as _TorqueScenario
+from torsionnet.bench.plan.parts import Transducer as _Transducer
 from torsionnet.study.space.variations.triangle import Triangular as _Triangular
 from torsionnet.study.space.variations.uniform import Uniform as _Uniform
 from torsionnet.study.space.variations.range_of_values import ValueRange as _ValueRange
 from torsionnet.signals.rotation.wheel import Wheel as _Wheel
 from torsionnet.signals.rotation.wheel_channel import WheelChannel as _WheelChannel
-from torsionnet.model.bench.strain_gauge import ZeroDrift as _ZeroDrift
+from torsionnet.bench.plan.strain_gauge import ZeroDrift as _ZeroDrift
 
 class Acquisition(_Acquisition):
     r"""Sampling of all channels at once.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from torsionnet.core.errors import Fault, ModelError
+from torsionnet.base.errors import Fault, ModelError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.model.definition import Definition
 from torsionnet.model.files.reader import find_model, read_file, read_text

@@ -14,9 +14,9 @@ import numpy as np
 import torsionnet as tn
 from fuzz import drawing, reuse, running, sources
 from fuzz.mutating import Chance, mutated, mutated_bytes
-from torsionnet.core.expression_reading import scalar
-from torsionnet.core.expressions import ExpressionError
-from torsionnet.core.number_text import json_finite
+from torsionnet.base.expression_reading import scalar
+from torsionnet.base.expressions import ExpressionError
+from torsionnet.base.number_text import json_finite
 from torsionnet.identification.fit_file import load_fit_plan
 from torsionnet.io import read_frequency_response, read_tors
 from torsionnet.model.files import dump

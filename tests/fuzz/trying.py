@@ -17,8 +17,8 @@ from types import FrameType
 
 import torsionnet as tn
 from fuzz.kinds import EXPECTED, Kind
-from torsionnet.core.errors import printable_text
-from torsionnet.io.foreign import process
+from torsionnet.base.errors import printable_text
+from torsionnet.signals.foreign import process
 
 SMALL = 10_000
 """Bytes of a file whose time is limited."""

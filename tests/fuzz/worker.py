@@ -14,7 +14,7 @@ from pathlib import Path
 from fuzz import sources
 from fuzz.kinds import KINDS, Kind
 from fuzz.trying import attempt
-from torsionnet.io.foreign.process import end_all
+from torsionnet.signals.foreign.process import end_all
 
 ENDURED = 12
 """Seconds of processor time after which the system ends this process, to be started again behind the input."""

@@ -27,7 +27,7 @@ NUMBERS = tuple(
         "assembly", "bench", "campaign", "identification", "modal", "response", "signals", "solve", "study", "symbolic",
     )
 )  # fmt: skip
-READERS = ("torsionnet/io/*", "torsionnet/model/*", "torsionnet/core/*", "torsionnet/loading.py", "library/*")
+READERS = ("torsionnet/io/*", "torsionnet/model/*", "torsionnet/base/*", "torsionnet/loading.py", "library/*")
 ADAPTERS = tuple(f"torsionnet/{room}/*" for room in ("io", "language_server", "plot", "report", "study", "symbolic"))
 
 
@@ -46,7 +46,7 @@ PARTS = {
             ((make("test-kernel", 1250, "MARKED=not nightly", name="next kernel"),),),
             ((make("test-kernel", 450, "KERNEL=lowest", name="lowest kernel"),),),
         ),
-        (*NUMBERS, "torsionnet/core/*", "tests/support/kernel*", "tests/test_kernels.py"),
+        (*NUMBERS, "torsionnet/base/*", "tests/support/kernel*", "tests/test_kernels.py"),
     ),
     "packages": Part(
         (((make("test-oldest", 600),),), ((make("test-newest", 600),),)),
@@ -66,7 +66,7 @@ PARTS = {
             ((make("test-campaigns", 2500),),),
             ((make("compare", 250, f"ARGS=--seed {TODAY}"),), (make("compare-parts", 250, f"ARGS=--seed {TODAY}"),)),
         ),
-        (*NUMBERS, "torsionnet/text/*", "torsionnet/model/*", "torsionnet/core/*", "tests/test_*.py", "tests/support/*"),
+        (*NUMBERS, "torsionnet/app/text/*", "torsionnet/model/*", "torsionnet/base/*", "tests/test_*.py", "tests/support/*"),
     ),
     "release": Part(
         (((make("bench-short", 300),), (make("manuals", 100), make("release-files", 200))),),

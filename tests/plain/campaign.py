@@ -17,8 +17,8 @@ import torsionnet as tn
 from plain.equations import Dense
 from plain.questions import QUESTIONS
 from plain.trains import Plant, plant
+from torsionnet.linear.sensitivity import parametric_response
 from torsionnet.model.files.writer import flat_text
-from torsionnet.solve.sensitivity import parametric_response
 
 BITS = 300
 TOLERANCE = 1e-9

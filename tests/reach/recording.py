@@ -24,7 +24,7 @@ CHILDREN = "TORSIONNET_REACH"
 PASSED_OVER = (".git", ".venv", ".cache", ".hypothesis", ".pytest_cache", "__pycache__")
 
 reached: set[str] = set()
-"""What ran since `restart`: ``torsionnet/core/units.py:Unit.of``, or the path alone of another file that was opened."""
+"""What ran since `restart`: ``torsionnet/base/units.py:Unit.of``, or the path alone of another file that was opened."""
 
 
 def name_of(code: CodeType) -> str | None:

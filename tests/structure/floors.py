@@ -13,44 +13,40 @@ class Layer(NamedTuple):
 
 
 LAYERS = (  # top to bottom
-    Layer(("demo", "cli", "__main__"), "the terminal; nothing else prints"),
     Layer(
-        ("explore", "language_server"),
-        "the page for a browser, its server, and what they ask of one model; the server of editors",
+        ("app", "__main__"),
+        "commands, the page for a browser and its server, the server of editors; nothing else prints",
     ),
     Layer(("report",), "the document on a model: what it says, and how HTML, LaTeX, Markdown and PDF write it"),
     Layer(("plot",), "pictures; nothing else imports matplotlib"),
-    Layer(("campaign",), "rotating tests with many records: orders, repeatability and fits from one file"),
-    Layer(
-        ("bench", "identification", "study"),
-        "virtual tests run on a model; parameters from tests; many variants of a model",
-    ),
-    Layer(("io",), "files of records, of responses and of other programs"),
+    Layer(("study",), "many variants of a model: tolerances, maps, optima"),
+    Layer(("bench",), "virtual tests run on a model, and campaigns of rotating tests with many records"),
+    Layer(("identification",), "parameters from tests"),
+    Layer(("io",), "files of other programs"),
     Layer(
         ("loading", "drivetrain"),
         "drivetrains out of model files; `Drivetrain`, a model that can be asked for its responses, modes and equations",
     ),
-    Layer(("text",), "services on texts of model files while they are written; no numbers of results"),
+    Layer(("motion",), "laws that are not linear: operating points, scenarios, motion over time"),
+    Layer(("machinery",), "engines, orders, critical speeds, limits, dampers"),
+    Layer(("modal",), "modes of frequency responses; no drivetrains"),
+    Layer(("signals",), "records and estimates, and their files; wheels, orders of a test; no drivetrains"),
     Layer(("symbolic",), "transfer functions and equations in symbols"),
-    Layer(("solve",), "frequency responses, modes, motion over time, and their derivatives"),
-    Layer(("assembly",), "coordinates, rows and their coefficients: `AssembledModel`"),
+    Layer(("linear",), "rows, elimination, responses, modes, sensitivities, variants, with their results"),
     Layer(
         ("model",),
-        "one model as its author wrote it, as data: `Model`; elements, checks, model files, descriptions of benches, "
-        "reports and fits",
+        "one model as its author wrote it, as data: `Model`; elements, checks, model files",
     ),
-    Layer(("modal",), "modes of frequency responses; no drivetrains"),
-    Layer(("signals",), "arrays over time; no drivetrains, no files"),
-    Layer(("response",), "results: responses, modes, recordings, tables"),
-    Layer(("core",), "errors, units, expressions, typed entries, files written as a whole; nothing of the above"),
+    Layer(("base",), "errors, units, expressions, typed entries, tables, files; nothing of the above"),
 )
+CORE = ("base", "model", "linear", "symbolic")
 FLOORS = {  # bottom to top: the folders of a layer, "" its files that are in none
-    "cli": ("", "commands"),
+    "app": ("text", "language_server", "explore", "cli"),
     "plot": ("drawing", "schematic", "", "study"),
     "identification": ("residuals", ""),
     "study": ("space", "quantities", "reductions", "answers", "design", "", "run"),
     "symbolic": ("algebra", ""),
-    "solve": ("dynamic_stiffness", "modes", "responses", "sensitivity", "batch", "running", "motion", "design"),
+    "linear": ("", "assembly", "dynamic_stiffness", "modes", "responses", "sensitivity", "batch"),
     "model": ("element_base", "motion_laws", "elements"),
 }
 HEIGHT = {name: -depth for depth, layer in enumerate(LAYERS) for name in layer.names}

@@ -98,7 +98,7 @@ def changed_fields(stored: list[str], now: set[str]) -> Iterator[Fault]:
 
 def output_fields() -> set[str]:
     """Places of all fields that commands print with --json."""
-    from torsionnet.cli.output_schema import OUTPUTS, output_schema
+    from torsionnet.app.cli.output_schema import OUTPUTS, output_schema
 
     return {field for command in OUTPUTS for field in schema_fields(output_schema(command), command)}
 
@@ -116,7 +116,7 @@ def schema_fields(schema: dict[str, Any], place: str) -> Iterator[str]:
 
 
 def overdue_names(version: str) -> Iterator[Fault]:
-    from torsionnet.core import deprecation
+    from torsionnet.base import deprecation
 
     for one in deprecation.PENDING:
         if one.overdue(version):
@@ -149,7 +149,7 @@ def inner_uses(text: str, path: Path, packages: set[str]) -> Iterator[Fault]:
         for line, module, name in uses(program):
             place = f"{path.as_posix()}:{before + line}"
             remedy = "use public names (docs/stability.md), or make the name public"
-            if module == "torsionnet.core.units":
+            if module == "torsionnet.base.units":
                 if re.search("import|from", program.splitlines()[line - 1]):
                     yield Fault(place, f"takes units from {module}", "import tn.units instead")
             elif module not in packages:

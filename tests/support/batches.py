@@ -3,8 +3,8 @@
 import numpy as np
 
 import torsionnet as tn
-from torsionnet.assembly.law_stiffness import law_stiffness
-from torsionnet.solve.batch.batch_plan import batch_plan
+from torsionnet.linear.assembly.law_stiffness import law_stiffness
+from torsionnet.linear.batch.batch_plan import batch_plan
 
 OMEGA = np.array([0.7, 30.0, 900.0])
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from torsionnet.core.atomic import write_bytes
+from torsionnet.base.atomic import write_bytes
 
 
 def noise(number):

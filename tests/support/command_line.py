@@ -9,7 +9,7 @@ from click.testing import CliRunner
 
 import torsionnet as tn
 from support.patience import PATIENCE
-from torsionnet.cli.app import app
+from torsionnet.app.cli.app import app
 
 
 def runner():

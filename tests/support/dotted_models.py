@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import torsionnet as tn
-from torsionnet.core.entries.spec import Renaming
+from torsionnet.base.entries.spec import Renaming
 from torsionnet.model.defining import flatten_definition
 from torsionnet.model.definition import Definition
 from torsionnet.model.parts.part_insertion import part_of

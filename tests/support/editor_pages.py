@@ -7,7 +7,7 @@ from pathlib import Path
 from urllib.parse import urlsplit
 
 from support.explore_pages import WIDE, Visit, visit
-from torsionnet.explore import ExploreServer, open_documents
+from torsionnet.app.explore import ExploreServer, open_documents
 
 ROOT = Path(__file__).parents[2]
 README_MODEL = re.search(
@@ -43,7 +43,7 @@ class Writing:
 
     @property
     def text(self):
-        return self.page.evaluate("torsionnet.text()")
+        return self.page.evaluate("torsionnet.app.text()")
 
     def checked(self):
         """Faults, results and outline belong to the text that stands there."""

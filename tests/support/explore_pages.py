@@ -12,7 +12,7 @@ from urllib.parse import urlsplit
 import pytest
 
 from support.patience import wait_for
-from torsionnet.explore import ExploreServer, open_documents
+from torsionnet.app.explore import ExploreServer, open_documents
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "microsoft-edge")
 WIDE = {"width": 1440, "height": 900}

@@ -2,7 +2,7 @@
 
 import json
 
-from torsionnet.explore.api import reply
+from torsionnet.app.explore.api import reply
 
 RIG = """torsionnet: 1
 name: rig

@@ -13,7 +13,7 @@ import numpy as np
 
 import torsionnet as tn
 from support.models import EVERY_ELEMENT
-from torsionnet.cli import main
+from torsionnet.app.cli import main
 from torsionnet.study import Workers, answer_study, load_study
 
 LIBRARY = Path(__file__).parents[2] / "library"

@@ -6,7 +6,7 @@ from functools import cache
 
 import numpy as np
 
-from torsionnet.response.recording import Recording, Signal
+from torsionnet.signals.recording import Recording, Signal
 
 F0, ZETA = 20.0, 0.02
 

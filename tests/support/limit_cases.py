@@ -6,13 +6,13 @@ from fractions import Fraction
 import numpy as np
 
 import torsionnet as tn
+from torsionnet.linear.frequency_response import Channel
+from torsionnet.machinery.checks.limit_checks import limit_subject
+from torsionnet.machinery.limits.evidence import Evidence
+from torsionnet.machinery.orders.order_response import OrderLine, OrderResponse
+from torsionnet.machinery.orders.worst_response import WorstResponse
 from torsionnet.model.channels import Sensor
-from torsionnet.model.checks.limit_checks import limit_subject
 from torsionnet.model.elements.shaft import Shaft
-from torsionnet.model.limits.evidence import Evidence
-from torsionnet.response import Channel
-from torsionnet.response.order_response import OrderLine, OrderResponse
-from torsionnet.response.worst_response import WorstResponse
 
 RPM = math.pi / 30
 STEEL = {"material": "alloy", "tensile_strength": "600 MPa"}

@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 from fractions import Fraction
 
-from torsionnet.core.entries.scalars import PhysicalQuantity
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.expressions import Expression
+from torsionnet.base.entries.scalars import PhysicalQuantity
+from torsionnet.base.entries.spec import entry
+from torsionnet.base.expressions import Expression
 from torsionnet.model.element_base.element_entries import NodeName, NodePair
 from torsionnet.model.element_base.laws import difference, make_row
 from torsionnet.model.elements import ELEMENT_TYPES, GROUND, Constraint, Element, Law

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from torsionnet.response.measured.tracked_orders import TrackedOrders
+from torsionnet.signals.orders.tracked_orders import TrackedOrders
 
 RPM = np.pi / 30
 PLANT = """torsionnet: 1

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from torsionnet.response import Channel, FrequencyResponse
+from torsionnet.linear.frequency_response import Channel, FrequencyResponse
 
 S_POWER = {"rad": 0, "rad/s": 1, "rad/s^2": 2}
 

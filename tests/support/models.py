@@ -3,9 +3,9 @@
 from pathlib import Path
 
 import torsionnet as tn
-from torsionnet.assembly.law_stiffness import functional
-from torsionnet.core.errors import UsageError
-from torsionnet.core.expressions import Algebra
+from torsionnet.base.errors import UsageError
+from torsionnet.base.expressions import Algebra
+from torsionnet.linear.assembly.law_stiffness import functional
 
 SHEET = Path(__file__).parents[1] / "sheets" / "line.csv"
 

@@ -12,7 +12,7 @@ import numpy as np
 import scipy
 
 from support.collecting import OnDemand
-from torsionnet.core.expressions import FLOAT
+from torsionnet.base.expressions import FLOAT
 from torsionnet.model.element_base.laws import Constraint, Law, MotionLaw, Values
 from torsionnet.model.motion_laws.piece_curve import Hold
 

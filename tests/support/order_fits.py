@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 import torsionnet as tn
-from torsionnet.response.measured.tracked_orders import TrackedOrders
+from torsionnet.signals.orders.tracked_orders import TrackedOrders
 
 J_CYLINDER, J_FLYWHEEL, J_LOAD = 0.04, 1.2, 0.6
 K_THROW, K_FLYWHEEL, K_COUPLING, C_THROW, C_COUPLING = 9e5, 1.3e6, 6e3, 40.0, 8.0

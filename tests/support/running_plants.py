@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 import torsionnet as tn
-from torsionnet.model.excitations.reciprocating_engine import ReciprocatingEngine
+from torsionnet.machinery.excitations.reciprocating_engine import ReciprocatingEngine
 
 FOLDER = Path(__file__).parents[1] / "plants"
 

@@ -3,8 +3,8 @@
 import numpy as np
 
 from torsionnet.io import write_recording
-from torsionnet.response.measured.pulse_channel import PulseChannel
-from torsionnet.response.recording import Recording, Signal
+from torsionnet.signals.recording import Recording, Signal
+from torsionnet.signals.rotation.pulse_channel import PulseChannel
 
 STEADY_FAN = """
 torsionnet: 1

@@ -9,7 +9,7 @@ from functools import cache
 import numpy as np
 
 import torsionnet as tn
-from torsionnet.model.excitations.speed_range import SpeedRange
+from torsionnet.machinery.excitations.speed_range import SpeedRange
 from torsionnet.study.quantities.variant_block import VariantBlock
 
 
@@ -26,7 +26,7 @@ def singly(model: tn.Drivetrain, values: Mapping[str, np.ndarray], **quantities:
 
 def together(model: tn.Drivetrain, values: Mapping[str, np.ndarray], **quantities: object) -> VariantBlock:
     """A block whose variants are solved together."""
-    from torsionnet.solve.batch.batch_plan import batch_plan
+    from torsionnet.linear.batch.batch_plan import batch_plan
 
     plan = batch_plan(model, tuple(values))
     assert plan is not None

@@ -3,7 +3,7 @@
 import numpy as np
 
 from support.turned_wheels import crossing_angles, steady
-from torsionnet.response.measured.pulse_channel import PulseChannel
+from torsionnet.signals.rotation.pulse_channel import PulseChannel
 from torsionnet.signals.rotation.wheel_calibration import WheelTest
 
 RPM, DEGREE = np.pi / 30, np.pi / 180

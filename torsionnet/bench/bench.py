@@ -10,24 +10,24 @@ from typing import Any
 
 import numpy as np
 
+from torsionnet.base.entries.spec import not_none
+from torsionnet.base.errors import ModelError, TorsionnetWarning, UsageError
+from torsionnet.base.packages import NotebookResult
+from torsionnet.base.table import Column, Table
 from torsionnet.bench.exciter_torque import ExciterOutput, exciter_output
+from torsionnet.bench.plan import Plan, ToothedWheel
+from torsionnet.bench.plan.bench_checks import check_plan, sensor_of
+from torsionnet.bench.plan.plan import Sensing
 from torsionnet.bench.recorded_signal import recorded_signal
 from torsionnet.bench.turning_motion import TurningMotion, turning_motions
 from torsionnet.bench.turning_test import TurningTest, true_record, turning_test, turning_wheels
-from torsionnet.core.entries.spec import not_none
-from torsionnet.core.errors import ModelError, TorsionnetWarning, UsageError
-from torsionnet.core.packages import NotebookResult
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.model.bench import Plan, ToothedWheel
-from torsionnet.model.bench.bench_checks import check_plan, sensor_of
-from torsionnet.model.bench.plan import Sensing
+from torsionnet.linear.between_samples import Between
 from torsionnet.model.channels import Sensor
-from torsionnet.response.measured.between_samples import Between
-from torsionnet.response.measured.pulse_channel import PULSE_TIMES
-from torsionnet.response.recording import Recording, Signal
-from torsionnet.response.table import Column, Table
+from torsionnet.motion.simulate import read_notes
 from torsionnet.signals.excitation.excitation import Excitation
-from torsionnet.solve.running.simulate import read_notes
+from torsionnet.signals.recording import Recording, Signal
+from torsionnet.signals.rotation.pulse_channel import PULSE_TIMES
 
 
 @dataclass(frozen=True, repr=False)
@@ -42,7 +42,7 @@ class Bench(NotebookResult):
     Examples
     --------
     >>> import torsionnet as tn
-    >>> from torsionnet.model.bench import Acquisition, Encoder, Plan, Transducer
+    >>> from torsionnet.bench.plan import Acquisition, Encoder, Plan, Transducer
     >>> plan = Plan(
     ...     excitation=tn.signals.LinearChirp(start=1, stop=20, duration=10, amplitude=15),
     ...     channels={"T_T": Transducer(noise="0.23 N*m"), "theta_1": Encoder(lines=1024, quadrature=True)},

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
+from torsionnet.bench.plan.bench_motions import COAST_DOWN_POINTS
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.model.bench.bench_motions import COAST_DOWN_POINTS
 from torsionnet.model.load.external_torques import reference_node
-from torsionnet.response.recording import FloatArray
+from torsionnet.signals.recording import FloatArray
 
 LEAST_DRAG = 1e-9
 """Least torque that brakes, over the largest along the speed: below it the speed would never fall."""

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from torsionnet.core.entries.spec import not_none
-from torsionnet.core.notes import NoteOrText, warning
-from torsionnet.model.bench import Exciter
-from torsionnet.response.recording import FloatArray
+from torsionnet.base.entries.spec import not_none
+from torsionnet.base.notes import NoteOrText, warning
+from torsionnet.bench.plan import Exciter
 from torsionnet.signals.excitation.excitation import Excitation
+from torsionnet.signals.recording import FloatArray
 
 TURN = 2 * np.pi  # rad
 

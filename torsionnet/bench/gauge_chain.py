@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.core.entries.spec import not_none
-from torsionnet.model.bench import Acquisition, DropOuts, StrainGauge, Transducer
-from torsionnet.response.recording import FloatArray, Signal
+from torsionnet.base.entries.spec import not_none
+from torsionnet.bench.plan import Acquisition, DropOuts, StrainGauge, Transducer
+from torsionnet.signals.recording import FloatArray, Signal
 
 
 def shunt_steps(part: Transducer, truth: Signal, acquisition: Acquisition) -> FloatArray:

@@ -7,13 +7,13 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from torsionnet.base.entries.declared import version_faults
+from torsionnet.base.errors import Fault, ModelError, TorsionnetError, UsageError, did_you_mean
 from torsionnet.bench.bench import Bench
-from torsionnet.core.entries.declared import version_faults
-from torsionnet.core.errors import Fault, ModelError, TorsionnetError, UsageError, did_you_mean
+from torsionnet.bench.plan.bench_checks import check_plan
+from torsionnet.bench.plan.bench_file import BenchFile
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.loading import load
-from torsionnet.model.bench.bench_checks import check_plan
-from torsionnet.model.bench.bench_file import BenchFile
 from torsionnet.model.files import read_file
 from torsionnet.model.files.library import decode, library_benches
 from torsionnet.model.files.located_yaml import LocatedDocument, compose

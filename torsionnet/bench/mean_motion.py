@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from torsionnet.response.recording import FloatArray
+from torsionnet.signals.recording import FloatArray
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from torsionnet.base.errors import UsageError
+from torsionnet.base.notes import NoteOrText
+from torsionnet.base.units import RPM
 from torsionnet.bench.mean_motion import MeanMotion
-from torsionnet.core.errors import UsageError
-from torsionnet.core.notes import NoteOrText
-from torsionnet.core.units import RPM
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.model.channels import Sensor
 from torsionnet.model.load.external_torques import reference_node
-from torsionnet.response.recording import FloatArray
+from torsionnet.signals.recording import FloatArray
 
 ROTATION = ("angle", "velocity", "acceleration")
 """Quantities of which the mean value is that of the mean rotation times a ratio."""

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from torsionnet.bench.plan.toothed_wheel import ToothedWheel
 from torsionnet.bench.true_fault import TrueFault
 from torsionnet.bench.wheel_turning import GeneratorFor
-from torsionnet.model.bench.toothed_wheel import ToothedWheel
-from torsionnet.response.measured.pulse_channel import PulseChannel
-from torsionnet.response.recording import FloatArray
+from torsionnet.signals.recording import FloatArray
+from torsionnet.signals.rotation.pulse_channel import PulseChannel
 
 NEAREST_DOUBLE, FARTHEST_DOUBLE = 0.1, 0.4
 """Place of a second pulse behind its tooth, as a share of the time to the next one: less than half of it, so that it

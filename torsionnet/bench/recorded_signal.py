@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from torsionnet.base.entries.spec import not_none
+from torsionnet.base.notes import warning
 from torsionnet.bench.exciter_torque import quantised
 from torsionnet.bench.gauge_chain import drop_out_spans, hum_of_mains, moving_zero, shunt_steps, without_telemetry
-from torsionnet.core.entries.spec import not_none
-from torsionnet.core.notes import warning
-from torsionnet.model.bench import Acquisition, Encoder, Transducer
-from torsionnet.response.recording import FloatArray, Signal
+from torsionnet.bench.plan import Acquisition, Encoder, Transducer
+from torsionnet.signals.recording import FloatArray, Signal
 
 ANTI_ALIAS_ORDER = 4
 """Order of the Butterworth anti-alias filter of the analog channels."""

@@ -10,9 +10,9 @@ from typing import Any, Protocol
 import numpy as np
 
 from torsionnet.bench.mean_motion import MeanMotion
-from torsionnet.response.frequency_response import ComplexArray
-from torsionnet.response.passage_response import PassageResponse
-from torsionnet.response.recording import FloatArray
+from torsionnet.linear.frequency_response import ComplexArray
+from torsionnet.machinery.passage.passage_response import PassageResponse
+from torsionnet.signals.recording import FloatArray
 
 SPLINE_DEGREE = 5
 """Degree of the spline through the steps of a passage, 16 in a period of its highest order: it misses that order by

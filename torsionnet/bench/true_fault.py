@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
-from torsionnet.core.result_rows import Out
+from torsionnet.base.result_rows import Out
 
 
 @dataclass(frozen=True)

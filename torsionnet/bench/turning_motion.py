@@ -10,23 +10,23 @@ from typing import TypeAlias
 import numpy as np
 from numpy.polynomial.polynomial import polyfit
 
+from torsionnet.base.errors import UsageError
+from torsionnet.base.notes import NoteOrText
+from torsionnet.base.units import RPM
 from torsionnet.bench.coast_down import coast_down
 from torsionnet.bench.mean_motion import MeanMotion
 from torsionnet.bench.mean_readings import MeanReadings, mean_readings
+from torsionnet.bench.plan.bench_motions import BenchMotion, CoastDown, GivenSpeed, RunUp, SteadyPoints
 from torsionnet.bench.shaft_vibration import PassageVibration, SteadyVibration, Vibration
-from torsionnet.core.errors import UsageError
-from torsionnet.core.notes import NoteOrText
-from torsionnet.core.units import RPM
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.model.bench.bench_motions import BenchMotion, CoastDown, GivenSpeed, RunUp, SteadyPoints
+from torsionnet.linear.frequency_response import ComplexArray
+from torsionnet.machinery.orders.order_line import OrderLine
+from torsionnet.machinery.orders.order_response import OrderResponse
+from torsionnet.machinery.orders.worst_response import WorstResponse
+from torsionnet.machinery.passage.passage_solution import passage_from
+from torsionnet.machinery.passage.passage_torques import ExcitationCase
 from torsionnet.model.channels import Sensor
-from torsionnet.response.frequency_response import ComplexArray
-from torsionnet.response.order_line import OrderLine
-from torsionnet.response.order_response import OrderResponse
-from torsionnet.response.recording import FloatArray
-from torsionnet.response.worst_response import WorstResponse
-from torsionnet.solve.running.passage_response import passage_from
-from torsionnet.solve.running.passage_torques import ExcitationCase
+from torsionnet.signals.recording import FloatArray
 
 Sensors: TypeAlias = Mapping[str, Sensor]
 """Sensor that each channel reads, by the name of the channel."""

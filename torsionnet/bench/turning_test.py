@@ -9,16 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.bench.gauge_chain import drop_out_spans, shunt_span
+from torsionnet.bench.plan import Acquisition, Plan, RecordingSystem, StrainGauge, ToothedWheel, Transducer
 from torsionnet.bench.pulse_faults import counted_pulses
 from torsionnet.bench.recorded_signal import recorded_signal
 from torsionnet.bench.true_fault import TrueFault
 from torsionnet.bench.turning_motion import TurningMotion
 from torsionnet.bench.wheel_turning import GeneratorFor, TurningWheel, true_places
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.model.bench import Acquisition, Plan, RecordingSystem, StrainGauge, ToothedWheel, Transducer
-from torsionnet.response.measured.pulse_channel import PulseChannel
-from torsionnet.response.measured.wheel_pattern import WheelPattern
-from torsionnet.response.recording import FloatArray, Recording, Signal
+from torsionnet.signals.recording import FloatArray, Recording, Signal
+from torsionnet.signals.rotation.pulse_channel import PulseChannel
+from torsionnet.signals.rotation.wheel_pattern import WheelPattern
 
 FIRST_SYSTEM = RecordingSystem(channels=())
 """System that records all channels that no other one does, on the clock of the test."""

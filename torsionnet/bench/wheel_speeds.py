@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from torsionnet.model.bench import Plan, ToothedWheel
-from torsionnet.response.recording import FloatArray, Recording, Signal
+from torsionnet.bench.plan import Plan, ToothedWheel
+from torsionnet.signals.recording import FloatArray, Recording, Signal
 
 
 def with_wheel_speeds(record: Recording, plan: Plan) -> Recording:

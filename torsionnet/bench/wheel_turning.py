@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from torsionnet.base.entries.spec import not_none
+from torsionnet.base.errors import UsageError
+from torsionnet.base.units import RPM
+from torsionnet.bench.plan.toothed_wheel import PitchErrors, RadialVibration, ToothedWheel
 from torsionnet.bench.turning_motion import TurningMotion
-from torsionnet.core.entries.spec import not_none
-from torsionnet.core.errors import UsageError
-from torsionnet.core.units import RPM
-from torsionnet.model.bench.toothed_wheel import PitchErrors, RadialVibration, ToothedWheel
-from torsionnet.response.measured.wheel_pattern import WheelPattern
-from torsionnet.response.recording import FloatArray
+from torsionnet.signals.recording import FloatArray
+from torsionnet.signals.rotation.wheel_pattern import WheelPattern
 
 POINTS_PER_TOOTH = 4
 """Number of points per tooth between which the first guess of the time of a passage is interpolated."""

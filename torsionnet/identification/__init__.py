@@ -1,6 +1,6 @@
 """Identification of the parameters of a drivetrain from measurements, with standard errors and lack of fit."""
 
-from torsionnet.core.packages import lazy_exports
+from torsionnet.base.packages import lazy_exports
 
 __all__, __getattr__, __dir__ = lazy_exports(
     __name__,

@@ -8,12 +8,12 @@ from typing import Protocol
 
 import numpy as np
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.errors import TorsionnetError
+from torsionnet.base.errors import TorsionnetError
 from torsionnet.identification.causes import Cause, with_causes
 from torsionnet.identification.fit_problem import FitProblem
 from torsionnet.identification.fit_search import SEARCH_RANGE_FACTOR, LeastSquaresSolution
 from torsionnet.identification.verdict_words import relative_misfits
+from torsionnet.linear.assembly.rows import FloatArray
 
 LEAST_MISFIT_REDUCTION = 0.8
 """Share of the sum of squared residuals that a freed cause must remove to count as an explanation of the misfit."""

@@ -8,17 +8,17 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.expressions import Expression, Number
+from torsionnet.base.expressions import Expression, Number
 from torsionnet.identification.fit_problem import FitProblem, lay_out_problem
 from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
 from torsionnet.identification.unknown_parameter import Unknown
+from torsionnet.linear.assembly.assembled import AssembledModel
+from torsionnet.linear.assembly.rows import FloatArray
+from torsionnet.linear.between_samples import NOTED_EFFECT, WAYS, Between
+from torsionnet.machinery.excitations.engine_entries import EngineEntries
+from torsionnet.machinery.excitations.excitation_numbers import numbers_by_name
 from torsionnet.model.elements import Damper, Element, Gear, HystereticSpring, Spring
-from torsionnet.model.excitations.engine_entries import EngineEntries
-from torsionnet.model.excitations.excitation_numbers import numbers_by_name
-from torsionnet.response.measured.between_samples import NOTED_EFFECT, WAYS, Between
 
 AnySpring: TypeAlias = Spring | HystereticSpring
 Change: TypeAlias = Callable[[AssembledModel], AssembledModel]

@@ -6,7 +6,6 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from torsionnet.assembly.rows import FloatArray
 from torsionnet.identification.cause_fits import (
     CauseFit,
     Solve,
@@ -20,7 +19,8 @@ from torsionnet.identification.causes import BETWEEN, Cause, possible_causes, wi
 from torsionnet.identification.fit_problem import FitProblem
 from torsionnet.identification.fit_search import LeastSquaresSolution
 from torsionnet.identification.lack_of_fit import Explanation, misfits
-from torsionnet.response.recording import Recording
+from torsionnet.linear.assembly.rows import FloatArray
+from torsionnet.signals.recording import Recording
 from torsionnet.signals.resolution import ENOUGH_STEPS, resolution
 
 CAUSES_FITTED_FIRST = 6

@@ -8,9 +8,7 @@ from dataclasses import fields
 
 import numpy as np
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.assembly.table_range import range_notes
-from torsionnet.core.errors import TorsionnetError
+from torsionnet.base.errors import TorsionnetError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.identification.fit_problem import FitProblem
 from torsionnet.identification.fit_result import Compared, FitResult
@@ -23,7 +21,9 @@ from torsionnet.identification.parameter_quantity import ParameterQuantity, para
 from torsionnet.identification.profile import profile_interval
 from torsionnet.identification.stepwise_search import misfit_warnings
 from torsionnet.identification.verdict_words import NO_SCATTER, has_no_scatter, is_rounding_alone, verdicts
-from torsionnet.model.motion_balance.law_network import following_elements
+from torsionnet.linear.assembly.rows import FloatArray
+from torsionnet.linear.assembly.table_range import range_notes
+from torsionnet.model.law_network import following_elements
 
 SINGULAR_RATIO = 1e-9
 """Singular value of the scaled derivatives, over the largest, below which the data do not determine a combination of

@@ -8,24 +8,24 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from torsionnet.core.entries.declared import version_faults
-from torsionnet.core.errors import Fault, ModelError, UsageError, did_you_mean
+from torsionnet.base.entries.declared import version_faults
+from torsionnet.base.errors import Fault, ModelError, UsageError, did_you_mean
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.identification.orders.order_files import faults_of_orders, read_order_data
 from torsionnet.identification.orders.order_lines import OrderData, shows_phases
 from torsionnet.identification.orders.parametric_orders import numbers_of_excitations
+from torsionnet.identification.plan.fit_entries import FileReading, FitFile, FitMeasurement, FitParameter, FitSettings
 from torsionnet.identification.residuals.instrument import set_points
 from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.residuals.welch_choice import record_settings, welch_settings
 from torsionnet.identification.unknown_parameter import Unknown
-from torsionnet.io.recording_files import channel_names, read_even
+from torsionnet.linear.frequency_response import FrequencyResponse
 from torsionnet.loading import load
 from torsionnet.model.files.library import decode
 from torsionnet.model.files.located_yaml import LocatedDocument, compose
 from torsionnet.model.files.reader import is_file, located_faults, presentable_faults
-from torsionnet.model.fit import FileReading, FitFile, FitMeasurement, FitParameter, FitSettings
-from torsionnet.response import FrequencyResponse
-from torsionnet.response.recording import Recording
+from torsionnet.signals.recording import Recording
+from torsionnet.signals.records.recording_files import channel_names, read_even
 from torsionnet.signals.welch import Welch
 
 SAME_ENTRIES = (

@@ -9,9 +9,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
 from torsionnet.identification.orders.order_block import OrderBlock
 from torsionnet.identification.orders.order_lines import parts_by_phase
 from torsionnet.identification.orders.parametric_orders import numbers_of_excitations
@@ -25,6 +23,8 @@ from torsionnet.identification.residuals.noise_sources import sensor_noise_power
 from torsionnet.identification.residuals.record_block import RecordBlock
 from torsionnet.identification.residuals.response_block import ResponseBlock
 from torsionnet.identification.unknown_parameter import Unknown
+from torsionnet.linear.assembly.assembled import AssembledModel
+from torsionnet.linear.assembly.rows import FloatArray
 
 CHANNEL_UNKNOWNS = {
     "delay": (0.0, (-np.inf, np.inf), "s"), "gain": (1.0, (-np.inf, np.inf), ""),

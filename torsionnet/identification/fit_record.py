@@ -8,12 +8,12 @@ from typing import Annotated
 
 import numpy as np
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.result_rows import NUMBER_ROWS, Out
-from torsionnet.core.units import RPM
+from torsionnet.base.result_rows import NUMBER_ROWS, Out
+from torsionnet.base.units import RPM
 from torsionnet.identification.fit_result import FitResult
 from torsionnet.identification.lack_of_fit import LackOfFit
 from torsionnet.identification.ranking import RankedCause, Ranking
+from torsionnet.linear.assembly.rows import FloatArray
 
 Intervals = Mapping[str, tuple[float, float]]
 

@@ -8,13 +8,13 @@ from typing import ClassVar
 
 import numpy as np
 
-from torsionnet.assembly.rows import ComplexArray, FloatArray
-from torsionnet.core.errors import UsageError
-from torsionnet.core.packages import NotebookResult
+from torsionnet.base.errors import UsageError
+from torsionnet.base.packages import NotebookResult
+from torsionnet.base.table import Column, Table
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.identification.fit_problem import FitProblem
 from torsionnet.identification.lack_of_fit import LackOfFit
-from torsionnet.response import Column, Table
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,14 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from torsionnet.assembly.rows import ComplexArray
-from torsionnet.core.atomic import write_text
-from torsionnet.core.entries.composite import Listed, Named, Nested
-from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.plain_numbers import PlainNumber, PlainNumbers
-from torsionnet.core.entries.spec import Count, Flag, Text, entry
-from torsionnet.core.errors import Fault, ModelError, UsageError
+from torsionnet.base.atomic import write_text
+from torsionnet.base.entries.composite import Listed, Named, Nested
+from torsionnet.base.entries.declared import Declared
+from torsionnet.base.entries.plain_numbers import PlainNumber, PlainNumbers
+from torsionnet.base.entries.spec import Count, Flag, Text, entry
+from torsionnet.base.errors import Fault, ModelError, UsageError
 from torsionnet.identification.fit_result import Compared, FitResult
+from torsionnet.linear.assembly.rows import ComplexArray
 from torsionnet.model.files.library import decode
 from torsionnet.model.files.located_yaml import compose
 from torsionnet.model.files.reader import located_faults

@@ -9,9 +9,9 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.errors import SolveError
+from torsionnet.base.errors import SolveError
 from torsionnet.identification.fit_problem import FitProblem
+from torsionnet.linear.assembly.rows import FloatArray
 
 CONVERGENCE_TOLERANCE = 1e-12
 """Relative change of cost, values and gradient at which the search of a fit ends, near rounding, as derivatives are

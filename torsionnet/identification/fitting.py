@@ -8,9 +8,8 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.errors import SolveError, UsageError, did_you_mean
-from torsionnet.core.threads import one_thread
+from torsionnet.base.errors import SolveError, UsageError, did_you_mean
+from torsionnet.base.threads import one_thread
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.identification.explanations import coarse_sensor_remarks, explanations
 from torsionnet.identification.fit import Fit, make_fit
@@ -28,6 +27,7 @@ from torsionnet.identification.residuals.residual_forms import FORMS
 from torsionnet.identification.stepwise_search import stepwise_optimum
 from torsionnet.identification.unknown_parameter import Unknown, read_unknowns
 from torsionnet.identification.verdict_words import relative_misfits
+from torsionnet.linear.assembly.rows import FloatArray
 
 Loss: TypeAlias = Literal["linear", "soft_l1", "huber", "cauchy"]
 LOSSES = ("linear", "soft_l1", "huber", "cauchy")

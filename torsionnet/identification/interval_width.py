@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 import scipy
 
-from torsionnet.assembly.rows import FloatArray
+from torsionnet.linear.assembly.rows import FloatArray
 
 POSITION_COMBINATIONS = 1024
 """Number of combinations of rest positions of several tests, spread evenly, over which errors by sensor steps are

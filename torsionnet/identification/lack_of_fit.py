@@ -9,12 +9,12 @@ from typing import Annotated
 import numpy as np
 import scipy
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.result_rows import Out
+from torsionnet.base.result_rows import Out
 from torsionnet.identification.fit_problem import FitProblem
 from torsionnet.identification.noise_bias import noise_shift
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
 from torsionnet.identification.residuals.noise import Noise
+from torsionnet.linear.assembly.rows import FloatArray
 
 FALSE_ALARM_PROBABILITY = 1e-3
 """Probability of calling noise a misfit for every measurement of a fit, small because a misfit withholds all

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from torsionnet.core.number_text import value_with_error
+from torsionnet.base.number_text import value_with_error
 from torsionnet.identification.lack_of_fit import Explanation, LackOfFit
 
 ADVICE_BY_CAUSE = {

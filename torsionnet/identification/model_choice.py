@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
+from torsionnet.base.table import Column, Table
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.identification.fit import Fit
 from torsionnet.identification.fitting import identify, refit_with_noise_of
 from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.unknown_parameter import Unknown
-from torsionnet.response import Column, Table
 
 CLEAR_AICC_DIFFERENCE, SLIGHT_AICC_DIFFERENCE = 10.0, 4.0
 """Differences of the AICc of two models that leave next to no support, or little, to the worse one (Burnham and

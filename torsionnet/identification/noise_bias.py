@@ -6,10 +6,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.identification.fit_problem import FitProblem
 from torsionnet.identification.residuals.record_block import RecordBlock
 from torsionnet.identification.residuals.residual_forms import errors_in_form, parts
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 
 REPORTED_BIAS = 0.5
 """Bias of a fitted value, in standard errors, above which a verdict reports it, as a smaller one is lost in the

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 
-from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.core.entries.scalars import QuantityKind
-from torsionnet.core.expressions import Name
-from torsionnet.core.units import expected_unit
+from torsionnet.base.entries.scalars import QuantityKind
+from torsionnet.base.expressions import Name
+from torsionnet.base.units import expected_unit
 from torsionnet.identification.orders.parametric_orders import numbers_of_excitations
+from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.model.parameters import dimensions
 
 

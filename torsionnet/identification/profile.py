@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.errors import UsageError, did_you_mean
-from torsionnet.core.threads import one_thread
+from torsionnet.base.errors import UsageError, did_you_mean
+from torsionnet.base.threads import one_thread
 from torsionnet.identification.verdict_words import has_no_scatter
+from torsionnet.linear.assembly.rows import FloatArray
 
 if TYPE_CHECKING:
     from torsionnet.identification.fit_result import FitResult

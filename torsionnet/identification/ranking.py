@@ -7,11 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.errors import TorsionnetError, UsageError
-from torsionnet.core.packages import NotebookResult
-from torsionnet.core.threads import one_thread
+from torsionnet.base.errors import TorsionnetError, UsageError
+from torsionnet.base.packages import NotebookResult
+from torsionnet.base.table import Column, Table
+from torsionnet.base.threads import one_thread
 from torsionnet.identification.cause_fits import (
     CauseFit,
     explaining_fits,
@@ -30,7 +29,8 @@ from torsionnet.identification.lack_of_fit_words import cause_in_words
 from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.unknown_parameter import Unknown, read_unknowns
 from torsionnet.identification.verdict_words import ROUNDED_MISFIT
-from torsionnet.response import Column, Table
+from torsionnet.linear.assembly.assembled import AssembledModel
+from torsionnet.linear.assembly.rows import FloatArray
 
 SMALL_SHARE = 1e-3
 """Share of the value in the model below which a fitted value may stand for zero."""

@@ -12,11 +12,11 @@ from collections.abc import Iterator
 import numpy as np
 import scipy
 
-from torsionnet.assembly.rows import ComplexArray, FloatArray
-from torsionnet.core.errors import SolveError
+from torsionnet.base.errors import SolveError
 from torsionnet.identification.fit_problem import FitProblem
 from torsionnet.identification.fit_search import LeastSquaresSolution, local_optimum, search_bounds, typical_steps
 from torsionnet.identification.verdict_words import relative_misfits
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 
 LINE_SHARES = (1 / 16, 1 / 8, 1 / 4, 1 / 2, 0.7)
 """Shares of all lines, counted from the lowest, that are fitted one after the other, as each brings higher peaks near

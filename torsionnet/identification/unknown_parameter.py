@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
 
 LARGEST_SIZE = 1e20
 """Largest size in SI of a start value, bound or prior, and the reciprocal of the smallest, beyond which it is a

@@ -7,12 +7,12 @@ from itertools import combinations
 
 import numpy as np
 
-from torsionnet.assembly.rows import FloatArray
 from torsionnet.identification.fit_problem import FitProblem
 from torsionnet.identification.fit_search import typical_steps
 from torsionnet.identification.noise_bias import noise_bias_sentence
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
 from torsionnet.identification.residuals.response_block import ResponseBlock
+from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.signals.advice import LEAST_BINS, half_power_bandwidth, significant_peaks
 
 INDISTINGUISHABLE_CORRELATION, DISTINGUISHED_RELATIVE_ERROR = 0.95, 0.05

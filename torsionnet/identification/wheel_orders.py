@@ -8,13 +8,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.model.excitations.cylinder_entries import EACH
-from torsionnet.model.excitations.order_excitation import OrderExcitation
-from torsionnet.model.excitations.reciprocating_engine import ReciprocatingEngine
-from torsionnet.response.frequency_response import ComplexArray, FloatArray
-from torsionnet.response.order_response import OrderResponse
+from torsionnet.linear.frequency_response import ComplexArray, FloatArray
+from torsionnet.machinery.excitations.cylinder_entries import EACH
+from torsionnet.machinery.excitations.order_excitation import OrderExcitation
+from torsionnet.machinery.excitations.reciprocating_engine import ReciprocatingEngine
+from torsionnet.machinery.orders.order_response import OrderResponse
 from torsionnet.signals.rotation.calculated_orders import CalculatedOrders
 
 SPEED_STEP, MOST_SPEEDS = 0.0025, 600

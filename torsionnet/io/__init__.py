@@ -3,7 +3,7 @@
 Each function reads or writes whole files, or returns text.
 """
 
-from torsionnet.core.packages import lazy_exports
+from torsionnet.base.packages import lazy_exports
 
 __all__, __getattr__, __dir__ = lazy_exports(
     __name__,
@@ -11,12 +11,12 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "Catalogue": "torsionnet.model.catalogues.catalogue",
         "MassElasticSheet": "torsionnet.model.sheets.mass_elastic_sheet",
         "from_tors": "torsionnet.io.tors_reading",
-        "iter_blocks": "torsionnet.io.recording_files",
+        "iter_blocks": "torsionnet.signals.records.recording_files",
         "mass_elastic_report": "torsionnet.io.mass_elastic_reading",
         "read_catalogue": "torsionnet.model.catalogues.catalogue_reading",
-        "read_frequency_response": "torsionnet.io.response_files",
+        "read_frequency_response": "torsionnet.signals.responses.response_files",
         "read_mass_elastic": "torsionnet.io.mass_elastic_reading",
-        "read_recording": "torsionnet.io.recording_files",
+        "read_recording": "torsionnet.signals.records.recording_files",
         "read_tors": "torsionnet.io.tors_reading",
         "read_wheel_pattern": "torsionnet.io.wheel_pattern_files",
         "read_tracked_orders": "torsionnet.io.tracked_order_tables",
@@ -25,11 +25,11 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "to_modelica": "torsionnet.io.modelica",
         "to_tors": "torsionnet.io.tors_writing",
         "write_fmu": "torsionnet.io.fmu",
-        "write_frequency_response": "torsionnet.io.response_files",
+        "write_frequency_response": "torsionnet.signals.responses.response_files",
         "write_mass_elastic": "torsionnet.io.mass_elastic_writing",
         "write_matlab": "torsionnet.io.matlab",
         "write_modelica": "torsionnet.io.modelica",
-        "write_recording": "torsionnet.io.recording_files",
+        "write_recording": "torsionnet.signals.records.recording_files",
         "write_tors": "torsionnet.io.tors_writing",
         "write_wheel_pattern": "torsionnet.io.wheel_pattern_files",
         "write_tracked_orders": "torsionnet.io.tracked_order_tables",

@@ -8,11 +8,6 @@ from torsionnet.io.matlab import to_matlab as to_matlab
 from torsionnet.io.matlab import write_matlab as write_matlab
 from torsionnet.io.modelica import to_modelica as to_modelica
 from torsionnet.io.modelica import write_modelica as write_modelica
-from torsionnet.io.recording_files import iter_blocks as iter_blocks
-from torsionnet.io.recording_files import read_recording as read_recording
-from torsionnet.io.recording_files import write_recording as write_recording
-from torsionnet.io.response_files import read_frequency_response as read_frequency_response
-from torsionnet.io.response_files import write_frequency_response as write_frequency_response
 from torsionnet.io.tors_reading import from_tors as from_tors
 from torsionnet.io.tors_reading import read_tors as read_tors
 from torsionnet.io.tors_writing import to_tors as to_tors
@@ -24,6 +19,11 @@ from torsionnet.io.wheel_pattern_files import write_wheel_pattern as write_wheel
 from torsionnet.model.catalogues.catalogue import Catalogue as Catalogue
 from torsionnet.model.catalogues.catalogue_reading import read_catalogue as read_catalogue
 from torsionnet.model.sheets.mass_elastic_sheet import MassElasticSheet as MassElasticSheet
+from torsionnet.signals.records.recording_files import iter_blocks as iter_blocks
+from torsionnet.signals.records.recording_files import read_recording as read_recording
+from torsionnet.signals.records.recording_files import write_recording as write_recording
+from torsionnet.signals.responses.response_files import read_frequency_response as read_frequency_response
+from torsionnet.signals.responses.response_files import write_frequency_response as write_frequency_response
 
 __all__ = [
     "Catalogue",

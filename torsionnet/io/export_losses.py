@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from torsionnet.core.errors import comma_list
+from torsionnet.base.errors import comma_list
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.model.motion_balance.law_network import following_elements
+from torsionnet.linear.dynamic_stiffness.state_space import active_channels
+from torsionnet.model.law_network import following_elements
 from torsionnet.model.operating_values import law_notes
-from torsionnet.solve.dynamic_stiffness.state_space import active_channels
 
 CHANNELS = ("inputs", "sensors")
 HELD: dict[str, tuple[str, ...]] = {

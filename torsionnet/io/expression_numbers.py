@@ -8,7 +8,7 @@ from fractions import Fraction
 from math import pi
 from typing import Any
 
-from torsionnet.core.expressions import Algebra, Compound, Expression, Name, Number, exact_sqrt, float_if_long
+from torsionnet.base.expressions import Algebra, Compound, Expression, Name, Number, exact_sqrt, float_if_long
 from torsionnet.model.elements import Values
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Any
 
-from torsionnet.core.errors import TorsionnetWarning, UsageError
+from torsionnet.base.errors import TorsionnetWarning, UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.part_descriptions import describe_element_part
 from torsionnet.io.unlinear_laws import refuse_laws_of_motion

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from torsionnet.core.errors import UsageError, did_you_mean, readable_text
+from torsionnet.base.errors import UsageError, did_you_mean, readable_text
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.model.elements.mass_elastic import sheet_elements
 from torsionnet.model.sheets.factor_readings import READINGS

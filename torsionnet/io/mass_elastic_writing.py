@@ -9,9 +9,9 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
-from torsionnet.core.atomic import write_text
-from torsionnet.core.errors import UsageError, did_you_mean
-from torsionnet.core.units import numeral_of
+from torsionnet.base.atomic import write_text
+from torsionnet.base.errors import UsageError, did_you_mean
+from torsionnet.base.units import numeral_of
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.export_losses import export_losses
 from torsionnet.io.mass_elastic_graph import Connection, MassElasticGraph, mass_elastic_graph

@@ -11,14 +11,14 @@ from typing import Any
 
 import numpy as np
 
-from torsionnet.core.atomic import write_bytes, write_text
-from torsionnet.core.errors import TorsionnetWarning, UsageError
+from torsionnet.base.atomic import write_bytes, write_text
+from torsionnet.base.errors import TorsionnetWarning, UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.export_losses import export_losses
-from torsionnet.io.formats.mat import cell_array, mat_bytes
 from torsionnet.io.matrices import Matrices, matrices
 from torsionnet.io.unlinear_laws import refuse_laws_of_motion
-from torsionnet.solve.dynamic_stiffness.state_space import StateSpace, state_space
+from torsionnet.linear.dynamic_stiffness.state_space import StateSpace, state_space
+from torsionnet.signals.formats.mat import cell_array, mat_bytes
 
 MATRIX_MEANINGS = {
     "M": "inertia, kg*m^2",

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsionnet.assembly.law_stiffness import Functional, powers_of_s
-from torsionnet.assembly.rows import FloatArray, refuse_actions
-from torsionnet.assembly.system import Assembly
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.solve.dynamic_stiffness.state_space import active_channels
+from torsionnet.linear.assembly.law_stiffness import Functional, powers_of_s
+from torsionnet.linear.assembly.rows import FloatArray, refuse_actions
+from torsionnet.linear.assembly.system import Assembly
+from torsionnet.linear.dynamic_stiffness.state_space import active_channels
 
 
 @dataclass(frozen=True)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass
 
-from torsionnet.core.atomic import write_text
-from torsionnet.core.errors import UsageError
-from torsionnet.core.plain_names import Names
+from torsionnet.base.atomic import write_text
+from torsionnet.base.errors import UsageError
+from torsionnet.base.plain_names import Names
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.export_losses import export_losses
 from torsionnet.io.modelica_elements import write_element
@@ -24,10 +24,10 @@ from torsionnet.io.modelica_syntax import (
 )
 from torsionnet.io.part_descriptions import describe_element_part
 from torsionnet.io.unlinear_laws import refuse_laws_of_motion
+from torsionnet.linear.dynamic_stiffness.state_space import active_channels
 from torsionnet.model.channels import UNITS, Input, Sensor
 from torsionnet.model.elements import Values
 from torsionnet.model.parameters import dimensions
-from torsionnet.solve.dynamic_stiffness.state_space import active_channels
 
 BLOCKS = "Modelica.Blocks.Interfaces"
 MOTIONS = {"angle": ("AngleSensor", "phi"), "velocity": ("SpeedSensor", "w"), "acceleration": ("AccSensor", "a")}

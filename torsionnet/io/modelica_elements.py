@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from torsionnet.core.entries.spec import not_none
+from torsionnet.base.entries.spec import not_none
 from torsionnet.io.modelica_net import Net
 from torsionnet.io.modelica_parts import declared, port, write_parts
 from torsionnet.io.modelica_syntax import ModelicaExpressions, factor

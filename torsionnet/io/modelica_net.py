@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from torsionnet.core.plain_names import Names
-from torsionnet.core.registers import Groups
+from torsionnet.base.plain_names import Names
+from torsionnet.base.registers import Groups
 
 
 class Net:

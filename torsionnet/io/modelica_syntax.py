@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from torsionnet.core.expressions import Expression, Name, Number
-from torsionnet.core.units import DIMENSIONS, Dimension
+from torsionnet.base.expressions import Expression, Name, Number
+from torsionnet.base.units import DIMENSIONS, Dimension
 from torsionnet.io.expression_numbers import expression_values
 from torsionnet.model.damping import DampingMeasure
 from torsionnet.model.element_base.element import viscous

@@ -10,15 +10,14 @@ from pathlib import Path
 
 import numpy as np
 
-from torsionnet.core.delimited.dialect import detect_encoding
-from torsionnet.core.errors import UsageError
+from torsionnet.base.delimited.dialect import detect_encoding
+from torsionnet.base.errors import UsageError
 from torsionnet.io.tracked_order_tables import is_tracked_table, read_tracked_orders
-from torsionnet.model.excitations.measured_columns import MeasuredLines, measured_lines
-from torsionnet.model.excitations.order_table_file import read_order_table
-from torsionnet.response.frequency_response import Channel
-from torsionnet.response.measured.tracked_orders import TrackedOrders
-from torsionnet.response.order_comparison import MeasuredOrder
-from torsionnet.response.order_sums import is_sum_name
+from torsionnet.linear.frequency_response import Channel
+from torsionnet.machinery.excitations.measured_columns import MeasuredLines, measured_lines
+from torsionnet.machinery.excitations.order_table_file import read_order_table
+from torsionnet.machinery.orders.order_sums import is_sum_name
+from torsionnet.signals.orders.tracked_orders import MeasuredOrder, TrackedOrders
 
 EXPECTED_COLUMNS = "speed [rpm], order, amplitude [N*m]"
 """Columns of an order table, as error messages name them."""

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from torsionnet.core.entries.spec import not_none
-from torsionnet.core.plain_names import Names
+from torsionnet.base.entries.spec import not_none
+from torsionnet.base.plain_names import Names
 from torsionnet.io.tors_elements import SHEAR_MODULUS, Disk, GearElement, ShaftContinuous, ShaftDiscrete, TorsElement
 from torsionnet.io.tors_file import TorsFile
 from torsionnet.model.elements import GROUND, Damper, Element, Gear, Inertia, Shaft, Spring

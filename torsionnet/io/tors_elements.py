@@ -13,11 +13,11 @@ from dataclasses import Field, dataclass
 from math import inf
 from typing import Any, ClassVar
 
-from torsionnet.core.entries.composite import Typed
-from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.plain_numbers import PlainNumber
-from torsionnet.core.entries.spec import EntryError, Json, Spec, Text, entry
-from torsionnet.core.errors import Fault
+from torsionnet.base.entries.composite import Typed
+from torsionnet.base.entries.declared import Declared
+from torsionnet.base.entries.plain_numbers import PlainNumber
+from torsionnet.base.entries.spec import EntryError, Json, Spec, Text, entry
+from torsionnet.base.errors import Fault
 
 SHEAR_MODULUS, DENSITY = 80e9, 8000.0
 """Shear modulus in Pa, which a TORS file has no entry for, and density in kg/m^3 that openTorsion takes by default."""

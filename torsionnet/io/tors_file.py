@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from torsionnet.core.entries.composite import Listed, Nested, PairOf
-from torsionnet.core.entries.spec import Text, entry
-from torsionnet.core.errors import Fault, did_you_mean
-from torsionnet.core.registers import Groups
+from torsionnet.base.entries.composite import Listed, Nested, PairOf
+from torsionnet.base.entries.spec import Text, entry
+from torsionnet.base.errors import Fault, did_you_mean
+from torsionnet.base.registers import Groups
 from torsionnet.io.tors_elements import ELEMENT_TYPES, AsWritten, GearElement, TorsElement, TorsPart, TypedTorsElement
 
 _PAIR = PairOf("connection", Text("element", "component.element"), "[component.element, component.element]")

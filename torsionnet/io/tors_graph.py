@@ -8,8 +8,8 @@ from functools import cached_property
 from itertools import zip_longest
 from typing import TypeAlias, TypeGuard
 
-from torsionnet.core.errors import UsageError
-from torsionnet.core.registers import Groups
+from torsionnet.base.errors import UsageError
+from torsionnet.base.registers import Groups
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.part_descriptions import describe_element_part
 from torsionnet.io.tors_elements import SHEAR_MODULUS, Disk, ShaftContinuous, ShaftDiscrete, TorsElement

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from torsionnet.core.errors import Fault, ModelError, Position, TorsionnetWarning, UsageError
+from torsionnet.base.errors import Fault, ModelError, Position, TorsionnetWarning, UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.tors_building import DrivetrainBuilder
 from torsionnet.io.tors_file import TorsFile

@@ -9,8 +9,8 @@ from datetime import UTC, datetime
 from itertools import count
 from typing import Any, TypeAlias, TypeVar
 
-from torsionnet.core.atomic import write_text
-from torsionnet.core.errors import UsageError
+from torsionnet.base.atomic import write_text
+from torsionnet.base.errors import UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.export_losses import export_losses
 from torsionnet.io.tors_elements import Disk, GearElement, TorsElement

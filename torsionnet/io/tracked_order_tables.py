@@ -13,14 +13,14 @@ from pathlib import Path
 
 import numpy as np
 
-from torsionnet.core.atomic import write_text
-from torsionnet.core.delimited.dialect import detect_encoding
-from torsionnet.core.errors import Fault, ModelError, Position, UsageError
-from torsionnet.core.notes import Note, NoteOrText, stored_note
-from torsionnet.core.units import RPM, UnitError, convert
-from torsionnet.response.measured.tracked_orders import TrackedOrders
-from torsionnet.response.measured.tracking_kernel import VOLD_KALMAN_POLES, TrackingKernel
-from torsionnet.response.recording import QUANTITY_UNITS, FloatArray
+from torsionnet.base.atomic import write_text
+from torsionnet.base.delimited.dialect import detect_encoding
+from torsionnet.base.errors import Fault, ModelError, Position, UsageError
+from torsionnet.base.notes import Note, NoteOrText, stored_note
+from torsionnet.base.units import RPM, UnitError, convert
+from torsionnet.signals.orders.tracked_orders import TrackedOrders
+from torsionnet.signals.orders.tracking_kernel import VOLD_KALMAN_POLES, TrackingKernel
+from torsionnet.signals.recording import QUANTITY_UNITS, FloatArray
 
 LEADING_COLUMNS = ("time [s]", "speed [rpm]", "order")
 """First columns of a file of tracked orders."""

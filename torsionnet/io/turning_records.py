@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from torsionnet.core.errors import Fault, ModelError
-from torsionnet.io.recording_files import pulse_names, read_even
-from torsionnet.response.recording import Recording
+from torsionnet.base.errors import Fault, ModelError
+from torsionnet.signals.recording import Recording
+from torsionnet.signals.records.recording_files import pulse_names, read_even
 from torsionnet.signals.rotation.pulse_reading import PulseReading
 from torsionnet.signals.rotation.wheel_channel import WheelChannel, counted_reading
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.model.elements import MotionLaw, Values
-from torsionnet.model.motion_balance.law_network import following_elements
+from torsionnet.model.law_network import following_elements
 
 MOST_NAMES = 5
 """Most elements that the message names; the rest are counted."""

@@ -7,14 +7,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from torsionnet.core.entries.composite import Named, Nested
-from torsionnet.core.errors import Fault, ModelError, UsageError
+from torsionnet.base.entries.composite import Named, Nested
+from torsionnet.base.errors import Fault, ModelError, UsageError
 from torsionnet.io.wheel_pattern_files import read_wheel_pattern
 from torsionnet.model.files.library import decode
 from torsionnet.model.files.located_yaml import compose
 from torsionnet.model.files.reader import located_faults, presentable_faults
-from torsionnet.response.measured.wheel_pattern import WheelPattern
 from torsionnet.signals.rotation.wheel_channel import WheelChannel
+from torsionnet.signals.rotation.wheel_pattern import WheelPattern
 
 WHEELS = Named(
     "wheels by the channel of their pulses",

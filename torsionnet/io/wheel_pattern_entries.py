@@ -7,10 +7,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from torsionnet.core.entries.composite import Listed, PairOf
-from torsionnet.core.entries.declared import KEY, Declared
-from torsionnet.core.entries.spec import Count, EntryError, Flag, OneOf, Schema, Spec, Text, entry
-from torsionnet.core.errors import Fault
+from torsionnet.base.entries.composite import Listed, PairOf
+from torsionnet.base.entries.declared import KEY, Declared
+from torsionnet.base.entries.spec import Count, EntryError, Flag, OneOf, Schema, Spec, Text, entry
+from torsionnet.base.errors import Fault
 
 UNITS: Mapping[str, float] = {"deg": math.pi / 180, "rad": 1.0}
 """Factor to rad of each unit in which a file of a pitch pattern may hold its angles."""

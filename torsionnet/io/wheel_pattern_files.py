@@ -9,14 +9,14 @@ from pathlib import Path
 
 import numpy as np
 
-from torsionnet.core.atomic import write_text
-from torsionnet.core.entries.declared import FORMAT_VERSION, KEY, version_faults
-from torsionnet.core.errors import Fault, ModelError, UsageError
+from torsionnet.base.atomic import write_text
+from torsionnet.base.entries.declared import FORMAT_VERSION, KEY, version_faults
+from torsionnet.base.errors import Fault, ModelError, UsageError
 from torsionnet.io.wheel_pattern_entries import UNITS, WheelPatternFile
 from torsionnet.model.files.library import decode
 from torsionnet.model.files.located_yaml import compose
 from torsionnet.model.files.reader import located_faults, presentable_faults
-from torsionnet.response.measured.wheel_pattern import WheelPattern
+from torsionnet.signals.rotation.wheel_pattern import WheelPattern
 
 DIGITS = 10
 """Significant digits of angles in a file of a pitch pattern, far below what any pickup resolves."""

@@ -1,6 +1,6 @@
 """Modes identified from frequency responses without a model, and compared with the modes of a model."""
 
-from torsionnet.core.packages import lazy_exports
+from torsionnet.base.packages import lazy_exports
 
 __all__, __getattr__, __dir__ = lazy_exports(
     __name__,

@@ -8,12 +8,12 @@ from typing import Literal
 
 import numpy as np
 
-from torsionnet.core.errors import SolveError, UsageError
-from torsionnet.core.notes import NoteOrText, warning
+from torsionnet.base.errors import SolveError, UsageError
+from torsionnet.base.notes import NoteOrText, warning
+from torsionnet.linear.frequency_response import Channel, FrequencyResponse
 from torsionnet.modal.remarks import FEWEST_PEAK_LINES, line_spacing
 from torsionnet.modal.settings import Settings
 from torsionnet.modal.spectral_lines import ORDERS, ComplexArray, FloatArray, lines_of
-from torsionnet.response import Channel, FrequencyResponse
 
 FEWEST_POINTS = 5
 """Fewest lines on a circle to which it is fitted, as three define it and the others show whether they lie on it."""

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
+from torsionnet.linear.frequency_response import FrequencyResponse
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray, powers_of
-from torsionnet.response import FrequencyResponse
 
 
 def mac(first: ArrayLike, second: ArrayLike) -> FloatArray:

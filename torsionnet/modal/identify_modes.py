@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from torsionnet.core.notes import warning
-from torsionnet.core.threads import one_thread
+from torsionnet.base.notes import warning
+from torsionnet.base.threads import one_thread
+from torsionnet.linear.frequency_response import FrequencyResponse
 from torsionnet.modal.method_choice import stabilisation
 from torsionnet.modal.modal_estimate import ModalEstimate, estimate_from_expansion
 from torsionnet.modal.poles import as_poles
@@ -20,7 +21,6 @@ from torsionnet.modal.selection import CLOSE_MODES, SelectedPoles, Selection, me
 from torsionnet.modal.settings import Settings
 from torsionnet.modal.spectral_lines import ComplexArray, Lines, band_notes, lines_of
 from torsionnet.modal.stabilisation import Stabilisation
-from torsionnet.response import FrequencyResponse
 
 UNSETTLED = warning("the refinement did not settle; fewer poles or a narrower band may help")
 """Warning about poles whose least squares were not reached."""

@@ -9,16 +9,18 @@ from typing import Annotated, Protocol, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from torsionnet.core.errors import UsageError, did_you_mean
-from torsionnet.core.notes import NoteOrText
-from torsionnet.core.packages import NotebookResult
-from torsionnet.core.result_rows import Out
+from torsionnet.base.conventions import MODE_NUMBER, OSCILLATORY, REAL, SI, Conventions, mode_numbers
+from torsionnet.base.errors import UsageError, did_you_mean
+from torsionnet.base.notes import NoteOrText
+from torsionnet.base.packages import NotebookResult
+from torsionnet.base.result_rows import Out
+from torsionnet.base.table import Column, Table
+from torsionnet.linear.frequency_response import Channel
+from torsionnet.linear.modes.modes import Modes
 from torsionnet.modal.criteria import mac
 from torsionnet.modal.modal_estimate import IdentifiedMode, ModalEstimate
 from torsionnet.modal.poles import as_poles, damping_ratios, natural_frequencies, upper_half, without_rounding
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray
-from torsionnet.response import SI, Channel, Column, Conventions, Modes, Table
-from torsionnet.response.conventions import MODE_NUMBER, OSCILLATORY, REAL, mode_numbers
 
 IntArray: TypeAlias = NDArray[np.int_]
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from torsionnet.core.errors import SolveError
-from torsionnet.core.threads import one_thread
+from torsionnet.base.errors import SolveError
+from torsionnet.base.threads import one_thread
+from torsionnet.linear.frequency_response import FrequencyResponse
 from torsionnet.modal.schwarz_criterion import BicCriterion, pole_count, weighted_residuals
 from torsionnet.modal.selection import SelectedPoles, Selection, select
 from torsionnet.modal.settings import DEFAULT_HIGHEST_ORDER, Method, Settings
 from torsionnet.modal.stabilisation import Stabilisation, diagram
-from torsionnet.response import FrequencyResponse
 
 NAMES: Mapping[Method, str] = {"rational": "rational fraction", "lscf": "LSCF"}
 """Name of each identification method in the sentence that explains the choice of the method."""

@@ -12,16 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 import torsionnet.modal.poles as pole_numbers
-from torsionnet.core.errors import UsageError, did_you_mean
-from torsionnet.core.notes import NoteOrText
-from torsionnet.core.packages import NotebookResult
-from torsionnet.core.result_rows import Out
+from torsionnet.base.conventions import MODE_KIND, SI, Conventions
+from torsionnet.base.errors import UsageError, did_you_mean
+from torsionnet.base.notes import NoteOrText
+from torsionnet.base.packages import NotebookResult
+from torsionnet.base.result_rows import Out
+from torsionnet.base.table import Column, Table, result_table
+from torsionnet.linear.frequency_response import Channel, FrequencyResponse
 from torsionnet.modal.criteria import mpc
 from torsionnet.modal.residues import Expansion
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray, Lines, powers_of
-from torsionnet.response import SI, Channel, Column, Conventions, FrequencyResponse, Table
-from torsionnet.response.conventions import MODE_KIND
-from torsionnet.response.table import result_table
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,14 +8,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsionnet.core.errors import SolveError
-from torsionnet.core.notes import NoteOrText, warning
+from torsionnet.base.errors import SolveError
+from torsionnet.base.notes import NoteOrText, warning
+from torsionnet.linear.frequency_response import FrequencyResponse
 from torsionnet.modal.modal_estimate import ModalEstimate, estimate_from_expansion
 from torsionnet.modal.remarks import FEWEST_PEAK_LINES, line_spacing
 from torsionnet.modal.residues import Expansion
 from torsionnet.modal.settings import Settings
 from torsionnet.modal.spectral_lines import FloatArray, Lines, band_notes, lines_of
-from torsionnet.response import FrequencyResponse
 
 HALF_POWER_DAMPING_LIMIT = 0.10
 """Damping ratio up to which the half-power width gives it right, and above which a warning is given."""

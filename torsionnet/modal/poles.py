@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
+from torsionnet.linear.modes.modes import OSCILLATORY, REAL
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray
-from torsionnet.response.modes import OSCILLATORY, REAL
 
 ROUND_OFF = 1e-9
 """Imaginary part of a pole over its size up to which the pole counts as real, being rounding of the eigenvalues."""

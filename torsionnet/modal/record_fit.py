@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from torsionnet.linear.frequency_response import FrequencyResponse
 from torsionnet.modal.matrix_fraction import largest_order, poles_of_orders
 from torsionnet.modal.projection import Projection, coefficients_of
 from torsionnet.modal.refinement import RefinedPoles, factors_of, minimised, refine, reweighted, roots_of
@@ -19,8 +20,8 @@ from torsionnet.modal.residues import Expansion, expand
 from torsionnet.modal.schwarz_criterion import BicCriterion, line_correlation, pole_count
 from torsionnet.modal.settings import Settings
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray, Lines
-from torsionnet.response import FrequencyResponse
 from torsionnet.signals.decimation import FILTER_HALF_LENGTH
+from torsionnet.signals.recording import Recording
 
 ONE_RECORD = ("H1", "H2")
 """Estimators of one input for which the fit to the record stands, as they need no other statement on the noise."""
@@ -57,10 +58,10 @@ def record_lines(response: FrequencyResponse, lines: Lines, poles: ComplexArray,
     if origin.estimator not in ONE_RECORD:
         return f"{origin.estimator} supposes noise on the input"
     names = [channel.name for channel in response.outputs]
-    if origin.record is None or not {*names, *inputs} <= set(origin.record.names):
+    if not isinstance(record := origin.record, Recording) or not {*names, *inputs} <= set(record.names):
         return "its record is not at hand"
     ends = FILTER_HALF_LENGTH if origin.decimation > 1 else 0  # there a filter has met what is no part of the record
-    record, kept = origin.record, slice(ends, len(origin.record) - ends)
+    kept = slice(ends, len(record) - ends)
     frequencies = np.fft.rfftfreq(len(record) - 2 * ends, 1 / record.sampling_rate)
     band = np.abs(lines.s[[0, -1]]) / (2 * np.pi)
     inside = (frequencies >= band[0] * (1 - 1e-9)) & (frequencies <= band[1] * (1 + 1e-9))

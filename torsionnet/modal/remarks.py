@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsionnet.core.notes import NoteOrText, warning
+from torsionnet.base.notes import NoteOrText, warning
 from torsionnet.modal.spectral_lines import FloatArray
 
 if TYPE_CHECKING:

@@ -8,12 +8,12 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from torsionnet.core.errors import SolveError, UsageError
+from torsionnet.base.errors import SolveError, UsageError
+from torsionnet.linear.frequency_response import FrequencyResponse
 from torsionnet.modal.poles import damping_ratios, natural_frequencies
 from torsionnet.modal.schwarz_criterion import best_order, significant_poles
 from torsionnet.modal.spectral_lines import ComplexArray
 from torsionnet.modal.stabilisation import Stabilisation
-from torsionnet.response import FrequencyResponse
 
 Selection: TypeAlias = Literal["order", "clusters"] | int | Sequence[tuple[int, float]]
 

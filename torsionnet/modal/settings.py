@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias, get_args
 
-from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.base.errors import UsageError, did_you_mean
 
 Method: TypeAlias = Literal["auto", "rational", "lscf"]
 Residuals: TypeAlias = Literal["both", "lower", "upper", "none"]

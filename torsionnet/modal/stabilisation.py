@@ -7,13 +7,15 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.core.errors import SolveError
+from torsionnet.base.conventions import SI, Conventions
+from torsionnet.base.errors import SolveError
+from torsionnet.base.table import Column, Table
+from torsionnet.linear.frequency_response import FrequencyResponse
 from torsionnet.modal.matrix_fraction import largest_order, poles_of_orders
 from torsionnet.modal.poles import damping_ratios, natural_frequencies
 from torsionnet.modal.residues import expand
 from torsionnet.modal.settings import Criteria, Settings
 from torsionnet.modal.spectral_lines import ComplexArray, Lines, lines_of
-from torsionnet.response import SI, Column, Conventions, FrequencyResponse, Table
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,10 +9,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any, cast
 
-from torsionnet.core.entries.scalars import QuantityKind
-from torsionnet.core.entries.spec import not_none
-from torsionnet.core.errors import Fault, ModelError, UsageError, did_you_mean
-from torsionnet.core.expressions import Expression, Name
+from torsionnet.base.entries.scalars import QuantityKind
+from torsionnet.base.entries.spec import not_none
+from torsionnet.base.errors import Fault, ModelError, UsageError, did_you_mean
+from torsionnet.base.expressions import Expression, Name
 from torsionnet.model.configurations import Axes, Overlay
 from torsionnet.model.definition import ELEMENTS, LOAD, Definition, section_of
 from torsionnet.model.operating_point import OperatingPoint

@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, TypeAlias, TypeVar, cast
 
-from torsionnet.core.entries.composite import Listed
-from torsionnet.core.entries.spec import EntryError, Json, Renaming, Schema, Spec, Text, reference
-from torsionnet.core.errors import LEAVE_OUT, NO_NODE, Fault, Remedy, UsageError, unfit_word, unknown_key
+from torsionnet.base.entries.composite import Listed
+from torsionnet.base.entries.spec import EntryError, Json, Renaming, Schema, Spec, Text, reference
+from torsionnet.base.errors import LEAVE_OUT, NO_NODE, Fault, Remedy, UsageError, unfit_word, unknown_key
 from torsionnet.model.element_base.element_entries import ElementName, NodeText, PlaceOnElement
 from torsionnet.model.elements import GROUND, Element
 

@@ -7,11 +7,11 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, cast
 
-from torsionnet.core.entries.composite import Listed, Named
-from torsionnet.core.entries.scalars import AnyQuantity, plain_scalar, read_value
-from torsionnet.core.entries.spec import EntryError, Json, Plural, Renaming, Schema, Spec, Text, reference
-from torsionnet.core.errors import Fault, ModelError, UsageError, comma_list, did_you_mean, unfit_word, unknown_name
-from torsionnet.core.expressions import Expression
+from torsionnet.base.entries.composite import Listed, Named
+from torsionnet.base.entries.scalars import AnyQuantity, plain_scalar, read_value
+from torsionnet.base.entries.spec import EntryError, Json, Plural, Renaming, Schema, Spec, Text, reference
+from torsionnet.base.errors import Fault, ModelError, UsageError, comma_list, did_you_mean, unfit_word, unknown_name
+from torsionnet.base.expressions import Expression
 from torsionnet.model.element_base.element_entries import ElementName
 from torsionnet.model.operating_point import OPERATING_POINT, OperatingPoint
 
@@ -54,6 +54,21 @@ class Overlay:
         data |= {key: list(getattr(self, key)) for key in ("on", "off") if getattr(self, key)}
         data |= self.entries
         return data | ({"operating_point": self.operating_point.to_data()} if self.operating_point else {})
+
+
+class ConfigurationName(Spec[str]):
+    """Entry of the name of a configuration, which in a file may look like a number."""
+
+    def coerce(self, raw: object) -> str:
+        if not isinstance(raw, str | int) or isinstance(raw, bool):
+            raise EntryError(f"expected a name, got {raw!r}")
+        return str(raw)
+
+    def renamed(self, value: Any, names: Renaming) -> Any:
+        return names.configuration(value)
+
+    def schema(self) -> Schema:
+        return {"type": ["string", "number"]}
 
 
 class ChangedEntry(Text):

@@ -21,11 +21,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from torsionnet.core.entries.scalars import SCALAR_SCHEMA, QuantityKind, plain_scalar, read_scalar
-from torsionnet.core.entries.spec import EntryError, Json, Schema, full_name
-from torsionnet.core.errors import INSERT, Fault, Path, Remedy, TorsionnetError, did_you_mean, unfit_word
-from torsionnet.core.expressions import FLOAT, Algebra, Expression, Number
-from torsionnet.core.units import DIMENSIONS
+from torsionnet.base.entries.scalars import SCALAR_SCHEMA, QuantityKind, plain_scalar, read_scalar
+from torsionnet.base.entries.spec import EntryError, Json, Schema, full_name
+from torsionnet.base.errors import INSERT, Fault, Path, Remedy, TorsionnetError, did_you_mean, unfit_word
+from torsionnet.base.expressions import FLOAT, Algebra, Expression, Number
+from torsionnet.base.units import DIMENSIONS
 
 
 class DampingError(TorsionnetError, ValueError):

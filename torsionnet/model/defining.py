@@ -6,8 +6,8 @@ from collections.abc import Container, Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
-from torsionnet.core.entries.declared import names_a_file
-from torsionnet.core.errors import Fault
+from torsionnet.base.entries.declared import names_a_file
+from torsionnet.base.errors import Fault
 from torsionnet.model.configurations import VALUE, Overlay
 from torsionnet.model.definition import Definition, section_of
 from torsionnet.model.elements import Element

@@ -8,9 +8,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 import torsionnet.model.sections as sections
-from torsionnet.core.entries.declared import FORMAT_VERSION, KEY, Declared
-from torsionnet.core.entries.spec import Json, Schema, Text, entry
-from torsionnet.core.errors import Fault
+from torsionnet.base.entries.declared import FORMAT_VERSION, KEY, Declared
+from torsionnet.base.entries.spec import Json, Schema, Text, entry
+from torsionnet.base.errors import Fault
 from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.configurations import Overlay
 from torsionnet.model.elements import GROUND, Element
@@ -20,16 +20,16 @@ from torsionnet.model.parts.part_entries import PORTS, USE
 from torsionnet.model.parts.part_table import INCLUDE, PARTS
 
 if TYPE_CHECKING:
-    from torsionnet.model.bench import Plan
-    from torsionnet.model.excitations import OrderExcitation
-    from torsionnet.model.excitations.speed_range import SpeedRange
-    from torsionnet.model.limits import Limit
+    from torsionnet.bench.plan import Plan
+    from torsionnet.machinery.excitations import OrderExcitation
+    from torsionnet.machinery.excitations.speed_range import SpeedRange
+    from torsionnet.machinery.limits import Limit
+    from torsionnet.model.balanced_state import BalancedState
     from torsionnet.model.load.load_section import Load
-    from torsionnet.model.motion_balance.balanced_state import BalancedState
     from torsionnet.model.parts.part import Part
     from torsionnet.model.parts.use import Use
-    from torsionnet.model.report import ReportPlan
-    from torsionnet.model.scenarios.scenario import Scenario
+    from torsionnet.motion.scenarios.scenario import Scenario
+    from torsionnet.report.plan import ReportPlan
 
 LOAD = "load"
 """Prefix of the load's entries in a configuration, as in ``load.power``; no excitation can have this name."""

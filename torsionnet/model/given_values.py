@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.core.entries.composite import Typed
-from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.scalars import NumberTable
-from torsionnet.core.entries.spec import Flag, Spec
+from torsionnet.base.entries.composite import Typed
+from torsionnet.base.entries.declared import Declared
+from torsionnet.base.entries.scalars import NumberTable
+from torsionnet.base.entries.spec import Flag, Spec
 from torsionnet.model.element_base.element_entries import NodeName, NodePair, ReferenceNode
 
 if TYPE_CHECKING:

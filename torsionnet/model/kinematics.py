@@ -12,7 +12,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
-from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.base.errors import UsageError, did_you_mean
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.elements import Action, Constraint, Element, Law, Part, Row, Values
 from torsionnet.model.elimination import Reduction, exact, reduce_rows, rows_holding, smallest_failing_rows

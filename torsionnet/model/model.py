@@ -8,7 +8,8 @@ from functools import cached_property
 from types import MappingProxyType
 from typing import Any, Self
 
-from torsionnet.core.errors import Fault, ModelError, unknown_name
+from torsionnet.base.errors import Fault, ModelError, unknown_name
+from torsionnet.base.packages import imported
 from torsionnet.model.changes import (
     can_be_named,
     is_point_setting,
@@ -34,6 +35,7 @@ from torsionnet.model.load.external_torques import ExternalTorques, mean_torques
 from torsionnet.model.operating_point import OperatingPoint
 from torsionnet.model.operating_values import at_operating_point, with_operating_values, with_tangents
 from torsionnet.model.parameters import Parameter, resolve
+from torsionnet.model.sections import EXCITATION_NUMBERS
 from torsionnet.model.speeds import mean_speeds, total_ratio
 
 
@@ -318,9 +320,7 @@ class Model:
         >>> model.definition.excitations["engine"].misfire_share
         {'4': 0.3}
         """
-        from torsionnet.model.excitations.excitation_numbers import with_numbers
-
-        changed = with_numbers(self._state.base.excitations, values)
+        changed = imported(EXCITATION_NUMBERS)(self._state.base.excitations, values)
         return self._as_chosen(self.with_definition(with_tangents(replace(self._state.base, excitations=changed))))
 
     def with_part(

@@ -9,12 +9,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
-from torsionnet.core.entries.composite import Named, Nested
-from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.scalars import PhysicalQuantity
-from torsionnet.core.entries.spec import EntryError, Renaming, Text, entry
-from torsionnet.core.errors import Fault
-from torsionnet.core.expressions import Expression
+from torsionnet.base.entries.composite import Named, Nested
+from torsionnet.base.entries.declared import Declared
+from torsionnet.base.entries.scalars import PhysicalQuantity
+from torsionnet.base.entries.spec import EntryError, Renaming, Text, entry
+from torsionnet.base.errors import Fault
+from torsionnet.base.expressions import Expression
 from torsionnet.model.channels import Input, pair_fault, parse_pair
 from torsionnet.model.element_base.element_entries import NodeName
 

@@ -12,9 +12,10 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
-from torsionnet.core.errors import Fault, UsageError, comma_list
-from torsionnet.core.expressions import interpolate_float
-from torsionnet.core.units import RPM
+from torsionnet.base.errors import Fault, UsageError, comma_list
+from torsionnet.base.expressions import interpolate_float
+from torsionnet.base.packages import imported
+from torsionnet.base.units import RPM
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.element_base.laws import MotionState
 from torsionnet.model.elements import Constraint, Law, MotionLaw, Values
@@ -23,6 +24,7 @@ from torsionnet.model.kinematics import UNIT, exact_row, owned_parts
 from torsionnet.model.load.external_torques import ExternalTorques
 from torsionnet.model.parameters import VIBRATORY_TORQUE, Parameter, resolve
 from torsionnet.model.readings import port_of
+from torsionnet.model.sections import OPERATING_BALANCE
 
 
 def operating_parameter_faults(external: ExternalTorques) -> list[Fault]:
@@ -154,12 +156,10 @@ def with_tangents(definition: Definition, speed: float | None = None) -> Definit
     """
     if not any(one.enabled and one.has_motion_laws for one in definition.elements.values()):
         return definition
-    from torsionnet.model.motion_balance.operating_balance import OperatingBalance  # few models have laws of motion
-
     if definition.tangents is not None and speed is None:
         return replace(definition, tangents=definition.tangents.of(definition))
     plain = definition if definition.tangents is None else replace(definition, tangents=None)
-    return replace(plain, tangents=OperatingBalance(plain, speed))
+    return replace(plain, tangents=imported(OPERATING_BALANCE)(plain, speed))
 
 
 def operating_speed_notes(external: ExternalTorques) -> tuple[str, ...]:
@@ -167,20 +167,12 @@ def operating_speed_notes(external: ExternalTorques) -> tuple[str, ...]:
 
     Empty if no parameter follows the operating point, and there are no laws of motion.
     """
-    following, notes = external.definition.following, _law_notes(external.definition)
+    following, notes = external.definition.following, law_notes(external.definition)
     if not following:
         return notes
     where = f"{external.reference} at {external.operating_speed * RPM:.6g} rpm"
     names = ", ".join(following)
     return (f"natural frequencies and damping ratios hold with {where}: {names} follow the operating point", *notes)
-
-
-def _law_notes(definition: Definition) -> tuple[str, ...]:
-    if definition.tangents is None:
-        return ()
-    from torsionnet.model.operating_values import law_notes  # few models have laws of motion
-
-    return law_notes(definition)
 
 
 def torque_per_node(definition: Definition, values: Mapping[str, Any], name: str) -> dict[str, float]:
@@ -227,7 +219,7 @@ def law_notes(definition: Definition) -> tuple[str, ...]:
     tangents = definition.tangents
     if tangents is None:
         return ()
-    from torsionnet.model.motion_balance.law_network import following_elements
+    from torsionnet.model.law_network import following_elements  # few models have laws of motion
 
     following = following_elements(definition)
     if not following:

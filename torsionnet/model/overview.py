@@ -7,12 +7,13 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
-from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import Schema, Spec
-from torsionnet.core.expressions import Expression, Number
-from torsionnet.core.number_text import screen_text
-from torsionnet.core.result_rows import Out
-from torsionnet.core.units import RPM, expected_unit
+from torsionnet.base.entries.scalars import Value
+from torsionnet.base.entries.spec import Schema, Spec
+from torsionnet.base.expressions import Expression, Number
+from torsionnet.base.number_text import screen_text
+from torsionnet.base.result_rows import Out
+from torsionnet.base.table import Column, Table
+from torsionnet.base.units import RPM, expected_unit
 from torsionnet.model.channels import PORT_QUANTITIES, UNITS
 from torsionnet.model.checks.parameter_units import parameter_units
 from torsionnet.model.damping import DampingMeasure
@@ -23,7 +24,6 @@ from torsionnet.model.element_base.quantity_table import TableByName
 from torsionnet.model.element_base.spring_stages import QuantityRows
 from torsionnet.model.elements import Element, Values
 from torsionnet.model.given_values import given, in_words
-from torsionnet.response.table import Column, Table
 
 if TYPE_CHECKING:
     from torsionnet.model.configurations import Overlay

@@ -11,10 +11,10 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Any, ClassVar
 
-from torsionnet.core.entries.composite import Nested, superfluous
-from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.scalars import AnyQuantity, plain_scalar, read_value
-from torsionnet.core.entries.spec import (
+from torsionnet.base.entries.composite import Nested, superfluous
+from torsionnet.base.entries.declared import Declared
+from torsionnet.base.entries.scalars import AnyQuantity, plain_scalar, read_value
+from torsionnet.base.entries.spec import (
     EntryError,
     Json,
     OneOf,
@@ -26,9 +26,9 @@ from torsionnet.core.entries.spec import (
     entry,
     reference,
 )
-from torsionnet.core.errors import Fault
-from torsionnet.core.expressions import Expression, ExpressionError, Number, Rows
-from torsionnet.core.units import DIMENSIONS, Dimension
+from torsionnet.base.errors import Fault
+from torsionnet.base.expressions import Expression, ExpressionError, Number, Rows
+from torsionnet.base.units import DIMENSIONS, Dimension
 from torsionnet.model.element_base.element_entries import ElementName, NodeText
 
 

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
 from torsionnet.model.channels import Sensor, port_fault
 from torsionnet.model.element_base.laws import own_node
 from torsionnet.model.element_base.round_section import section_modulus

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from torsionnet.core.entries.spec import not_none
-from torsionnet.core.errors import Fault, TorsionnetError
+from torsionnet.base.entries.spec import not_none
+from torsionnet.base.errors import Fault, TorsionnetError
 from torsionnet.model.element_base.laws import own_node
 from torsionnet.model.element_base.speed_loops import second_ratio
 from torsionnet.model.element_base.speed_path import SpeedPath, SpeedPaths

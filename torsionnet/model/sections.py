@@ -5,30 +5,22 @@ Here as well: entry for the elements of a model by name.
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator, Mapping
+from collections.abc import Callable, Container, Iterator, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any, NamedTuple
 
-from torsionnet.core.entries.composite import Named, Nested, Typed
-from torsionnet.core.entries.scalars import QuantityKind
-from torsionnet.core.entries.spec import NAME_SCHEMA, name_fault
-from torsionnet.core.errors import MISSING_KEY, NO_TYPE, UNKNOWN_KEY, Fault, ModelError, unfit_word
-from torsionnet.core.expression_reading import check_name
-from torsionnet.core.expressions import Number
+from torsionnet.base.entries.composite import Named, Nested, Typed
+from torsionnet.base.entries.scalars import QuantityKind
+from torsionnet.base.entries.spec import NAME_SCHEMA, name_fault
+from torsionnet.base.errors import MISSING_KEY, NO_TYPE, UNKNOWN_KEY, Fault, ModelError, unfit_word
+from torsionnet.base.expression_reading import check_name
+from torsionnet.base.expressions import Number
+from torsionnet.base.packages import imported
 from torsionnet.model.catalogues.catalogue_entries import CATALOGUE, SIZE
 from torsionnet.model.channels import INPUT, SENSOR
 from torsionnet.model.configurations import AxesEntry
 from torsionnet.model.element_base.element import ELEMENT_TYPES, Element
 from torsionnet.model.parameters import PARAMETER
-
-if TYPE_CHECKING:
-    from torsionnet.model.bench.plan import Plan
-    from torsionnet.model.excitations.order_excitation import OrderExcitation
-    from torsionnet.model.excitations.speed_range import SpeedRange
-    from torsionnet.model.limits.limit import Limit
-    from torsionnet.model.load.load_section import Load
-    from torsionnet.model.report.report_plan import ReportPlan
-    from torsionnet.model.scenarios.scenario import Scenario
 
 FORM = "{name: {type: inertia, node: ..., inertia: ...}, ...}"
 
@@ -109,7 +101,7 @@ def _kind_fault(kind: Any) -> Fault:
     known = ", ".join(ELEMENT_TYPES)
     if kind is None:
         return Fault(f"an element needs a type: {known}", on_key=True, kind=NO_TYPE)
-    from torsionnet.core.familiar_words import ELEMENT_TYPES as FAMILIAR_TYPES
+    from torsionnet.base.familiar_words import ELEMENT_TYPES as FAMILIAR_TYPES
 
     familiar = FAMILIAR_TYPES.get(str(kind).casefold(), "")
     meant, text = familiar if familiar in ELEMENT_TYPES else "", f'no element type is named "{kind}"'
@@ -121,46 +113,66 @@ def element_kinds() -> Mapping[str, type[Element]]:
     return ELEMENT_TYPES
 
 
-def _plan() -> type[Plan]:
-    from torsionnet.model.bench.plan import Plan  # loads numpy, which most models can do without
+class SectionOwner(NamedTuple):
+    """Places in another room, as ``module:name``, of what a section of a model file is made of.
 
-    return Plan
+    A model file with the section alone imports them.
+    """
 
-
-def _speeds() -> type[SpeedRange]:
-    from torsionnet.model.excitations.speed_range import SpeedRange
-
-    return SpeedRange
-
-
-def _load() -> type[Load]:
-    from torsionnet.model.load.load_section import Load
-
-    return Load
+    entries: str
+    """Class of the section, or function that returns its classes by kind."""
+    faults: str = ""
+    """Function of a definition that returns all faults of the section."""
+    faults_of_one: str = ""
+    """Function of a definition and a name that returns the faults of one entry of the section."""
 
 
-def _excitation_kinds() -> Mapping[str, type[OrderExcitation]]:
-    from torsionnet.model.excitations import excitation_kinds  # loads numpy, which most models can do without
+OWNERS = {
+    "speeds": SectionOwner("torsionnet.machinery.excitations.speed_range:SpeedRange"),
+    "load": SectionOwner("torsionnet.model.load.load_section:Load"),
+    "excitations": SectionOwner(
+        "torsionnet.machinery.excitations:excitation_kinds",
+        "torsionnet.machinery.checks.excitation_checks:unfit_excitations",
+        "torsionnet.machinery.checks.excitation_checks:excitation_faults",
+    ),
+    "limits": SectionOwner(
+        "torsionnet.machinery.limits:limit_rules", "torsionnet.machinery.checks.limit_checks:unfit_limits"
+    ),
+    "scenarios": SectionOwner(
+        "torsionnet.motion.scenarios:scenario_kinds",
+        "torsionnet.motion.scenario_checks:unfit_scenarios",
+        "torsionnet.motion.scenario_checks:scenario_faults",
+    ),
+    "bench": SectionOwner("torsionnet.bench.plan.plan:Plan", "torsionnet.bench.plan.bench_checks:unfit_bench"),
+    "report": SectionOwner(
+        "torsionnet.report.plan.report_plan:ReportPlan", "torsionnet.report.plan.report_checks:unfit_report"
+    ),
+}
+"""Owner of each section that few models have, by its key in a model file."""
+CONDITIONS_AT_RATED_SPEED = (
+    "torsionnet.machinery.checks.rating_mismatches:rating_mismatches",
+    "torsionnet.machinery.checks.propeller_conditions:archer_at_small_torque",
+)
+"""Places of the checks of powers and speeds at rated speed, functions of the external torques."""
+EXCITATION_NUMBERS = "torsionnet.machinery.excitations.excitation_numbers:with_numbers"
+"""Place of the function that puts other numbers into excitations."""
+REPORT_FAULTS = "torsionnet.report.plan.report_checks:check_report"
+"""Place of the check of a plan of a report, a function of the plan and the definition of its model."""
+BENCH_FILE = "torsionnet.bench.plan.bench_file:BenchFile"
+"""Place of the class of a file that names a model and describes a test of it."""
+OPERATING_BALANCE = "torsionnet.motion.balance.operating_balance:OperatingBalance"
+"""Place of the operating point about which laws of motion are linear; a model with such laws imports it."""
 
-    return excitation_kinds()
+
+def section_class(key: str) -> Any:
+    """Class of a section, or its classes by kind, from the room that owns it."""
+    found = imported(OWNERS[key].entries)
+    return found if isinstance(found, type) else found()
 
 
-def _limit_rules() -> Mapping[str, type[Limit]]:
-    from torsionnet.model.limits import limit_rules
-
-    return limit_rules()
-
-
-def _scenario_kinds() -> Mapping[str, type[Scenario]]:
-    from torsionnet.model.scenarios.scenario import scenario_kinds
-
-    return scenario_kinds()
-
-
-def _report() -> type[ReportPlan]:
-    from torsionnet.model.report.report_plan import ReportPlan
-
-    return ReportPlan
+def _owned(key: str) -> Callable[[], Any]:
+    """Function that asks the owner of a section for its class when an entry of it is read."""
+    return lambda: section_class(key)
 
 
 PARAMETERS = Named(
@@ -175,25 +187,35 @@ ELEMENTS = ElementTable(
 INPUTS = Named("excitations by name", INPUT, refused=name_fault, names=NAME_SCHEMA)
 SENSORS = Named("measured quantities by name", SENSOR, refused=name_fault, names=NAME_SCHEMA)
 CONFIGURATIONS = AxesEntry("axes of alternatives, gear: {II: {tau: 7.96}}; the name of a single axis may be left out")
-SPEEDS = Nested("at which speeds running machinery is examined", _speeds, "speeds", optional=True)
-LOAD = Nested("who absorbs the power, how that follows the speed, and who drives", _load, "load", optional=True)
+SPEEDS = Nested("at which speeds running machinery is examined", _owned("speeds"), "speeds", optional=True)
+LOAD = Nested(
+    "who absorbs the power, how that follows the speed, and who drives",
+    _owned("load"),
+    "load",
+    optional=True,
+)
 EXCITATIONS = Named(
     "what runs and excites the drivetrain by orders of its speed, by name",
-    Typed("what kind of excitation this is", _excitation_kinds, "excitation", "order_excitation"),
+    Typed("what kind of excitation this is", _owned("excitations"), "excitation", "order_excitation"),
     refused=name_fault,
     names=NAME_SCHEMA,
 )
 LIMITS = Named(
     "what elements may bear while the machinery runs, by name",
-    Typed("which rule says so", _limit_rules, "limit", "limit", key="rule"),
+    Typed("which rule says so", _owned("limits"), "limit", "limit", key="rule"),
     refused=name_fault,
     names=NAME_SCHEMA,
 )
 SCENARIOS = Named(
     "what happens to the drivetrain over time, by name",
-    Typed("what kind of scenario this is", _scenario_kinds, "scenario", "scenario"),
+    Typed("what kind of scenario this is", _owned("scenarios"), "scenario", "scenario"),
     refused=name_fault,
     names=NAME_SCHEMA,
 )
-BENCH = Nested("a virtual test: excitation, exciter, sensors, data acquisition", _plan, "bench", optional=True)
-REPORT = Nested("what torsionnet report writes about the model", _report, "report", optional=True)
+BENCH = Nested(
+    "a virtual test: excitation, exciter, sensors, data acquisition",
+    _owned("bench"),
+    "bench",
+    optional=True,
+)
+REPORT = Nested("what torsionnet report writes about the model", _owned("report"), "report", optional=True)

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import Any, TypeAlias
 
-from torsionnet.core.errors import Fault, ModelError, UsageError, did_you_mean
+from torsionnet.base.errors import Fault, ModelError, UsageError, did_you_mean
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.element_base.laws import AT_REST
 from torsionnet.model.elements import MotionLaw, Values

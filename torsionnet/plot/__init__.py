@@ -1,6 +1,6 @@
 """Pictures of drivetrains and results as matplotlib figures, which are neither shown nor written to files."""
 
-from torsionnet.core.packages import lazy_exports
+from torsionnet.base.packages import lazy_exports
 
 __all__, __getattr__, __dir__ = lazy_exports(
     __name__,

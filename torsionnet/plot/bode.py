@@ -14,10 +14,11 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 import torsionnet.plot.drawing.style as style
-from torsionnet.core.errors import UsageError
-from torsionnet.core.number_text import typeset_unit
-from torsionnet.response import SI, Conventions, FrequencyResponse
-from torsionnet.response.phase import HALF_TURN, unwrapped_phase
+from torsionnet.base.conventions import SI, Conventions
+from torsionnet.base.errors import UsageError
+from torsionnet.base.number_text import typeset_unit
+from torsionnet.linear.frequency_response import FrequencyResponse
+from torsionnet.linear.phase import HALF_TURN, unwrapped_phase
 from torsionnet.signals.advice import above_noise_up_to, is_coherent
 
 LEAST_CONDITIONING = 1e-10

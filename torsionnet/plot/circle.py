@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
-from torsionnet.core.number_text import typeset_unit
+from torsionnet.base.number_text import typeset_unit
 
 if TYPE_CHECKING:
     from torsionnet.modal import CircleFit

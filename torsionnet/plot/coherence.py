@@ -8,9 +8,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
-from torsionnet.core.errors import UsageError
-from torsionnet.response import Conventions, FrequencyResponse
-from torsionnet.response.conventions import SI
+from torsionnet.base.conventions import SI, Conventions
+from torsionnet.base.errors import UsageError
+from torsionnet.linear.frequency_response import FrequencyResponse
 
 
 def coherence(

@@ -10,12 +10,11 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 import torsionnet.plot.drawing.style as style
-from torsionnet.core.number_text import typeset_unit
+from torsionnet.base.conventions import SI, Conventions
+from torsionnet.base.number_text import typeset_unit
+from torsionnet.linear.frequency_response import FloatArray, FrequencyResponse
+from torsionnet.linear.phase import unwrapped_phase
 from torsionnet.plot.bode import AXIS_BEYOND_COHERENCE
-from torsionnet.response import Conventions, FrequencyResponse
-from torsionnet.response.conventions import SI
-from torsionnet.response.frequency_response import FloatArray
-from torsionnet.response.phase import unwrapped_phase
 from torsionnet.signals.advice import LEAST_COHERENCE
 from torsionnet.signals.comparison import difference
 

@@ -9,11 +9,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
-from torsionnet.core.number_text import typeset_unit
+from torsionnet.base.conventions import SI, Conventions
+from torsionnet.base.number_text import typeset_unit
+from torsionnet.machinery.design.damper_optimum import DamperOptimum
 from torsionnet.plot.drawing.torque_units import axis_unit
-from torsionnet.response import Conventions
-from torsionnet.response.conventions import SI
-from torsionnet.response.damper_optimum import DamperOptimum
 
 TOP_FACTOR, BOTTOM_FACTOR = 3.0, 300.0
 """Ratio of the top of the level axis to the largest vibration level, and largest ratio of that level to the bottom."""

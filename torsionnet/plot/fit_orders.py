@@ -9,9 +9,9 @@ import numpy as np
 from matplotlib.axes import Axes
 
 import torsionnet.plot.drawing.style as style
-from torsionnet.core.units import RPM
+from torsionnet.base.conventions import Conventions
+from torsionnet.base.units import RPM
 from torsionnet.plot.drawing.speed_axis import curve_mark, fit_speeds
-from torsionnet.response import Conventions
 
 if TYPE_CHECKING:
     from torsionnet.identification import Compared  # loads scipy.optimize, which pictures can do without

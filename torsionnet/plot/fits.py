@@ -12,11 +12,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
-from torsionnet.core.errors import UsageError
-from torsionnet.core.number_text import typeset_unit
+from torsionnet.base.conventions import SI, Conventions
+from torsionnet.base.errors import UsageError
+from torsionnet.base.number_text import typeset_unit
 from torsionnet.plot.drawing.labels import symbol
 from torsionnet.plot.fit_orders import order_colours, order_column
-from torsionnet.response import SI, Conventions
 
 if TYPE_CHECKING:
     from torsionnet.identification import Compared, Fit  # loads scipy.optimize, which pictures can do without

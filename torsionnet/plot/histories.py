@@ -8,12 +8,11 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
-from torsionnet.core.errors import UsageError
-from torsionnet.core.units import RPM
+from torsionnet.base.conventions import SI, Conventions
+from torsionnet.base.errors import UsageError
+from torsionnet.base.units import RPM
 from torsionnet.plot.drawing.torque_units import axis_unit
-from torsionnet.response import Conventions
-from torsionnet.response.conventions import SI
-from torsionnet.response.recording import FloatArray, Recording
+from torsionnet.signals.recording import FloatArray, Recording
 
 MOST_POINTS = 4000
 """Number of points of a curve above which a signal is thinned out: more than the width of a page in dots."""

@@ -11,10 +11,10 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
 import torsionnet.plot.drawing.style as style
-from torsionnet.core.units import RPM
+from torsionnet.base.units import RPM
+from torsionnet.linear.modes.vibration_mode import VibrationMode
+from torsionnet.machinery.criticals.critical_speeds import CriticalSpeed, CriticalSpeeds
 from torsionnet.plot.drawing.torque_units import speed_label
-from torsionnet.response.critical_speeds import CriticalSpeed, CriticalSpeeds
-from torsionnet.response.vibrations.vibration_mode import VibrationMode
 
 SMALLEST_DOT, LARGEST_DOT = 14.0, 150.0
 """Areas in square points (1/72 inch) of the marks of crossings with the smallest and the largest generalised force."""

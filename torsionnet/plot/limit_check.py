@@ -10,13 +10,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
-from torsionnet.core.errors import UsageError
-from torsionnet.core.units import RPM
+from torsionnet.base.conventions import SI, Conventions
+from torsionnet.base.errors import UsageError
+from torsionnet.base.units import RPM
+from torsionnet.machinery.verdicts.limit_check import LimitCheck, LimitVerdict
+from torsionnet.machinery.verdicts.measured_range import MeasuredRange
 from torsionnet.plot.drawing.torque_units import axis_label, axis_unit, speed_label
-from torsionnet.response import Conventions
-from torsionnet.response.conventions import SI
-from torsionnet.response.limits.limit_check import LimitCheck, LimitVerdict
-from torsionnet.response.limits.measured_range import MeasuredRange
 
 MOST_LINES = 4
 """Largest number of orders drawn in a panel, those of largest amplitude; more would not fit beside it in the legend."""

@@ -11,16 +11,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
-from torsionnet.core.errors import UsageError
-from torsionnet.core.units import RPM
+from torsionnet.base.conventions import SI, Conventions
+from torsionnet.base.equal_remarks import condition_words
+from torsionnet.base.errors import UsageError
+from torsionnet.base.units import RPM
+from torsionnet.machinery.verdicts.limit_check import LimitCheck, LimitVerdict
+from torsionnet.machinery.verdicts.order_peaks import vibratory_verdicts
 from torsionnet.plot.drawing.labels import symbol
 from torsionnet.plot.drawing.torque_units import axis_label, axis_unit, speed_label
 from torsionnet.plot.limit_check import quantity_label
-from torsionnet.response import Conventions
-from torsionnet.response.conventions import SI
-from torsionnet.response.equal_remarks import condition_words
-from torsionnet.response.limits.limit_check import LimitCheck, LimitVerdict
-from torsionnet.response.limits.order_peaks import vibratory_verdicts
 
 PANEL_HEIGHT = 2.1
 """Height in inches of the panel of one limited quantity: three rows of panels leave room for another picture on the

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 import torsionnet.plot.drawing.style as style
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
 
 MOST_NUMBERS = 14
 """Largest number of modes on a side of a MAC matrix up to which its fields have numbers; in more, the fields are too

@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 import torsionnet.plot.drawing.style as style
 
 if TYPE_CHECKING:
-    from torsionnet.response.frequency_response import FloatArray
-    from torsionnet.response.loop_margins import LoopMargins
+    from torsionnet.linear.frequency_response import FloatArray
+    from torsionnet.linear.responses.loop_margins import LoopMargins
 
 SMALLEST_LOOP = 0.01
 """Smallest loop gain |L| of the frequencies shown, as a share of the largest gain if that is below 1; they end at its

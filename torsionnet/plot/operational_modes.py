@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
-from torsionnet.core.number_text import typeset_unit
+from torsionnet.base.number_text import typeset_unit
 from torsionnet.modal.operational.ambient_modes import AmbientPoles
 from torsionnet.modal.operational.decay_modes import DecayFit
 from torsionnet.modal.operational.operational_modes import OperationalModes
@@ -31,7 +31,7 @@ def operational_modes(found: OperationalModes, *, title: str | None = None) -> F
 
     Examples
     --------
-    >>> from torsionnet.response.recording import Recording, Signal
+    >>> from torsionnet.signals.recording import Recording, Signal
     >>> from torsionnet.modal import modes_from_decay
     >>> t = np.arange(2000) / 500
     >>> record = Recording((Signal("T", "torque", np.exp(-t) * np.cos(60 * t)),), sampling_rate=500)

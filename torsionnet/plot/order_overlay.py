@@ -11,14 +11,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
-from torsionnet.core.units import RPM
+from torsionnet.base.conventions import SI, Conventions
+from torsionnet.base.units import RPM
+from torsionnet.linear.phase import unwrapped_phase
+from torsionnet.machinery.orders.order_comparison import ComparedOrder, compared_orders
+from torsionnet.machinery.orders.order_response import OrderResponse
 from torsionnet.plot.drawing.speed_axis import curve_mark, fit_speeds
 from torsionnet.plot.drawing.torque_units import axis_unit, speed_label
-from torsionnet.response import Conventions
-from torsionnet.response.conventions import SI
-from torsionnet.response.order_comparison import ComparedOrder, MeasuredOrder, compared_orders
-from torsionnet.response.order_response import OrderResponse
-from torsionnet.response.phase import unwrapped_phase
+from torsionnet.signals.orders.tracked_orders import MeasuredOrder
 
 MARKERS = ("o", "s", "^", "D", "v")
 MOST_ORDERS = 6

@@ -9,11 +9,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
 import torsionnet.plot.drawing.style as style
-from torsionnet.core.errors import UsageError
+from torsionnet.base.conventions import SI, Conventions
+from torsionnet.base.errors import UsageError
+from torsionnet.machinery.orders.order_response import OrderResponse
 from torsionnet.plot.drawing.torque_units import axis_label, axis_unit, speed_label
-from torsionnet.response import Conventions
-from torsionnet.response.conventions import SI
-from torsionnet.response.order_response import OrderResponse
 
 MOST_LINES = 6
 """Largest number of orders drawn in a panel, those of largest amplitude; more could not be told apart by colour and

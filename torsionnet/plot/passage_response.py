@@ -11,13 +11,12 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 import torsionnet.plot.drawing.style as style
+from torsionnet.base.conventions import SI, Conventions
+from torsionnet.linear.frequency_response import Channel, FloatArray
+from torsionnet.machinery.passage.passage_response import PassageResponse
+from torsionnet.machinery.passage.vibration_cycles import cycles_above, envelopes
 from torsionnet.plot.drawing.torque_units import axis_unit
 from torsionnet.plot.histories import thin_out
-from torsionnet.response import Conventions
-from torsionnet.response.conventions import SI
-from torsionnet.response.frequency_response import Channel, FloatArray
-from torsionnet.response.passage_response import PassageResponse
-from torsionnet.response.vibrations.vibration_cycles import cycles_above, envelopes
 
 LIMIT_DASHES = ("-", (0, (6, 2)), (0, (2, 1.5)))
 """Line styles of matplotlib for the limits drawn over a passage, in the order of the limits."""

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
+from torsionnet.machinery.phasors.vector_sums import VectorSums, order_names
 from torsionnet.plot.star_diagrams import draw_star
-from torsionnet.response.excitation.vector_sums import VectorSums, order_names
 
 PANEL = 1.05
 """Height in inches of the panel of one phase star."""
@@ -35,7 +35,7 @@ def phase_stars(
     Examples
     --------
     >>> import torsionnet as tn
-    >>> from torsionnet.solve.running.order_vectors import vector_sums
+    >>> from torsionnet.machinery.phasors.order_vectors import vector_sums
     >>> ship = tn.load("two_stroke_ship").configured("normal")
     >>> len(phase_stars(vector_sums(ship, "engine", modes=[1, 2])).axes)
     8

@@ -7,8 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
-from torsionnet.core.number_text import typeset_unit
-from torsionnet.response import Conventions
+from torsionnet.base.conventions import Conventions
+from torsionnet.base.number_text import typeset_unit
 from torsionnet.signals.rotation.calibration_result import WheelCalibration
 
 DEGREES = Conventions(angle="deg")

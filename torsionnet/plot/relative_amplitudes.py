@@ -9,10 +9,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
-from torsionnet.core.errors import UsageError
-from torsionnet.core.number_text import NumberText
-from torsionnet.response.holzer_table import HolzerTable
-from torsionnet.response.vibrations.vibration_nodes import vibration_nodes
+from torsionnet.base.errors import UsageError
+from torsionnet.base.number_text import NumberText
+from torsionnet.machinery.holzer.holzer_table import HolzerTable
+from torsionnet.machinery.holzer.vibration_nodes import vibration_nodes
 
 PANEL_HEIGHT, NAMES_HEIGHT = 1.15, 0.75
 """Height in inches of the panel of a mode, and of the names of the masses below the last panel."""

@@ -7,11 +7,10 @@ from collections.abc import Sequence
 from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
+from torsionnet.base.conventions import SI, Conventions
 from torsionnet.plot.histories import time_histories
-from torsionnet.response import Conventions
-from torsionnet.response.conventions import SI
-from torsionnet.response.motion.motion_event import MotionEvent
-from torsionnet.response.recording import Recording
+from torsionnet.signals.motion_event import MotionEvent
+from torsionnet.signals.recording import Recording
 
 MOST_LINES = 200
 """Events that are marked by lines; more would cover the curves, and a motion that rattles has thousands."""

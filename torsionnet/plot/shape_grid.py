@@ -15,6 +15,8 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
+from torsionnet.linear.frequency_response import FloatArray
+from torsionnet.linear.modes.modes import OSCILLATORY
 from torsionnet.plot.shapes import (
     IMAGINARY,
     JOINS,
@@ -26,12 +28,10 @@ from torsionnet.plot.shapes import (
     shape_view,
     station_shape,
 )
-from torsionnet.response.frequency_response import FloatArray
-from torsionnet.response.modes import OSCILLATORY
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
-    from torsionnet.response import Modes
+    from torsionnet.linear.modes.modes import Modes
 
 MOST_COLUMNS, WRAPPED = 4, 3
 """Largest number of panels side by side, and number in a row if the modes of one configuration fill several rows."""

@@ -13,11 +13,10 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 import torsionnet.plot.drawing.style as style
-from torsionnet.core.errors import UsageError, comma_list, did_you_mean
+from torsionnet.base.conventions import SI, Conventions, index_of_mode
+from torsionnet.base.errors import UsageError, comma_list, did_you_mean
+from torsionnet.linear.modes.modes import OSCILLATORY, Modes
 from torsionnet.plot.schematic.stations import Axis, idle_nodes, node_axis, plain_axis, ratios
-from torsionnet.response import SI, Conventions, Modes
-from torsionnet.response.conventions import index_of_mode
-from torsionnet.response.modes import OSCILLATORY
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain

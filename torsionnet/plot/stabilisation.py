@@ -8,9 +8,9 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 import torsionnet.plot.drawing.style as style
-from torsionnet.core.number_text import typeset_unit
+from torsionnet.base.conventions import SI, Conventions
+from torsionnet.base.number_text import typeset_unit
 from torsionnet.modal import ModalEstimate, Stabilisation, cmif
-from torsionnet.response import SI, Conventions
 
 FloatArray = NDArray[np.float64]
 MARKS = (

@@ -11,8 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
-from torsionnet.core.errors import UsageError
-from torsionnet.response.star_diagram import StarDiagram
+from torsionnet.base.errors import UsageError
+from torsionnet.machinery.phasors.star_diagram import StarDiagram
 
 PANELS_PER_ROW = 4
 """Number of star diagrams side by side; more would be too small for the numbers of the cylinders."""

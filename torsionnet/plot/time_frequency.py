@@ -9,12 +9,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
-from torsionnet.core.number_text import typeset_unit
-from torsionnet.response import Conventions
-from torsionnet.response.conventions import SI
-from torsionnet.response.recording import FloatArray
+from torsionnet.base.conventions import SI, Conventions
+from torsionnet.base.number_text import typeset_unit
 from torsionnet.signals.harmonics import Harmonics
 from torsionnet.signals.order_tracking import OrderMap
+from torsionnet.signals.recording import FloatArray
 from torsionnet.signals.spectrogram import Spectrogram
 
 COLOURS = "viridis"

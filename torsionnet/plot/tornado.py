@@ -9,12 +9,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
+from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.plot.drawing.bars import Bars, draw_bars, name_rows
-from torsionnet.response.frequency_response import FloatArray
 
 if TYPE_CHECKING:
-    from torsionnet.solve.sensitivity import ModeSensitivities
+    from torsionnet.linear.sensitivity import ModeSensitivities
 
 MOST_MODES, MOST_PARAMETERS = 4, 12
 """Number of modes drawn unless others are asked for, and largest number of bars in a panel: as many as fit a page."""

@@ -9,11 +9,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
 import torsionnet.plot.drawing.style as style
+from torsionnet.base.conventions import SI, Conventions
 from torsionnet.plot.drawing.speed_axis import curve_mark, fit_speeds, is_steady
 from torsionnet.plot.drawing.torque_units import axis_label, axis_unit
-from torsionnet.response import Conventions
-from torsionnet.response.conventions import SI
-from torsionnet.response.measured.tracked_orders import TrackedOrders
+from torsionnet.signals.orders.tracked_orders import TrackedOrders
 
 MOST_LINES = 6
 """Largest number of orders drawn, those of largest amplitude; more could not be told apart by colour and dashes."""

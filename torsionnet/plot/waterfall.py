@@ -9,12 +9,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
+from torsionnet.base.conventions import SI, Conventions
+from torsionnet.linear.frequency_response import FloatArray
+from torsionnet.machinery.orders.order_response import OrderResponse
 from torsionnet.plot.drawing.torque_units import axis_unit, speed_label
-from torsionnet.response import Conventions
-from torsionnet.response.conventions import SI
-from torsionnet.response.frequency_response import FloatArray
-from torsionnet.response.measured.tracked_orders import TrackedOrders
-from torsionnet.response.order_response import OrderResponse
+from torsionnet.signals.orders.tracked_orders import TrackedOrders
 
 MOST_SPECTRA = 30
 """Largest number of spectra drawn, evenly chosen from those of all speeds; more would hide each other."""

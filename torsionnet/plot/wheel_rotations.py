@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
-from torsionnet.core.units import RPM
+from torsionnet.base.units import RPM
 from torsionnet.plot.histories import thin_out
 from torsionnet.signals.rotation.wheel_rotation import WheelRotation
 
@@ -29,7 +29,7 @@ def wheel_rotations(wheels: Sequence[WheelRotation], *, title: str = "") -> Figu
 
     Examples
     --------
-    >>> from torsionnet.response.measured.pulse_channel import PulseChannel
+    >>> from torsionnet.signals.rotation.pulse_channel import PulseChannel
     >>> from torsionnet.signals import Wheel, wheel_rotation
     >>> channel = PulseChannel("n1", np.round(np.arange(6000) / 601.3, 6), tick=1e-6)
     >>> [axes.get_ylabel() for axes in wheel_rotations([wheel_rotation(channel, Wheel(teeth=60))]).axes]

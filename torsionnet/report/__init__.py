@@ -6,18 +6,18 @@
 ['modes', 'validity']
 """
 
-from torsionnet.core.packages import lazy_exports
+from torsionnet.base.packages import lazy_exports
 
 __all__, __getattr__, __dir__ = lazy_exports(
     __name__,
     {
         "Measured": "torsionnet.report.report_request",
-        "Pair": "torsionnet.model.report",
+        "Pair": "torsionnet.report.plan",
         "Picture": "torsionnet.report.document_tree",
         "Report": "torsionnet.report.document_tree",
-        "ReportPlan": "torsionnet.model.report",
-        "Revision": "torsionnet.model.report",
-        "TitleBlock": "torsionnet.model.report",
+        "ReportPlan": "torsionnet.report.plan",
+        "Revision": "torsionnet.report.plan",
+        "TitleBlock": "torsionnet.report.plan",
         "make_report": "torsionnet.report.report",
         "write_report": "torsionnet.report.report",
     },

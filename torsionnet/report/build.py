@@ -7,10 +7,10 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 
-from torsionnet.assembly.table_range import told_of_reads
-from torsionnet.core.errors import TorsionnetWarning
-from torsionnet.model.report import SECTIONS
+from torsionnet.base.errors import TorsionnetWarning
+from torsionnet.linear.assembly.table_range import told_of_reads
 from torsionnet.report.document_tree import Facts, Report, Section, Text
+from torsionnet.report.plan import SECTIONS
 from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_text import first_names, sentence
 from torsionnet.report.title_table import TITLE_FACTS, title_table

@@ -6,17 +6,17 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.model.channels import named_sensor
-from torsionnet.model.report.report_plan import ReportPlan
 from torsionnet.report.measured_orders import MeasuredFile
+from torsionnet.report.plan.report_plan import ReportPlan
 from torsionnet.report.report import make_report
 from torsionnet.report.report_request import Measured
 
 if TYPE_CHECKING:
-    from torsionnet.campaign.campaign import Campaign
-    from torsionnet.campaign.campaign_result import CampaignResult
+    from torsionnet.bench.campaign.campaign import Campaign
+    from torsionnet.bench.campaign.campaign_result import CampaignResult
     from torsionnet.report.document_tree import Report
 
 

@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from torsionnet.core.entries.spec import not_none
+from torsionnet.base.conventions import Conventions
+from torsionnet.base.entries.spec import not_none
+from torsionnet.machinery.excitations.engine_entries import EngineEntries
+from torsionnet.machinery.limits import Limit
+from torsionnet.machinery.limits.curve import CurveLimit
+from torsionnet.machinery.limits.heat_balance import temperature_words
+from torsionnet.machinery.limits.machine_angle import MachineAngleLimit
+from torsionnet.machinery.limits.torsional_damper import DamperLimit
+from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion, WorstLimit
 from torsionnet.model.channels import named_sensor
 from torsionnet.model.definition import Definition
-from torsionnet.model.excitations.engine_entries import EngineEntries
-from torsionnet.model.limits import Limit
-from torsionnet.model.limits.curve import CurveLimit
-from torsionnet.model.limits.heat_balance import temperature_words
-from torsionnet.model.limits.machine_angle import MachineAngleLimit
-from torsionnet.model.limits.torsional_damper import DamperLimit
 from torsionnet.report.engineering_units import engineering_unit
-from torsionnet.response import Conventions
-from torsionnet.response.limits.limit_conclusion import LimitConclusion, WorstLimit
 
 GROUPS = {
     "shafts": ("iacs_m68", "fatigue"),

@@ -8,20 +8,19 @@ from dataclasses import replace
 
 import numpy as np
 
-from torsionnet.core.errors import UsageError
-from torsionnet.core.units import RPM
-from torsionnet.model.excitations.cylinder_entries import EACH
-from torsionnet.model.excitations.cylinder_harmonics import lost_harmonics
-from torsionnet.model.excitations.lost_cylinders import mean_torque_shares
-from torsionnet.model.excitations.reciprocating_engine import ReciprocatingEngine
+from torsionnet.base.equal_remarks import condition_words, configurations_in_words
+from torsionnet.base.errors import UsageError
+from torsionnet.base.units import RPM
+from torsionnet.machinery.excitations.cylinder_entries import EACH
+from torsionnet.machinery.excitations.cylinder_harmonics import lost_harmonics
+from torsionnet.machinery.excitations.reciprocating_engine import ReciprocatingEngine
+from torsionnet.machinery.phasors.order_vectors import vector_sums
+from torsionnet.machinery.phasors.vector_sums import VectorSums
+from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion, WorstLimit
 from torsionnet.model.load.lost_torques import has_lost_cylinders
 from torsionnet.report.document_tree import Heading, NumberText, TableBlock, TableGroup
 from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_text import as_words, unit
-from torsionnet.response.equal_remarks import condition_words, configurations_in_words
-from torsionnet.response.excitation.vector_sums import VectorSums
-from torsionnet.response.limits.limit_conclusion import LimitConclusion, WorstLimit
-from torsionnet.solve.running.order_vectors import vector_sums
 
 LOST_TORQUE = (
     "Where a cylinder is out, the others keep the pressures of the same speed and nothing makes up for the torque that "
@@ -163,7 +162,7 @@ def pressure_notes(subject: ReportData, name: str, speed: float) -> list[str]:
     one = _out(engine)[0]
     alone = replace(engine, misfire=(one,)) if engine.misfire == EACH else engine
     at = np.array([speed])
-    whole = np.mean([*mean_torque_shares(engine, at).values()])
-    share = mean_torque_shares(alone, at)[one][0]
+    whole = np.mean([*engine.mean_torque_shares(at).values()])
+    share = alone.mean_torque_shares(at)[one][0]
     words = condition_words(case.configuration)
     return [OUT_NOTE.format(name=words, share=f"{round(100 * float(share), 1) + 0.0:g}", whole=f"{100 * whole:.3g}")]

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
-from torsionnet.core import number_text
+from torsionnet.base import number_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

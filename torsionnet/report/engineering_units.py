@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from torsionnet.response import Conventions
+from torsionnet.base.conventions import Conventions
 
 KILO = {"W": "kW", "W/m^2": "kW/m^2"}
 """Unit of a thousand, by SI unit, for what machinery has in thousands."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from torsionnet.core.expressions import Compound, Expression, Name, Number
+from torsionnet.base.expressions import Compound, Expression, Name, Number
 from torsionnet.symbolic.symbol_names import symbol_latex
 
 SUM, PRODUCT, QUOTIENT, ATOM = 1, 2, 3, 4
@@ -16,7 +16,7 @@ numbers."""
 def expression_latex(tree: Expression) -> str:
     r"""LaTeX of an expression of parameters, in the order in which it was written.
 
-    >>> from torsionnet.core.expression_reading import scalar
+    >>> from torsionnet.base.expression_reading import scalar
     >>> expression_latex(scalar("I_1 - I_MT")), expression_latex(scalar("pi*G*d**4/(32*L)"))
     ('I_{1} - I_{\\mathrm{MT}}', '\\frac{\\pi G d^{4}}{32 L}')
     >>> expression_latex(scalar("-r_p/(2*(a + b)*3)"))

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from torsionnet.base.conventions import Conventions
+from torsionnet.machinery.verdicts.limit_check import LimitVerdict
 from torsionnet.report.document_tree import Cell, NumberText
 from torsionnet.report.engineering_units import engineering_unit
 from torsionnet.report.report_text import as_words, unit
-from torsionnet.response import Conventions
-from torsionnet.response.limits.limit_check import LimitVerdict
 
 DIGITS = 3
 """Significant digits of stresses, torques and shares: a torsional calculation is not known better."""

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.core.errors import ModelError, UsageError
+from torsionnet.base.errors import ModelError, UsageError
 from torsionnet.model.channels import parse_sensor
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
-    from torsionnet.response.frequency_response import Channel
-    from torsionnet.response.order_comparison import MeasuredOrder
+    from torsionnet.linear.frequency_response import Channel
+    from torsionnet.signals.orders.tracked_orders import MeasuredOrder
 
 FORM = "CONFIGURATION=FILE, or CONFIGURATION:SENSOR=FILE"
 """Pattern, for error messages, of the text that names a file of measured orders, its condition and its sensor."""

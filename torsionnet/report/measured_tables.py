@@ -6,24 +6,24 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from torsionnet.core.number_text import NumberText, aligned_numbers
-from torsionnet.core.units import RPM
-from torsionnet.report.document_tree import Cell, Heading, TableBlock
-from torsionnet.report.engineering_units import engineering_unit
-from torsionnet.report.measured_orders import PlaceTest
-from torsionnet.report.report_tables import table
-from torsionnet.report.report_text import as_words, unit
-from torsionnet.response.conventions import Conventions
-from torsionnet.response.limits.measured_range import MeasuredRange
-from torsionnet.response.measured.common_turn import common_turn
-from torsionnet.response.measured.order_agreement import OrderAgreement
-from torsionnet.response.order_comparison import (
+from torsionnet.base.conventions import Conventions
+from torsionnet.base.number_text import NumberText, aligned_numbers
+from torsionnet.base.units import RPM
+from torsionnet.machinery.orders.common_turn import common_turn
+from torsionnet.machinery.orders.order_agreement import OrderAgreement
+from torsionnet.machinery.orders.order_comparison import (
     ComparedOrder,
     compared_orders,
     meaning_notes,
     not_compared,
 )
-from torsionnet.response.order_response import OrderResponse
+from torsionnet.machinery.orders.order_response import OrderResponse
+from torsionnet.machinery.verdicts.measured_range import MeasuredRange
+from torsionnet.report.document_tree import Cell, Heading, TableBlock
+from torsionnet.report.engineering_units import engineering_unit
+from torsionnet.report.measured_orders import PlaceTest
+from torsionnet.report.report_tables import table
+from torsionnet.report.report_text import as_words, unit
 
 DIFFERENCE_DIGITS = 3
 """Significant digits of differences in a report: intervals of tests have no more."""

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
+from torsionnet.machinery.checks.limit_checks import limit_subject
+from torsionnet.machinery.limits.iacs_m68 import IacsM68
+from torsionnet.machinery.limits.shaft_limit import ShaftLimit
+from torsionnet.machinery.orders.order_comparison import order_comparison
+from torsionnet.machinery.orders.order_response import OrderResponse
 from torsionnet.model.channels import Sensor, named_sensor
-from torsionnet.model.checks.limit_checks import limit_subject
 from torsionnet.model.configurations import parse_choice
 from torsionnet.model.element_base.round_section import section_fault
-from torsionnet.model.free_end import free_end
-from torsionnet.model.limits.iacs_m68 import IacsM68
-from torsionnet.model.limits.shaft_limit import ShaftLimit
+from torsionnet.report.free_end import free_end
 from torsionnet.report.measured_orders import MeasuredFile
 from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_text import as_words
-from torsionnet.response.order_comparison import MeasuredOrder, order_comparison
-from torsionnet.response.order_response import OrderResponse
+from torsionnet.signals.orders.tracked_orders import MeasuredOrder
 
 
 @dataclass(frozen=True, eq=False)

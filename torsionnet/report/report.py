@@ -10,14 +10,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from torsionnet.core.errors import ModelError, UsageError, did_you_mean
-from torsionnet.core.version import __version__
+from torsionnet.base.errors import ModelError, UsageError, did_you_mean
+from torsionnet.base.version import __version__
 from torsionnet.loading import load
 from torsionnet.model.files.reader import find_model
-from torsionnet.model.report import KINDS, LANGUAGES, Pair, ReportPlan, TitleBlock, parse_band
-from torsionnet.model.report.report_plan import unknown_section
 from torsionnet.report.document_tree import Report
 from torsionnet.report.measured_orders import measured_files
+from torsionnet.report.plan import KINDS, LANGUAGES, Pair, ReportPlan, TitleBlock, parse_band
+from torsionnet.report.plan.report_plan import unknown_section
 from torsionnet.report.report_data import ReportData, cases_of, digest_of, document_kind, require_answers
 from torsionnet.report.report_request import Measured, ReportRequest, read_date
 from torsionnet.report.study_model_checks import check_study_models
@@ -128,7 +128,7 @@ def make_report(
     configurations : iterable of str
         Default: all.
     sections : iterable of str
-        Out of :data:`torsionnet.model.report.SECTIONS`; default: those of its kind that apply.
+        Out of :data:`torsionnet.report.plan.SECTIONS`; default: those of its kind that apply.
     transfer_functions : iterable of str
         ``"theta_1/T_T"``; default: the first sensors over the first input.
     band : (float, float) or str
@@ -213,7 +213,7 @@ def make_report(
     cases = cases_of(drivetrain, plan.configurations, plan.kind)
     subject = ReportData(drivetrain, cases, request, file.name, digest_of(data))
     require_answers(subject)
-    from torsionnet.model.limits.society_rules import SOCIETIES
+    from torsionnet.machinery.limits.society_rules import SOCIETIES
     from torsionnet.report.build import build
     from torsionnet.report.languages import in_language
     from torsionnet.report.report_text import as_words

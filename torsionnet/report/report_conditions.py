@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.core.expressions import Expression, Number
-from torsionnet.core.number_text import typeset_unit
-from torsionnet.core.units import RPM
+from torsionnet.base.expressions import Expression, Number
+from torsionnet.base.number_text import typeset_unit
+from torsionnet.base.units import RPM
 from torsionnet.model.checks.parameter_units import parameter_units
 from torsionnet.model.definition import EXCITATIONS, LOAD, section_of
 from torsionnet.report.report_text import as_words, capital, unit

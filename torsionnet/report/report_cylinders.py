@@ -8,20 +8,24 @@ from dataclasses import replace
 
 import numpy as np
 
-from torsionnet.core.units import RPM
-from torsionnet.model.excitations.cylinder_entries import EACH
-from torsionnet.model.excitations.cylinder_harmonics import cylinder_harmonics, firing_intervals, indicated_pressures
-from torsionnet.model.excitations.reciprocating_engine import ReciprocatingEngine
+from torsionnet.base.table import result_table
+from torsionnet.base.units import RPM
+from torsionnet.machinery.excitations.cylinder_entries import EACH
+from torsionnet.machinery.excitations.cylinder_harmonics import (
+    cylinder_harmonics,
+    firing_intervals,
+    indicated_pressures,
+)
+from torsionnet.machinery.excitations.reciprocating_engine import ReciprocatingEngine
+from torsionnet.machinery.orders.order_solution import shaft_speeds
+from torsionnet.machinery.phasors.engine_harmonics import CylinderHarmonic, IndicatedPressure
+from torsionnet.machinery.phasors.order_vectors import vector_sums
+from torsionnet.machinery.phasors.vector_sums import VectorSums
 from torsionnet.report.cylinders_out import pressure_notes, with_lost_torque, with_sums_out
 from torsionnet.report.document_tree import Block, Cell, Heading, Paragraph, Picture, TableBlock
 from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_tables import results_table, table, with_decimals
 from torsionnet.report.report_text import as_words, capital, shared_choices, unit
-from torsionnet.response.excitation.engine_harmonics import CylinderHarmonic, IndicatedPressure
-from torsionnet.response.excitation.vector_sums import VectorSums
-from torsionnet.response.table import result_table
-from torsionnet.solve.running.order_response import shaft_speeds
-from torsionnet.solve.running.order_vectors import vector_sums
 
 SPEEDS_SHOWN = (0.25, 0.5, 0.75, 0.9, 1.0)
 """Speeds over the rated one at which the mean indicated pressure is given, the usual loads of a trial at sea."""

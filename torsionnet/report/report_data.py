@@ -11,27 +11,29 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsionnet.assembly.table_range import TableReads
-from torsionnet.core.errors import UsageError
+from torsionnet.base.conventions import Conventions
+from torsionnet.base.errors import UsageError
+from torsionnet.linear.assembly.table_range import TableReads
+from torsionnet.linear.dynamic_stiffness.transfer_request import usable_channels
+from torsionnet.linear.frequency_response import FrequencyResponse
+from torsionnet.linear.modes.modes import Modes
+from torsionnet.linear.responses.grid import Adaptive, vibration_range
 from torsionnet.model.configurations import parse_choice
-from torsionnet.model.report import Pair
+from torsionnet.report.plan import Pair
 from torsionnet.report.report_request import ReportRequest
 from torsionnet.report.report_text import shared_choices
-from torsionnet.response import Conventions, FrequencyResponse, Modes
-from torsionnet.solve.dynamic_stiffness.transfer_request import usable_channels
-from torsionnet.solve.responses.grid import Adaptive, vibration_range
 
 if TYPE_CHECKING:
-    from torsionnet.assembly.assembled import AssembledModel
     from torsionnet.drivetrain import Drivetrain
-    from torsionnet.response.critical_speeds import CriticalSpeeds
-    from torsionnet.response.frequency_response import FloatArray
-    from torsionnet.response.limits.governing_peaks import GoverningPeaks
-    from torsionnet.response.limits.limit_check import LimitCheck
-    from torsionnet.response.limits.limit_conclusion import LimitConclusion
-    from torsionnet.response.order_line import OrderLine
-    from torsionnet.response.order_response import OrderResponse
-    from torsionnet.response.vibrations.counted_vibration import CountedVibration
+    from torsionnet.linear.assembly.assembled import AssembledModel
+    from torsionnet.linear.frequency_response import FloatArray
+    from torsionnet.machinery.criticals.critical_speeds import CriticalSpeeds
+    from torsionnet.machinery.holzer.counted_vibration import CountedVibration
+    from torsionnet.machinery.orders.order_line import OrderLine
+    from torsionnet.machinery.orders.order_response import OrderResponse
+    from torsionnet.machinery.verdicts.governing_peaks import GoverningPeaks
+    from torsionnet.machinery.verdicts.limit_check import LimitCheck
+    from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion
     from torsionnet.symbolic.symbolic_system import SymbolicSystem
 
 MOST_CASES, MOST_JUDGED_CASES = 12, 200
@@ -208,7 +210,7 @@ class ReportData:
         """Verdicts on the limits in all configurations that are judged; None where the model has no limits."""
         if not self.has_excitations or not self.model.definition.limits:
             return None
-        from torsionnet.response.limits.limit_conclusion import LimitConclusion
+        from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion
 
         return LimitConclusion(tuple(case.drivetrain.check_limits() for case in self.judged_cases))
 
@@ -217,7 +219,7 @@ class ReportData:
         """Critical speeds that matter in the judged configurations, each order in its worst; None without limits."""
         if self.limit_conclusion is None:
             return None
-        from torsionnet.response.limits.governing_peaks import governing_peaks
+        from torsionnet.machinery.verdicts.governing_peaks import governing_peaks
 
         def critical_speeds(check: LimitCheck, lines: Sequence[str]) -> CriticalSpeeds:
             return self.judged_case(check).drivetrain.critical_speeds(lines=lines)
@@ -231,7 +233,7 @@ class ReportData:
     @cached_property
     def free_end_response(self) -> OrderResponse:
         """Response by order of the angle at the free end of the engine, in the first configuration that is judged."""
-        from torsionnet.model.free_end import free_end
+        from torsionnet.report.free_end import free_end
 
         drivetrain = self.judged_cases[0].drivetrain
         return drivetrain.order_response(free_end(drivetrain.definition), refine=True)
@@ -266,7 +268,7 @@ class ReportData:
 
         Nodes with an imposed motion are held, as in the response to the excitations.
         """
-        from torsionnet.solve.modes.counted_frequencies import natural_frequencies
+        from torsionnet.machinery.holzer.counted_frequencies import natural_frequencies
 
         return tuple(natural_frequencies(held_drivetrain(cases[0])) for cases in self.judged_drivetrains)
 
@@ -283,7 +285,7 @@ class ReportData:
 
         None where nothing acts.
         """
-        from torsionnet.solve.running.critical_speeds import excited_frequencies, excited_lines
+        from torsionnet.machinery.criticals.critical_speed_search import excited_frequencies, excited_lines
 
         found = []
         for case in self.cases:
@@ -361,7 +363,7 @@ def _by_drivetrain(cases: Sequence[Case]) -> tuple[tuple[Case, ...], ...]:
 
 def held_drivetrain(case: Case) -> AssembledModel:
     """Drivetrain of a configuration in which nodes with an imposed motion are held, as vibrations are counted in it."""
-    from torsionnet.solve.running.order_response import with_motions_held
+    from torsionnet.machinery.orders.order_solution import with_motions_held
 
     acting = {name: one for name, one in case.drivetrain.definition.excitations.items() if one.enabled}
     return with_motions_held(case.drivetrain, acting)

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from torsionnet.core.number_text import aligned_numbers
-from torsionnet.model.excitations.engine_phases import conditions_running_alone
+from torsionnet.base.number_text import aligned_numbers
+from torsionnet.machinery.excitations.engine_phases import conditions_running_alone
+from torsionnet.machinery.orders.engine_angles import EngineAngle
+from torsionnet.machinery.orders.worst_response import WorstResponse
 from torsionnet.report.document_tree import Block, Cell, Heading, Listing, TableBlock
 from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import as_words, symbol_or_words, unit
-from torsionnet.response.engine_angles import EngineAngle
-from torsionnet.response.worst_response import WorstResponse
 
 
 def engine_remarks(subject: ReportData) -> list[Block]:

@@ -6,11 +6,11 @@ import math
 from dataclasses import replace
 from itertools import islice
 
+from torsionnet.base.table import Table
+from torsionnet.machinery.holzer.holzer_table import NEGLIGIBLE_TORQUE, HolzerStation, HolzerTable
 from torsionnet.report.document_tree import TableBlock, TableGroup
 from torsionnet.report.report_tables import results_table
 from torsionnet.report.report_text import as_words
-from torsionnet.response.holzer_table import NEGLIGIBLE_TORQUE, HolzerStation, HolzerTable
-from torsionnet.response.table import Table
 
 SHORT_HEADINGS = {"J referred": "J", "k referred": "k", "sum of torque": "sum"}
 """Shorter headings of a Holzer table in which all values are referred to one shaft."""

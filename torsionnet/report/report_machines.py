@@ -7,12 +7,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.core.entries.scalars import QuantityKind, Value
-from torsionnet.core.expressions import Expression
-from torsionnet.core.units import RPM, expected_unit
+from torsionnet.base.entries.scalars import QuantityKind, Value
+from torsionnet.base.expressions import Expression
+from torsionnet.base.units import RPM, expected_unit
+from torsionnet.machinery.excitations.propeller_torque import PropellerTorque
 from torsionnet.model.damping import MEASURES, DampingMeasure
 from torsionnet.model.element_base.element_entries import Teeth
-from torsionnet.model.excitations.propeller_torque import PropellerTorque
 from torsionnet.model.given_values import given
 from torsionnet.model.load.external_torques import ENGINE
 from torsionnet.report.document_tree import Inline, Text
@@ -20,8 +20,8 @@ from torsionnet.report.report_text import as_words, capital, symbol_or_words, un
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
+    from torsionnet.machinery.excitations import OrderExcitation
     from torsionnet.model.elements import Element
-    from torsionnet.model.excitations import OrderExcitation
 
 MACHINES = {
     "propeller": "Propeller",

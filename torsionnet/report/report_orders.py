@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from torsionnet.core.number_text import MISSING_TYPESET, NumberText, aligned_numbers
-from torsionnet.core.units import RPM
-from torsionnet.model.excitations.propeller_torque import PropellerTorque
+from torsionnet.base.number_text import MISSING_TYPESET, NumberText, aligned_numbers
+from torsionnet.base.units import RPM
+from torsionnet.machinery.excitations.propeller_torque import PropellerTorque
+from torsionnet.machinery.phasors.excitation_lines import excitation_lines
 from torsionnet.report.document_tree import Cell, Heading, TableBlock
 from torsionnet.report.report_data import Case
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import as_words, unit
-from torsionnet.solve.running.excitation_lines import excitation_lines
 
 KILO = 1e-3
 """Factor from N m to kN m."""

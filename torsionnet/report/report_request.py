@@ -6,13 +6,13 @@ import datetime as dt
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from torsionnet.core.errors import UsageError
-from torsionnet.model.report import SECTIONS, Pair, ReportPlan
+from torsionnet.base.errors import UsageError
+from torsionnet.report.plan import SECTIONS, Pair, ReportPlan
 
 if TYPE_CHECKING:
     from torsionnet.identification import Fit
+    from torsionnet.linear.frequency_response import FrequencyResponse
     from torsionnet.report.measured_orders import MeasuredFile
-    from torsionnet.response import FrequencyResponse
     from torsionnet.study.study_result import StudyResult
 
 

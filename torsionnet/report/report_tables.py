@@ -7,10 +7,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from torsionnet.core.number_text import aligned_numbers
+from torsionnet.base.number_text import aligned_numbers
+from torsionnet.base.table import Table
 from torsionnet.report.document_tree import Cell, Heading, Inline, Math, NumberText, TableBlock, TableGroup, inlines
 from torsionnet.report.report_text import as_words, capital, unit
-from torsionnet.response.table import Table
 
 MOST_DIGITS = 4
 """Number of significant digits that the smallest number in a column of a report's table has."""

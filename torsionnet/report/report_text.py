@@ -6,11 +6,11 @@ import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from torsionnet.core.errors import comma_list
-from torsionnet.core.number_text import MISSING_TYPESET, typeset_unit
+from torsionnet.base.errors import comma_list
+from torsionnet.base.number_text import MISSING_TYPESET, typeset_unit
 from torsionnet.model.channels import parse_sensor
-from torsionnet.model.report import Pair
 from torsionnet.report.document_tree import Inline, Math, Text
+from torsionnet.report.plan import Pair
 from torsionnet.symbolic.symbol_names import GREEK, symbol_latex
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-from torsionnet.response.table import Column, Table
+from torsionnet.base.table import Column, Table
 from torsionnet.study.shown_units import ShownUnits
 
 UNIT = "unit"

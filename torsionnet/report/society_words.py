@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import fields, is_dataclass, replace
 from typing import Any
 
-from torsionnet.model.limits.society_rules import Society
+from torsionnet.machinery.limits.society_rules import Society
 from torsionnet.report.document_tree import BreakableMath, Code, Equations, Formula, Math, NumberText
 
 AS_THEY_ARE = (Math, BreakableMath, Code, NumberText, Formula, Equations)
@@ -19,7 +19,7 @@ def in_society_words(part: Any, society: Society) -> Any:
 
     Examples
     --------
-    >>> from torsionnet.model.limits.society_rules import SOCIETIES
+    >>> from torsionnet.machinery.limits.society_rules import SOCIETIES
     >>> from torsionnet.report.document_tree import Paragraph
     >>> in_society_words(Paragraph(("tau_C is exceeded: barred range",)), SOCIETIES["lr"])
     Paragraph(text=('tau_c is exceeded: restricted speed range',))

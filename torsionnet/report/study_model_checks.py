@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.core.errors import UsageError, comma_list
+from torsionnet.base.errors import UsageError, comma_list
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from torsionnet.core.errors import ModelError, Position
+from torsionnet.base.errors import ModelError, Position
 from torsionnet.report.wording import Wording
 
 STYLE = "style.css"

@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from torsionnet.core.errors import Fault, ModelError, Position, UsageError, did_you_mean, suggestion_or
+from torsionnet.base.errors import Fault, ModelError, Position, UsageError, did_you_mean, suggestion_or
 from torsionnet.model.files.library import MOST_BYTES, decode
 from torsionnet.model.files.located_yaml import compose
 from torsionnet.model.files.reader import located_faults, presentable_faults

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from torsionnet.model.report import Revision, TitleBlock
 from torsionnet.report.document_tree import TitleTable
+from torsionnet.report.plan import Revision, TitleBlock
 from torsionnet.report.report_data import ReportData
 
 REVISION_HEADS = ("Revision", "Date", "Description", "Prepared", "Checked", "Approved")

@@ -13,11 +13,11 @@ from functools import cache, cached_property
 from importlib.resources import files
 from typing import ClassVar
 
-from torsionnet.core.entries.composite import Named, Nested, Typed
-from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.scalars import QuantityKind, Value
-from torsionnet.core.entries.spec import Count, EntryError, OneOf, Spec, Text, entry
-from torsionnet.core.errors import Fault, suggestion_or
+from torsionnet.base.entries.composite import Named, Nested, Typed
+from torsionnet.base.entries.declared import Declared
+from torsionnet.base.entries.scalars import QuantityKind, Value
+from torsionnet.base.entries.spec import Count, EntryError, OneOf, Spec, Text, entry
+from torsionnet.base.errors import Fault, suggestion_or
 from torsionnet.model.element_base.characteristic import Characteristic
 from torsionnet.model.element_base.control_entries import ControlLawEntry
 from torsionnet.model.element_base.curves import LookupCurve

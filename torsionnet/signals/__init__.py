@@ -1,12 +1,12 @@
 """Recorded and simulated signals, their processing, and the frequency responses estimated from them."""
 
-from torsionnet.core.packages import lazy_exports
+from torsionnet.base.packages import lazy_exports
 
 # Files are read in a layer above this one, which knows no files; the names have their place here all the same.
 __all__, __getattr__, __dir__ = lazy_exports(
     __name__,
     {
-        "BetweenSamples": "torsionnet.response.measured.between_samples",
+        "BetweenSamples": "torsionnet.linear.between_samples",
         "BurstRandom": "torsionnet.signals.excitation",
         "CalculatedOrders": "torsionnet.signals.rotation.calculated_orders",
         "ClockDrift": "torsionnet.signals.rotation.clock_drift",
@@ -18,6 +18,7 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "LinearChirp": "torsionnet.signals.excitation",
         "LogarithmicSweep": "torsionnet.signals.excitation",
         "MeanRotation": "torsionnet.signals.orders.mean_rotation",
+        "MeasuredOrder": "torsionnet.signals.orders.tracked_orders",
         "MissingPulses": "torsionnet.signals.pulses",
         "Multisine": "torsionnet.signals.excitation",
         "OrderMap": "torsionnet.signals.order_tracking",
@@ -25,23 +26,25 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "PhaseMark": "torsionnet.signals.orders.orders_of_test",
         "PhaseReference": "torsionnet.signals.orders.phase_reference",
         "PitchOrder": "torsionnet.signals.rotation.pitch_order",
-        "PulseChannel": "torsionnet.response.measured.pulse_channel",
+        "PulseChannel": "torsionnet.signals.rotation.pulse_channel",
         "PulseReading": "torsionnet.signals.rotation.pulse_reading",
         "Pulses": "torsionnet.signals.pulses",
         "RandomError": "torsionnet.signals.uncertainty",
-        "Recording": "torsionnet.response.recording",
+        "Recording": "torsionnet.signals.recording",
         "Resolution": "torsionnet.signals.resolution",
-        "Signal": "torsionnet.response.recording",
+        "Signal": "torsionnet.signals.recording",
         "Spectrogram": "torsionnet.signals.spectrogram",
         "Step": "torsionnet.signals.unaveraged_estimates",
         "SteppedSine": "torsionnet.signals.excitation",
+        "TrackedOrders": "torsionnet.signals.orders.tracked_orders",
+        "TrackingKernel": "torsionnet.signals.orders.tracking_kernel",
         "Twist": "torsionnet.signals.orders.tracked_signals",
         "VoldKalman": "torsionnet.signals.orders.vold_kalman",
         "Welch": "torsionnet.signals.welch",
         "Wheel": "torsionnet.signals.rotation.wheel",
         "WheelCalibration": "torsionnet.signals.rotation.calibration_result",
         "WheelChannel": "torsionnet.signals.rotation.wheel_channel",
-        "WheelPattern": "torsionnet.response.measured.wheel_pattern",
+        "WheelPattern": "torsionnet.signals.rotation.wheel_pattern",
         "WheelRotation": "torsionnet.signals.rotation.wheel_rotation",
         "WheelTest": "torsionnet.signals.rotation.wheel_calibration",
         "angle_from_counts": "torsionnet.signals.encoder",
@@ -59,7 +62,7 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "full_record": "torsionnet.signals.unaveraged_estimates",
         "integrate": "torsionnet.signals.calculus",
         "interpolated_at": "torsionnet.signals.resampling",
-        "iter_blocks": "torsionnet.io.recording_files",
+        "iter_blocks": "torsionnet.signals.records.recording_files",
         "iter_wheel_rotations": "torsionnet.signals.rotation.rotation_blocks",
         "lowest_speed": "torsionnet.signals.rotation.counter",
         "mean_rotation": "torsionnet.signals.orders.mean_rotation",
@@ -75,7 +78,7 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "quadrature_pulses": "torsionnet.signals.rotation.quadrature",
         "random_error": "torsionnet.signals.uncertainty",
         "random_errors": "torsionnet.signals.uncertainty",
-        "read_recording": "torsionnet.io.recording_files",
+        "read_recording": "torsionnet.signals.records.recording_files",
         "read_wheels": "torsionnet.io.wheel_files",
         "repaired_pulses": "torsionnet.signals.pulses",
         "resampled": "torsionnet.signals.resampling",
@@ -92,6 +95,6 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "unwrapped": "torsionnet.signals.encoder",
         "wheel_pulses": "torsionnet.signals.rotation.wheel_channel",
         "wheel_rotation": "torsionnet.signals.rotation.wheel_rotation",
-        "write_recording": "torsionnet.io.recording_files",
+        "write_recording": "torsionnet.signals.records.recording_files",
     },
 )

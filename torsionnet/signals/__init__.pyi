@@ -7,15 +7,8 @@ from torsionnet.entry_classes import PulseReading as PulseReading
 from torsionnet.entry_classes import SteppedSine as SteppedSine
 from torsionnet.entry_classes import Wheel as Wheel
 from torsionnet.entry_classes import WheelChannel as WheelChannel
-from torsionnet.io.recording_files import iter_blocks as iter_blocks
-from torsionnet.io.recording_files import read_recording as read_recording
-from torsionnet.io.recording_files import write_recording as write_recording
 from torsionnet.io.wheel_files import read_wheels as read_wheels
-from torsionnet.response.measured.between_samples import BetweenSamples as BetweenSamples
-from torsionnet.response.measured.pulse_channel import PulseChannel as PulseChannel
-from torsionnet.response.measured.wheel_pattern import WheelPattern as WheelPattern
-from torsionnet.response.recording import Recording as Recording
-from torsionnet.response.recording import Signal as Signal
+from torsionnet.linear.between_samples import BetweenSamples as BetweenSamples
 from torsionnet.signals.advice import resolution_limit as resolution_limit
 from torsionnet.signals.calculus import convert as convert
 from torsionnet.signals.calculus import differentiate as differentiate
@@ -41,13 +34,21 @@ from torsionnet.signals.orders.orders_of_test import orders_of_test as orders_of
 from torsionnet.signals.orders.phase_reference import PhaseReference as PhaseReference
 from torsionnet.signals.orders.phase_reference import phase_reference as phase_reference
 from torsionnet.signals.orders.track_orders import track_orders as track_orders
+from torsionnet.signals.orders.tracked_orders import MeasuredOrder as MeasuredOrder
+from torsionnet.signals.orders.tracked_orders import TrackedOrders as TrackedOrders
 from torsionnet.signals.orders.tracked_signals import Twist as Twist
+from torsionnet.signals.orders.tracking_kernel import TrackingKernel as TrackingKernel
 from torsionnet.signals.orders.vold_kalman import VoldKalman as VoldKalman
 from torsionnet.signals.pulses import MissingPulses as MissingPulses
 from torsionnet.signals.pulses import Pulses as Pulses
 from torsionnet.signals.pulses import missing_pulses as missing_pulses
 from torsionnet.signals.pulses import repaired_pulses as repaired_pulses
+from torsionnet.signals.recording import Recording as Recording
+from torsionnet.signals.recording import Signal as Signal
 from torsionnet.signals.recording_checks import check_recording as check_recording
+from torsionnet.signals.records.recording_files import iter_blocks as iter_blocks
+from torsionnet.signals.records.recording_files import read_recording as read_recording
+from torsionnet.signals.records.recording_files import write_recording as write_recording
 from torsionnet.signals.resampling import interpolated_at as interpolated_at
 from torsionnet.signals.resampling import resampled as resampled
 from torsionnet.signals.resolution import Resolution as Resolution
@@ -61,6 +62,7 @@ from torsionnet.signals.rotation.counter import lowest_speed as lowest_speed
 from torsionnet.signals.rotation.counter import pulse_channel as pulse_channel
 from torsionnet.signals.rotation.pitch_order import PitchOrder as PitchOrder
 from torsionnet.signals.rotation.pitch_order import pickup_gains as pickup_gains
+from torsionnet.signals.rotation.pulse_channel import PulseChannel as PulseChannel
 from torsionnet.signals.rotation.quadrature import DirectedPulses as DirectedPulses
 from torsionnet.signals.rotation.quadrature import quadrature_pulses as quadrature_pulses
 from torsionnet.signals.rotation.rotation_blocks import iter_wheel_rotations as iter_wheel_rotations
@@ -72,6 +74,7 @@ from torsionnet.signals.rotation.unequal_wheels import tooth_by_difference as to
 from torsionnet.signals.rotation.wheel_calibration import WheelTest as WheelTest
 from torsionnet.signals.rotation.wheel_calibration import calibrate_wheel as calibrate_wheel
 from torsionnet.signals.rotation.wheel_channel import wheel_pulses as wheel_pulses
+from torsionnet.signals.rotation.wheel_pattern import WheelPattern as WheelPattern
 from torsionnet.signals.rotation.wheel_rotation import WheelRotation as WheelRotation
 from torsionnet.signals.rotation.wheel_rotation import wheel_rotation as wheel_rotation
 from torsionnet.signals.spectra import cross_spectra as cross_spectra
@@ -100,6 +103,7 @@ __all__ = [
     "LinearChirp",
     "LogarithmicSweep",
     "MeanRotation",
+    "MeasuredOrder",
     "MissingPulses",
     "Multisine",
     "OrderMap",
@@ -117,6 +121,8 @@ __all__ = [
     "Spectrogram",
     "Step",
     "SteppedSine",
+    "TrackedOrders",
+    "TrackingKernel",
     "Twist",
     "VoldKalman",
     "Welch",

@@ -7,10 +7,10 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.core.errors import UsageError, comma_list
-from torsionnet.core.notes import Note, warning
-from torsionnet.response import FrequencyResponse
-from torsionnet.response.recording import FloatArray
+from torsionnet.base.errors import UsageError, comma_list
+from torsionnet.base.notes import Note, warning
+from torsionnet.linear.frequency_response import FrequencyResponse
+from torsionnet.signals.recording import FloatArray
 
 LEAST_BINS = 3
 """Number of bins that the half-power bandwidth of a peak must span, as the window widens a narrower peak."""

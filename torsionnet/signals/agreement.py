@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.response import Column, Conventions, FrequencyResponse, Table
+from torsionnet.base.conventions import Conventions
+from torsionnet.base.table import Column, Table
+from torsionnet.linear.frequency_response import FrequencyResponse
 from torsionnet.signals.advice import LEAST_COHERENCE
 from torsionnet.signals.comparison import difference, frac
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from torsionnet.response.estimation import Estimation
-from torsionnet.response.recording import Recording
+from torsionnet.linear.estimation import Estimation
+from torsionnet.signals.recording import Recording
 from torsionnet.signals.resolution import step_of, sweep_amplitudes
 from torsionnet.signals.spectral_matrix import CrossSpectra
 

@@ -28,8 +28,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.core.errors import SolveError
-from torsionnet.response.recording import FloatArray
+from torsionnet.base.errors import SolveError
+from torsionnet.signals.recording import FloatArray
 from torsionnet.signals.rotation.gap_filling import Gaps, gaps_of
 from torsionnet.signals.sample_counts import check_count
 

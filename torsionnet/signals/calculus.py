@@ -6,9 +6,9 @@ from typing import Literal, TypeAlias, get_args
 
 import numpy as np
 
-from torsionnet.core.errors import UsageError, did_you_mean
-from torsionnet.response.recording import FloatArray, Recording, Signal
+from torsionnet.base.errors import UsageError, did_you_mean
 from torsionnet.signals.record_blocks import check_processable
+from torsionnet.signals.recording import FloatArray, Recording, Signal
 
 Ends: TypeAlias = Literal["mirror", "periodic"]
 MOTION_QUANTITIES = ("angle", "velocity", "acceleration")

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from torsionnet.response.recording import FloatArray, Recording, Signal
+from torsionnet.signals.recording import FloatArray, Recording, Signal
 
 
 def with_gain(signal: Signal, gain: float) -> Signal:

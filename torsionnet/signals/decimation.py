@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from torsionnet.core.errors import UsageError
-from torsionnet.response.recording import FloatArray, Recording
+from torsionnet.base.errors import UsageError
 from torsionnet.signals.record_blocks import Recordings, blocks_in_order, stacked
+from torsionnet.signals.recording import FloatArray, Recording
 
 FILTER_HALF_LENGTH = 10
 """Half length of the anti-alias filter in samples after decimation, as a longer one has a steeper edge but reaches
@@ -31,7 +31,7 @@ def decimate(recording: Recording, factor: int) -> Recording:
 
     Examples
     --------
-    >>> from torsionnet.response.recording import Signal
+    >>> from torsionnet.signals.recording import Signal
     >>> record = Recording((Signal("T", "torque", np.ones(20_000)),), sampling_rate=10e3)
     >>> short = decimate(record, 50)
     >>> len(short), short.sampling_rate

@@ -8,8 +8,8 @@ from typing import Literal, TypeAlias, get_args
 
 import numpy as np
 
-from torsionnet.core.errors import UsageError, did_you_mean
-from torsionnet.response.recording import FloatArray, Recording
+from torsionnet.base.errors import UsageError, did_you_mean
+from torsionnet.signals.recording import FloatArray, Recording
 
 Trend: TypeAlias = Literal["none", "mean", "linear"]
 
@@ -26,7 +26,7 @@ def detrend(recording: Recording, trend: Trend = "mean", names: Iterable[str] | 
 
     Examples
     --------
-    >>> from torsionnet.response.recording import Signal
+    >>> from torsionnet.signals.recording import Signal
     >>> record = Recording((Signal("theta", "angle", np.array([1.0, 2.0, 6.0])),), sampling_rate=100)
     >>> detrend(record)["theta"].values.tolist()
     [-2.0, -1.0, 3.0]

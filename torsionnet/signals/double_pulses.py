@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.response.recording import FloatArray
+from torsionnet.signals.recording import FloatArray
 
 MEDIAN_INTERVALS = 5
 """Number of intervals whose median is the usual interval where lost pulses are counted, few so that it follows the

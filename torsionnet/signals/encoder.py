@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from torsionnet.core.errors import TorsionnetWarning, UsageError
-from torsionnet.response.recording import FloatArray, Signal
+from torsionnet.base.errors import TorsionnetWarning, UsageError
 from torsionnet.signals.pulses import check_pulses, repaired_pulses
+from torsionnet.signals.recording import FloatArray, Signal
 from torsionnet.signals.sample_counts import even_times
 
 if TYPE_CHECKING:

@@ -10,16 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 import torsionnet.signals.transfer_matrices as transfer_matrices
-from torsionnet.core.errors import UsageError, did_you_mean
-from torsionnet.core.notes import Note, warning
-from torsionnet.response import FrequencyResponse
-from torsionnet.response.estimation import Estimation
-from torsionnet.response.measured.between_samples import course_remark
-from torsionnet.response.recording import FloatArray, Recording
+from torsionnet.base.errors import UsageError, did_you_mean
+from torsionnet.base.notes import Note, warning
+from torsionnet.linear.between_samples import course_remark
+from torsionnet.linear.estimation import Estimation
+from torsionnet.linear.frequency_response import FrequencyResponse
 from torsionnet.signals.advice import peak_warnings
 from torsionnet.signals.averaging_data import averaging_data, with_record
 from torsionnet.signals.decimation import decimate
 from torsionnet.signals.record_blocks import Recordings
+from torsionnet.signals.recording import FloatArray, Recording
 from torsionnet.signals.resolution import ResolutionWatch, with_resolution_limit
 from torsionnet.signals.spectra import cross_spectra
 from torsionnet.signals.spectral_matrix import ComplexArray, CrossSpectra
@@ -84,7 +84,7 @@ def estimate(
 
     Examples
     --------
-    >>> from torsionnet.response.recording import Recording, Signal
+    >>> from torsionnet.signals.recording import Recording, Signal
     >>> torque = np.random.default_rng(1).normal(size=5000)
     >>> record = Recording((Signal("T", "torque", torque), Signal("theta", "angle", 0.01 * torque)), 100)
     >>> response = estimate(record, "theta", "T")

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from torsionnet.core.errors import UsageError
-from torsionnet.response.recording import FloatArray, Recording
+from torsionnet.base.errors import UsageError
 from torsionnet.signals.record_blocks import check_processable
+from torsionnet.signals.recording import FloatArray, Recording
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +71,7 @@ def sweep_harmonics(
 
     Examples
     --------
-    >>> from torsionnet.response.recording import Signal
+    >>> from torsionnet.signals.recording import Signal
     >>> time = np.arange(5000) / 500
     >>> sweep = 2 * np.pi * (5 * time + 0.5 * time**2)
     >>> record = Recording((Signal("T", "torque", 10 * np.sin(sweep) + 0.5 * np.sin(2 * sweep)),), sampling_rate=500)

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from torsionnet.core.errors import UsageError
-from torsionnet.response.frequency_response import ComplexArray
-from torsionnet.response.recording import FloatArray, Recording
+from torsionnet.base.errors import UsageError
+from torsionnet.linear.frequency_response import ComplexArray
 from torsionnet.signals.harmonics import sweep_cycles
 from torsionnet.signals.record_blocks import check_processable
+from torsionnet.signals.recording import FloatArray, Recording
 
 MOST_ANGLE_SAMPLES = 20_000_000
 """Largest number of samples at equal steps of angle, as more would take too much memory."""
@@ -82,7 +82,7 @@ def order_map(
 
     Examples
     --------
-    >>> from torsionnet.response.recording import Signal
+    >>> from torsionnet.signals.recording import Signal
     >>> time = np.arange(20_000) / 1000
     >>> turns = 10 * time + time**2
     >>> record = Recording((Signal("T", "torque", 3 * np.sin(2 * np.pi * 2 * turns)),), sampling_rate=1000)

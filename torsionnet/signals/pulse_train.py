@@ -7,8 +7,8 @@ from typing import Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.core.errors import UsageError
-from torsionnet.response.recording import FloatArray
+from torsionnet.base.errors import UsageError
+from torsionnet.signals.recording import FloatArray
 
 Edge: TypeAlias = Literal["rising", "falling", "both"]
 Pickup: TypeAlias = Literal["switching", "inductive"]

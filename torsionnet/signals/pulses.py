@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from torsionnet.core.errors import SolveError, UsageError, comma_list
-from torsionnet.response.recording import FloatArray
+from torsionnet.base.errors import SolveError, UsageError, comma_list
 from torsionnet.signals.double_pulses import MEDIAN_INTERVALS, indices_without_double, running_median
+from torsionnet.signals.recording import FloatArray
 from torsionnet.signals.rotation.stated_pattern import runs_in_words
 
 MOST_INTERVAL_RATIO = 1.5

@@ -7,8 +7,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from torsionnet.core.errors import UsageError
-from torsionnet.response.recording import FloatArray, Recording
+from torsionnet.base.errors import UsageError
+from torsionnet.signals.recording import FloatArray, Recording
 
 Recordings: TypeAlias = Recording | Iterable[Recording]
 

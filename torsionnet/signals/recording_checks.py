@@ -8,10 +8,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from torsionnet.core.errors import Fault, UsageError, comma_list
-from torsionnet.core.remedies import remedy
-from torsionnet.response.recording import QUANTITY_UNITS, FloatArray, Recording, Signal
+from torsionnet.base.errors import Fault, UsageError, comma_list
+from torsionnet.base.remedies import remedy
 from torsionnet.signals.pulses import repaired_pulses
+from torsionnet.signals.recording import QUANTITY_UNITS, FloatArray, Recording, Signal
 from torsionnet.signals.repeated_blocks import repeated_blocks
 from torsionnet.signals.resolution import step_of
 from torsionnet.signals.rotation.turn_pattern import turn_pattern

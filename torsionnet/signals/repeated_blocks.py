@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.response.recording import FloatArray
+from torsionnet.signals.recording import FloatArray
 from torsionnet.signals.standstill import is_rough
 
 LEAST_TIME, LEAST_SAMPLES = 0.15, 24

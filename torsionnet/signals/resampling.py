@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from torsionnet.core.errors import UsageError
-from torsionnet.core.remedies import remedy
-from torsionnet.response.recording import FloatArray, Recording, Signal
+from torsionnet.base.errors import UsageError
+from torsionnet.base.remedies import remedy
+from torsionnet.signals.recording import FloatArray, Recording, Signal
 from torsionnet.signals.sample_counts import even_times
 from torsionnet.signals.timing import gaps
 

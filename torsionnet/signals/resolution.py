@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from torsionnet.core.notes import Note, warning
-from torsionnet.response import Channel, FrequencyResponse
-from torsionnet.response.recording import FloatArray, Recording
+from torsionnet.base.notes import Note, warning
+from torsionnet.linear.frequency_response import Channel, FrequencyResponse
 from torsionnet.signals.advice import resolution_limit
 from torsionnet.signals.decimation import VALID_SHARE
+from torsionnet.signals.recording import FloatArray, Recording
 
 ENOUGH_STEPS, LOST_STEPS = 4.0, 0.5
 """Amplitude in sensor steps from which the quantisation error is a few percent, and below which motion may go
@@ -96,7 +96,7 @@ def resolution(recording: Recording, output: str, input: str, seconds: float = 2
 
     Examples
     --------
-    >>> from torsionnet.response.recording import Signal
+    >>> from torsionnet.signals.recording import Signal
     >>> time = np.arange(40_000) / 1000
     >>> sine = np.sin(2 * np.pi * (1 + 0.25 * time) * time)
     >>> angle = 0.1 * np.round(sine / (1 + 0.25 * time) ** 2 / 0.1)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from torsionnet.core.errors import UsageError
-from torsionnet.response.recording import FloatArray
+from torsionnet.base.errors import UsageError
+from torsionnet.signals.recording import FloatArray
 
 ALWAYS_ALLOWED_COUNT, MOST_MULTIPLE = 10_000_000, 100
 """Number of values that may be made from any record, and multiple of its own number for longer ones, beyond which the
@@ -35,7 +35,7 @@ def check_count(wanted: float, given: int, what: str, remedy: str) -> None:
     --------
     >>> check_count(3.2e11, 6000, "6000 pulses over 3.2e+08 s", "give the unit of the times")
     Traceback (most recent call last):
-    torsionnet.core.errors.UsageError: 6000 pulses over 3.2e+08 s would become 3.2e+11 numbers, more than can be kept; \
+    torsionnet.base.errors.UsageError: 6000 pulses over 3.2e+08 s would become 3.2e+11 numbers, more than can be kept; \
 give the unit of the times
     """
     if not wanted <= max(ALWAYS_ALLOWED_COUNT, MOST_MULTIPLE * given):

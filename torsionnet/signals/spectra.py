@@ -6,12 +6,12 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from torsionnet.core.errors import UsageError
-from torsionnet.response import Channel
-from torsionnet.response.recording import FloatArray, Recording
+from torsionnet.base.errors import UsageError
+from torsionnet.linear.frequency_response import Channel
 from torsionnet.signals.decimation import decimated
 from torsionnet.signals.detrending import without_trend
 from torsionnet.signals.record_blocks import Recordings, blocks_in_order, stacked
+from torsionnet.signals.recording import FloatArray, Recording
 from torsionnet.signals.spectral_matrix import ComplexArray, CrossSpectra
 from torsionnet.signals.welch import Welch, effective_averages
 
@@ -40,7 +40,7 @@ def cross_spectra(
 
     Examples
     --------
-    >>> from torsionnet.response.recording import Signal
+    >>> from torsionnet.signals.recording import Signal
     >>> noise = np.random.default_rng(1).normal(size=10_000)
     >>> record = Recording((Signal("T", "torque", noise),), sampling_rate=100)
     >>> spectra = cross_spectra(record)

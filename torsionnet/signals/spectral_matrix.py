@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.core.errors import UsageError, did_you_mean
-from torsionnet.core.notes import NoteOrText
-from torsionnet.response import Channel
-from torsionnet.response.recording import FloatArray
+from torsionnet.base.errors import UsageError, did_you_mean
+from torsionnet.base.notes import NoteOrText
+from torsionnet.linear.frequency_response import Channel
+from torsionnet.signals.recording import FloatArray
 from torsionnet.signals.welch import Welch
 
 ComplexArray = NDArray[np.complex128]

@@ -7,13 +7,13 @@ from typing import Annotated
 
 import numpy as np
 
-from torsionnet.core.errors import UsageError
-from torsionnet.core.notes import NoteOrText
-from torsionnet.core.result_rows import NUMBER_ROWS, Out
-from torsionnet.response.recording import FloatArray, Recording
+from torsionnet.base.errors import UsageError
+from torsionnet.base.notes import NoteOrText
+from torsionnet.base.result_rows import NUMBER_ROWS, Out
 from torsionnet.signals.decimation import decimate
 from torsionnet.signals.detrending import without_trend
 from torsionnet.signals.record_blocks import check_processable
+from torsionnet.signals.recording import FloatArray, Recording
 from torsionnet.signals.sample_counts import check_count
 from torsionnet.signals.welch import Welch
 
@@ -83,7 +83,7 @@ def spectrogram(recording: Recording, name: str, settings: Welch | None = None) 
 
     Examples
     --------
-    >>> from torsionnet.response.recording import Signal
+    >>> from torsionnet.signals.recording import Signal
     >>> time = np.arange(2000) / 200
     >>> record = Recording((Signal("T", "torque", 10 * np.sin(2 * np.pi * 30 * time)),), sampling_rate=200)
     >>> seen = spectrogram(record, "T")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.response.recording import FloatArray
+from torsionnet.signals.recording import FloatArray
 
 NEIGHBOUR_SAMPLES = 50
 """Number of samples on either side with whose changes and second differences those of a possible spike are compared."""

@@ -6,7 +6,7 @@ from collections import Counter
 
 import numpy as np
 
-from torsionnet.response.recording import FloatArray
+from torsionnet.signals.recording import FloatArray
 from torsionnet.signals.value_faults import Stretches
 
 LEAST_SAMPLES, LEAST_TIME = 20, 0.05

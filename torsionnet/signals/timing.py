@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.response.recording import FloatArray
+from torsionnet.signals.recording import FloatArray
 
 GAP_RATIO = 1.9
 """Interval of time stamps over the usual one above which it is a gap, just below 2, where one sample is missing."""

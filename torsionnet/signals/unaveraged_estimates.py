@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.core.errors import UsageError
-from torsionnet.response import Channel, FrequencyResponse
-from torsionnet.response.measured.between_samples import course_remark
-from torsionnet.response.recording import FloatArray, Recording
+from torsionnet.base.errors import UsageError
+from torsionnet.linear.between_samples import course_remark
+from torsionnet.linear.frequency_response import Channel, FrequencyResponse
 from torsionnet.signals.detrending import Trend, without_trend
 from torsionnet.signals.record_blocks import check_processable, stacked
+from torsionnet.signals.recording import FloatArray, Recording
 
 ComplexArray = NDArray[np.complex128]
 Names = str | Sequence[str]

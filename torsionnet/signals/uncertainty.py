@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsionnet.core.errors import UsageError
-from torsionnet.response import Channel, FrequencyResponse
-from torsionnet.response.recording import FloatArray
+from torsionnet.base.errors import UsageError
+from torsionnet.linear.frequency_response import Channel, FrequencyResponse
+from torsionnet.signals.recording import FloatArray
 from torsionnet.signals.spectral_matrix import CrossSpectra
 from torsionnet.signals.transfer_matrices import hr, unexplained_spectra
 

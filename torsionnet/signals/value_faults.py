@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.response.recording import FloatArray
+from torsionnet.signals.recording import FloatArray
 from torsionnet.signals.resolution import MOST_STEPS
 
 Stretches = list[tuple[int, int]]

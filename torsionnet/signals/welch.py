@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsionnet.core.errors import UsageError, did_you_mean
-from torsionnet.response.recording import FloatArray
+from torsionnet.base.errors import UsageError, did_you_mean
 from torsionnet.signals.detrending import Trend, check_trend
+from torsionnet.signals.recording import FloatArray
 
 WINDOWS = ("hamming", "hann", "boxcar", "blackman", "blackmanharris", "flattop", "bartlett")
 """Names of common windows for Welch's method, offered where a name is unknown to scipy."""

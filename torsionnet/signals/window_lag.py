@@ -10,9 +10,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from torsionnet.core.notes import Note, warning
-from torsionnet.core.remedies import remedy
-from torsionnet.response.recording import Recording, Signal
+from torsionnet.base.notes import Note, warning
+from torsionnet.base.remedies import remedy
+from torsionnet.signals.recording import Recording, Signal
 from torsionnet.signals.welch import Welch
 
 DRIVEN_AMPLITUDE = 0.03

@@ -1,6 +1,6 @@
 """Studies of a drivetrain over tolerances, operating conditions and choices of its parameters."""
 
-from torsionnet.core.packages import lazy_exports
+from torsionnet.base.packages import lazy_exports
 
 __all__, __getattr__, __dir__ = lazy_exports(
     __name__,

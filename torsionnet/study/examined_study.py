@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from torsionnet.core.errors import UNKNOWN_NAME, Fault
+from torsionnet.base.errors import UNKNOWN_NAME, Fault
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.model.model import Model
 from torsionnet.study.answers.answer import ANSWERS, AskedStudy, StudyAnswer

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.errors import MissingExtraError
+from torsionnet.base.errors import MissingExtraError
+from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.study.reductions.quantity_summary import Summary
 
 Cases = Mapping[tuple[str, str], FloatArray]

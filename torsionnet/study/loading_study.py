@@ -6,8 +6,8 @@ import os
 from dataclasses import replace
 from pathlib import Path
 
-from torsionnet.core.entries.declared import version_faults
-from torsionnet.core.errors import Fault, ModelError, UsageError, did_you_mean
+from torsionnet.base.entries.declared import version_faults
+from torsionnet.base.errors import Fault, ModelError, UsageError, did_you_mean
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.loading import load
 from torsionnet.model.files.library import decode, library_models, library_studies

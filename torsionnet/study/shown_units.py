@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
-from torsionnet.core.expressions import Number
-from torsionnet.core.units import CELSIUS, UnitError, parse_unit
-from torsionnet.response.conventions import SI, Conventions
+from torsionnet.base.conventions import SI, Conventions
+from torsionnet.base.expressions import Number
+from torsionnet.base.units import CELSIUS, UnitError, parse_unit
 from torsionnet.study.answers.answer import AskedStudy
 from torsionnet.study.answers.answer_inputs import measure_of, units_of
 from torsionnet.study.quantities.quantity_limit import ValueInUnit

@@ -8,12 +8,12 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.core.entries.spec import Json
-from torsionnet.core.errors import Fault, ModelError
-from torsionnet.core.packages import NotebookResult
+from torsionnet.base.entries.spec import Json
+from torsionnet.base.errors import Fault, ModelError
+from torsionnet.base.packages import NotebookResult
+from torsionnet.base.table import Column, Table
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.response.table import Column, Table
-from torsionnet.solve.dynamic_stiffness.sweep import compiled_works
+from torsionnet.linear.dynamic_stiffness.sweep import compiled_works
 from torsionnet.study.answers.answer import StudyAnswer
 from torsionnet.study.examined_study import answer_faults, examine_study, unknown_names_in_answers
 from torsionnet.study.quantities.evaluator import Evaluator
@@ -23,7 +23,7 @@ from torsionnet.study.space.space import Space
 from torsionnet.study.study_file import StudyEntries
 
 if TYPE_CHECKING:
-    from torsionnet.response.conventions import Conventions
+    from torsionnet.base.conventions import Conventions
     from torsionnet.study.shown_units import ShownUnits
 
 FEWEST_COMPILED = 2000

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from itertools import product
 from typing import Any, ClassVar
 
-from torsionnet.core.entries.composite import Composite, Listed, Named, Nested, Typed
-from torsionnet.core.entries.declared import KEY, Declared
-from torsionnet.core.entries.spec import MODEL_NAME, Json, Plural, Schema, Text, entry
-from torsionnet.core.errors import Fault, TorsionnetError
+from torsionnet.base.entries.composite import Composite, Listed, Named, Nested, Typed
+from torsionnet.base.entries.declared import KEY, Declared
+from torsionnet.base.entries.spec import MODEL_NAME, Json, Plural, Schema, Text, entry
+from torsionnet.base.errors import Fault, TorsionnetError
+from torsionnet.model.configurations import ConfigurationName
 from torsionnet.model.model import Model
-from torsionnet.model.report.report_plan import ConfigurationName
 from torsionnet.study.answers.answer import ANSWERS, StudyAnswer
 from torsionnet.study.quantities.quantity import QUANTITIES, StudyQuantity
 from torsionnet.study.quantities.quantity_limit import QuantityLimit

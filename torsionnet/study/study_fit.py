@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from torsionnet.core.errors import Fault, did_you_mean
+from torsionnet.base.errors import Fault, did_you_mean
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.study.quantities.quantity import StudyQuantity
 from torsionnet.study.quantities.quantity_limit import QuantityLimit, wrong_unit

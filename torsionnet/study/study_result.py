@@ -13,16 +13,16 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.assembly.table_range import range_notes
-from torsionnet.core.atomic import atomic_replacement
-from torsionnet.core.entries.spec import Json
-from torsionnet.core.errors import MissingExtraError, UsageError, did_you_mean
-from torsionnet.core.packages import NotebookResult
-from torsionnet.core.result_rows import Out, to_json
-from torsionnet.core.version import __version__
+from torsionnet.base.atomic import atomic_replacement
+from torsionnet.base.entries.spec import Json
+from torsionnet.base.errors import MissingExtraError, UsageError, did_you_mean
+from torsionnet.base.packages import NotebookResult
+from torsionnet.base.result_rows import Out, to_json
+from torsionnet.base.table import Column, Table
+from torsionnet.base.version import __version__
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.response.table import Column, Table
+from torsionnet.linear.assembly.rows import FloatArray
+from torsionnet.linear.assembly.table_range import range_notes
 from torsionnet.study.answers.answer import AskedStudy
 from torsionnet.study.labelled_variants import labelled_variants
 from torsionnet.study.reductions.histogram import ACCURACY

@@ -1,6 +1,6 @@
 """Symbolic transfer functions of drivetrains, each recorded as a straight-line program that many algebras evaluate."""
 
-from torsionnet.core.packages import lazy_exports
+from torsionnet.base.packages import lazy_exports
 
 __all__, __getattr__, __dir__ = lazy_exports(
     __name__,

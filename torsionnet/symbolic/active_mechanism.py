@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar, TypeAlias
 
-from torsionnet.assembly.symbolic import twin
+from torsionnet.linear.assembly.symbolic import twin
 from torsionnet.model.elements import Action
 from torsionnet.symbolic.algebra.delay import delay_symbol
 from torsionnet.symbolic.algebra.minors import sparse_determinant

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import sympy
 
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
 from torsionnet.symbolic.algebra.algebras import S
 from torsionnet.symbolic.algebra.delay import delays_of
 from torsionnet.symbolic.formula_text import WhereTable, continued_table, where_table

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.base.errors import UsageError, did_you_mean
 from torsionnet.symbolic.formula_text import latex
 from torsionnet.symbolic.symbol_names import angle_latex, symbol_latex
 
 if TYPE_CHECKING:
-    from torsionnet.assembly.symbolic import SymbolicMatrices
+    from torsionnet.linear.assembly.symbolic import SymbolicMatrices
 
 PARTS = ("M", "C", "K", "H", "q", "B", "u")
 """Names of the parts of the equations of motion that can be requested as LaTeX (matrices, coordinates, inputs)."""

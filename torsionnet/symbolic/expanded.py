@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import sympy
 
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
 from torsionnet.symbolic.algebra.algebras import TermCounts
 from torsionnet.symbolic.algebra.sparse import Monomials, Sparse, monomials_for
 from torsionnet.symbolic.formula_text import for_display

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
 from torsionnet.symbolic.algebra.algebras import InPowersOfS, Lengths, TermCounts
 from torsionnet.symbolic.algebra.network import Program, ProgramNode
 from torsionnet.symbolic.rational import MOST_TERMS_EXPANDED_WHOLE

@@ -30,8 +30,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, ClassVar
 
-from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.assembly.symbolic import TWINS, law_parts, twin, twin_parameters
+from torsionnet.linear.assembly.assembled import AssembledModel
+from torsionnet.linear.assembly.symbolic import TWINS, law_parts, twin, twin_parameters
 from torsionnet.model.channels import Sensor
 from torsionnet.model.elements import Values
 from torsionnet.model.elimination import substitute

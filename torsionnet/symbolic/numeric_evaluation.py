@@ -11,11 +11,11 @@ import numpy as np
 import sympy
 from numpy.typing import ArrayLike
 
-from torsionnet.assembly.rows import ComplexArray, FloatArray
-from torsionnet.core.errors import TorsionnetWarning, UsageError
+from torsionnet.base.errors import TorsionnetWarning, UsageError
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
+from torsionnet.linear.frequency_response import FrequencyResponse
 from torsionnet.model.element_base.dynamic_stiffness import DynamicStiffness
 from torsionnet.model.elimination import exact
-from torsionnet.response import FrequencyResponse
 from torsionnet.symbolic.algebra.algebras import NumericValues, exact_fraction
 from torsionnet.symbolic.algebra.delay import InPowersNearRest, delays_of
 from torsionnet.symbolic.algebra.scaled import Scaled

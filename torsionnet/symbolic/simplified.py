@@ -13,18 +13,18 @@ from typing import Any
 
 import numpy as np
 
-from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.assembly.rows import ComplexArray
-from torsionnet.core.errors import TorsionnetError, UsageError
-from torsionnet.core.expressions import Number
+from torsionnet.base.errors import TorsionnetError, UsageError
+from torsionnet.base.expressions import Number
+from torsionnet.linear.assembly.assembled import AssembledModel
+from torsionnet.linear.assembly.rows import ComplexArray
+from torsionnet.linear.dynamic_stiffness.transfer_request import resolve_inputs, resolve_request
+from torsionnet.linear.modes.natural_modes import modes, modes_against
+from torsionnet.linear.responses.transfer import frequency_response
 from torsionnet.model.channels import Sensor
 from torsionnet.model.definition import Definition
 from torsionnet.model.elements import GROUND, Element
 from torsionnet.model.elements.rigid import Gear, RigidCoupling
 from torsionnet.model.elements.springs import Damper, Spring
-from torsionnet.solve.dynamic_stiffness.transfer_request import resolve_inputs, resolve_request
-from torsionnet.solve.modes.modes import modes, modes_against
-from torsionnet.solve.responses.transfer import frequency_response
 from torsionnet.symbolic.transfer_function import TransferFunction
 
 COMPARISON_POINTS = 400

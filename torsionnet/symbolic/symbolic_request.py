@@ -20,16 +20,16 @@ from typing import Any
 
 import sympy
 
-from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.core.errors import UsageError
-from torsionnet.core.registers import Memo
+from torsionnet.base.errors import UsageError
+from torsionnet.base.registers import Memo
+from torsionnet.linear.assembly.assembled import AssembledModel
+from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest, resolve_request
+from torsionnet.linear.frequency_response import Channel
+from torsionnet.linear.modes.natural_modes import cut_definition, elements_beyond_cut
 from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.elements import Element, Lock, RigidCoupling
 from torsionnet.model.operating_values import symbol_notes
 from torsionnet.model.readings import port_of
-from torsionnet.response import Channel
-from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, resolve_request
-from torsionnet.solve.modes.modes import cut_definition, elements_beyond_cut
 from torsionnet.symbolic.algebra.algebras import Expressions, Lengths, in_s, vanishes
 from torsionnet.symbolic.algebra.network import Program, ProgramNode, Stiffness
 from torsionnet.symbolic.mechanism import (

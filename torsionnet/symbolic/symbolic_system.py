@@ -6,8 +6,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.assembly.symbolic import (
+from torsionnet.base.errors import comma_list
+from torsionnet.base.registers import Memo
+from torsionnet.linear.assembly.assembled import AssembledModel
+from torsionnet.linear.assembly.symbolic import (
     TWINS,
     SymbolicMatrices,
     stiffness_symbol,
@@ -16,13 +18,11 @@ from torsionnet.assembly.symbolic import (
     twin_parameters,
     with_symbols,
 )
-from torsionnet.core.errors import comma_list
-from torsionnet.core.registers import Memo
+from torsionnet.linear.dynamic_stiffness.transfer_request import resolve_request
+from torsionnet.linear.frequency_response import Channel
 from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.elements import Action, Law, Values
 from torsionnet.model.kinematics import owned_parts
-from torsionnet.response import Channel
-from torsionnet.solve.dynamic_stiffness.transfer_request import resolve_request
 from torsionnet.symbolic.algebra.network import ProgramNode
 from torsionnet.symbolic.symbolic_request import (
     SymbolicRequest,

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import sympy
 from numpy.typing import ArrayLike
 
-from torsionnet.core.errors import UsageError, did_you_mean
-from torsionnet.response import FrequencyResponse
+from torsionnet.base.errors import UsageError, did_you_mean
+from torsionnet.linear.frequency_response import FrequencyResponse
 from torsionnet.symbolic.algebra.algebras import Derivatives, SubstitutedLeaves
 from torsionnet.symbolic.algebra.network import Program
 from torsionnet.symbolic.formula_text import for_display, latex, with_where
@@ -145,7 +145,7 @@ class TransferFunction(SymbolicFraction):
             if any(coefficient.has(symbol) for coefficient in table.coefficients):
                 raise UsageError(
                     f"the derivative of {function} to {symbol} has no symbols; use "
-                    "torsionnet.solve.sensitivity, which has it in numbers"
+                    "torsionnet.linear.sensitivity, which has it in numbers"
                 )
         algebra = Derivatives(program, symbol)
         above, below = self.steps.run(algebra, [self.numerator, self.denominator])
@@ -288,6 +288,6 @@ class TransferFunction(SymbolicFraction):
 
 
 def _exact(value: Any) -> Any:
-    from torsionnet.assembly.symbolic import rational
+    from torsionnet.linear.assembly.symbolic import rational
 
     return value if isinstance(value, sympy.Basic) else rational(value)

@@ -17,11 +17,11 @@ import numpy as np
 import sympy
 from numpy.typing import ArrayLike
 
-from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.base.errors import UsageError, did_you_mean
+from torsionnet.linear.assembly.assembled import AssembledModel
+from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest
+from torsionnet.linear.frequency_response import Channel, FrequencyResponse
 from torsionnet.model.channels import Input, Sensor
-from torsionnet.response import Channel, FrequencyResponse
-from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest
 from torsionnet.symbolic.algebra.algebras import vanishes
 from torsionnet.symbolic.algebra.network import Program, ProgramNode
 from torsionnet.symbolic.mechanism import Mechanism, loose_constraints, parts_of

@@ -9,9 +9,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.assembly.rows import ComplexArray, FloatArray
-from torsionnet.core.errors import UsageError, comma_list
+from torsionnet.base.errors import UsageError, comma_list
 from torsionnet.identification.orders.order_lines import OrderLines, order_lines
 from torsionnet.identification.orders.parametric_orders import (
     ParametricOrders,
@@ -22,7 +20,9 @@ from torsionnet.identification.residuals.measurement_block import MeasurementBlo
 from torsionnet.identification.residuals.noise import Noise, noise_between_lines
 from torsionnet.identification.residuals.residual_forms import Form
 from torsionnet.identification.residuals.response_block import STATED_ERROR_CERTAINTY
-from torsionnet.response.measured.tracked_orders import TrackedOrders
+from torsionnet.linear.assembly.assembled import AssembledModel
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
+from torsionnet.signals.orders.tracked_orders import TrackedOrders
 
 
 @dataclass(eq=False)

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.core.errors import Fault, ModelError, UsageError, did_you_mean
+from torsionnet.base.errors import Fault, ModelError, UsageError, did_you_mean
 from torsionnet.identification.orders.order_lines import OrderData, order_faults
 from torsionnet.identification.orders.parametric_orders import excited_orders
 from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.io.order_tables import read_orders
 from torsionnet.io.tracked_order_tables import is_tracked_table, read_tracked_orders
-from torsionnet.response.frequency_response import Channel
-from torsionnet.solve.dynamic_stiffness.transfer_request import named_output
+from torsionnet.linear.assembly.assembled import AssembledModel
+from torsionnet.linear.dynamic_stiffness.transfer_request import named_output
+from torsionnet.linear.frequency_response import Channel
 
 
 def read_order_data(

@@ -11,12 +11,11 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from torsionnet.assembly.rows import ComplexArray, FloatArray
-from torsionnet.core.errors import UsageError, comma_list
-from torsionnet.core.units import RPM
+from torsionnet.base.errors import UsageError, comma_list
+from torsionnet.base.units import RPM
 from torsionnet.identification.orders.parametric_orders import same_order
-from torsionnet.response.measured.tracked_orders import TrackedOrders
-from torsionnet.response.order_comparison import MeasuredOrder
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
+from torsionnet.signals.orders.tracked_orders import MeasuredOrder, TrackedOrders
 
 if TYPE_CHECKING:
     from torsionnet.identification.residuals.measurement import Measurement

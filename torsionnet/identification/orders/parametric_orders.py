@@ -16,16 +16,16 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.assembly.rows import ComplexArray, FloatArray
-from torsionnet.core.errors import UsageError, comma_list
+from torsionnet.base.errors import UsageError, comma_list
+from torsionnet.linear.assembly.assembled import AssembledModel
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
+from torsionnet.linear.sensitivity import Evaluation, ParametricResponse, parametric_response
+from torsionnet.machinery.excitations.excitation_numbers import ExcitationNumber, excitation_number, with_number
+from torsionnet.machinery.orders.operating_groups import drivetrains_at_speeds
+from torsionnet.machinery.orders.order_comparison import SAME_ORDER_DIFFERENCE
+from torsionnet.machinery.orders.order_solution import OrderRequest, settled_values
 from torsionnet.model.channels import Sensor
-from torsionnet.model.excitations.excitation_numbers import ExcitationNumber, excitation_number, with_number
 from torsionnet.model.model import Model
-from torsionnet.response.order_comparison import SAME_ORDER_DIFFERENCE
-from torsionnet.solve.running.operating_groups import drivetrains_at_speeds
-from torsionnet.solve.running.order_response import OrderRequest, settled_values
-from torsionnet.solve.sensitivity import Evaluation, ParametricResponse, parametric_response
 
 DIFFERENCE_STEP = 1e-4
 """Step of a central difference over the number, or over its usual size: the error of a phase is then 2e-9 of its

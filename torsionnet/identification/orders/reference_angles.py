@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from torsionnet.assembly.rows import FloatArray
 from torsionnet.identification.orders.order_block import OrderBlock
+from torsionnet.linear.assembly.rows import FloatArray
 
 ANGLES_PER_PERIOD = 12
 """Number of angles within a period of the highest order at which a minimum is looked for."""

@@ -11,12 +11,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.assembly.rows import FloatArray
 from torsionnet.identification.orders.order_block import OrderBlock
 from torsionnet.identification.orders.parametric_orders import ParametricOrders
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
-from torsionnet.solve.sensitivity import Evaluation
+from torsionnet.linear.assembly.assembled import AssembledModel
+from torsionnet.linear.assembly.rows import FloatArray
+from torsionnet.linear.sensitivity import Evaluation
 
 MOST_LINES_TOGETHER = 5000
 """Number of lines up to which measurements are calculated together: with 40 causes of a misfit as unknowns, the

@@ -15,12 +15,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.assembly.rows import ComplexArray
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
 from torsionnet.identification.residuals.measurement import Measurement
-from torsionnet.response.recording import Recording
+from torsionnet.linear.assembly.assembled import AssembledModel
+from torsionnet.linear.assembly.rows import ComplexArray
 from torsionnet.signals.estimators import LEAST_DRIVEN
+from torsionnet.signals.recording import Recording
 from torsionnet.signals.welch import Welch
 
 EXCITED_POWER_SHARE = 0.1

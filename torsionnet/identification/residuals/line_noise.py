@@ -7,9 +7,9 @@ import sys
 import numpy as np
 import scipy
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.response import FrequencyResponse
-from torsionnet.response.estimation import Estimation
+from torsionnet.linear.assembly.rows import FloatArray
+from torsionnet.linear.estimation import Estimation
+from torsionnet.linear.frequency_response import FrequencyResponse
 
 LOWEST_COHERENCE, HIGHEST_COHERENCE = 1e-3, 1 - 1e-6
 """Limits to which the coherence of a line is clipped, so that no line has an infinite or zero variance."""

@@ -7,12 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsionnet.core.errors import UsageError
-from torsionnet.response import FrequencyResponse
-from torsionnet.response.measured.between_samples import check_between
-from torsionnet.response.measured.tracked_orders import TrackedOrders
-from torsionnet.response.order_comparison import MeasuredOrder
-from torsionnet.response.recording import Recording
+from torsionnet.base.errors import UsageError
+from torsionnet.linear.between_samples import check_between
+from torsionnet.linear.frequency_response import FrequencyResponse
+from torsionnet.signals.orders.tracked_orders import MeasuredOrder, TrackedOrders
+from torsionnet.signals.recording import Recording
 from torsionnet.signals.welch import Welch
 
 ONLY_OF_ORDERS = ("orders_used", "speeds", "speed_of", "reference_angle")

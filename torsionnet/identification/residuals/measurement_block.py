@@ -16,16 +16,16 @@ from typing import Protocol
 import numpy as np
 import scipy
 
-from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.identification.orders.parametric_orders import parameters_of_drivetrain
 from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.residuals.noise import Noise, noise_between_lines
 from torsionnet.identification.residuals.residual_forms import Form, residuals_in_form
 from torsionnet.identification.residuals.sampled_response import between_samples
-from torsionnet.response import FrequencyResponse
-from torsionnet.response.measured.between_samples import BetweenSamples, check_between, course_remark
-from torsionnet.solve.sensitivity import Evaluation, parametric_response
+from torsionnet.linear.assembly.assembled import AssembledModel
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
+from torsionnet.linear.between_samples import BetweenSamples, check_between, course_remark
+from torsionnet.linear.frequency_response import FrequencyResponse
+from torsionnet.linear.sensitivity import Evaluation, parametric_response
 
 FEWEST_DELAYED_LINES = 8
 """Fewest lines whose phases tell a delay of more than half a period."""

@@ -7,9 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
 from torsionnet.identification.orders.order_block import order_block
 from torsionnet.identification.orders.parametric_orders import parameters_of_drivetrain
 from torsionnet.identification.residuals.instrument import Instrument, choose_instrument
@@ -23,13 +21,14 @@ from torsionnet.identification.residuals.sampled_response import between_samples
 from torsionnet.identification.residuals.sensor_steps import SensorSteps, find_sensor_steps
 from torsionnet.identification.residuals.smoothing import smoothing
 from torsionnet.identification.residuals.windowed_estimate import WindowedEstimate, windowed_estimate
-from torsionnet.response import FrequencyResponse
-from torsionnet.response.frequency_response import Channel
-from torsionnet.response.recording import Recording
+from torsionnet.linear.assembly.assembled import AssembledModel
+from torsionnet.linear.assembly.rows import FloatArray
+from torsionnet.linear.frequency_response import Channel, FrequencyResponse
+from torsionnet.linear.sensitivity import ParametricResponse, parametric_response
 from torsionnet.signals.decimation import factor_for
 from torsionnet.signals.estimators import estimate
+from torsionnet.signals.recording import Recording
 from torsionnet.signals.welch import PAPER, Welch
-from torsionnet.solve.sensitivity import ParametricResponse, parametric_response
 
 UNSTATED_UNIT = "1"
 """Unit of both channels of a response whose file says only that they have the same unit."""
@@ -168,19 +167,19 @@ def _remembered_estimate(
     """
     origin, f = chosen.estimation, chosen.frequencies
     output, driven = chosen.outputs[0].name, chosen.inputs[0].name
-    if origin is None or origin.record is None or not origin.swept:
+    if origin is None or not isinstance(record := origin.record, Recording) or not origin.swept:
         return None
     signal = {("H1", 0): driven, ("H2", 0): output, ("Hr", 1): "".join(origin.references)}.get(
         (origin.estimator, len(origin.references)), ""
     )
-    if not {output, driven, signal} <= set(origin.record.names):
+    if not {output, driven, signal} <= set(record.names):
         return None
     instrument = Instrument(origin.estimator, signal, plain=True)
     detrend: Any = origin.detrend
     settings, band = Welch(origin.window, origin.seconds, origin.overlap, detrend), (float(f[0]), float(f[-1]))
-    if memory_demand(origin.record, settings, band).most > MOST_BYTES:
+    if memory_demand(record, settings, band).most > MOST_BYTES:
         return None
-    windowed = windowed_estimate(origin.record, output, driven, settings, band, instrument=instrument)
+    windowed = windowed_estimate(record, output, driven, settings, band, instrument=instrument)
     kept = np.asarray(np.isclose(windowed.frequencies[:, None], f, rtol=1e-9).any(axis=1), dtype=np.bool_)
     if np.count_nonzero(kept) != len(f):
         return None

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
 from torsionnet.identification.residuals.segments import MOST_ROW_BYTES, NUMBERS_PER_BATCH
-from torsionnet.response.recording import Recording
+from torsionnet.signals.recording import Recording
 from torsionnet.signals.welch import Welch
 
 MOST_BYTES = 2e9

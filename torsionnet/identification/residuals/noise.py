@@ -11,10 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.identification.residuals.noise_sources import sensor_noise_powers
 from torsionnet.identification.residuals.segments import SegmentRows
 from torsionnet.identification.residuals.windowed_estimate import WindowedEstimate
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 
 POOLED_VALUES = 20.0
 """Number of independent complex noise values that an average over neighbouring lines contains, for a noise level within

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 import scipy
 
-from torsionnet.assembly.rows import FloatArray
+from torsionnet.linear.assembly.rows import FloatArray
 
 REWEIGHTING_ROUNDS = 5
 """Repetitions of the least squares for noise powers, whose weights depend on their result; a few suffice."""

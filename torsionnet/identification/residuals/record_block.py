@@ -7,15 +7,15 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
 from torsionnet.identification.residuals.noise import Noise, noise_between_windows
 from torsionnet.identification.residuals.residual_forms import covariance_in_form, errors_in_form
 from torsionnet.identification.residuals.sensor_steps import REST_POSITIONS, SensorSteps
 from torsionnet.identification.residuals.unexcited_windows import unexcited_windows
 from torsionnet.identification.residuals.windowed_estimate import WindowedEstimate
-from torsionnet.response.measured.between_samples import BetweenSamples
-from torsionnet.response.recording import Recording
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
+from torsionnet.linear.between_samples import BetweenSamples
+from torsionnet.signals.recording import Recording
 
 MOST_NOISE_RATIO = 100.0
 """Largest noise power of excited windows over that of unexcited ones, as a larger residual that does not follow the

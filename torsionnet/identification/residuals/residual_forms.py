@@ -9,7 +9,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 
 Form: TypeAlias = str
 FORMS = ("complex", "log", "magnitude")

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 import numpy as np
 import scipy
 
-from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.identification.residuals.line_noise import (
     USUAL_OVERLAP,
     USUAL_WINDOW,
@@ -20,8 +19,9 @@ from torsionnet.identification.residuals.noise import FEWEST_SCATTERED_LINES, No
 from torsionnet.identification.residuals.noise_sources import sensor_noise_powers
 from torsionnet.identification.residuals.residual_forms import covariance_in_form, errors_in_form, parts
 from torsionnet.identification.residuals.smoothing import SMOOTHING_ERROR_SHARE, Smoothing
-from torsionnet.response import FrequencyResponse
-from torsionnet.response.measured.between_samples import BetweenSamples
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
+from torsionnet.linear.between_samples import BetweenSamples
+from torsionnet.linear.frequency_response import FrequencyResponse
 
 STATED_ERROR_CERTAINTY = 1e6
 """Number of independent values attributed to the stated error of a response, so large that the error counts as

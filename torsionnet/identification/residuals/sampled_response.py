@@ -11,10 +11,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.assembly.rows import ComplexArray, FloatArray
-from torsionnet.response.measured.between_samples import BetweenSamples, Folding
-from torsionnet.solve.sensitivity import Evaluation, ParametricResponse
+from torsionnet.linear.assembly.assembled import AssembledModel
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
+from torsionnet.linear.between_samples import BetweenSamples, Folding
+from torsionnet.linear.sensitivity import Evaluation, ParametricResponse
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.signals.detrending import without_trend
 from torsionnet.signals.welch import Welch
 

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.identification.residuals.segments import SegmentRows
-from torsionnet.response.recording import Recording
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.signals.decimation import FILTER_HALF_LENGTH, anti_alias_taps
+from torsionnet.signals.recording import Recording
 from torsionnet.signals.resolution import step_of, sweep_amplitudes
 
 REST_POSITIONS = 16

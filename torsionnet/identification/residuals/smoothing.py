@@ -12,8 +12,8 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from torsionnet.assembly.rows import ComplexArray, FloatArray
-from torsionnet.response.estimation import Estimation
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
+from torsionnet.linear.estimation import Estimation
 
 NEIGHBOUR_BINS = 8
 """Number of bins on either side of a line that a window mixes into it, beyond which its side lobes are negligible."""

@@ -14,8 +14,8 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.identification.residuals.windowed_estimate import WindowedEstimate
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 
 NOISE_WINDOW = "blackmanharris"
 """Window for the search of noise, with side lobes of -92 dB, so that a sweep at other lines does not cover the

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from torsionnet.identification.plan.fit_entries import FitSettings
 from torsionnet.identification.residuals.measurement_blocks import default_settings
-from torsionnet.model.fit.fit_entries import FitSettings
-from torsionnet.response.recording import Recording
 from torsionnet.signals.decimation import factor_for
+from torsionnet.signals.recording import Recording
 from torsionnet.signals.welch import PAPER, Welch
 
 

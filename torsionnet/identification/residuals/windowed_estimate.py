@@ -12,14 +12,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.assembly.rows import ComplexArray, FloatArray
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
 from torsionnet.identification.residuals.instrument import Instrument, without_background
 from torsionnet.identification.residuals.segments import SegmentRows, Segments
-from torsionnet.response.measured.between_samples import BetweenSamples
-from torsionnet.response.recording import Recording
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
+from torsionnet.linear.between_samples import BetweenSamples
 from torsionnet.signals.decimation import decimate
 from torsionnet.signals.record_blocks import check_processable
+from torsionnet.signals.recording import Recording
 from torsionnet.signals.welch import Welch
 
 SIDE_LOBE_FACTOR = 2.0

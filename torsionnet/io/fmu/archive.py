@@ -14,10 +14,10 @@ from pathlib import Path
 
 import torsionnet.io.fmu.description2 as description2
 import torsionnet.io.fmu.description3 as description3
-from torsionnet.core.atomic import write_bytes
-from torsionnet.core.errors import UsageError, did_you_mean
-from torsionnet.core.plain_names import Names
-from torsionnet.core.version import __version__
+from torsionnet.base.atomic import write_bytes
+from torsionnet.base.errors import UsageError, did_you_mean
+from torsionnet.base.plain_names import Names
+from torsionnet.base.version import __version__
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.export_losses import export_losses
 from torsionnet.io.fmu.c_source import header_source, model_source

@@ -10,9 +10,9 @@ from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from torsionnet.core.errors import MissingExtraError, TorsionnetError
+from torsionnet.base.errors import MissingExtraError, TorsionnetError
 from torsionnet.io.fmu.platforms import PLATFORMS, Platform, this_machine, universal_binary
-from torsionnet.io.formats.extras import import_extra
+from torsionnet.signals.formats.extras import import_extra
 
 FLAGS = ("-std=c99", "-O2", "-shared", "-fvisibility=hidden", "-ffp-contract=off", "-fno-math-errno", "-w")
 """Options of the C compiler, without fused products, so that terms that cancel do so alike on every machine."""

@@ -16,10 +16,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
-from torsionnet.assembly.rows import refuse_actions
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.fmu.traced_numbers import NumberTape, Traced
+from torsionnet.linear.assembly.rows import refuse_actions
 from torsionnet.model.elements import Law, Values
 from torsionnet.model.elimination import reduce_rows, substitute
 from torsionnet.model.kinematics import Kinematics, kinematics_on

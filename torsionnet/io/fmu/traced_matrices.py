@@ -11,15 +11,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.fmu.fmu_coordinates import Motion, trace_motion
 from torsionnet.io.fmu.traced_numbers import Traced
 from torsionnet.io.unlinear_laws import refuse_laws_of_motion
+from torsionnet.linear.dynamic_stiffness.state_space import active_channels, state_space
 from torsionnet.model.channels import Sensor
 from torsionnet.model.elements import Law
 from torsionnet.model.readings import balance, reading
-from torsionnet.solve.dynamic_stiffness.state_space import active_channels, state_space
 
 MOST_COORDINATES = 400
 """Most coordinates of a drivetrain in an FMU, up to which dense matrices are no burden on a host."""

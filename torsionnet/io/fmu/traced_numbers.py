@@ -14,9 +14,9 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
-from torsionnet.core.expressions import Algebra, float_if_long
+from torsionnet.base.expressions import Algebra, float_if_long
+from torsionnet.linear.modes.modular_arithmetic import residue
 from torsionnet.model.elimination import exact
-from torsionnet.solve.modes.modular_arithmetic import residue
 
 CHECK_PRIME = 2**61 - 1
 """Prime modulus of the second set of values, large, so that other numbers are hardly ever equal by chance."""

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from torsionnet.core.units import DIMENSIONS, Dimension
+from torsionnet.base.units import DIMENSIONS, Dimension
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.fmu.traced_matrices import System
 from torsionnet.io.fmu.traced_numbers import Traced
 from torsionnet.io.modelica_syntax import export_unit
+from torsionnet.linear.dynamic_stiffness.state_space import active_channels
 from torsionnet.model.channels import UNITS
 from torsionnet.model.parameters import dimensions
-from torsionnet.solve.dynamic_stiffness.state_space import active_channels
 
 FMI_UNITS = {
     "rad": {"rad": 1},

@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.core.errors import MissingExtraError, SolveError, UsageError
-from torsionnet.core.notes import NoteOrText, warning
+from torsionnet.base.errors import MissingExtraError, SolveError, UsageError
+from torsionnet.base.notes import NoteOrText, warning
 from torsionnet.modal.operational.operational_modes import NORMAL_95, OperationalModes
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray
-from torsionnet.response.recording import Recording
+from torsionnet.signals.recording import Recording
 
 PYOMA_NEEDED = 'ambient records need the package pyOMA_2: pip install "torsionnet[ambient]"'
 """Message where the package of the subspace identification is not installed."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsionnet.core.errors import SolveError
+from torsionnet.base.errors import SolveError
 from torsionnet.modal.operational.matrix_pencil import pencil_poles
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray
 

@@ -6,14 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsionnet.core.errors import SolveError, UsageError
-from torsionnet.core.notes import warning
+from torsionnet.base.errors import SolveError, UsageError
+from torsionnet.base.notes import warning
 from torsionnet.modal.operational.decay_fit import ExponentialFit, fit_exponentials
 from torsionnet.modal.operational.decay_section import decay_section
 from torsionnet.modal.operational.decrement import Decrement, logarithmic_decrement
 from torsionnet.modal.operational.operational_modes import NORMAL_95, OperationalModes
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray
-from torsionnet.response.recording import Recording
+from torsionnet.signals.recording import Recording
 
 FEWEST_CYCLES = 3.0
 """Cycles below which a decay does not tell damping from a drift."""
@@ -86,7 +86,7 @@ def modes_from_decay(
 
     Examples
     --------
-    >>> from torsionnet.response.recording import Signal
+    >>> from torsionnet.signals.recording import Signal
     >>> t = np.arange(2000) / 500
     >>> torque = 10 * np.exp(-0.02 * 2 * np.pi * 12 * t) * np.cos(2 * np.pi * 12 * np.sqrt(1 - 0.02**2) * t)
     >>> found = modes_from_decay(Recording((Signal("T", "torque", torque),), sampling_rate=500), "T", start=0)

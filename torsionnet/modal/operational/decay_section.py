@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsionnet.core.errors import SolveError, UsageError
-from torsionnet.core.notes import NoteOrText
+from torsionnet.base.errors import SolveError, UsageError
+from torsionnet.base.notes import NoteOrText
 from torsionnet.modal.spectral_lines import FloatArray
 
 BLOCKS = 100

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsionnet.core.number_text import screen_text
+from torsionnet.base.number_text import screen_text
 from torsionnet.modal.operational.operational_modes import NORMAL_95
 from torsionnet.modal.spectral_lines import FloatArray
 

@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 import torsionnet.modal.poles as pole_numbers
-from torsionnet.core.notes import NoteOrText
-from torsionnet.core.packages import NotebookResult
-from torsionnet.core.result_rows import Out
+from torsionnet.base.conventions import SI, Conventions
+from torsionnet.base.notes import NoteOrText
+from torsionnet.base.packages import NotebookResult
+from torsionnet.base.result_rows import Out
+from torsionnet.base.table import Table, result_table
+from torsionnet.linear.frequency_response import Channel
 from torsionnet.modal.matching import Match, MatchedMode, matched_modes
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray
-from torsionnet.response import SI, Conventions, Table
-from torsionnet.response.frequency_response import Channel
-from torsionnet.response.table import result_table
 
 NORMAL_95 = 1.959964
 """Half width of the 95 % interval of a normally distributed number over its standard deviation."""

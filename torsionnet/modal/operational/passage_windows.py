@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.core.errors import SolveError, UsageError
+from torsionnet.base.errors import SolveError, UsageError
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from torsionnet.core.errors import SolveError
+from torsionnet.base.errors import SolveError
 from torsionnet.modal.operational.passage_windows import PassageWindows
 from torsionnet.modal.operational.swept_response import Excitation, SpeedSweep, sweep_of, swept_response
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray

@@ -6,18 +6,18 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from torsionnet.core.errors import SolveError, UsageError
-from torsionnet.core.notes import NoteOrText, warning
+from torsionnet.base.errors import SolveError, UsageError
+from torsionnet.base.notes import NoteOrText, warning
 from torsionnet.modal.operational.operational_modes import OperationalModes
 from torsionnet.modal.operational.passage_windows import PassageWindows, passage_windows
 from torsionnet.modal.operational.swept_fit import swept_modes
 from torsionnet.modal.operational.swept_response import Excitation
 from torsionnet.modal.operational.tracked_windows import tracked_windows
 from torsionnet.modal.spectral_lines import FloatArray
-from torsionnet.response.measured.tracked_orders import TrackedOrders
-from torsionnet.response.measured.tracking_kernel import TrackingKernel
-from torsionnet.response.recording import Recording
 from torsionnet.signals.orders.mean_rotation import MeanRotation, mean_rotation
+from torsionnet.signals.orders.tracked_orders import TrackedOrders
+from torsionnet.signals.orders.tracking_kernel import TrackingKernel
+from torsionnet.signals.recording import Recording
 from torsionnet.signals.rotation.wheel_rotation import WheelRotation
 
 BELOW_PEAK, ABOVE_PEAK = 0.6, 1.7
@@ -78,7 +78,7 @@ def modes_from_run_up(
 
     Examples
     --------
-    >>> from torsionnet.response.recording import Signal
+    >>> from torsionnet.signals.recording import Signal
     >>> from torsionnet.modal.operational.swept_response import sweep_of, swept_response
     >>> times = np.arange(0, 12, 0.004)
     >>> turns = 10 * times + times**2

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsionnet.core.errors import SolveError
-from torsionnet.core.notes import NoteOrText, warning
+from torsionnet.base.errors import SolveError
+from torsionnet.base.notes import NoteOrText, warning
 from torsionnet.modal.operational.operational_modes import OperationalModes
 from torsionnet.modal.operational.passage_windows import PassageWindows
 from torsionnet.modal.operational.run_up_fit import RunUpFit, fit_run_up

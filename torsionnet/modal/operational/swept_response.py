@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray
 
 Excitation = Literal["constant", "inertia"]

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from torsionnet.core.errors import SolveError, UsageError
+from torsionnet.base.errors import SolveError, UsageError
 from torsionnet.modal.operational.operational_modes import NORMAL_95
 from torsionnet.modal.operational.passage_windows import FEWEST_WINDOWS, PassageWindows
 from torsionnet.modal.spectral_lines import FloatArray
-from torsionnet.response.measured.tracked_orders import TrackedOrders
-from torsionnet.response.measured.tracking_kernel import TrackingKernel
+from torsionnet.signals.orders.tracked_orders import TrackedOrders
+from torsionnet.signals.orders.tracking_kernel import TrackingKernel
 
 STEPS_PER_RADIAN = 4
 """Steps in time per radian of the order at its highest frequency, at which the response is followed."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from torsionnet.core.errors import Position
+from torsionnet.base.errors import Position
 
 
 @dataclass(frozen=True)

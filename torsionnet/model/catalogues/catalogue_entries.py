@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.core.entries.spec import EntryError, Schema, Spec
+from torsionnet.base.entries.spec import EntryError, Schema, Spec
 
 if TYPE_CHECKING:
     from torsionnet.model.catalogues.catalogue import CatalogueRow

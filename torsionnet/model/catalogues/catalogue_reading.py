@@ -8,11 +8,11 @@ from collections.abc import Iterable
 from functools import lru_cache
 from pathlib import Path
 
-from torsionnet.core.delimited.cell_grid import Cell, CellGrid, read_grid
-from torsionnet.core.delimited.sheet_numbers import decimal_sign, is_like_number, plain_number_text
-from torsionnet.core.delimited.sheet_units import named_unit, sheet_unit
-from torsionnet.core.errors import Fault, ModelError, UsageError, comma_list, nearest
-from torsionnet.core.units import UnitError, numeral_of, parse_number
+from torsionnet.base.delimited.cell_grid import Cell, CellGrid, read_grid
+from torsionnet.base.delimited.sheet_numbers import decimal_sign, is_like_number, plain_number_text
+from torsionnet.base.delimited.sheet_units import named_unit, sheet_unit
+from torsionnet.base.errors import Fault, ModelError, UsageError, comma_list, nearest
+from torsionnet.base.units import UnitError, numeral_of, parse_number
 from torsionnet.model.catalogues.catalogue import Catalogue, CatalogueCell, CatalogueRow
 from torsionnet.model.catalogues.catalogue_entries import SIZE
 

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from torsionnet.core.entries.declared import nearby_file
-from torsionnet.core.entries.spec import EntryError, Spec
-from torsionnet.core.errors import Fault, ModelError, nearest, question
-from torsionnet.core.units import expected_unit
+from torsionnet.base.entries.declared import nearby_file
+from torsionnet.base.entries.spec import EntryError, Spec
+from torsionnet.base.errors import Fault, ModelError, nearest, question
+from torsionnet.base.units import expected_unit
 from torsionnet.model.catalogues.catalogue import Catalogue, CatalogueCell, CatalogueRow
 from torsionnet.model.catalogues.catalogue_entries import CATALOGUE, SIZE
 

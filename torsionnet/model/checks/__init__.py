@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 
-from torsionnet.core.errors import USELESS, Fault
-from torsionnet.core.packages import gc_paused
+from torsionnet.base.errors import USELESS, Fault
+from torsionnet.base.packages import gc_paused
 from torsionnet.model.checks import names, values
 from torsionnet.model.checks.names import at_override
 from torsionnet.model.checks.structure import check_structure, unconnected_parts

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from torsionnet.core.errors import Fault, unfit_word
+from torsionnet.base.errors import Fault, unfit_word
 from torsionnet.model.catalogues.catalogue_entries import SIZE
 from torsionnet.model.definition import Definition
+from torsionnet.model.sections import section_class
 
 REMARKS = frozenset({SIZE, "description", "remark", "remarks", "note", "maker", "source"})
 """Names of catalogue columns that are comments and fit no entry."""
@@ -31,6 +32,4 @@ def unfit_columns(definition: Definition) -> list[Fault]:
 
 
 def _limited() -> set[str]:
-    from torsionnet.model.limits import limit_rules  # loads numpy, which most models can do without
-
-    return {entry for rule in limit_rules().values() for entry, _ in rule.specs()}
+    return {entry for rule in section_class("limits").values() for entry, _ in rule.specs()}

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from torsionnet.core.errors import Fault
+from torsionnet.base.errors import Fault
 from torsionnet.model.definition import Definition
 from torsionnet.model.element_base.element import Element
 from torsionnet.model.elements import Constraint, Law, MotionLaw, Part, Row, Values

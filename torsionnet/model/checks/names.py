@@ -9,9 +9,10 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.core.errors import UNUSED, Fault, ModelError, Path, nearest, question, unknown_name
-from torsionnet.core.expressions import Expression
-from torsionnet.model.channels import Input, Sensor, port_fault
+from torsionnet.base.errors import UNUSED, Fault, ModelError, Path, comma_list, nearest, question, unknown_name
+from torsionnet.base.expressions import Expression
+from torsionnet.base.packages import imported
+from torsionnet.model.channels import Input, Sensor, parse_pair, parse_sensor, port_fault
 from torsionnet.model.configurations import Overlay
 from torsionnet.model.definition import (
     ELEMENTS,
@@ -26,9 +27,11 @@ from torsionnet.model.definition import (
 from torsionnet.model.element_base.round_section import section_fault
 from torsionnet.model.elements import GROUND, Element
 from torsionnet.model.operating_point import OperatingPoint, torque_place
+from torsionnet.model.response_pair import Pair
+from torsionnet.model.sections import OWNERS
 
 if TYPE_CHECKING:
-    from torsionnet.model.scenarios.scenario import Scenario
+    from torsionnet.motion.scenarios.scenario import Scenario
 
 _TABLES = ((ELEMENTS,), (EXCITATIONS,), (SCENARIOS,))
 
@@ -124,17 +127,13 @@ def _wrong_values(definition: Definition, table: str, name: str, changes: Mappin
         )
     except ModelError as error:
         return error.faults
-    if table == EXCITATIONS:
-        from torsionnet.model.checks.excitation_checks import excitation_faults
-
-        return () if any(excitation_faults(definition, name)) else tuple(excitation_faults(changed, name))
-    if table == SCENARIOS:
-        from torsionnet.model.checks.scenario_checks import scenario_faults
-
-        return () if scenario_faults(definition, name) else tuple(scenario_faults(changed, name))
     if table == ELEMENTS:
         return tuple(_moved(definition.elements[name], changed.elements[name], changes))
-    return ()
+    if table == LOAD:
+        return ()
+    # What was wrong before the change is told where it stands.
+    faults_of_one = imported(OWNERS[table].faults_of_one)
+    return () if any(faults_of_one(definition, name)) else tuple(faults_of_one(changed, name))
 
 
 def _moved(before: Element, after: Element, changes: Mapping[str, Any]) -> Iterator[Fault]:
@@ -366,40 +365,36 @@ def dead_ends(definition: Definition) -> list[Fault]:
     return faults
 
 
-def unfit_bench(definition: Definition) -> list[Fault]:
-    """Faults of a bench test that names what the model does not have, or gives it wrong units."""
-    if definition.bench is None:
-        return []
-    from torsionnet.model.bench.bench_checks import check_plan
-
-    return check_plan(definition.bench, definition)
-
-
-def unfit_excitations(definition: Definition) -> list[Fault]:
-    """Faults of excitations, speeds and a load that name what the model does not have."""
-    if not (definition.speeds or definition.load or definition.excitations):
-        return []
-    import torsionnet.model.checks.excitation_checks as checks
-
-    return checks.unfit_excitations(definition)
+def pair_faults(pair: Pair, definition: Definition) -> Iterator[Fault]:
+    """Yield the faults of a pair of output and input that a model does not have; ``about`` is the name."""
+    nodes = {node for element in definition.elements.values() for node in element.ports.values()}
+    known = {
+        "sensor or node": (pair.output, [*definition.sensors, *nodes]),
+        "input, sensor or node": (pair.input, [*definition.inputs, *definition.sensors, *nodes]),
+        "input or node": (pair.excitation, [*definition.inputs, *nodes]),
+    }
+    for what, (name, names) in known.items():
+        is_written_out = what != "input or node" and parse_sensor(name) is not None
+        is_written_out |= what != "sensor or node" and set(parse_pair(name) or "?") <= nodes
+        if name and name not in names and not is_written_out:
+            yield unknown_name(what, name, names, rest=declared(definition, what))
 
 
-def unfit_limits(definition: Definition) -> list[Fault]:
-    """Faults of limits that name what the model does not have, or that lack data of it."""
-    if not definition.limits:
-        return []
-    import torsionnet.model.checks.limit_checks as limit_checks
-
-    return limit_checks.unfit_limits(definition)
+def declared(definition: Definition, what: str) -> str:
+    """End of a message on an unknown name: which channels the model declares, ``what`` says of which kind."""
+    tables = {table: getattr(definition, f"{table}s") for table in ("input", "sensor") if table in what}
+    return "; ".join(f"{table}s: {comma_list(names, none='none')}" for table, names in tables.items())
 
 
-def unfit_scenarios(definition: Definition) -> list[Fault]:
-    """Faults of scenarios that name what the model does not have, or that lack data of it."""
-    if not definition.scenarios:
-        return []
-    import torsionnet.model.checks.scenario_checks as scenario_checks
+def unfit_sections(definition: Definition) -> list[Fault]:
+    """Faults of sections that name what the model does not have, or that lack data of it."""
+    machinery = bool(definition.speeds or definition.load or definition.excitations)
+    there = {key: machinery if key == EXCITATIONS else bool(getattr(definition, key)) for key in CHECKED_SECTIONS}
+    return [fault for key in CHECKED_SECTIONS if there[key] for fault in imported(OWNERS[key].faults)(definition)]
 
-    return scenario_checks.unfit_scenarios(definition)
+
+CHECKED_SECTIONS = (EXCITATIONS, "limits", SCENARIOS, "bench", "report")
+"""Keys of the sections that their owners check, in this order."""
 
 
 def unfit_catalogues(definition: Definition) -> list[Fault]:
@@ -409,15 +404,6 @@ def unfit_catalogues(definition: Definition) -> list[Fault]:
     import torsionnet.model.checks.catalogues as catalogues
 
     return catalogues.unfit_columns(definition)
-
-
-def unfit_report(definition: Definition) -> list[Fault]:
-    """Faults of a report section that names what the model does not have."""
-    if definition.report is None:
-        return []
-    from torsionnet.model.report.report_checks import check_report
-
-    return check_report(definition.report, definition)
 
 
 CHECKS = (
@@ -432,11 +418,7 @@ CHECKS = (
     hidden_names,
     dead_ends,
     unfit_overrides,
-    unfit_excitations,
-    unfit_limits,
-    unfit_scenarios,
+    unfit_sections,
     unfit_catalogues,
-    unfit_bench,
-    unfit_report,
 )
 """Functions that check the names in a model, in the order in which they run."""

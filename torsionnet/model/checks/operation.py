@@ -10,9 +10,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.core.errors import USELESS, Fault, ModelError, Path, UsageError, unknown_name
-from torsionnet.core.expressions import Expression
-from torsionnet.core.units import RPM
+from torsionnet.base.errors import USELESS, Fault, ModelError, Path, UsageError, unknown_name
+from torsionnet.base.expressions import Expression
+from torsionnet.base.packages import imported
+from torsionnet.base.units import RPM
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.element_base.element import Element
 from torsionnet.model.element_base.laws import own_node
@@ -27,6 +28,7 @@ from torsionnet.model.load.external_torques import (
 from torsionnet.model.operating_point import torque_place
 from torsionnet.model.operating_values import OperatingPoints, operating_parameter_faults, with_operating_values
 from torsionnet.model.parameters import resolve
+from torsionnet.model.sections import CONDITIONS_AT_RATED_SPEED
 
 if TYPE_CHECKING:
     from torsionnet.model.load.load_section import Load
@@ -177,10 +179,7 @@ def _unlike_at_rated_speed(external: ExternalTorques) -> list[Fault]:
     """
     if not external.rated_speed:
         return []
-    from torsionnet.model.checks.propeller_conditions import archer_at_small_torque
-    from torsionnet.model.checks.rating_mismatches import rating_mismatches
-
-    return [*rating_mismatches(external), *archer_at_small_torque(external)]
+    return [fault for place in CONDITIONS_AT_RATED_SPEED for fault in imported(place)(external)]
 
 
 def _inconsistent_speeds(external: ExternalTorques) -> list[Fault]:

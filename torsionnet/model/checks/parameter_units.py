@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from torsionnet.core.expressions import Name
-from torsionnet.core.units import expected_unit
+from torsionnet.base.expressions import Name
+from torsionnet.base.units import expected_unit
 from torsionnet.model.definition import Definition
 from torsionnet.model.parameters import dimensions
 

@@ -9,8 +9,8 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from torsionnet.core.errors import UNCONNECTED, USELESS, Fault, UsageError, comma_list, nearest, question
-from torsionnet.core.registers import Groups
+from torsionnet.base.errors import UNCONNECTED, USELESS, Fault, UsageError, comma_list, nearest, question
+from torsionnet.base.registers import Groups
 from torsionnet.model.channels import Input, Sensor, immobility_text, named_nodes
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.elements import GROUND, Values

@@ -10,10 +10,10 @@ from collections.abc import Iterable, Mapping
 from fractions import Fraction
 from typing import Any
 
-from torsionnet.core.entries.scalars import QuantityKind
-from torsionnet.core.errors import IN_UNIT, WRITE, Fault, Path, Remedy, TorsionnetError
-from torsionnet.core.expressions import Compound, Expression, ExpressionError, Number, is_beyond_range
-from torsionnet.core.units import DIMENSIONS, Dimension, expected_unit
+from torsionnet.base.entries.scalars import QuantityKind
+from torsionnet.base.errors import IN_UNIT, WRITE, Fault, Path, Remedy, TorsionnetError
+from torsionnet.base.expressions import Compound, Expression, ExpressionError, Number, is_beyond_range
+from torsionnet.base.units import DIMENSIONS, Dimension, expected_unit
 from torsionnet.model.damping import MEASURES, DampingMeasure, DampingQuantity, LossFactor
 from torsionnet.model.definition import Definition
 from torsionnet.model.elements import Element, Law, Values

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from torsionnet.core.entries.scalars import NumberTable
-from torsionnet.core.expressions import Rows
+from torsionnet.base.entries.scalars import NumberTable
+from torsionnet.base.expressions import Rows
 
 
 @dataclass(frozen=True, eq=False, repr=False)

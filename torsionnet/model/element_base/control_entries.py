@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from torsionnet.core.entries.scalars import SCALAR_SCHEMA, plain_scalar, read_value
-from torsionnet.core.entries.spec import EntryError, Json, Renaming, Schema, Spec, coerce_part, full_name
-from torsionnet.core.errors import BRACKET, Fault, Path, Remedy, did_you_mean, unfit_word
-from torsionnet.core.expressions import Expression, Number
+from torsionnet.base.entries.scalars import SCALAR_SCHEMA, plain_scalar, read_value
+from torsionnet.base.entries.spec import EntryError, Json, Renaming, Schema, Spec, coerce_part, full_name
+from torsionnet.base.errors import BRACKET, Fault, Path, Remedy, did_you_mean, unfit_word
+from torsionnet.base.expressions import Expression, Number
 from torsionnet.model.element_base.control_law import GAIN, MATRICES, PID, POLYNOMIALS, ROOTS, ControlLaw
 from torsionnet.model.element_base.element_entries import NodePair, read_node
 from torsionnet.model.element_base.laws import GROUND

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from torsionnet.core.entries.composite import given_entries, one_at_most, superfluous
-from torsionnet.core.errors import Fault
-from torsionnet.core.expressions import RATIONAL
+from torsionnet.base.entries.composite import given_entries, one_at_most, superfluous
+from torsionnet.base.errors import Fault
+from torsionnet.base.expressions import RATIONAL
 from torsionnet.model.damping import DampingMeasure, loss_factor
 from torsionnet.model.element_base.curves import is_share
 from torsionnet.model.element_base.viscoelastic import temperature_faults

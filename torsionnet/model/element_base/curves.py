@@ -7,11 +7,11 @@ from dataclasses import dataclass, fields
 from fractions import Fraction
 from typing import Any
 
-from torsionnet.core.entries.scalars import PhysicalQuantity, QuantityKind, check_unit, read_scalar, read_value
-from torsionnet.core.entries.spec import EntryError, Schema, Spec
-from torsionnet.core.errors import Fault, Path
-from torsionnet.core.expressions import Expression, Number, Rows
-from torsionnet.core.units import DIMENSIONS, expected_unit
+from torsionnet.base.entries.scalars import PhysicalQuantity, QuantityKind, check_unit, read_scalar, read_value
+from torsionnet.base.entries.spec import EntryError, Schema, Spec
+from torsionnet.base.errors import Fault, Path
+from torsionnet.base.expressions import Expression, Number, Rows
+from torsionnet.base.units import DIMENSIONS, expected_unit
 from torsionnet.model.parameters import LookupTable
 
 

@@ -1,7 +1,7 @@
 """Base class of all element types, and the register of element types.
 
 A new element type is one class in this package: a frozen dataclass whose fields carry specifications
-(:mod:`torsionnet.core.entries`) and a ``parts`` method that yields laws and constraints. Registering it
+(:mod:`torsionnet.base.entries`) and a ``parts`` method that yields laws and constraints. Registering it
 makes it known to model files, the JSON Schema, the checks and the documentation.
 """
 
@@ -15,13 +15,13 @@ from functools import cache
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
 
-from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.scalars import QuantityKind
-from torsionnet.core.entries.spec import Flag, Json, Renaming, Schema, Spec, Text, entry, name_fault
-from torsionnet.core.errors import Fault, ModelError, Path, fault_of
-from torsionnet.core.expressions import Expression
-from torsionnet.core.packages import with_argument_hints
-from torsionnet.core.registers import TypeRegister
+from torsionnet.base.entries.declared import Declared
+from torsionnet.base.entries.scalars import QuantityKind
+from torsionnet.base.entries.spec import Flag, Json, Renaming, Schema, Spec, Text, entry, name_fault
+from torsionnet.base.errors import Fault, ModelError, Path, fault_of
+from torsionnet.base.expressions import Expression
+from torsionnet.base.packages import with_argument_hints
+from torsionnet.base.registers import TypeRegister
 from torsionnet.model.catalogues.catalogue_entries import CATALOGUE, SIZE, CatalogueEntry, SizeName
 from torsionnet.model.damping import DampingMeasure
 from torsionnet.model.element_base.element_entries import (

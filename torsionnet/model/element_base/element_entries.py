@@ -12,9 +12,9 @@ from fractions import Fraction
 from numbers import Integral
 from typing import Any, Generic, TypeVar
 
-from torsionnet.core.entries.spec import EntryError, Json, Plural, Renaming, Schema, Spec, Stored_co, Text, name_fault
-from torsionnet.core.errors import NO_NODE, NO_NODES, Fault, Path
-from torsionnet.core.expressions import Expression, Number
+from torsionnet.base.entries.spec import EntryError, Json, Plural, Renaming, Schema, Spec, Stored_co, Text, name_fault
+from torsionnet.base.errors import NO_NODE, NO_NODES, Fault, Path
+from torsionnet.base.expressions import Expression, Number
 from torsionnet.model.element_base.laws import GROUND, Values
 
 
@@ -167,7 +167,7 @@ def exact_or_value(expression: Expression, value: Values) -> Any:
 def shown(expression: Expression | None, number: Any) -> str:
     """Text of a quantity for a message: as it is written, with the value of an expression behind it.
 
-    >>> from torsionnet.core.expressions import Name
+    >>> from torsionnet.base.expressions import Name
     >>> shown(Name("T_1"), Fraction(5, 2))
     'T_1 = 2.5'
     """

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from torsionnet.core.expressions import Rows
+from torsionnet.base.expressions import Rows
 from torsionnet.model.element_base.sampled_stiffness import SampledStiffness
 
 
@@ -18,7 +18,7 @@ def stiffness_from_curves(
 
     Examples
     --------
-    >>> from torsionnet.core.expressions import Number
+    >>> from torsionnet.base.expressions import Number
     >>> rows = ((Number(1), Number(1)), (Number(100), Number(4)))
     >>> stiffness_from_curves(500.0, rows, (), 0.1).stiffness
     (500.0, 2000.0)

@@ -6,10 +6,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from torsionnet.core.entries.scalars import PhysicalQuantity, RowColumn
-from torsionnet.core.entries.spec import Spec, entry
-from torsionnet.core.errors import Fault, Path
-from torsionnet.core.expressions import Expression, Number, Rows, outside_message
+from torsionnet.base.entries.scalars import PhysicalQuantity, RowColumn
+from torsionnet.base.entries.spec import Spec, entry
+from torsionnet.base.errors import Fault, Path
+from torsionnet.base.expressions import Expression, Number, Rows, outside_message
 from torsionnet.model.element_base.characteristic import Characteristic
 from torsionnet.model.element_base.curves import with_curve_ranges
 from torsionnet.model.element_base.element import Element

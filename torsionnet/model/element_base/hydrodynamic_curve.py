@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
-from torsionnet.core.expressions import RATIONAL, Algebra, Rows, slope_at, value_at
+from torsionnet.base.expressions import RATIONAL, Algebra, Rows, slope_at, value_at
 from torsionnet.model.element_base.laws import END_SLACK, MotionState, TorqueCurve
 
 
@@ -77,7 +77,7 @@ class CouplingCurve(TorqueCurve):
     sign, and none where it stands.
 
     >>> from fractions import Fraction
-    >>> from torsionnet.core.expressions import FLOAT, Number
+    >>> from torsionnet.base.expressions import FLOAT, Number
     >>> rows = tuple((Number(nu), Number(torque)) for nu, torque in ((Fraction(9, 10), 900), (1, 0)))
     >>> curve = CouplingCurve(Capacity(rows, 1 / 150**2, algebra=FLOAT))
     >>> round(curve.torque(0, 4.5, 150.0), 9)

@@ -16,7 +16,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
-from torsionnet.core.expressions import RATIONAL, Algebra, Expression
+from torsionnet.base.expressions import RATIONAL, Algebra, Expression
 
 if TYPE_CHECKING:
     from torsionnet.model.element_base.dynamic_stiffness import DynamicStiffness

@@ -6,9 +6,9 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, cast
 
-from torsionnet.core.entries.spec import EntryError, Json, Renaming, Schema, list_annotation, name_fault
-from torsionnet.core.errors import Fault, Path
-from torsionnet.core.expressions import Expression
+from torsionnet.base.entries.spec import EntryError, Json, Renaming, Schema, list_annotation, name_fault
+from torsionnet.base.errors import Fault, Path
+from torsionnet.base.expressions import Expression
 from torsionnet.model.element_base.element_entries import MultipleValues, One_co
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.core.errors import Fault, UsageError
-from torsionnet.core.expressions import Number
+from torsionnet.base.errors import Fault, UsageError
+from torsionnet.base.expressions import Number
 from torsionnet.model.element_base.laws import Values
 
 if TYPE_CHECKING:

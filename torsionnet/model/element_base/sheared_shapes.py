@@ -6,10 +6,10 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import entry, not_none
-from torsionnet.core.errors import Fault
+from torsionnet.base.entries.declared import Declared
+from torsionnet.base.entries.scalars import Value
+from torsionnet.base.entries.spec import entry, not_none
+from torsionnet.base.errors import Fault
 
 
 def _length(text: str) -> Value:

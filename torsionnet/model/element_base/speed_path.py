@@ -15,7 +15,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any, Protocol
 
-from torsionnet.core.registers import Groups
+from torsionnet.base.registers import Groups
 from torsionnet.model.element_base.laws import GROUND, Law, MotionLaw, MotionState, Part, Row, Values, WholePart
 
 

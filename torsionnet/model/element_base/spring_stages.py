@@ -12,9 +12,9 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Any, ClassVar, TypeAlias
 
-from torsionnet.core.entries.composite import Composite, Listed, Nested, given_entries, one_at_most
-from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.scalars import (
+from torsionnet.base.entries.composite import Composite, Listed, Nested, given_entries, one_at_most
+from torsionnet.base.entries.declared import Declared
+from torsionnet.base.entries.scalars import (
     SCALAR_SCHEMA,
     NumberTable,
     PhysicalQuantity,
@@ -23,10 +23,10 @@ from torsionnet.core.entries.scalars import (
     read_scalar,
     read_value,
 )
-from torsionnet.core.entries.spec import EntryError, Json, Plural, Renaming, Schema, Spec, entry
-from torsionnet.core.errors import Fault, Path
-from torsionnet.core.expressions import Expression, Number, Rows
-from torsionnet.core.units import DIMENSIONS
+from torsionnet.base.entries.spec import EntryError, Json, Plural, Renaming, Schema, Spec, entry
+from torsionnet.base.errors import Fault, Path
+from torsionnet.base.expressions import Expression, Number, Rows
+from torsionnet.base.units import DIMENSIONS
 from torsionnet.model.element_base.element_entries import QuantityGroup, exact_or_value, shown
 from torsionnet.model.element_base.laws import Values
 

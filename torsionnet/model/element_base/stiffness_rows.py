@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from torsionnet.core.entries.scalars import NumberTable, RowColumn
-from torsionnet.core.entries.spec import Json, full_name
+from torsionnet.base.entries.scalars import NumberTable, RowColumn
+from torsionnet.base.entries.spec import Json, full_name
 from torsionnet.model.element_base.stiffness_table import StiffnessTable
 
 

@@ -6,11 +6,11 @@ import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.scalars import NumberTable, RowColumn, Value
-from torsionnet.core.entries.spec import Json, Schema, entry, not_none
-from torsionnet.core.errors import Fault
-from torsionnet.core.expressions import Expression, Number, Rows
+from torsionnet.base.entries.declared import Declared
+from torsionnet.base.entries.scalars import NumberTable, RowColumn, Value
+from torsionnet.base.entries.spec import Json, Schema, entry, not_none
+from torsionnet.base.errors import Fault
+from torsionnet.base.expressions import Expression, Number, Rows
 from torsionnet.model.element_base.curves import LookupCurve, Temperature
 from torsionnet.model.element_base.sampled_stiffness import SampledStiffness
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from torsionnet.core.entries.scalars import PhysicalQuantity
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.expressions import Expression
+from torsionnet.base.entries.scalars import PhysicalQuantity
+from torsionnet.base.entries.spec import entry
+from torsionnet.base.expressions import Expression
 from torsionnet.model.element_base.element import register
 from torsionnet.model.element_base.laws import Values
 from torsionnet.model.element_base.loop_drive import LoopDrive

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from torsionnet.core.entries.scalars import PhysicalQuantity
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.errors import Fault
-from torsionnet.core.expressions import Expression, Number
+from torsionnet.base.entries.scalars import PhysicalQuantity
+from torsionnet.base.entries.spec import entry
+from torsionnet.base.errors import Fault
+from torsionnet.base.expressions import Expression, Number
 from torsionnet.model.element_base.element import register
 from torsionnet.model.element_base.laws import Values
 from torsionnet.model.element_base.loop_drive import LoopDrive

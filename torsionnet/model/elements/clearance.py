@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from torsionnet.core.entries.scalars import PhysicalQuantity
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.expressions import Expression
+from torsionnet.base.entries.scalars import PhysicalQuantity
+from torsionnet.base.entries.spec import entry
+from torsionnet.base.expressions import Expression
 from torsionnet.model.damping import DampingMeasure, DampingQuantity
 from torsionnet.model.element_base.element import Element, register, viscous
 from torsionnet.model.element_base.element_entries import NodePair
@@ -29,7 +29,7 @@ class Clearance(Element):
 
     Examples
     --------
-    >>> from torsionnet.core.expressions import FLOAT
+    >>> from torsionnet.base.expressions import FLOAT
     >>> mesh = Clearance("mesh", nodes=("a", "b"), gap="0.2 rad", stiffness="100 N*m/rad", damping="1 N*m*s/rad")
     >>> (law,) = mesh.whole_parts(Values({}, FLOAT))
     >>> [round(law.torque(*state), 9) for state in ((0.05, 0), (0.3, 0), (0.3, -5), (0.3, -50), (-0.3, 0))]

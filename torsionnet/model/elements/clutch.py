@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from torsionnet.core.entries.composite import one_at_most
-from torsionnet.core.entries.scalars import PhysicalQuantity, RowColumn
-from torsionnet.core.entries.spec import OneOf, Spec, entry, not_none
-from torsionnet.core.errors import Fault, Path
-from torsionnet.core.expressions import Expression, Number, Rows, outside_message, slope_at
+from torsionnet.base.entries.composite import one_at_most
+from torsionnet.base.entries.scalars import PhysicalQuantity, RowColumn
+from torsionnet.base.entries.spec import OneOf, Spec, entry, not_none
+from torsionnet.base.errors import Fault, Path
+from torsionnet.base.expressions import Expression, Number, Rows, outside_message, slope_at
 from torsionnet.model.damping import DampingMeasure, DampingQuantity
 from torsionnet.model.element_base.characteristic import Characteristic
 from torsionnet.model.element_base.curves import with_curve_ranges

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import ClassVar
 
-from torsionnet.core.entries.scalars import PhysicalQuantity
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.errors import Fault
-from torsionnet.core.expressions import Expression
+from torsionnet.base.entries.scalars import PhysicalQuantity
+from torsionnet.base.entries.spec import entry
+from torsionnet.base.errors import Fault
+from torsionnet.base.expressions import Expression
 from torsionnet.model.damping import DampingMeasure, LossFactor
 from torsionnet.model.element_base.element import Element, register
 from torsionnet.model.element_base.element_entries import NodePair

@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
-from torsionnet.core.entries.scalars import PhysicalQuantity, check_unit
-from torsionnet.core.entries.spec import EntryError, Spec, entry
-from torsionnet.core.errors import Fault, Path
-from torsionnet.core.expressions import Expression
+from torsionnet.base.entries.scalars import PhysicalQuantity, check_unit
+from torsionnet.base.entries.spec import EntryError, Spec, entry
+from torsionnet.base.errors import Fault, Path
+from torsionnet.base.expressions import Expression
 from torsionnet.model.element_base.control_entries import (
     ControlLawEntry,
     OneOrTwoNodes,

@@ -6,11 +6,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
-from torsionnet.core.entries.composite import one_exactly
-from torsionnet.core.entries.scalars import PhysicalQuantity
-from torsionnet.core.entries.spec import Spec, entry
-from torsionnet.core.errors import Fault, Path
-from torsionnet.core.expressions import Expression, Number
+from torsionnet.base.entries.composite import one_exactly
+from torsionnet.base.entries.scalars import PhysicalQuantity
+from torsionnet.base.entries.spec import Spec, entry
+from torsionnet.base.errors import Fault, Path
+from torsionnet.base.expressions import Expression, Number
 from torsionnet.model.damping import DampingMeasure, DampingQuantity, LossFactor, loss_factor
 from torsionnet.model.element_base.curves import with_curve_ranges
 from torsionnet.model.element_base.element import Element, register, viscous

@@ -1,7 +1,7 @@
 # Written by `make generate`.
 from collections.abc import Mapping
 from pathlib import Path, PurePath
-from torsionnet.core.entries.accepted_types import Entries, GivenStateSpace, GivenTransferFunction, NumberByNumber, NumberRows, Scalar, Scalars, TwoNames, WholeNumber
+from torsionnet.base.entries.accepted_types import Entries, GivenStateSpace, GivenTransferFunction, NumberByNumber, NumberRows, Scalar, Scalars, TwoNames, WholeNumber
 from torsionnet.model.catalogues.catalogue import Catalogue, CatalogueRow
 from torsionnet.model.damping import DampingMeasure
 from torsionnet.model.element_base.control_entries import SensedMotion

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from torsionnet.core.entries.composite import one_exactly
-from torsionnet.core.entries.scalars import PhysicalQuantity
-from torsionnet.core.entries.spec import OneOf, entry
-from torsionnet.core.errors import Fault
-from torsionnet.core.expression_reading import scalar
-from torsionnet.core.expressions import Expression
+from torsionnet.base.entries.composite import one_exactly
+from torsionnet.base.entries.scalars import PhysicalQuantity
+from torsionnet.base.entries.spec import OneOf, entry
+from torsionnet.base.errors import Fault
+from torsionnet.base.expression_reading import scalar
+from torsionnet.base.expressions import Expression
 from torsionnet.model.damping import DampingMeasure, DampingQuantity
 from torsionnet.model.element_base.element import Element, register, viscous
 from torsionnet.model.element_base.element_entries import NodeName, Teeth

@@ -6,12 +6,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from torsionnet.core.entries.composite import Nested, Typed
-from torsionnet.core.entries.scalars import PhysicalQuantity
-from torsionnet.core.entries.spec import Count, Spec, entry, not_none
-from torsionnet.core.errors import Fault, Path
-from torsionnet.core.expression_reading import scalar
-from torsionnet.core.expressions import Expression, Number, Rows, interpolate_in_algebra
+from torsionnet.base.entries.composite import Nested, Typed
+from torsionnet.base.entries.scalars import PhysicalQuantity
+from torsionnet.base.entries.spec import Count, Spec, entry, not_none
+from torsionnet.base.errors import Fault, Path
+from torsionnet.base.expression_reading import scalar
+from torsionnet.base.expressions import Expression, Number, Rows, interpolate_in_algebra
 from torsionnet.model.damping import DampingMeasure, DampingQuantity, LossFactor, loss_factor
 from torsionnet.model.element_base.coupling_faults import contradictions, given_curves
 from torsionnet.model.element_base.curves import LookupCurve, Temperature, is_share, with_curve_ranges

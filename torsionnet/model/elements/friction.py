@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from torsionnet.core.entries.composite import one_exactly
-from torsionnet.core.entries.scalars import PhysicalQuantity, RowColumn
-from torsionnet.core.entries.spec import entry, not_none
-from torsionnet.core.errors import Fault
-from torsionnet.core.expressions import Expression
+from torsionnet.base.entries.composite import one_exactly
+from torsionnet.base.entries.scalars import PhysicalQuantity, RowColumn
+from torsionnet.base.entries.spec import entry, not_none
+from torsionnet.base.errors import Fault
+from torsionnet.base.expressions import Expression
 from torsionnet.model.element_base.element import Element, register
 from torsionnet.model.element_base.element_entries import NodePair, shown
 from torsionnet.model.element_base.laws import GROUND, Law, MotionLaw, Part, Row, Values, WholePart, difference

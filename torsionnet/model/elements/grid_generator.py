@@ -6,11 +6,11 @@ import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from torsionnet.core.entries.composite import superfluous
-from torsionnet.core.entries.scalars import PhysicalQuantity
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.errors import Fault
-from torsionnet.core.expressions import Expression, Number
+from torsionnet.base.entries.composite import superfluous
+from torsionnet.base.entries.scalars import PhysicalQuantity
+from torsionnet.base.entries.spec import entry
+from torsionnet.base.errors import Fault
+from torsionnet.base.expressions import Expression, Number
 from torsionnet.model.element_base.element import Element, register
 from torsionnet.model.element_base.element_entries import NodeName
 from torsionnet.model.element_base.laws import Law, Part, Row, Values, difference, make_row

@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any, ClassVar
 
-from torsionnet.core.entries.spec import EntryError, Plural, Renaming, Schema, entry
-from torsionnet.core.errors import Fault, nearest, question
-from torsionnet.core.expression_reading import scalar
-from torsionnet.core.plain_names import free_name
+from torsionnet.base.entries.spec import EntryError, Plural, Renaming, Schema, entry
+from torsionnet.base.errors import Fault, nearest, question
+from torsionnet.base.expression_reading import scalar
+from torsionnet.base.plain_names import free_name
 from torsionnet.model.damping import DampingMeasure
 from torsionnet.model.element_base.element import Element, register
 from torsionnet.model.element_base.element_entries import read_node
@@ -75,7 +75,7 @@ class MassElastic(Element):
 
     Examples
     --------
-    >>> from torsionnet.core.delimited.cell_grid import parse_grid
+    >>> from torsionnet.base.delimited.cell_grid import parse_grid
     >>> from torsionnet.model.sheets.mass_elastic_sheet import parse_sheet
     >>> sheet = parse_sheet(parse_grid(["mass;J [kg m²];k [MNm/rad]", "Cyl. 1;52;36", "Flywheel;780;"], "engine.csv"))
     >>> engine = MassElastic("engine", table=sheet, at={"flywheel": "fly"})

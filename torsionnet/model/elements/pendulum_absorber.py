@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from torsionnet.core.entries.scalars import PhysicalQuantity
-from torsionnet.core.entries.spec import Count, OneOf, entry
-from torsionnet.core.expression_reading import scalar
-from torsionnet.core.expressions import Expression
+from torsionnet.base.entries.scalars import PhysicalQuantity
+from torsionnet.base.entries.spec import Count, OneOf, entry
+from torsionnet.base.expression_reading import scalar
+from torsionnet.base.expressions import Expression
 from torsionnet.model.element_base.element import Element, register
 from torsionnet.model.element_base.element_entries import NodeName
 from torsionnet.model.element_base.laws import Law, Part, Values, difference, make_row

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from torsionnet.core.entries.scalars import PhysicalQuantity
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.errors import Fault
-from torsionnet.core.expressions import Expression, Rows
+from torsionnet.base.entries.scalars import PhysicalQuantity
+from torsionnet.base.entries.spec import entry
+from torsionnet.base.errors import Fault
+from torsionnet.base.expressions import Expression, Rows
 from torsionnet.model.damping import DampingMeasure, DampingQuantity
 from torsionnet.model.element_base.curves import LookupCurve
 from torsionnet.model.element_base.dynamic_stiffness import ScaledStiffness

@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from torsionnet.core.entries.composite import given_entries, one_at_most
-from torsionnet.core.entries.scalars import PhysicalQuantity, RowColumn
-from torsionnet.core.entries.spec import entry, not_none
-from torsionnet.core.errors import Fault
-from torsionnet.core.expressions import Expression
+from torsionnet.base.entries.composite import given_entries, one_at_most
+from torsionnet.base.entries.scalars import PhysicalQuantity, RowColumn
+from torsionnet.base.entries.spec import entry, not_none
+from torsionnet.base.errors import Fault
+from torsionnet.base.expressions import Expression
 from torsionnet.model.damping import DampingMeasure, DampingQuantity
 from torsionnet.model.element_base.element import Element, register, viscous
 from torsionnet.model.element_base.element_entries import NodePair, shown

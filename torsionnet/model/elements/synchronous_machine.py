@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, ClassVar
 
-from torsionnet.core.entries.composite import one_at_most, superfluous
-from torsionnet.core.entries.scalars import PhysicalQuantity
-from torsionnet.core.entries.spec import Count, entry
-from torsionnet.core.errors import Fault
-from torsionnet.core.expression_reading import scalar
-from torsionnet.core.expressions import Expression, Number
+from torsionnet.base.entries.composite import one_at_most, superfluous
+from torsionnet.base.entries.scalars import PhysicalQuantity
+from torsionnet.base.entries.spec import Count, entry
+from torsionnet.base.errors import Fault
+from torsionnet.base.expression_reading import scalar
+from torsionnet.base.expressions import Expression, Number
 from torsionnet.model.damping import DampingMeasure, DampingQuantity
 from torsionnet.model.element_base.element import Element, register, viscous
 from torsionnet.model.element_base.element_entries import NodeName

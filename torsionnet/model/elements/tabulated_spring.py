@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from torsionnet.core.entries.spec import entry
+from torsionnet.base.entries.spec import entry
 from torsionnet.model.element_base.element import Element, register
 from torsionnet.model.element_base.element_entries import NodePair
 from torsionnet.model.element_base.laws import Law, Part, Values, difference

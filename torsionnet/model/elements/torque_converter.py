@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from torsionnet.core.entries.scalars import RowColumn
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.expressions import Rows
+from torsionnet.base.entries.scalars import RowColumn
+from torsionnet.base.entries.spec import entry
+from torsionnet.base.expressions import Rows
 from torsionnet.model.element_base.characteristic import Characteristic
 from torsionnet.model.element_base.element import register
 from torsionnet.model.element_base.hydrodynamic import SPEED_RATIO_COLUMN, Hydrodynamic

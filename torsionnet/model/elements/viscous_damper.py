@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from torsionnet.core.entries.composite import Nested, given_entries, one_at_most, superfluous
-from torsionnet.core.entries.scalars import PhysicalQuantity
-from torsionnet.core.entries.spec import entry, not_none
-from torsionnet.core.errors import Fault
-from torsionnet.core.expressions import Expression, Number
+from torsionnet.base.entries.composite import Nested, given_entries, one_at_most, superfluous
+from torsionnet.base.entries.scalars import PhysicalQuantity
+from torsionnet.base.entries.spec import entry, not_none
+from torsionnet.base.errors import Fault
+from torsionnet.base.expressions import Expression, Number
 from torsionnet.model.damping import DampingMeasure, DampingQuantity
 from torsionnet.model.element_base.curves import Temperature
 from torsionnet.model.element_base.dynamic_stiffness import DynamicStiffness, ScaledStiffness

@@ -11,7 +11,7 @@ import re
 from itertools import islice
 from pathlib import Path
 
-from torsionnet.core.errors import Fault, ModelError, Position
+from torsionnet.base.errors import Fault, ModelError, Position
 from torsionnet.model.files.located_yaml import compose, plain_value
 
 PACKAGE = Path(__file__).resolve().parents[2]

@@ -22,7 +22,7 @@ from typing import Any, NamedTuple, TypeAlias
 import yaml
 from yaml.events import AliasEvent, MappingEndEvent, ScalarEvent, SequenceEndEvent, SequenceStartEvent, StreamEndEvent
 
-from torsionnet.core.errors import CLOSE, GIVEN_TWICE, Fault, ModelError, Path, Position, Remedy, fault_of
+from torsionnet.base.errors import CLOSE, GIVEN_TWICE, Fault, ModelError, Path, Position, Remedy, fault_of
 
 OPEN_BRACKET, OPEN_QUOTE, NOT_CLOSED = "open bracket", "open quote", "not closed"
 """Kinds of breaks of the YAML at a bracket or quote that is never closed, or at a value that may be such a one."""

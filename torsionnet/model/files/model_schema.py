@@ -10,11 +10,12 @@ import json
 from collections.abc import Collection, Mapping
 from typing import Any
 
-from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.scalars import SCALAR_SCHEMA
-from torsionnet.core.entries.spec import Schema
-from torsionnet.model.bench.bench_file import BenchFile
+from torsionnet.base.entries.declared import Declared
+from torsionnet.base.entries.scalars import SCALAR_SCHEMA
+from torsionnet.base.entries.spec import Schema
+from torsionnet.base.packages import imported
 from torsionnet.model.definition import Definition
+from torsionnet.model.sections import BENCH_FILE
 
 DRAFT = "https://json-schema.org/draft/2020-12/schema"
 """Identifier of the version of JSON Schema in which the schemas are written."""
@@ -45,7 +46,7 @@ def _required_entries(schema: Mapping[str, Any], common: Collection[str]) -> Sch
 
 def json_schema() -> Schema:
     """JSON Schema of model files and of the files of test benches."""
-    return file_schema(Definition, BenchFile)
+    return file_schema(Definition, imported(BENCH_FILE))
 
 
 def schema_text() -> str:

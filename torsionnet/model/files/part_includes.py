@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path as FilePath
 
-from torsionnet.core.entries.declared import KEY, files_beside, nearby_bytes, nearby_file
-from torsionnet.core.entries.spec import EntryError
-from torsionnet.core.errors import Fault, ModelError, Path
+from torsionnet.base.entries.declared import KEY, files_beside, nearby_bytes, nearby_file
+from torsionnet.base.entries.spec import EntryError
+from torsionnet.base.errors import Fault, ModelError, Path
 from torsionnet.model.files.library import decode, library_parts
 from torsionnet.model.files.located_yaml import LocatedDocument, LocatedNode, compose
 

@@ -13,8 +13,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from torsionnet.core.entries.declared import files_beside, version_faults
-from torsionnet.core.errors import (
+from torsionnet.base.entries.declared import files_beside, version_faults
+from torsionnet.base.errors import (
     MISSING_KEY,
     UNKNOWN_KEY,
     UNKNOWN_NAME,
@@ -24,9 +24,9 @@ from torsionnet.core.errors import (
     did_you_mean,
     nearest,
 )
-from torsionnet.core.errors import Path as EntryPath
-from torsionnet.core.packages import gc_paused
-from torsionnet.core.units import decimal_comma
+from torsionnet.base.errors import Path as EntryPath
+from torsionnet.base.packages import gc_paused
+from torsionnet.base.units import decimal_comma
 from torsionnet.model.checks import check_definition, has_errors, names, values
 from torsionnet.model.configurations import DEFAULT_AXIS
 from torsionnet.model.defining import define

@@ -8,9 +8,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path as FolderPath
 
-from torsionnet.core.entries.scalars import plain_scalar
-from torsionnet.core.errors import ModelError, Path
-from torsionnet.core.expressions import Expression
+from torsionnet.base.entries.scalars import plain_scalar
+from torsionnet.base.errors import ModelError, Path
+from torsionnet.base.expressions import Expression
 from torsionnet.model.changes import LOAD_SIZES, is_point_setting, with_point_settings
 from torsionnet.model.configurations import DEFAULT_AXIS, Overlay
 from torsionnet.model.definition import Definition
@@ -127,7 +127,7 @@ def changed_text(
 
     Examples
     --------
-    >>> from torsionnet.core.expression_reading import scalar
+    >>> from torsionnet.base.expression_reading import scalar
     >>> text = "{torsionnet: 1, name: x, parameters: {J: 2}, elements: {disc: {type: inertia, node: a, inertia: J}}}"
     >>> changed_text(text, read_text(text, "")[0], {ValuePlace("J"): scalar("3 kg*m^2")})
     '{torsionnet: 1, name: x, parameters: {J: 3 kg*m^2}, elements: {disc: {type: inertia, node: a, inertia: J}}}'

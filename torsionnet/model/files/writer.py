@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from torsionnet.core.atomic import write_text
+from torsionnet.base.atomic import write_text
 from torsionnet.model.definition import Definition
 from torsionnet.model.files.quoting import scalar_text
 

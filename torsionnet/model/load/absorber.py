@@ -7,11 +7,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, cast
 
-from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import EntryError, Json, Plural, Schema, entry
-from torsionnet.core.errors import LEAVE_OUT, Fault, Remedy, UsageError
-from torsionnet.core.units import RPM
+from torsionnet.base.entries.declared import Declared
+from torsionnet.base.entries.scalars import Value
+from torsionnet.base.entries.spec import EntryError, Json, Plural, Schema, entry
+from torsionnet.base.errors import LEAVE_OUT, Fault, Remedy, UsageError
+from torsionnet.base.units import RPM
 
 _SPEED = Value("a speed", "speed", below=1e6)
 _TORQUE = Value("a torque", "torque")

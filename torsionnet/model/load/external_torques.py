@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.core.errors import Fault, Path, UsageError, unfit_word
+from torsionnet.base.errors import Fault, Path, UsageError, unfit_word
 from torsionnet.model.channels import Input, parse_pair
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.operating_point import torque_place

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from torsionnet.core.entries.composite import Named, Nested
-from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.errors import Fault
+from torsionnet.base.entries.composite import Named, Nested
+from torsionnet.base.entries.scalars import Value
+from torsionnet.base.entries.spec import entry
+from torsionnet.base.errors import Fault
 from torsionnet.model.load.absorber import Absorber
 from torsionnet.model.operating_point import DriverName, TorquePlace, place_fault
 

@@ -9,24 +9,24 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 import numpy as np
+from numpy.typing import NDArray
 
 from torsionnet.model.channels import Input
 from torsionnet.model.definition import Definition
-from torsionnet.model.excitations.engine_entries import EngineEntries
-from torsionnet.model.excitations.lost_cylinders import mean_torque_shares
-from torsionnet.model.excitations.order_excitation import FloatArray
+
+FloatArray = NDArray[np.float64]
 
 
 def has_lost_cylinders(definition: Definition) -> bool:
     """Whether a piston machine that runs has a cylinder without injection or without gas torque."""
     machines = definition.excitations.values()
-    return any(isinstance(one, EngineEntries) and one.enabled and one.has_lost_cylinder for one in machines)
+    return any(one.enabled and one.has_lost_cylinder for one in machines)
 
 
 def has_lost_torque(definition: Definition) -> bool:
     """Whether a piston machine that runs has a cylinder that gives less torque by misfire, in part or whole."""
     machines = definition.excitations.values()
-    return any(isinstance(one, EngineEntries) and one.enabled and one.has_lost_torque for one in machines)
+    return any(one.enabled and one.has_lost_torque for one in machines)
 
 
 def remaining_by_node(
@@ -51,9 +51,7 @@ def remaining_by_node(
     drivers, absorbers : iterable of Input
         Places of the load.
     """
-    machines = {
-        name: one for name, one in definition.excitations.items() if isinstance(one, EngineEntries) and one.enabled
-    }
+    machines = {name: one for name, one in definition.excitations.items() if one.numbers and one.enabled}
     found: dict[str, FloatArray] = {}
     for name, machine in machines.items():
         if not machine.has_lost_torque:
@@ -61,7 +59,7 @@ def remaining_by_node(
         ratio = abs(ratios.get(machine.shaft, 0.0))
         if not ratio:
             continue
-        shares = mean_torque_shares(machine, ratio * speeds)
+        shares = machine.mean_torque_shares(ratio * speeds)
         places = {place.of for place in (absorbers if machine.absorbs else drivers)}
         own = {*machine.numbers.values()}
         others = {node for other, one in machines.items() if other != name for node in one.numbers.values()}

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from torsionnet.core.units import RPM
+from torsionnet.base.units import RPM
 from torsionnet.model.element_base.laws import MotionState, TorqueCurve
 
 

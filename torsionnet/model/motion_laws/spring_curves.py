@@ -20,7 +20,7 @@ def stage_curve(stages: Sequence[SpringStage], value: Values) -> PieceCurve:
 
     Examples
     --------
-    >>> from torsionnet.core.expressions import FLOAT
+    >>> from torsionnet.base.expressions import FLOAT
     >>> stages = (SpringStage(100, "0.1 rad"), SpringStage(400, preload="5 N*m"))
     >>> curve = stage_curve(stages, Values({}, FLOAT))
     >>> curve.torque(0.05, 0), curve.torque(0.1, 0), round(curve.torque(0.2, 0), 9), curve.torque(-0.05, 0)

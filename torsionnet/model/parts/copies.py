@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from itertools import islice
 from typing import Any
 
-from torsionnet.core.errors import Fault, Path, unknown_name
-from torsionnet.core.expressions import Expression
+from torsionnet.base.errors import Fault, Path, unknown_name
+from torsionnet.base.expressions import Expression
 from torsionnet.model.parts.use import Use
 
 MOST_LISTED = 12

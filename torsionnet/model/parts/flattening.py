@@ -6,9 +6,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from torsionnet.core.entries.declared import names_a_file
-from torsionnet.core.entries.spec import Renaming
-from torsionnet.core.errors import Fault, ModelError, Path, UsageError, unknown_name
+from torsionnet.base.entries.declared import names_a_file
+from torsionnet.base.entries.spec import Renaming
+from torsionnet.base.errors import Fault, ModelError, Path, UsageError, unknown_name
 from torsionnet.model.configurations import DEFAULT_AXIS, Overlay
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.elements import GROUND, Element

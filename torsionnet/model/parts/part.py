@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Self
 
 import torsionnet.model.sections as sections
-from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.spec import Text, entry
-from torsionnet.core.errors import Fault
+from torsionnet.base.entries.declared import Declared
+from torsionnet.base.entries.spec import Text, entry
+from torsionnet.base.errors import Fault
 from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.configurations import Overlay
 from torsionnet.model.elements import Element
@@ -18,8 +18,8 @@ from torsionnet.model.parts.part_entries import PORTS, USE
 from torsionnet.model.parts.use import Use
 
 if TYPE_CHECKING:
-    from torsionnet.model.excitations.order_excitation import OrderExcitation
-    from torsionnet.model.limits.limit import Limit
+    from torsionnet.machinery.excitations.order_excitation import OrderExcitation
+    from torsionnet.machinery.limits.limit import Limit
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from torsionnet.core.entries.composite import Listed, Named, Nested
-from torsionnet.core.entries.spec import Schema, single_name_fault
-from torsionnet.core.errors import Fault
-from torsionnet.core.expression_reading import check_name
+from torsionnet.base.entries.composite import Listed, Named, Nested
+from torsionnet.base.entries.spec import Schema, single_name_fault
+from torsionnet.base.errors import Fault
+from torsionnet.base.expression_reading import check_name
 from torsionnet.model.element_base.element_entries import NodeName
 
 if TYPE_CHECKING:

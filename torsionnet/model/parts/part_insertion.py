@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import fields, replace
 from typing import Any
 
-from torsionnet.core.errors import Fault
+from torsionnet.base.errors import Fault
 from torsionnet.model.definition import Definition
 from torsionnet.model.parts.authored_model import AuthoredModel
 from torsionnet.model.parts.part import Part

@@ -6,9 +6,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.core.entries.composite import Listed, Named, Nested
-from torsionnet.core.entries.spec import Text, single_name_fault
-from torsionnet.core.errors import Fault
+from torsionnet.base.entries.composite import Listed, Named, Nested
+from torsionnet.base.entries.spec import Text, single_name_fault
+from torsionnet.base.errors import Fault
 from torsionnet.model.parts.part_entries import PLAIN_NAME_SCHEMA
 
 if TYPE_CHECKING:

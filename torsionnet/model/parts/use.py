@@ -6,12 +6,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
-from torsionnet.core.entries.composite import Listed, Named, PairOf
-from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.scalars import AnyQuantity
-from torsionnet.core.entries.spec import Count, EntryError, Json, Renaming, Schema, Spec, Stored_co, Text, entry
-from torsionnet.core.errors import Fault
-from torsionnet.core.expressions import Expression
+from torsionnet.base.entries.composite import Listed, Named, PairOf
+from torsionnet.base.entries.declared import Declared
+from torsionnet.base.entries.scalars import AnyQuantity
+from torsionnet.base.entries.spec import Count, EntryError, Json, Renaming, Schema, Spec, Stored_co, Text, entry
+from torsionnet.base.errors import Fault
+from torsionnet.base.expressions import Expression
 from torsionnet.model.element_base.element_entries import NodeName
 
 MOST_COPIES = 1000

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Iterator, Set
 from dataclasses import dataclass, replace
 
-from torsionnet.core.errors import Fault, Path
+from torsionnet.base.errors import Fault, Path
 from torsionnet.model.configurations import DEFAULT_AXIS
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.parts.authored_model import owner

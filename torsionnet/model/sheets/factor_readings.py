@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import product
 
-from torsionnet.core.delimited.cell_grid import Cell, CellGrid
-from torsionnet.core.errors import Fault
-from torsionnet.core.registers import Groups
-from torsionnet.core.units import numeral_of
+from torsionnet.base.delimited.cell_grid import Cell, CellGrid
+from torsionnet.base.errors import Fault
+from torsionnet.base.registers import Groups
+from torsionnet.base.units import numeral_of
 from torsionnet.model.sheets.sheet_columns import SheetColumn, SheetColumns
 from torsionnet.model.sheets.sheet_rows import GROUND, SheetLink, SheetRows
 

@@ -8,9 +8,9 @@ from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from torsionnet.core.delimited.cell_grid import CellGrid, read_grid
-from torsionnet.core.errors import ModelError
-from torsionnet.core.units import DIMENSIONS, numeral_of
+from torsionnet.base.delimited.cell_grid import CellGrid, read_grid
+from torsionnet.base.errors import ModelError
+from torsionnet.base.units import DIMENSIONS, numeral_of
 from torsionnet.model.sheets.factor_readings import FactorDecision, decide_factors, factor_text
 from torsionnet.model.sheets.meanings import BY_KEY
 from torsionnet.model.sheets.sheet_columns import SheetColumn, SheetColumns, read_columns
@@ -19,7 +19,7 @@ from torsionnet.model.sheets.sheet_rows import SheetLink, SheetMass, SheetRows, 
 from torsionnet.model.sheets.sheet_values import SheetValues
 
 if TYPE_CHECKING:
-    from torsionnet.response.table import Table
+    from torsionnet.base.table import Table
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ class MassElasticSheet:
 
     def report(self) -> Table:
         """Table of how each column of the sheet was read, its heading, meaning and unit."""
-        from torsionnet.response.table import Column, Table  # loads numpy, which reading a model can do without
+        from torsionnet.base.table import Column, Table  # loads numpy, which reading a model can do without
 
         rows = tuple((column.heading, _taken(column), _unit(column), column.remark) for column in self.columns)
         headings = ("column", "taken as", "unit", "remark")
@@ -139,7 +139,7 @@ def read_sheet(path: Path, name: str = "", reading: SheetReading = SheetReading(
 def parse_sheet(grid: CellGrid, reading: SheetReading = SheetReading()) -> MassElasticSheet:
     """Mass-elastic sheet made from cells that are already read.
 
-    >>> from torsionnet.core.delimited.cell_grid import parse_grid
+    >>> from torsionnet.base.delimited.cell_grid import parse_grid
     >>> grid = parse_grid(["Masse;J [kgm²];k [MNm/rad]", "Zyl. 1;0,45;2,1", "Schwungrad;14;"], "sheet.csv")
     >>> sheet = parse_sheet(grid)
     >>> [mass.name for mass in sheet.masses], float(sheet.links[0].stiffness.si)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from torsionnet.core.units import DIMENSIONS, Dimension
+from torsionnet.base.units import DIMENSIONS, Dimension
 from torsionnet.model.sheets.referral_words import heading_side
 
 DAMPING = "damping"

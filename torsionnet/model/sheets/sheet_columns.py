@@ -7,12 +7,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from difflib import SequenceMatcher
 
-from torsionnet.core.delimited.cell_grid import Cell, CellGrid
-from torsionnet.core.delimited.sheet_headings import MOST_CHARACTERS, NO_UNIT, HeadingFactor, SheetHeading, read_heading
-from torsionnet.core.delimited.sheet_numbers import is_like_number
-from torsionnet.core.delimited.sheet_units import SheetUnit, sheet_unit
-from torsionnet.core.errors import Fault, ModelError, comma_list
-from torsionnet.core.units import DIMENSIONS, UnitError
+from torsionnet.base.delimited.cell_grid import Cell, CellGrid
+from torsionnet.base.delimited.sheet_headings import MOST_CHARACTERS, NO_UNIT, HeadingFactor, SheetHeading, read_heading
+from torsionnet.base.delimited.sheet_numbers import is_like_number
+from torsionnet.base.delimited.sheet_units import SheetUnit, sheet_unit
+from torsionnet.base.errors import Fault, ModelError, comma_list
+from torsionnet.base.units import DIMENSIONS, UnitError
 from torsionnet.model.sheets.meanings import (
     BY_KEY,
     DAMPING,

@@ -7,9 +7,9 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from torsionnet.core.entries.declared import nearby_file
-from torsionnet.core.entries.spec import EntryError, Schema, Spec, full_name
-from torsionnet.core.errors import Fault, ModelError
+from torsionnet.base.entries.declared import nearby_file
+from torsionnet.base.entries.spec import EntryError, Schema, Spec, full_name
+from torsionnet.base.errors import Fault, ModelError
 from torsionnet.model.sheets.factor_readings import READINGS
 from torsionnet.model.sheets.mass_elastic_sheet import MassElasticSheet, SheetReading, read_sheet
 from torsionnet.model.sheets.sheet_remarks import SIDES

@@ -7,11 +7,11 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
-from torsionnet.core.delimited.cell_grid import Cell, CellGrid
-from torsionnet.core.delimited.sheet_headings import has_power
-from torsionnet.core.delimited.sheet_numbers import is_like_number
-from torsionnet.core.errors import Fault
-from torsionnet.core.plain_names import plain_name
+from torsionnet.base.delimited.cell_grid import Cell, CellGrid
+from torsionnet.base.delimited.sheet_headings import has_power
+from torsionnet.base.delimited.sheet_numbers import is_like_number
+from torsionnet.base.errors import Fault
+from torsionnet.base.plain_names import plain_name
 from torsionnet.model.sheets.referral_words import referral_target, remark_side
 from torsionnet.model.sheets.sheet_columns import SheetColumns
 from torsionnet.model.sheets.sheet_rows import SheetMass, SheetRows

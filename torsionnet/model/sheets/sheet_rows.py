@@ -8,11 +8,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 
-from torsionnet.core.delimited.cell_grid import Cell
-from torsionnet.core.errors import did_you_mean
-from torsionnet.core.plain_names import Names, plain_name
-from torsionnet.core.registers import Groups
-from torsionnet.core.units import exact
+from torsionnet.base.delimited.cell_grid import Cell
+from torsionnet.base.errors import did_you_mean
+from torsionnet.base.plain_names import Names, plain_name
+from torsionnet.base.registers import Groups
+from torsionnet.base.units import exact
 from torsionnet.model.sheets.meanings import DAMPING
 from torsionnet.model.sheets.sheet_values import NOTHING, SheetValue, SheetValues
 

@@ -7,12 +7,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 
-from torsionnet.core.delimited.cell_grid import Cell, CellGrid
-from torsionnet.core.delimited.sheet_numbers import decimal_sign, is_like_number, plain_number_text
-from torsionnet.core.delimited.sheet_units import SheetUnit, sheet_unit
-from torsionnet.core.errors import Fault, ModelError
-from torsionnet.core.expressions import is_beyond_range
-from torsionnet.core.units import DIMENSIONS, Real, UnitError, exact, parse_number
+from torsionnet.base.delimited.cell_grid import Cell, CellGrid
+from torsionnet.base.delimited.sheet_numbers import decimal_sign, is_like_number, plain_number_text
+from torsionnet.base.delimited.sheet_units import SheetUnit, sheet_unit
+from torsionnet.base.errors import Fault, ModelError
+from torsionnet.base.expressions import is_beyond_range
+from torsionnet.base.units import DIMENSIONS, Real, UnitError, exact, parse_number
 from torsionnet.model.sheets.meanings import BY_KEY
 from torsionnet.model.sheets.sheet_columns import SheetColumn, SheetColumns
 

@@ -7,11 +7,11 @@ from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any
 
-from torsionnet.core.entries.scalars import QuantityKind
-from torsionnet.core.entries.spec import Spec, spec_of
-from torsionnet.core.expressions import Name
-from torsionnet.core.number_text import NumberText, typeset_unit
-from torsionnet.core.units import expected_unit
+from torsionnet.base.entries.scalars import QuantityKind
+from torsionnet.base.entries.spec import Spec, spec_of
+from torsionnet.base.expressions import Name
+from torsionnet.base.number_text import NumberText, typeset_unit
+from torsionnet.base.units import expected_unit
 from torsionnet.model.damping import MEASURES, DampingMeasure
 from torsionnet.model.element_base.element_entries import Teeth
 from torsionnet.model.element_base.spring_stages import SpringStages

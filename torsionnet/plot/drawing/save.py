@@ -9,8 +9,8 @@ from typing import Any
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
-from torsionnet.core.atomic import write_bytes
-from torsionnet.core.errors import UsageError
+from torsionnet.base.atomic import write_bytes
+from torsionnet.base.errors import UsageError
 
 DPI = 150
 """Dots per inch of PNG files: a picture of a page's width has 1080 dots, as many as a screen shows."""
@@ -39,7 +39,7 @@ def save(figure: Figure, path: str | Path) -> None:
     >>> from torsionnet.plot import schematic, save
     >>> save(schematic(tn.load("amt_rig")), "rig.jpg")
     Traceback (most recent call last):
-    torsionnet.core.errors.UsageError: cannot write "rig.jpg": give a file ending in .svg, .png or .pdf
+    torsionnet.base.errors.UsageError: cannot write "rig.jpg": give a file ending in .svg, .png or .pdf
     """
     form = Path(path).suffix.lower().removeprefix(".")
     if form not in METADATA:

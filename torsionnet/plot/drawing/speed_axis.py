@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from torsionnet.assembly.rows import FloatArray
+from torsionnet.linear.assembly.rows import FloatArray
 
 STEADY_SHARE = 1e-3
 """Span of speeds over the largest up to which they count as one: a governor leaves so much, a run-up far more."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import textwrap
 
-from torsionnet.core.number_text import typeset_unit
-from torsionnet.response.conventions import SI, Conventions
+from torsionnet.base.conventions import SI, Conventions
+from torsionnet.base.number_text import typeset_unit
 
 PREFIXES = (("M", 1e7, 1e-6), ("k", 1e4, 1e-3))
 """Prefixes of N m, each as (letter, torque in N m from which it is used, factor from N m to the unit with it)."""

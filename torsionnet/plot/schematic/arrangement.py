@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
 from torsionnet.plot.drawing.pieces import LEADING, ROLES, Box, Label, Piece, text_width
 from torsionnet.plot.schematic.drawing_plan import MOST_NAMED_NODES
 from torsionnet.plot.schematic.layout import layout_bands

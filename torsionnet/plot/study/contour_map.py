@@ -16,7 +16,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 import torsionnet.plot.drawing.style as style
-from torsionnet.core.number_text import screen_text, typeset_unit
+from torsionnet.base.number_text import screen_text, typeset_unit
+from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.plot.study.study_axes import (
     BEYOND_COLOR,
     EQUAL_VALUES,
@@ -32,7 +33,6 @@ from torsionnet.plot.study.study_axes import (
     panel_title,
     write_in_empty_panel,
 )
-from torsionnet.response.frequency_response import FloatArray
 from torsionnet.study.shown_units import IN_SI, ShownUnits
 
 if TYPE_CHECKING:

@@ -9,9 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
-from torsionnet.core.number_text import typeset_unit
+from torsionnet.base.number_text import typeset_unit
+from torsionnet.machinery.design.damper_optimum import DesignParameter
 from torsionnet.plot.study.study_axes import axis_label, is_wide, legend_below, log_axis, parameter_rows, text_rows
-from torsionnet.response.damper_optimum import DesignParameter
 from torsionnet.study.design.conditions_damper import DamperOverConditions
 from torsionnet.study.design.design_goals import DesignObjective
 from torsionnet.study.design.design_optimum import DesignOptimum

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
-from torsionnet.core.number_text import typeset_unit
+from torsionnet.base.number_text import typeset_unit
 from torsionnet.plot.study.study_axes import BEYOND_COLOR, log_axis, text_rows
 from torsionnet.study.shown_units import IN_SI, ShownUnits
 

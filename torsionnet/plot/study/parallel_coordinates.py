@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 import torsionnet.plot.drawing.style as style
-from torsionnet.core.number_text import screen_text
+from torsionnet.base.number_text import screen_text
 from torsionnet.plot.study.study_axes import (
     BEYOND_COLOR,
     WITHIN_COLOR,
@@ -26,7 +26,7 @@ from torsionnet.plot.study.study_axes import (
 from torsionnet.study.shown_units import IN_SI, ShownUnits
 
 if TYPE_CHECKING:
-    from torsionnet.response.frequency_response import FloatArray
+    from torsionnet.linear.frequency_response import FloatArray
     from torsionnet.study.answers.parallel_coordinates_answer import ParallelCoordinatesResult
 
 WIDE_RANGE = 100.0

@@ -9,8 +9,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
+from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.plot.study.study_axes import break_text, panel_title, parameter_rows
-from torsionnet.response.frequency_response import FloatArray
 
 FIELD_WIDTH, FIELD_HEIGHT = 0.3, 0.24
 """Width and height in inches of a field of the matrix, for one parameter in one configuration."""

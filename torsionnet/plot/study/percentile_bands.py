@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
-from torsionnet.core.units import RPM
+from torsionnet.base.units import RPM
 from torsionnet.plot.study.study_axes import (
     axis_label,
     finite_values,
@@ -22,7 +22,7 @@ from torsionnet.plot.study.study_axes import (
 from torsionnet.study.shown_units import IN_SI, ShownUnits
 
 if TYPE_CHECKING:
-    from torsionnet.response.frequency_response import FloatArray
+    from torsionnet.linear.frequency_response import FloatArray
     from torsionnet.study.answers.percentile_bands_answer import PercentileBandsResult
 
 MOST_COLUMNS = 3

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 import torsionnet.plot.drawing.style as style
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
 from torsionnet.plot.study.study_axes import (
     axis_ends,
     axis_label,
@@ -23,7 +23,7 @@ from torsionnet.plot.study.study_axes import (
 from torsionnet.study.shown_units import IN_SI, ShownUnits
 
 if TYPE_CHECKING:
-    from torsionnet.response.frequency_response import FloatArray
+    from torsionnet.linear.frequency_response import FloatArray
     from torsionnet.study.answers.scatter_answer import ScatterResult
 
 MANY_POINTS = 3000

@@ -13,7 +13,7 @@ from matplotlib.ticker import LogLocator
 from numpy.typing import ArrayLike, NDArray
 
 import torsionnet.plot.drawing.style as style
-from torsionnet.core.number_text import typeset_unit, unit_in_brackets
+from torsionnet.base.number_text import typeset_unit, unit_in_brackets
 from torsionnet.plot.drawing.bars import bar_panels, name_rows
 from torsionnet.plot.drawing.labels import symbol
 from torsionnet.plot.drawing.pieces import text_width

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
-from torsionnet.core.number_text import screen_text, typeset_unit, unit_in_brackets
+from torsionnet.base.number_text import screen_text, typeset_unit, unit_in_brackets
 from torsionnet.plot.drawing.bars import Bars, draw_bars, fills_a_page
 from torsionnet.plot.study.parameter_matrix import ColourScale, parameter_matrix
 from torsionnet.plot.study.study_axes import (

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 import torsionnet.plot.drawing.style as style
-from torsionnet.core.number_text import screen_text
+from torsionnet.base.number_text import screen_text
 from torsionnet.plot.study.study_axes import axis_label, legend_below, parameter_rows, text_rows, write_in_empty_panel
 from torsionnet.study.shown_units import IN_SI, ShownUnits
 

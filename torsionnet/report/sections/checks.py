@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from torsionnet.core.errors import Fault, FreeTurningWarning, UsageError
+from torsionnet.base.errors import Fault, FreeTurningWarning, UsageError
 from torsionnet.report.document_tree import Block, Cell, Heading, Math, NumberText, Paragraph, Remark, Section
 from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_tables import table

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from torsionnet.core.errors import UsageError
-from torsionnet.core.notes import Note
-from torsionnet.model.report import Pair
+from torsionnet.base.conventions import Conventions
+from torsionnet.base.errors import UsageError
+from torsionnet.base.notes import Note
+from torsionnet.linear.frequency_response import FrequencyResponse
 from torsionnet.report.document_tree import Block, Heading, Math, NumberText, Paragraph, Picture, Section, TableBlock
+from torsionnet.report.plan import Pair
 from torsionnet.report.report_data import Case, ReportData, cases_of
 from torsionnet.report.report_request import Measured
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import capital, channel_latex, sentence, unit
 from torsionnet.report.sections.responses import label_axes
-from torsionnet.response import Conventions, FrequencyResponse
 from torsionnet.signals.agreement import agreement
 
 

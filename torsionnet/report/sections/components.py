@@ -7,9 +7,12 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from torsionnet.core.number_text import aligned_numbers
+from torsionnet.base.equal_remarks import condition_words
+from torsionnet.base.number_text import aligned_numbers
+from torsionnet.machinery.limits.iacs_m68 import IacsM68
+from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion, WorstLimit
+from torsionnet.machinery.verdicts.rule_factors import RuleFactor
 from torsionnet.model.channels import Sensor
-from torsionnet.model.limits.iacs_m68 import IacsM68
 from torsionnet.report.component_rows import GROUPS, ComponentRow, component_rows, throws
 from torsionnet.report.document_tree import (
     Block,
@@ -29,9 +32,6 @@ from torsionnet.report.engineering_units import FACTOR_UNITS, engineering_unit
 from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import as_words, capital, unit
-from torsionnet.response.equal_remarks import condition_words
-from torsionnet.response.limits.limit_conclusion import LimitConclusion, WorstLimit
-from torsionnet.response.limits.rule_factors import RuleFactor
 
 SAME_TORQUE = 1e-3
 """Relative excess of the largest torque of a throw over the torque compared above which it is another throw's."""

@@ -4,7 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from torsionnet.core.number_text import aligned_numbers
+from torsionnet.base.equal_remarks import condition_words
+from torsionnet.base.number_text import aligned_numbers
+from torsionnet.machinery.verdicts.governing_peaks import line_name, little_damped
+from torsionnet.machinery.verdicts.limit_check import STARTS, listed_names
+from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion, WorstLimit
+from torsionnet.machinery.verdicts.operating_instructions import instruction_table
 from torsionnet.model.elements import Shaft
 from torsionnet.report.document_tree import (
     Block,
@@ -22,11 +27,6 @@ from torsionnet.report.engineering_units import engineering_unit
 from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_tables import results_table, table
 from torsionnet.report.report_text import as_words, capital, unit
-from torsionnet.response.equal_remarks import condition_words
-from torsionnet.response.limits.governing_peaks import line_name, little_damped
-from torsionnet.response.limits.limit_check import STARTS, listed_names
-from torsionnet.response.limits.limit_conclusion import LimitConclusion, WorstLimit
-from torsionnet.response.limits.operating_instructions import instruction_table
 
 NO_LIMITS = (
     "No limits are given, so nothing is judged: what the components bear stands in the entry limits: of the model file."

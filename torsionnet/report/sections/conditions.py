@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from torsionnet.core.units import RPM
-from torsionnet.model.excitations.engine_entries import EngineEntries
-from torsionnet.model.excitations.engine_phases import conditions_running_alone
+from torsionnet.base.units import RPM
+from torsionnet.machinery.excitations.engine_entries import EngineEntries
+from torsionnet.machinery.excitations.engine_phases import conditions_running_alone
+from torsionnet.machinery.verdicts.limit_check import FAIL, OPEN, LimitCheck
+from torsionnet.machinery.verdicts.speed_spans import restriction_words
 from torsionnet.model.load.external_torques import ENGINE
 from torsionnet.report.cylinders_out import lost_torque_words
 from torsionnet.report.document_tree import Block, Cell, Heading, Listing, Paragraph, Section, Strong, TableBlock, Text
@@ -15,8 +17,6 @@ from torsionnet.report.report_data import MOST_JUDGED_CASES, Case, ReportData
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import as_words, capital, choices_of_some, first_names
 from torsionnet.report.sections.society_form import society_form
-from torsionnet.response.limits.limit_check import FAIL, OPEN, LimitCheck
-from torsionnet.response.limits.speed_spans import restriction_words
 
 MOST_AXES = 5
 """Largest number of axes of configurations that have a column each, as more would not fit beside the verdict."""

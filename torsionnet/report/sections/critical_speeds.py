@@ -14,8 +14,8 @@ from torsionnet.report.report_tables import results_table
 from torsionnet.report.report_text import distinct_choices, shared_choices
 
 if TYPE_CHECKING:
-    from torsionnet.response.critical_speeds import CriticalSpeed, CriticalSpeeds
-    from torsionnet.response.table import Table
+    from torsionnet.base.table import Table
+    from torsionnet.machinery.criticals.critical_speeds import CriticalSpeed, CriticalSpeeds
 
 MOST_DRAWN, MOST_HOLZER_TABLES = 3, 4
 """Largest number of drivetrains whose interference diagram is drawn, and of modes whose Holzer table is printed."""

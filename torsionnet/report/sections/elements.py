@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.core.entries.scalars import QuantityKind, Value
-from torsionnet.core.entries.spec import Spec
-from torsionnet.core.expressions import Expression, Name, Number
-from torsionnet.core.units import expected_unit
+from torsionnet.base.entries.scalars import QuantityKind, Value
+from torsionnet.base.entries.spec import Spec
+from torsionnet.base.expressions import Expression, Name, Number
+from torsionnet.base.units import expected_unit
 from torsionnet.model.channels import PORT_QUANTITIES, UNITS
 from torsionnet.model.damping import MEASURES, DampingMeasure
 from torsionnet.model.element_base.characteristic import Characteristic

@@ -40,8 +40,8 @@ from torsionnet.symbolic.formula_text import latex
 from torsionnet.symbolic.symbol_names import symbol_latex
 
 if TYPE_CHECKING:
-    from torsionnet.assembly.symbolic import SymbolicAction
-    from torsionnet.response.frequency_response import FloatArray
+    from torsionnet.linear.assembly.symbolic import SymbolicAction
+    from torsionnet.linear.frequency_response import FloatArray
     from torsionnet.symbolic.symbolic_system import SymbolicSystem
 
 MATRIX_UNITS = {"M": "kg·m²", "C": "N·m·s/rad", "K": "N·m/rad"}

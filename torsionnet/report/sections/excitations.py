@@ -8,23 +8,23 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from torsionnet.core.entries.composite import Nested
-from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import Spec
-from torsionnet.core.number_text import MISSING_TYPESET, aligned_numbers
-from torsionnet.core.units import RPM, expected_unit
-from torsionnet.model.excitations.pressure_trace import PressureTrace
-from torsionnet.model.excitations.table_by_pressure import TableByPressure
+from torsionnet.base.entries.composite import Nested
+from torsionnet.base.entries.declared import Declared
+from torsionnet.base.entries.scalars import Value
+from torsionnet.base.entries.spec import Spec
+from torsionnet.base.number_text import MISSING_TYPESET, aligned_numbers
+from torsionnet.base.units import RPM, expected_unit
+from torsionnet.machinery.excitations.pressure_trace import PressureTrace
+from torsionnet.machinery.excitations.table_by_pressure import TableByPressure
+from torsionnet.machinery.orders.order_solution import shaft_speeds
 from torsionnet.report.document_tree import Block, Cell, Heading, NumberText, Paragraph, Section, TableBlock
 from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import as_words, unit
-from torsionnet.solve.running.order_response import shaft_speeds
 
 if TYPE_CHECKING:
-    from torsionnet.model.excitations import OrderExcitation
-    from torsionnet.model.excitations.speed_range import SpeedRange
+    from torsionnet.machinery.excitations import OrderExcitation
+    from torsionnet.machinery.excitations.speed_range import SpeedRange
 
 EQUAL_AMPLITUDES = 1e-9
 """Relative difference up to which amplitudes of torques count as equal, no more than rounding."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from torsionnet.core.number_text import digits_to_error
+from torsionnet.base.number_text import digits_to_error
 from torsionnet.report.document_tree import (
     Block,
     Cell,

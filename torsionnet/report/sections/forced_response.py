@@ -7,17 +7,17 @@ from itertools import groupby
 
 import numpy as np
 
-from torsionnet.core.number_text import aligned_numbers
+from torsionnet.base.equal_remarks import condition_words
+from torsionnet.base.number_text import aligned_numbers
+from torsionnet.machinery.verdicts.governing_peaks import GoverningPeaks, line_name
+from torsionnet.machinery.verdicts.limit_check import LimitCheck, LimitVerdict
+from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion
+from torsionnet.machinery.verdicts.order_peaks import OrderPeak, largest_orders, vibratory_verdicts
 from torsionnet.report.document_tree import Block, Cell, Heading, NumberText, Paragraph, Picture, Section, TableBlock
 from torsionnet.report.document_tree import TableGroup as Group
 from torsionnet.report.limit_values import DIGITS, component, limit_number, limit_unit, order_list
 from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_text import as_words, symbol_or_words
-from torsionnet.response.equal_remarks import condition_words
-from torsionnet.response.limits.governing_peaks import GoverningPeaks, line_name
-from torsionnet.response.limits.limit_check import LimitCheck, LimitVerdict
-from torsionnet.response.limits.limit_conclusion import LimitConclusion
-from torsionnet.response.limits.order_peaks import OrderPeak, largest_orders, vibratory_verdicts
 
 MOST_PANELS = 6
 """Largest number of components in one picture, three rows of two: more would not fit a page with their caption."""

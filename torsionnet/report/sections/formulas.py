@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import sympy
 
-from torsionnet.core.errors import UsageError
-from torsionnet.model.report import Pair
+from torsionnet.base.errors import UsageError
+from torsionnet.linear.frequency_response import FrequencyResponse
 from torsionnet.report.document_tree import (
     Block,
     BreakableMath,
@@ -26,10 +26,10 @@ from torsionnet.report.document_tree import (
     Text,
 )
 from torsionnet.report.formula_widths import WIDEST_FORMULA, formula_letters
+from torsionnet.report.plan import Pair
 from torsionnet.report.report_data import FEW_CASES, MOST_SYMBOLIC, Case, ReportData, SymbolicEquations
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import capital, pair_latex, quotient_latex, sentence, unit
-from torsionnet.response import FrequencyResponse
 from torsionnet.symbolic.algebra.delay import delays_of
 from torsionnet.symbolic.equations import sum_terms
 from torsionnet.symbolic.formula_text import latex, polynomial_latex

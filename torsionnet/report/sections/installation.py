@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from torsionnet.core.errors import TorsionnetError, UsageError
-from torsionnet.core.units import RPM
-from torsionnet.model.checks.rating_mismatches import rating_mismatches
+from torsionnet.base.equal_remarks import condition_words
+from torsionnet.base.errors import TorsionnetError, UsageError
+from torsionnet.base.units import RPM
+from torsionnet.machinery.checks.rating_mismatches import rating_mismatches
+from torsionnet.machinery.mean.power_balance import PowerBalance
 from torsionnet.report.cylinders_out import all_working
 from torsionnet.report.document_tree import Block, Heading, Listing, Paragraph, Section, Strong, TableBlock
 from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_machines import machines, quantity_text
 from torsionnet.report.report_tables import results_table, table
 from torsionnet.report.report_text import as_words, capital, first_names
-from torsionnet.response.equal_remarks import condition_words
-from torsionnet.response.power_balance import PowerBalance
 
 MOST_LOADS = 3
 """Largest number of unlike loads whose torques along the line are listed, half a page each."""

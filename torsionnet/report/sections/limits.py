@@ -6,7 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from torsionnet.core.number_text import aligned_numbers
+from torsionnet.base.equal_remarks import configurations_in_words, grouped_remarks
+from torsionnet.base.number_text import aligned_numbers
+from torsionnet.machinery.verdicts.limit_check import PASS, LimitCheck, LimitVerdict, gravest
+from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion
+from torsionnet.machinery.verdicts.operating_instructions import instruction_table
 from torsionnet.report.document_tree import (
     Block,
     Cell,
@@ -23,10 +27,6 @@ from torsionnet.report.report_data import MOST_CASES, ReportData
 from torsionnet.report.report_engines import engine_remarks
 from torsionnet.report.report_tables import results_table, table
 from torsionnet.report.report_text import as_words, capital, unit
-from torsionnet.response.equal_remarks import configurations_in_words, grouped_remarks
-from torsionnet.response.limits.limit_check import PASS, LimitCheck, LimitVerdict, gravest
-from torsionnet.response.limits.limit_conclusion import LimitConclusion
-from torsionnet.response.limits.operating_instructions import instruction_table
 
 MOST_DRAWN = 8
 """Largest number of limits that a report draws over speed, each in its worst condition."""

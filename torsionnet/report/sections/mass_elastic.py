@@ -6,14 +6,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import accumulate
 
-from torsionnet.core.errors import TorsionnetError
+from torsionnet.base.errors import TorsionnetError
+from torsionnet.base.table import Table
+from torsionnet.machinery.holzer.mass_elastic_table import MassElasticTable
 from torsionnet.report.document_tree import Cell, Math, NumberText, Section, TableBlock, TableGroup, Text
 from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_machines import quantity_text
 from torsionnet.report.report_tables import HEADING_SYMBOLS, results_table
 from torsionnet.report.report_text import as_words, capital, choices_of_some, unit
-from torsionnet.response.mass_elastic_table import MassElasticTable
-from torsionnet.response.table import Table
 
 SHORT_HEADINGS: dict[str, Cell] = {
     "absolute damping": Math(r"c_{\mathrm{abs}}"),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
 from torsionnet.report.cylinders_out import all_working
 from torsionnet.report.document_tree import Block, Section
 from torsionnet.report.report_data import ReportData

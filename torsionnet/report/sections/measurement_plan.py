@@ -9,11 +9,28 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsionnet.core.errors import UsageError
-from torsionnet.core.number_text import NumberText, aligned_numbers
-from torsionnet.core.units import RPM
+from torsionnet.base.conventions import Conventions
+from torsionnet.base.equal_remarks import condition_words
+from torsionnet.base.errors import UsageError
+from torsionnet.base.number_text import NumberText, aligned_numbers
+from torsionnet.base.units import RPM
 from torsionnet.io.order_tables import tracked_channel
 from torsionnet.io.tracked_order_tables import is_tracked_table, read_tracked_orders
+from torsionnet.machinery.criticals.planned_amplitudes import (
+    PlannedAmplitude,
+    PlannedSpeed,
+    critical_peaks,
+    measured_at,
+    merged_speeds,
+    planned_amplitudes,
+)
+from torsionnet.machinery.orders.order_response import OrderResponse
+from torsionnet.machinery.orders.swept_comparison import swept_comparison
+from torsionnet.machinery.orders.worst_response import WorstResponse
+from torsionnet.machinery.verdicts.limit_check import LimitCheck
+from torsionnet.machinery.verdicts.measured_range import MeasuredRange
+from torsionnet.machinery.verdicts.measured_ranges import measured_ranges
+from torsionnet.machinery.verdicts.speed_spans import joined_spans
 from torsionnet.model.channels import Sensor
 from torsionnet.model.element_base.round_section import section_fault
 from torsionnet.report.cylinders_out import governing_misfire
@@ -31,24 +48,7 @@ from torsionnet.report.measurement_places import (
 from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import as_words, capital, unit
-from torsionnet.response.conventions import Conventions
-from torsionnet.response.equal_remarks import condition_words
-from torsionnet.response.limits.limit_check import LimitCheck
-from torsionnet.response.limits.measured_range import MeasuredRange
-from torsionnet.response.limits.speed_spans import joined_spans
-from torsionnet.response.order_comparison import MeasuredOrder
-from torsionnet.response.order_response import OrderResponse
-from torsionnet.response.planned_amplitudes import (
-    PlannedAmplitude,
-    PlannedSpeed,
-    critical_peaks,
-    measured_at,
-    merged_speeds,
-    planned_amplitudes,
-)
-from torsionnet.response.worst_response import WorstResponse
-from torsionnet.solve.running.measured_ranges import measured_ranges
-from torsionnet.solve.running.swept_comparison import swept_comparison
+from torsionnet.signals.orders.tracked_orders import MeasuredOrder
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

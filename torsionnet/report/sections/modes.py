@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsionnet.core.number_text import MISSING_TYPESET, aligned_numbers
+from torsionnet.base.conventions import OSCILLATORY, counting_notes
+from torsionnet.base.number_text import MISSING_TYPESET, aligned_numbers
 from torsionnet.report.document_tree import (
     Block,
     Cell,
@@ -26,11 +27,10 @@ from torsionnet.report.document_tree import (
 from torsionnet.report.report_data import FEW_CASES, MOST_MODES, ReportData
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import as_words, capital, pair_latex, sentence, symbol_or_words
-from torsionnet.response.conventions import OSCILLATORY, counting_notes
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
-    from torsionnet.response import Modes
+    from torsionnet.linear.modes.modes import Modes
 
 LEAST_SHARE, MOST_SHARES = 0.05, 4
 """Least share of the energy for which a mode's table names an element, and largest number of elements it names."""

@@ -6,8 +6,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from torsionnet.core.errors import TorsionnetError
-from torsionnet.core.units import RPM
+from torsionnet.base.errors import TorsionnetError
+from torsionnet.base.units import RPM
+from torsionnet.machinery.holzer.counted_vibration import CountedVibration, natural_frequency_table
+from torsionnet.machinery.holzer.vibration_nodes import vibration_nodes
 from torsionnet.report.document_tree import (
     Block,
     Cell,
@@ -23,11 +25,9 @@ from torsionnet.report.report_data import ReportData, held_drivetrain
 from torsionnet.report.report_holzer import holzer_block
 from torsionnet.report.report_tables import merge_equal_rows, results_table, with_decimals
 from torsionnet.report.report_text import as_words, shared_choices
-from torsionnet.response.vibrations.counted_vibration import CountedVibration, natural_frequency_table
-from torsionnet.response.vibrations.vibration_nodes import vibration_nodes
 
 if TYPE_CHECKING:
-    from torsionnet.response.holzer_table import HolzerTable
+    from torsionnet.machinery.holzer.holzer_table import HolzerTable
 
 MOST_MODES_LISTED, MOST_DRAWN, MOST_HOLZER_TABLES = 10, 4, 3
 """Largest number of modes in the table of the document, in the picture, and with a Holzer table unless more are asked
@@ -176,7 +176,7 @@ def _more(more: int, count: int) -> str:
 
 def _holzer_tables(subject: ReportData, modes: Sequence[int]) -> tuple[dict[int, HolzerTable], list[str]]:
     """Holzer tables of modes of the first drivetrain, by number, and those that have none with the reason."""
-    from torsionnet.solve.modes.holzer import holzer_table
+    from torsionnet.machinery.holzer.holzer import holzer_table
 
     held = held_drivetrain(subject.judged_drivetrains[0][0])
     found, missing = {}, []

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from torsionnet.core.number_text import aligned_numbers
+from torsionnet.base.number_text import aligned_numbers
+from torsionnet.machinery.orders.order_response import OrderResponse
+from torsionnet.machinery.orders.order_sums import lines_of_one_frequency, sum_name
+from torsionnet.machinery.orders.worst_response import WorstResponse
 from torsionnet.report.document_tree import Block, Cell, Heading, Inline, Paragraph, Picture, Section, TableBlock
 from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_engines import engine_angle_tables, engine_remarks
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import as_words, symbol_or_words, unit
-from torsionnet.response.order_response import OrderResponse
-from torsionnet.response.order_sums import lines_of_one_frequency, sum_name
-from torsionnet.response.worst_response import WorstResponse
 
 MOST_CURVES = 7
 """Largest number of configurations in one plot over speed, as more curves cannot be told apart."""

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from torsionnet.core.expressions import Number
-from torsionnet.core.number_text import aligned_numbers, typeset_unit
-from torsionnet.core.units import RPM
+from torsionnet.base.expressions import Number
+from torsionnet.base.number_text import aligned_numbers, typeset_unit
+from torsionnet.base.units import RPM
 from torsionnet.model.checks.parameter_units import parameter_units
 from torsionnet.report.document_tree import Block, Cell, Heading, Math, NumberText, Section, TableBlock, Text
 from torsionnet.report.expression_latex import expression_latex

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
+from torsionnet.base.equal_remarks import condition_words
+from torsionnet.linear.frequency_response import Channel
+from torsionnet.machinery.verdicts.operating_instructions import PassedRange, passed_ranges
+from torsionnet.machinery.verdicts.range_passage import EXCEEDED, KEPT, RangePassage, passage_table
 from torsionnet.report.document_tree import Block, Paragraph, Picture, Section, Strong
 from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_tables import results_table
 from torsionnet.report.report_text import as_words, capital
-from torsionnet.response.equal_remarks import condition_words
-from torsionnet.response.frequency_response import Channel
-from torsionnet.response.limits.operating_instructions import PassedRange, passed_ranges
-from torsionnet.response.limits.range_passage import EXCEEDED, KEPT, RangePassage, passage_table
 
 QUICK, SLOW = 10.0, 60.0
 """Times in s in which barred ranges are passed in a report unless others are asked for: with power to spare, and with
@@ -51,7 +51,7 @@ def _covers(one: PassedRange, other: PassedRange) -> bool:
 
 def _range(subject: ReportData, barred: PassedRange, number: int) -> Iterator[Block]:
     """Blocks of the report on one barred range: what was found, the table of passages, and two of them drawn."""
-    from torsionnet.solve.running.range_passage import range_passages
+    from torsionnet.machinery.verdicts.ranges_passed import range_passages
 
     check = barred.check
     case = next(one for one in subject.judged_cases if one.configuration == check.configuration)

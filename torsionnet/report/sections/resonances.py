@@ -6,19 +6,19 @@ import math
 from collections.abc import Iterable, Sequence
 from itertools import groupby
 
-from torsionnet.core.number_text import aligned_numbers
-from torsionnet.core.units import RPM
+from torsionnet.base.equal_remarks import condition_words
+from torsionnet.base.number_text import aligned_numbers
+from torsionnet.base.units import RPM
+from torsionnet.machinery.criticals.critical_speeds import CriticalSpeed
+from torsionnet.machinery.orders.damping_shares import damping_shares
+from torsionnet.machinery.verdicts.governing_peaks import GoverningPeaks, line_name
+from torsionnet.machinery.verdicts.order_peaks import LEAST_SHARE, OrderPeak
 from torsionnet.report.document_tree import Block, Cell, Heading, NumberText, Paragraph, Picture, Section, TableBlock
 from torsionnet.report.document_tree import TableGroup as Group
 from torsionnet.report.limit_values import DIGITS, component, limit_number, limit_unit
 from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_text import as_words, first_names, symbol_or_words
 from torsionnet.report.sections.separation_margins import separation_margins
-from torsionnet.response.critical_speeds import CriticalSpeed
-from torsionnet.response.equal_remarks import condition_words
-from torsionnet.response.limits.governing_peaks import GoverningPeaks, line_name
-from torsionnet.response.limits.order_peaks import LEAST_SHARE, OrderPeak
-from torsionnet.solve.running.damping_shares import damping_shares
 
 MOST_SHARES = 3
 """Number of elements whose share in the damping of a mode is named."""

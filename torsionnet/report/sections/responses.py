@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsionnet.core.number_text import aligned_numbers
-from torsionnet.model.report import Pair
+from torsionnet.base.number_text import aligned_numbers
+from torsionnet.linear.frequency_response import FrequencyResponse
+from torsionnet.linear.phase import phase_at_zero_frequency
+from torsionnet.linear.responses.peaks import Peak, peaks, static_value
 from torsionnet.report.document_tree import (
     Block,
     Cell,
@@ -24,12 +26,10 @@ from torsionnet.report.document_tree import (
     TableGroup,
     Text,
 )
+from torsionnet.report.plan import Pair
 from torsionnet.report.report_data import FEW_CASES, ReportData, is_damped
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import pair_latex, sentence, unit
-from torsionnet.response import FrequencyResponse
-from torsionnet.response.phase import phase_at_zero_frequency
-from torsionnet.solve.responses.peaks import Peak, peaks, static_value
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

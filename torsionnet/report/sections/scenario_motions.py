@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from torsionnet.core.errors import TorsionnetError
+from torsionnet.base.errors import TorsionnetError
+from torsionnet.motion.motion_summary import energy_table, event_table, peak_table
 from torsionnet.report.document_tree import Block, Paragraph, Picture, Remark, Section
 from torsionnet.report.report_data import FEW_CASES, MOST_OUTPUTS, Case, ReportData
 from torsionnet.report.report_tables import results_table
 from torsionnet.report.report_text import capital
-from torsionnet.response.motion.motion_summary import energy_table, event_table, peak_table
 
 MOST_SCENARIOS = 6
 """Largest number of scenarios that a report shows, each with a table and a picture."""

@@ -6,15 +6,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from torsionnet.machinery.verdicts.margin_rules import PRESETS
 from torsionnet.report.document_tree import Block, Cell, Heading, NumberText, TableBlock
 from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import as_words, shared_choices
-from torsionnet.response.margin_rules import PRESETS
 
 if TYPE_CHECKING:
-    from torsionnet.response.critical_speeds import CriticalSpeed, CriticalSpeeds
-    from torsionnet.response.order_line import OrderLine
+    from torsionnet.machinery.criticals.critical_speeds import CriticalSpeed, CriticalSpeeds
+    from torsionnet.machinery.orders.order_line import OrderLine
 
 MOST_DRIVETRAINS = 3
 """Largest number of drivetrains with other modes whose separation margins a report shows."""
@@ -33,7 +33,7 @@ def separation_margins(subject: ReportData) -> list[Block]:
 
 
 def _margins(rule: str, cases: tuple[Case, ...], *, several: bool) -> TableBlock:
-    from torsionnet.solve.running.shaft_margins import shaft_margins
+    from torsionnet.machinery.verdicts.shaft_margins import shaft_margins
 
     found = shaft_margins(cases[0].drivetrain, rule)
     where = f" in configuration {shared_choices([case.configuration for case in cases])}" if several else ""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
 from torsionnet.report.document_tree import Block, Cell, Code, Formula, Heading, Math, NumberText, Paragraph, Section
 from torsionnet.report.formula_widths import WIDEST_FORMULA, formula_letters
 from torsionnet.report.report_data import MOST_SYMBOLIC, ReportData
@@ -13,7 +13,7 @@ from torsionnet.report.report_text import first_names, pair_latex, quotient_late
 from torsionnet.symbolic.formula_text import latex
 
 if TYPE_CHECKING:
-    from torsionnet.model.report import Pair
+    from torsionnet.report.plan import Pair
     from torsionnet.symbolic.simplified import Simplified
 
 COLUMNS = (

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from torsionnet.model.limits.society_rules import SOCIETIES
-from torsionnet.model.report import SECTIONS
+from torsionnet.machinery.limits.society_rules import SOCIETIES
 from torsionnet.report.document_tree import Block, Heading, Paragraph
+from torsionnet.report.plan import SECTIONS
 from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import as_words, capital

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from torsionnet.core.errors import SolveError
-from torsionnet.core.number_text import typeset_unit
+from torsionnet.base.errors import SolveError
+from torsionnet.base.number_text import typeset_unit
 from torsionnet.report.document_tree import (
     Block,
     Cell,
@@ -31,7 +31,7 @@ from torsionnet.study.shown_units import ShownUnits, shown_units
 from torsionnet.study.study_result import read_notes
 
 if TYPE_CHECKING:
-    from torsionnet.response.table import Table
+    from torsionnet.base.table import Table
     from torsionnet.study.study import Study
     from torsionnet.study.study_result import StudyResult
 

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from torsionnet.core.number_text import aligned_numbers
-from torsionnet.model.report import Pair
+from torsionnet.base.number_text import aligned_numbers
+from torsionnet.linear.modes.modes import OSCILLATORY
 from torsionnet.report.document_tree import Block, Cell, Heading, Inline, Math, Paragraph, Section, TableBlock, Text
+from torsionnet.report.plan import Pair
 from torsionnet.report.report_data import Case, ReportData, is_damped
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import pair_latex, symbol_or_words, unit
 from torsionnet.report.sections.limits import conclusion, verdict
 from torsionnet.report.sections.responses import static_value_and_peaks
-from torsionnet.response.modes import OSCILLATORY
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
     from torsionnet.identification import Fit
-    from torsionnet.response import Modes
+    from torsionnet.linear.modes.modes import Modes
 
 MOST_VIBRATIONS, MOST_PAIRS = 3, 4
 """Largest number of vibrations and of transfer functions that the summary of a report shows."""

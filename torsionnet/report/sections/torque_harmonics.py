@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from torsionnet.model.excitations.propeller_torque import PropellerTorque
-from torsionnet.model.excitations.reciprocating_engine import ReciprocatingEngine
+from torsionnet.machinery.excitations.propeller_torque import PropellerTorque
+from torsionnet.machinery.excitations.reciprocating_engine import ReciprocatingEngine
 from torsionnet.report.document_tree import Block, Section
 from torsionnet.report.report_cylinders import engine_blocks, state_table
 from torsionnet.report.report_data import Case, ReportData

@@ -16,7 +16,7 @@ from torsionnet.model.elements import (
     Shaft,
     TabulatedSpring,
 )
-from torsionnet.model.motion_balance.law_network import keeps_own_point
+from torsionnet.model.law_network import keeps_own_point
 from torsionnet.report.document_tree import Cell, Listing, Math, Section, inlines
 from torsionnet.report.report_data import ReportData, is_damped
 from torsionnet.report.report_text import as_words, capital, first_names, pair_latex, symbol_or_words

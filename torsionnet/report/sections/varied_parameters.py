@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from torsionnet.core.number_text import typeset_unit
+from torsionnet.base.number_text import typeset_unit
 from torsionnet.report.document_tree import Cell, Heading, NumberText, TableBlock, Text
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import first_names, symbol_or_words, unit

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from torsionnet.core.atomic import write_bytes
+from torsionnet.base.atomic import write_bytes
 from torsionnet.report.document_tree import (
     Details,
     Equations,

@@ -7,7 +7,7 @@ import io
 import zipfile
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.core.errors import MissingExtraError
+from torsionnet.base.errors import MissingExtraError
 from torsionnet.report.document_tree import Report
 from torsionnet.report.template_folder import TemplateFolder
 from torsionnet.report.writers.docx_styles import number_headings, set_styles, with_names

@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from torsionnet.core.atomic import write_bytes, write_text
+from torsionnet.base.atomic import write_bytes, write_text
 from torsionnet.report.document_tree import Report
 from torsionnet.report.writers.templating import Illustrations
 

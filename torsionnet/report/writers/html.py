@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
-from torsionnet.core.atomic import write_text
+from torsionnet.base.atomic import write_text
 from torsionnet.report.document_tree import Cell, Heading, NumberText, Picture, Report, TableBlock
 from torsionnet.report.writers.html_text import escaped, inline, number
 from torsionnet.report.writers.mathml import mathml

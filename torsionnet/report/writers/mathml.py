@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from functools import lru_cache
 
-from torsionnet.core.errors import MissingExtraError
+from torsionnet.base.errors import MissingExtraError
 
 _MATHRM = re.compile(r"\\mathrm\{([^{}\\]{2,})\}")
 

@@ -7,7 +7,7 @@ from contextlib import suppress
 
 from jinja2 import Environment, TemplateSyntaxError, nodes
 
-from torsionnet.core.errors import Fault, suggestion_or
+from torsionnet.base.errors import Fault, suggestion_or
 from torsionnet.report.template_folder import TemplateFolder
 from torsionnet.report.writers.templating import environment_of, shipped_blocks
 

@@ -11,8 +11,8 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
-from torsionnet.core.atomic import write_bytes
-from torsionnet.core.errors import MissingExtraError, SolveError
+from torsionnet.base.atomic import write_bytes
+from torsionnet.base.errors import MissingExtraError, SolveError
 from torsionnet.report.document_tree import Report
 from torsionnet.report.writers.html import html_page
 

@@ -19,7 +19,7 @@ from jinja2.sandbox import ImmutableSandboxedEnvironment
 from jinja2.utils import missing
 from markupsafe import Markup
 
-from torsionnet.core.errors import Fault, suggestion_or
+from torsionnet.base.errors import Fault, suggestion_or
 from torsionnet.report.document_tree import Cell, Inline, Picture, Report
 from torsionnet.report.template_folder import STYLE, TemplateFolder, TemplateFolderError
 from torsionnet.report.writers.numbering import number_blocks

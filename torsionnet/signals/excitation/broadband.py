@@ -9,9 +9,9 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import Count, entry
-from torsionnet.core.errors import UsageError
+from torsionnet.base.entries.scalars import Value
+from torsionnet.base.entries.spec import Count, entry
+from torsionnet.base.errors import UsageError
 from torsionnet.signals.excitation.excitation import Excitation, FloatArray
 
 ComplexArray = NDArray[np.complex128]

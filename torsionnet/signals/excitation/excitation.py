@@ -9,10 +9,10 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.errors import UsageError
+from torsionnet.base.entries.declared import Declared
+from torsionnet.base.entries.scalars import Value
+from torsionnet.base.entries.spec import entry
+from torsionnet.base.errors import UsageError
 
 FloatArray = NDArray[np.float64]
 

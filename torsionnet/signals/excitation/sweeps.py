@@ -8,9 +8,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value, plain_number
-from torsionnet.core.entries.spec import Count, EntryError, Json, Schema, Spec, coerce_part, entry
-from torsionnet.core.errors import UsageError
+from torsionnet.base.entries.scalars import SCALAR_SCHEMA, Value, plain_number
+from torsionnet.base.entries.spec import Count, EntryError, Json, Schema, Spec, coerce_part, entry
+from torsionnet.base.errors import UsageError
 from torsionnet.signals.excitation.excitation import Excitation, FloatArray
 
 TURN = 2 * np.pi

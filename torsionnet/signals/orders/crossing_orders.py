@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from torsionnet.core.errors import comma_list
-from torsionnet.response.recording import FloatArray
+from torsionnet.base.errors import comma_list
 from torsionnet.signals.orders.mean_rotation import MeanRotation
+from torsionnet.signals.recording import FloatArray
 
 MOST_LISTED = 3
 """Most crossings that are named, so that the note stays short."""

@@ -15,10 +15,10 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.core.errors import UsageError
-from torsionnet.response.frequency_response import ComplexArray
-from torsionnet.response.recording import FloatArray
+from torsionnet.base.errors import UsageError
+from torsionnet.linear.frequency_response import ComplexArray
 from torsionnet.signals.orders.mean_rotation import MeanRotation
+from torsionnet.signals.recording import FloatArray
 
 FINER = 4
 """Factor by which an averaged wave is interpolated for its half range; a sine's peak is then missed by 2 % at most at

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsionnet.core.errors import UsageError
-from torsionnet.response.recording import FloatArray
+from torsionnet.base.errors import UsageError
+from torsionnet.signals.recording import FloatArray
 
 KEPT_POINTS = 32
 """Points kept from one block to the next, so that its spline is as good at the seam as inside: the influence of an end

@@ -14,8 +14,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.response.recording import FloatArray
 from torsionnet.signals.orders.cycle_average import FEWEST_PAIRS, AveragedBlock
+from torsionnet.signals.recording import FloatArray
 
 OVERLAP_CORRELATION = 1 / 6
 """Correlation of white noise under Hann windows that overlap by half."""

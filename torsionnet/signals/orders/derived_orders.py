@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.core.errors import UsageError
-from torsionnet.core.units import RPM
-from torsionnet.response.measured.tracked_orders import TrackedOrders
-from torsionnet.response.recording import FloatArray
+from torsionnet.base.errors import UsageError
+from torsionnet.base.units import RPM
+from torsionnet.signals.orders.tracked_orders import TrackedOrders
+from torsionnet.signals.recording import FloatArray
 
 FEWEST_VALUES = 3
 """Fewest values in a bin of speeds from whose scatter an interval is made."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from torsionnet.response.recording import FloatArray
+from torsionnet.signals.recording import FloatArray
 from torsionnet.signals.standstill import (
     FEWEST_SAMPLES,
     LEAST_LENGTH_RATIO,

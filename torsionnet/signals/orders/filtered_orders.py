@@ -15,15 +15,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.core.errors import UsageError, comma_list
-from torsionnet.response.frequency_response import ComplexArray
-from torsionnet.response.measured.tracked_orders import TrackedOrders
-from torsionnet.response.recording import FloatArray
+from torsionnet.base.errors import UsageError, comma_list
+from torsionnet.linear.frequency_response import ComplexArray
 from torsionnet.signals.orders.crossing_orders import crossing_notes
 from torsionnet.signals.orders.mean_rotation import MeanRotation
 from torsionnet.signals.orders.phase_reference import PhaseReference
+from torsionnet.signals.orders.tracked_orders import TrackedOrders
 from torsionnet.signals.orders.tracked_signals import NORMAL_HALF_WIDTH, Tracked, tracked_values
 from torsionnet.signals.orders.vold_kalman import COEFFICIENTS_PER_BANDWIDTH, EnvelopeFilter, VoldKalman
+from torsionnet.signals.recording import FloatArray
 
 MOST_UNKNOWNS, MOST_SAMPLES = 16_000, 150_000
 """Unknowns and samples of a segment without its overlap, which limit the memory to about 100 MB each."""

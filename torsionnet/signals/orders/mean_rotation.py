@@ -15,13 +15,13 @@ from typing import Any
 
 import numpy as np
 
-from torsionnet.core.errors import UsageError
-from torsionnet.core.notes import Note, NoteOrText
-from torsionnet.response.measured.pulse_channel import PulseChannel
-from torsionnet.response.recording import FloatArray
+from torsionnet.base.errors import UsageError
+from torsionnet.base.notes import Note, NoteOrText
 from torsionnet.signals.orders.cycle_integrals import Cycles, cycles_of
 from torsionnet.signals.pulses import repaired_pulses
 from torsionnet.signals.record_blocks import Recordings, blocks_in_order
+from torsionnet.signals.recording import FloatArray
+from torsionnet.signals.rotation.pulse_channel import PulseChannel
 from torsionnet.signals.rotation.wheel_rotation import WheelRotation
 
 SPLINE_DEGREE = 5
@@ -101,7 +101,7 @@ def mean_rotation(
 
     Examples
     --------
-    >>> from torsionnet.response.recording import Recording, Signal
+    >>> from torsionnet.signals.recording import Recording, Signal
     >>> time = np.arange(10_001) / 1000
     >>> angle = 60 * time + 0.1 * np.cos(3 * 60 * time)
     >>> mean = mean_rotation(Recording((Signal("a", "angle", angle),), sampling_rate=1000), "a")

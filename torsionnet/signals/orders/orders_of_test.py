@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from torsionnet.response.measured.pulse_channel import PulseChannel
-from torsionnet.response.measured.tracked_orders import TrackedOrders
 from torsionnet.signals.orders.cycle_average import CycleAverage
 from torsionnet.signals.orders.mean_rotation import MeanRotation
 from torsionnet.signals.orders.phase_reference import phase_reference
 from torsionnet.signals.orders.track_orders import track_orders
+from torsionnet.signals.orders.tracked_orders import TrackedOrders
 from torsionnet.signals.orders.tracked_signals import Twist
 from torsionnet.signals.orders.vold_kalman import VoldKalman
 from torsionnet.signals.record_blocks import Recordings
+from torsionnet.signals.rotation.pulse_channel import PulseChannel
 from torsionnet.signals.rotation.wheel_rotation import WheelRotation
 
 
@@ -89,7 +89,7 @@ def orders_of_test(
     Examples
     --------
     >>> import numpy as np
-    >>> from torsionnet.response.recording import Recording, Signal
+    >>> from torsionnet.signals.recording import Recording, Signal
     >>> from torsionnet.signals.orders.mean_rotation import mean_rotation
     >>> angle = 0.06 * np.arange(20_000)
     >>> record = Recording(

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsionnet.core.errors import UsageError
-from torsionnet.response.measured.pulse_channel import PulseChannel
-from torsionnet.response.recording import FloatArray
+from torsionnet.base.errors import UsageError
 from torsionnet.signals.orders.mean_rotation import MeanRotation
+from torsionnet.signals.recording import FloatArray
+from torsionnet.signals.rotation.pulse_channel import PulseChannel
 from torsionnet.signals.rotation.wheel_rotation import WheelRotation
 
 LARGEST_SPREAD = np.radians(10)

@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.core.errors import UsageError
-from torsionnet.response.recording import FloatArray, Recording, Signal
+from torsionnet.base.errors import UsageError
 from torsionnet.signals.orders.drop_outs import RINGING_SAMPLES, drop_outs
 from torsionnet.signals.record_blocks import Recordings, blocks_in_order, check_processable
+from torsionnet.signals.recording import FloatArray, Recording, Signal
 
 MARGIN_SAMPLES = 24
 """Samples kept on either side of a window, so that a spline through it is as good at its ends: the influence of an end

@@ -7,20 +7,20 @@ from dataclasses import replace
 
 import numpy as np
 
-from torsionnet.core.errors import UsageError
-from torsionnet.core.units import RPM
-from torsionnet.response.measured.tracked_orders import TrackedOrders
-from torsionnet.response.measured.tracking_kernel import TrackingKernel
-from torsionnet.response.recording import FloatArray
+from torsionnet.base.errors import UsageError
+from torsionnet.base.units import RPM
 from torsionnet.signals.orders.cycle_average import CycleAverage, averaged_blocks, whole_multiples
 from torsionnet.signals.orders.cycle_intervals import half_widths
 from torsionnet.signals.orders.filtered_orders import filtered_orders
 from torsionnet.signals.orders.mean_rotation import MeanRotation, mean_rotation
 from torsionnet.signals.orders.phase_reference import PhaseReference
 from torsionnet.signals.orders.record_window import RecordWindow
+from torsionnet.signals.orders.tracked_orders import TrackedOrders
 from torsionnet.signals.orders.tracked_signals import Tracked, Twist, of_record, of_twist, of_wheel, tracked_values
+from torsionnet.signals.orders.tracking_kernel import TrackingKernel
 from torsionnet.signals.orders.vold_kalman import VoldKalman
 from torsionnet.signals.record_blocks import Recordings
+from torsionnet.signals.recording import FloatArray
 from torsionnet.signals.rotation.wheel_rotation import WheelRotation
 
 
@@ -72,7 +72,7 @@ def track_orders(
 
     Examples
     --------
-    >>> from torsionnet.response.recording import Recording, Signal
+    >>> from torsionnet.signals.recording import Recording, Signal
     >>> time = np.arange(20_000) / 1000
     >>> angle = 60 * time + 0.5 * time**2
     >>> record = Recording(

@@ -8,15 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.core.errors import UsageError
-from torsionnet.core.notes import NoteOrText
-from torsionnet.response.frequency_response import ComplexArray
-from torsionnet.response.measured.tracked_orders import TrackedOrders
-from torsionnet.response.measured.tracking_kernel import TrackingKernel
-from torsionnet.response.recording import FloatArray, Signal
+from torsionnet.base.errors import UsageError
+from torsionnet.base.notes import NoteOrText
+from torsionnet.linear.frequency_response import ComplexArray
 from torsionnet.signals.orders.mean_rotation import MeanRotation
 from torsionnet.signals.orders.phase_reference import PhaseReference
 from torsionnet.signals.orders.record_window import RecordWindow
+from torsionnet.signals.orders.tracked_orders import TrackedOrders
+from torsionnet.signals.orders.tracking_kernel import TrackingKernel
+from torsionnet.signals.recording import FloatArray, Signal
 from torsionnet.signals.rotation.wheel_rotation import WHOLE_ORDER, WheelRotation
 
 SAMPLES_PER_TOOTH = 4

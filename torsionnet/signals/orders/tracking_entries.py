@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import EntryError, Schema, Spec
+from torsionnet.base.entries.scalars import Value
+from torsionnet.base.entries.spec import EntryError, Schema, Spec
 from torsionnet.signals.orders.vold_kalman import VoldKalman
 
 TICK = Value("the time of one count", "time", exclusive=True)

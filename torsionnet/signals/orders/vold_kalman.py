@@ -19,10 +19,10 @@ from typing import Any
 
 import numpy as np
 
-from torsionnet.core.errors import SolveError, UsageError
-from torsionnet.response.frequency_response import ComplexArray
-from torsionnet.response.measured.tracking_kernel import TrackingKernel
-from torsionnet.response.recording import FloatArray
+from torsionnet.base.errors import SolveError, UsageError
+from torsionnet.linear.frequency_response import ComplexArray
+from torsionnet.signals.orders.tracking_kernel import TrackingKernel
+from torsionnet.signals.recording import FloatArray
 
 COEFFICIENTS_PER_BANDWIDTH = 10
 """Coefficients of an envelope in the time 1/bandwidth: the filter then differs from that with a coefficient for each

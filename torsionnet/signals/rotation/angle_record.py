@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from torsionnet.core.errors import UsageError
-from torsionnet.core.notes import warning
-from torsionnet.response.recording import FloatArray, Recording, Signal
+from torsionnet.base.errors import UsageError
+from torsionnet.base.notes import warning
+from torsionnet.signals.recording import FloatArray, Recording, Signal
 from torsionnet.signals.rotation.wheel_rotation import WheelRotation
 from torsionnet.signals.sample_counts import even_times
 
@@ -40,7 +40,7 @@ def angle_record(
 
     Examples
     --------
-    >>> from torsionnet.response.measured.pulse_channel import PulseChannel
+    >>> from torsionnet.signals.rotation.pulse_channel import PulseChannel
     >>> from torsionnet.signals.rotation.wheel import Wheel
     >>> from torsionnet.signals.rotation.wheel_rotation import wheel_rotation
     >>> wheel = wheel_rotation(PulseChannel("n1", np.arange(600) / 600), Wheel(teeth=60))

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsionnet.core.errors import UsageError
-from torsionnet.core.units import RPM
-from torsionnet.response.frequency_response import ComplexArray
-from torsionnet.response.recording import FloatArray
+from torsionnet.base.errors import UsageError
+from torsionnet.base.units import RPM
+from torsionnet.linear.frequency_response import ComplexArray
+from torsionnet.signals.recording import FloatArray
 
 SPEED_MARGIN = 0.01
 """Share by which a speed of a test may lie beyond the calculated ones, as that of a governed engine wanders."""

@@ -2,7 +2,7 @@
 
 import math
 
-from torsionnet.core.entries.scalars import Value
+from torsionnet.base.entries.scalars import Value
 
 PICKUP_ANGLE = Value(
     "angle from the first to the second pickup in the sense of rotation", "angle", exclusive=True, below=2 * math.pi

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
-from torsionnet.core.notes import NoteOrText
-from torsionnet.core.result_rows import Out
-from torsionnet.response.recording import FloatArray
+from torsionnet.base.notes import NoteOrText
+from torsionnet.base.result_rows import Out
+from torsionnet.signals.recording import FloatArray
 
 
 @dataclass(frozen=True, eq=False)

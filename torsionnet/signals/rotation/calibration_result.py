@@ -8,15 +8,15 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from torsionnet.core.errors import comma_list
-from torsionnet.core.notes import NoteOrText
-from torsionnet.core.packages import NotebookResult
-from torsionnet.core.units import RPM
-from torsionnet.response.conventions import SI, Conventions
-from torsionnet.response.measured.wheel_pattern import WheelPattern
-from torsionnet.response.table import Column, Table
+from torsionnet.base.conventions import SI, Conventions
+from torsionnet.base.errors import comma_list
+from torsionnet.base.notes import NoteOrText
+from torsionnet.base.packages import NotebookResult
+from torsionnet.base.table import Column, Table
+from torsionnet.base.units import RPM
 from torsionnet.signals.rotation.calibration_record import CalibrationRecord, PitchOrderRecord
 from torsionnet.signals.rotation.pitch_order import ABOVE, CALCULATED, PitchOrder
+from torsionnet.signals.rotation.wheel_pattern import WheelPattern
 
 MOST_LISTED = 12
 """Orders that a note lists at most, so that it stays short."""

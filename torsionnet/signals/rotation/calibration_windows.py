@@ -9,13 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.core.errors import UsageError
-from torsionnet.core.notes import NoteOrText
-from torsionnet.core.units import RPM
-from torsionnet.response.frequency_response import ComplexArray
-from torsionnet.response.measured.pulse_channel import PulseChannel
-from torsionnet.response.recording import FloatArray
+from torsionnet.base.errors import UsageError
+from torsionnet.base.notes import NoteOrText
+from torsionnet.base.units import RPM
+from torsionnet.linear.frequency_response import ComplexArray
 from torsionnet.signals.pulses import repaired_pulses
+from torsionnet.signals.recording import FloatArray
+from torsionnet.signals.rotation.pulse_channel import PulseChannel
 from torsionnet.signals.rotation.tooth_zero import pulses_by_gap
 from torsionnet.signals.rotation.wheel import Wheel
 from torsionnet.signals.rotation.wheel_windows import Shown, Window, first_window, second_shown, spans

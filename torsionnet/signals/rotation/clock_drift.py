@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from torsionnet.core.errors import UsageError
-from torsionnet.core.notes import NoteOrText
-from torsionnet.response.recording import FloatArray, Recording
+from torsionnet.base.errors import UsageError
+from torsionnet.base.notes import NoteOrText
+from torsionnet.signals.recording import FloatArray, Recording
 from torsionnet.signals.resampling import interpolated_at
 
 HALF_WIDTH_DEVIATIONS = 1.96
@@ -80,7 +80,7 @@ def on_first_clock(recording: Recording, clocks: ClockDrift, like: Recording | N
 
     Examples
     --------
-    >>> from torsionnet.response.recording import Signal
+    >>> from torsionnet.signals.recording import Signal
     >>> record = Recording((Signal("T", "torque", np.zeros(10)),), sampling_rate=1000.0, start=0.5)
     >>> moved = on_first_clock(record, ClockDrift(50e-6, 0.0, 0.5, 0.0))
     >>> round(moved.sampling_rate, 6), moved.start

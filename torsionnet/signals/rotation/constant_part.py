@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.response.frequency_response import ComplexArray
-from torsionnet.response.recording import FloatArray
+from torsionnet.linear.frequency_response import ComplexArray
+from torsionnet.signals.recording import FloatArray
 
 CONFIDENCE = 0.95
 """Confidence of the intervals of a wheel's pitch pattern, as of all measured orders."""

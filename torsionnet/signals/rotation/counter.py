@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from torsionnet.core.errors import UsageError, comma_list
-from torsionnet.core.notes import NoteOrText, warning
-from torsionnet.response.measured.pulse_channel import PulseChannel
-from torsionnet.response.recording import FloatArray
+from torsionnet.base.errors import UsageError, comma_list
+from torsionnet.base.notes import NoteOrText, warning
+from torsionnet.signals.recording import FloatArray
+from torsionnet.signals.rotation.pulse_channel import PulseChannel
 from torsionnet.signals.rotation.pulse_reading import PulseReading
 
 LARGEST_EXACT = 2.0**53

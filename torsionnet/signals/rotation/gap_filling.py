@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.response.recording import FloatArray
+from torsionnet.signals.recording import FloatArray
 
 FILLED_BAND, FILLED_BAND_WIDTH = 2 / 3, 4 / 3
 """Largest share of half the pulses of a turn up to which orders are filled into a gap, and its product with the number

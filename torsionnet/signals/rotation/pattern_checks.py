@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from torsionnet.core.errors import UsageError
-from torsionnet.response.measured.wheel_pattern import WheelPattern
+from torsionnet.base.errors import UsageError
 from torsionnet.signals.rotation.wheel import Wheel
+from torsionnet.signals.rotation.wheel_pattern import WheelPattern
 
 
 def check_pattern(name: str, wheel: Wheel, pattern: WheelPattern) -> None:

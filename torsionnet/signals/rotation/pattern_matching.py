@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.core.errors import UsageError
-from torsionnet.response.measured.wheel_pattern import WheelPattern
-from torsionnet.response.recording import FloatArray
+from torsionnet.base.errors import UsageError
+from torsionnet.signals.recording import FloatArray
 from torsionnet.signals.rotation.calibration_windows import order_set, windows_of_test
 from torsionnet.signals.rotation.wheel import Wheel
+from torsionnet.signals.rotation.wheel_pattern import WheelPattern
 
 MATCHED_SHARE = 0.2
 """Share of the number of teeth above which orders are compared: vibration fills those below it."""

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from torsionnet.core.units import RPM
-from torsionnet.response.frequency_response import ComplexArray
-from torsionnet.response.recording import FloatArray
+from torsionnet.base.units import RPM
+from torsionnet.linear.frequency_response import ComplexArray
+from torsionnet.signals.recording import FloatArray
 from torsionnet.signals.rotation.calculated_orders import CalculatedOrders
 from torsionnet.signals.rotation.constant_part import ConstantPart, constant_part
 from torsionnet.signals.rotation.wheel import Wheel

@@ -14,7 +14,7 @@ from math import comb, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.response.recording import FloatArray
+from torsionnet.signals.recording import FloatArray
 
 DIFFERENCES = 6
 """Number of times that differences from tooth to tooth are taken, so that orders up to a tenth of the teeth vanish."""

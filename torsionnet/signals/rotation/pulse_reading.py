@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.scalars import AnyNumber, Value
-from torsionnet.core.entries.spec import Count, OneOf, Text, entry
-from torsionnet.core.errors import Fault
+from torsionnet.base.entries.declared import Declared
+from torsionnet.base.entries.scalars import AnyNumber, Value
+from torsionnet.base.entries.spec import Count, OneOf, Text, entry
+from torsionnet.base.errors import Fault
 from torsionnet.signals.pulse_train import HYSTERESIS
 
 SIGNAL_ENTRIES = ("level", "hysteresis", "edge", "pickup", "second")

@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.core.errors import UsageError
-from torsionnet.core.notes import NoteOrText
-from torsionnet.response.measured.pulse_channel import PulseChannel
-from torsionnet.response.recording import FloatArray
+from torsionnet.base.errors import UsageError
+from torsionnet.base.notes import NoteOrText
+from torsionnet.signals.recording import FloatArray
+from torsionnet.signals.rotation.pulse_channel import PulseChannel
 
 EDGES = 4
 """Number of edges of two tracks in a pitch: forwards the first rises, the second rises, the first falls, the second

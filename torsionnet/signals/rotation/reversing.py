@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from torsionnet.response.recording import FloatArray
+from torsionnet.signals.recording import FloatArray
 
 REVERSING_BAND = 1 / 3
 """Share of half the pulses of a turn up to which cubic splines read orders within 0.2 %."""

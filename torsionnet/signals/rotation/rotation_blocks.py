@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from torsionnet.response.measured.pulse_channel import PulseChannel
-from torsionnet.response.measured.wheel_pattern import WheelPattern
+from torsionnet.signals.rotation.pulse_channel import PulseChannel
 from torsionnet.signals.rotation.wheel import Wheel
+from torsionnet.signals.rotation.wheel_pattern import WheelPattern
 from torsionnet.signals.rotation.wheel_rotation import WheelRotation, wheel_rotation
 
 PULSES_PER_BLOCK = 200_000

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from torsionnet.core.errors import UsageError
-from torsionnet.core.notes import warning
-from torsionnet.response.recording import FloatArray
+from torsionnet.base.errors import UsageError
+from torsionnet.base.notes import warning
+from torsionnet.signals.recording import FloatArray
 from torsionnet.signals.rotation.clock_drift import (
     COMMON,
     HALF_WIDTH_DEVIATIONS,
@@ -49,7 +49,7 @@ def rotation_clocks(first: WheelRotation, second: WheelRotation, *, same_start: 
 
     Examples
     --------
-    >>> from torsionnet.response.measured.pulse_channel import PulseChannel
+    >>> from torsionnet.signals.rotation.pulse_channel import PulseChannel
     >>> from torsionnet.signals.rotation.wheel import Wheel
     >>> from torsionnet.signals.rotation.wheel_rotation import wheel_rotation
     >>> times, wheel = np.arange(6000) / 600, Wheel(teeth=60)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from torsionnet.core.errors import Fault, ModelError, UsageError
-from torsionnet.response.measured.wheel_pattern import WheelPattern
-from torsionnet.response.recording import Recording
+from torsionnet.base.errors import Fault, ModelError, UsageError
+from torsionnet.signals.recording import Recording
 from torsionnet.signals.rotation.pulse_reading import PulseReading
 from torsionnet.signals.rotation.wheel_channel import WheelChannel, counted_reading, wheel_pulses
+from torsionnet.signals.rotation.wheel_pattern import WheelPattern
 from torsionnet.signals.rotation.wheel_rotation import WheelRotation, wheel_rotation
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from torsionnet.core.errors import UsageError
-from torsionnet.core.notes import NoteOrText, warning
-from torsionnet.response.recording import FloatArray, Recording
+from torsionnet.base.errors import UsageError
+from torsionnet.base.notes import NoteOrText, warning
+from torsionnet.signals.recording import FloatArray, Recording
 from torsionnet.signals.resampling import interpolated_at
 from torsionnet.signals.rotation.clock_drift import (
     COMMON,
@@ -47,7 +47,7 @@ def signal_clocks(first: Recording, second: Recording, name: str, *, seconds: fl
 
     Examples
     --------
-    >>> from torsionnet.response.recording import Signal
+    >>> from torsionnet.signals.recording import Signal
     >>> chance = np.random.default_rng(1)
     >>> noise = np.convolve(chance.normal(size=8100), np.hanning(9), "valid")
     >>> ours = Recording((Signal("T", "torque", noise[100:8000]),), 1000.0)

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.core.errors import UsageError
-from torsionnet.response.recording import FloatArray
+from torsionnet.base.errors import UsageError
+from torsionnet.signals.recording import FloatArray
 from torsionnet.signals.rotation.gap_filling import filled_band
 
 _RUNS = re.compile(r"\d+ (teeth|tooth|missing)(, *\d+ (teeth|tooth|missing))+")

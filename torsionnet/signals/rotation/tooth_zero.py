@@ -6,15 +6,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsionnet.core.errors import UsageError, comma_list
+from torsionnet.base.errors import UsageError, comma_list
 from torsionnet.signals.pulses import MOST_BEYOND_BAND, MissingPulses, Pulses, check_pulses, rotation_beyond_band
 from torsionnet.signals.rotation.gap_filling import NEIGHBOURS
 from torsionnet.signals.rotation.stated_pattern import ToothPlaces, matched_pulses, runs_in_words
 
 if TYPE_CHECKING:
-    from torsionnet.response.measured.pulse_channel import PulseChannel
-    from torsionnet.response.recording import FloatArray
     from torsionnet.signals.bandlimited import Rotation
+    from torsionnet.signals.recording import FloatArray
+    from torsionnet.signals.rotation.pulse_channel import PulseChannel
     from torsionnet.signals.rotation.wheel import Wheel
 
 RETURNING_SHARE = 0.8

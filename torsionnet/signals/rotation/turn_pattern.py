@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsionnet.response.frequency_response import ComplexArray
-from torsionnet.response.recording import FloatArray
+from torsionnet.linear.frequency_response import ComplexArray
+from torsionnet.signals.recording import FloatArray
 
 FEWEST_TURNS, POINTS_PER_TURN, HIGHEST_ORDER = 24, 64, 12
 """Fewest turns from which a pattern is recognised, points of a turn at which the speed is read, and the highest order

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from torsionnet.core.errors import UsageError
-from torsionnet.response.recording import FloatArray
+from torsionnet.base.errors import UsageError
+from torsionnet.signals.recording import FloatArray
 
 NEAR, FAR = 2, 9
 """Number of pulses from a standstill at which intervals are compared, as their growth there tells it from a change of

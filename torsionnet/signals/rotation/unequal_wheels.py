@@ -6,8 +6,8 @@ from math import gcd
 
 import numpy as np
 
-from torsionnet.core.errors import UsageError
-from torsionnet.response.recording import FloatArray
+from torsionnet.base.errors import UsageError
+from torsionnet.signals.recording import FloatArray
 from torsionnet.signals.rotation.wheel_rotation import WheelRotation
 
 LARGEST_SHARE = 0.25

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import Count, Flag, Text, entry
-from torsionnet.core.errors import Fault, UsageError
+from torsionnet.base.entries.declared import Declared
+from torsionnet.base.entries.scalars import Value
+from torsionnet.base.entries.spec import Count, Flag, Text, entry
+from torsionnet.base.errors import Fault, UsageError
 from torsionnet.signals.rotation.stated_pattern import ToothPlaces, is_stated, stated_places
 
 

@@ -8,12 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.core.errors import UsageError
-from torsionnet.core.notes import Note, warning
-from torsionnet.response.frequency_response import ComplexArray
-from torsionnet.response.measured.pulse_channel import PulseChannel
-from torsionnet.response.measured.wheel_pattern import WheelPattern
-from torsionnet.response.recording import FloatArray
+from torsionnet.base.errors import UsageError
+from torsionnet.base.notes import Note, warning
+from torsionnet.linear.frequency_response import ComplexArray
+from torsionnet.signals.recording import FloatArray
 from torsionnet.signals.rotation.calculated_orders import CalculatedOrders
 from torsionnet.signals.rotation.calibration_result import WheelCalibration
 from torsionnet.signals.rotation.calibration_windows import (
@@ -28,9 +26,11 @@ from torsionnet.signals.rotation.calibration_windows import (
 from torsionnet.signals.rotation.constant_part import NORMAL, constant_part, speed_groups, student
 from torsionnet.signals.rotation.pattern_matching import best_shift
 from torsionnet.signals.rotation.pitch_order import ABOVE, SPEEDS, PitchEvidence, PitchOrder, repeating
+from torsionnet.signals.rotation.pulse_channel import PulseChannel
 from torsionnet.signals.rotation.pulse_deviations import UNIFORM_STEPS
 from torsionnet.signals.rotation.reversing import ReversingRotation
 from torsionnet.signals.rotation.wheel import Wheel
+from torsionnet.signals.rotation.wheel_pattern import WheelPattern
 from torsionnet.signals.rotation.wheel_rotation import WHOLE_ORDER, WheelRotation, wheel_rotation
 
 WIDEST = np.radians(0.01)

@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from torsionnet.core.entries.spec import Text, entry
-from torsionnet.core.errors import Fault, UsageError, did_you_mean
-from torsionnet.response.measured.pulse_channel import PulseChannel
+from torsionnet.base.entries.spec import Text, entry
+from torsionnet.base.errors import Fault, UsageError, did_you_mean
 from torsionnet.signals.pulse_train import HIGH_PERCENTILE, LOW_PERCENTILE, flanks, holds_pulse_times
+from torsionnet.signals.rotation.pulse_channel import PulseChannel
 from torsionnet.signals.rotation.pulse_reading import PulseReading
 from torsionnet.signals.rotation.quadrature import quadrature_pulses
 from torsionnet.signals.rotation.wheel import Wheel
 
 if TYPE_CHECKING:
-    from torsionnet.response.recording import FloatArray, Recording
+    from torsionnet.signals.recording import FloatArray, Recording
 
 HEIGHT_PARTS, LEAST_EVEN_HEIGHT = 10, 0.6
 """Number of parts of a record whose heights are compared, and least ratio of the smallest to the largest of a signal
@@ -56,7 +56,7 @@ def wheel_pulses(record: Recording, name: str, reading: PulseReading) -> PulseCh
 
     Examples
     --------
-    >>> from torsionnet.response.recording import Recording, Signal
+    >>> from torsionnet.signals.recording import Recording, Signal
     >>> teeth = np.sin(2 * np.pi * 50 * np.arange(1000) / 10e3)
     >>> record = Recording((Signal("n1", "", teeth),), sampling_rate=10e3)
     >>> len(wheel_pulses(record, "n1", PulseReading(level=0.5)))

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.response.frequency_response import ComplexArray
-from torsionnet.response.recording import FloatArray
+from torsionnet.linear.frequency_response import ComplexArray
+from torsionnet.signals.recording import FloatArray
 
 MEAN_DEGREE = 3
 """Degree of the polynomial of the mean rotation over a window: a run-up changes its speed smoothly, and a higher one

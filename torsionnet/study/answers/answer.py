@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeVar
 
 from numpy.typing import ArrayLike
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.spec import Json
-from torsionnet.core.errors import Fault
-from torsionnet.core.registers import TypeRegister
+from torsionnet.base.entries.declared import Declared
+from torsionnet.base.entries.spec import Json
+from torsionnet.base.errors import Fault
+from torsionnet.base.registers import TypeRegister
+from torsionnet.base.table import Table
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.response.table import Table
+from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.study.quantities.evaluator import Evaluator
 from torsionnet.study.quantities.quantity import StudyQuantity
 from torsionnet.study.quantities.quantity_limit import QuantityLimit
@@ -97,7 +97,7 @@ class StudyAnswer(Declared):
     """Mapping of each entry that names something of the study to what it names, such as a quantity."""
 
     def require_extras(self) -> None:
-        """Raise :class:`~torsionnet.core.errors.MissingExtraError` where a package of the answer is not installed."""
+        """Raise :class:`~torsionnet.base.errors.MissingExtraError` where a package of the answer is not installed."""
 
     def study_faults(self, study: AskedStudy) -> Iterator[Fault]:
         """Yield the faults of an answer that its study cannot give, such as a curve where a number is needed.

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
+from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.study.answers.answer import AskedStudy
 from torsionnet.study.answers.answer_inputs import case_label
 from torsionnet.study.quantities.evaluator import Evaluator

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
-from torsionnet.core.errors import Fault, Path, unknown_name
+from torsionnet.base.errors import Fault, Path, unknown_name
 from torsionnet.model.checks.parameter_units import parameter_units
 from torsionnet.study.answers.answer import AskedStudy
 from torsionnet.study.quantities.quantity import QuantityForm

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from torsionnet.assembly.rows import FloatArray
+from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.study.answers.answer import AskedStudy, VariantValues
 from torsionnet.study.answers.answer_inputs import case_label
 

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from torsionnet.core.entries.spec import Json
-from torsionnet.core.number_text import json_finite
+from torsionnet.base.entries.spec import Json
+from torsionnet.base.number_text import json_finite
 
 IN_WORDS = {"in_words": True}
 """Metadata of a conclusion's field that is left out of the JSON data, because the sentences contain it."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsionnet.assembly.rows import FloatArray
+from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.study.answers.answer_case import OfPoints
 
 SLOPE_STEP = 1e-3

@@ -9,7 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.assembly.rows import FloatArray
+from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.study.answers.answer import AskedStudy
 from torsionnet.study.answers.answer_inputs import measure_of
 from torsionnet.study.answers.conclusion_data import IN_WORDS

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
+from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.study.answers.answer_case import OfPoints
 from torsionnet.study.answers.design_points import design_points, distinct_directions, distinct_points
 from torsionnet.study.answers.rare_event import RareEvent, lognormal_interval

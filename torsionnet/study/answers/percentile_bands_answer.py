@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.entries.composite import Listed
-from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import Text, entry
-from torsionnet.core.errors import Fault
-from torsionnet.response.table import Column, Table
+from torsionnet.base.entries.composite import Listed
+from torsionnet.base.entries.scalars import Value
+from torsionnet.base.entries.spec import Text, entry
+from torsionnet.base.errors import Fault
+from torsionnet.base.table import Column, Table
+from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.study.answers.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
 from torsionnet.study.answers.answer_inputs import QUANTITY, case_label, measure_of
 from torsionnet.study.answers.conclusion_data import PlainConclusion

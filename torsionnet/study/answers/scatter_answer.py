@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.entries.composite import Listed
-from torsionnet.core.entries.spec import Text, entry
-from torsionnet.core.errors import Fault, SolveError
-from torsionnet.response.table import Column, Table
+from torsionnet.base.entries.composite import Listed
+from torsionnet.base.entries.spec import Text, entry
+from torsionnet.base.errors import Fault, SolveError
+from torsionnet.base.table import Column, Table
+from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.study.answers.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
 from torsionnet.study.answers.answer_inputs import QUANTITY, chosen_quantities, measure_of, quantity_faults, units_of
 from torsionnet.study.answers.case_values import case_values

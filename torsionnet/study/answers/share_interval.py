@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
+from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.study.answers.answer_case import OfPoints
 from torsionnet.study.answers.rare_event import RareEvent
 

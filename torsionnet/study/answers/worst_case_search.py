@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.errors import SolveError
+from torsionnet.base.errors import SolveError
+from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.study.answers.answer_case import OfPoints
 
 MOST_WITH_ALL_CORNERS = 10

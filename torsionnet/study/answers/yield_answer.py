@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.core.entries.composite import Listed, Named
-from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import Text, entry
-from torsionnet.core.errors import Fault
-from torsionnet.response.table import Column, Table
+from torsionnet.base.entries.composite import Listed, Named
+from torsionnet.base.entries.scalars import Value
+from torsionnet.base.entries.spec import Text, entry
+from torsionnet.base.errors import Fault
+from torsionnet.base.table import Column, Table
 from torsionnet.study.answers.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
 from torsionnet.study.answers.answer_inputs import CONFIGURATION, LIMIT, case_label, limit_faults, limit_words
 from torsionnet.study.answers.conclusion_data import IN_WORDS, PlainConclusion

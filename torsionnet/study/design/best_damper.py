@@ -6,11 +6,11 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from torsionnet.core.entries.composite import Listed
-from torsionnet.core.entries.scalars import Band
-from torsionnet.core.entries.spec import Text, entry
-from torsionnet.core.errors import Fault, UsageError
-from torsionnet.solve.dynamic_stiffness.transfer_request import named_output, resolve_inputs
+from torsionnet.base.entries.composite import Listed
+from torsionnet.base.entries.scalars import Band
+from torsionnet.base.entries.spec import Text, entry
+from torsionnet.base.errors import Fault, UsageError
+from torsionnet.linear.dynamic_stiffness.transfer_request import named_output, resolve_inputs
 from torsionnet.study.answers.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
 from torsionnet.study.answers.answer_inputs import PARAMETER
 from torsionnet.study.design.conditions_damper import DamperOverConditions, damper_over_conditions

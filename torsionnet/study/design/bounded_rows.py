@@ -9,8 +9,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.solve.responses.peaks import inner_maxima
+from torsionnet.linear.assembly.rows import FloatArray
+from torsionnet.linear.responses.peaks import inner_maxima
 from torsionnet.study.design.design_goals import Found
 from torsionnet.study.design.design_problem import MISSING_VALUE, DesignProblem
 

@@ -11,21 +11,21 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
-from torsionnet.assembly.table_range import range_notes
-from torsionnet.core.entries.spec import Json
-from torsionnet.core.errors import UsageError
+from torsionnet.base.entries.spec import Json
+from torsionnet.base.errors import UsageError
+from torsionnet.base.table import Column, Table
 from torsionnet.drivetrain import Drivetrain
+from torsionnet.linear.assembly.table_range import range_notes
+from torsionnet.linear.frequency_response import Channel, FloatArray
+from torsionnet.linear.modes.natural_modes import modes
+from torsionnet.linear.responses.grid import vibration_range
+from torsionnet.linear.sensitivity.unknowns import unknowns
+from torsionnet.machinery.design.damper_design import Bounds, highest_peaks, levels_of, sought_box, sought_units
+from torsionnet.machinery.design.damper_optimum import EQUAL_PEAK_DIFFERENCE, DesignParameter, LevelPeak
+from torsionnet.machinery.design.levels import Levels, OrderLevels
+from torsionnet.machinery.design.minimax import smallest_maximum
+from torsionnet.machinery.design.worst_levels import WorstLevels
 from torsionnet.model.channels import Sensor
-from torsionnet.response import Channel, Column, Table
-from torsionnet.response.damper_optimum import EQUAL_PEAK_DIFFERENCE, DesignParameter, LevelPeak
-from torsionnet.response.frequency_response import FloatArray
-from torsionnet.solve.design.damper_design import Bounds, highest_peaks, levels_of, sought_box, sought_units
-from torsionnet.solve.design.levels import Levels, OrderLevels
-from torsionnet.solve.design.minimax import smallest_maximum
-from torsionnet.solve.design.worst_levels import WorstLevels
-from torsionnet.solve.modes.modes import modes
-from torsionnet.solve.responses.grid import vibration_range
-from torsionnet.solve.sensitivity.unknowns import unknowns
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -6,11 +6,11 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
-from torsionnet.core.entries.composite import Named, Nested
-from torsionnet.core.entries.spec import Count, entry
-from torsionnet.core.errors import Fault, ModelError, Path
-from torsionnet.response.damper_optimum import DesignParameter
-from torsionnet.solve.dynamic_stiffness.sweep import compiled_works
+from torsionnet.base.entries.composite import Named, Nested
+from torsionnet.base.entries.spec import Count, entry
+from torsionnet.base.errors import Fault, ModelError, Path
+from torsionnet.linear.dynamic_stiffness.sweep import compiled_works
+from torsionnet.machinery.design.damper_optimum import DesignParameter
 from torsionnet.study.answers.answer import AskedStudy, StudyAnswer
 from torsionnet.study.answers.answer_inputs import PARAMETER, QUANTITY, measure_of
 from torsionnet.study.design.design_entries import DESIGN, DesignBounds, chosen_parameters, design_parameters

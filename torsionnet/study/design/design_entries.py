@@ -6,16 +6,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from torsionnet.core.entries.composite import Listed, Named, Nested, PairOf
-from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import Schema, Text, entry
-from torsionnet.core.errors import Fault
-from torsionnet.core.expressions import Number
+from torsionnet.base.entries.composite import Listed, Named, Nested, PairOf
+from torsionnet.base.entries.declared import Declared
+from torsionnet.base.entries.scalars import Value
+from torsionnet.base.entries.spec import Schema, Text, entry
+from torsionnet.base.errors import Fault
+from torsionnet.base.expressions import Number
+from torsionnet.machinery.design.damper_optimum import DesignParameter
 from torsionnet.model.checks.parameter_units import parameter_units
 from torsionnet.model.model import Model
 from torsionnet.model.parameters import Parameter
-from torsionnet.response.damper_optimum import DesignParameter
 from torsionnet.study.answers.answer import AskedStudy
 from torsionnet.study.quantities.quantity_limit import QuantityValue
 from torsionnet.study.space.variations.nominal import NominalReader, nominals

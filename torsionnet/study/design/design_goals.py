@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.base.errors import UsageError, did_you_mean
+from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.study.quantities.quantity_limit import QuantityLimit
 
 Found = Mapping[str, FloatArray]

@@ -8,11 +8,11 @@ from functools import cached_property
 
 import numpy as np
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.errors import UsageError
-from torsionnet.response.damper_optimum import DesignParameter
-from torsionnet.solve.design.levels import Levels
-from torsionnet.solve.design.minimax import Box
+from torsionnet.base.errors import UsageError
+from torsionnet.linear.assembly.rows import FloatArray
+from torsionnet.machinery.design.damper_optimum import DesignParameter
+from torsionnet.machinery.design.levels import Levels
+from torsionnet.machinery.design.minimax import Box
 from torsionnet.study.design.design_goals import DesignGoals, Found
 
 Evaluate = Callable[[Mapping[str, FloatArray]], Mapping[str, FloatArray]]

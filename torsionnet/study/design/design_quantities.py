@@ -8,10 +8,10 @@ from functools import cached_property
 
 import numpy as np
 
-from torsionnet.assembly.rows import ComplexArray, FloatArray
-from torsionnet.core.errors import SolveError
-from torsionnet.solve.sensitivity.mode_sensitivities import ModeSensitivities, mode_sensitivities
-from torsionnet.solve.sensitivity.parametric import ParametricResponse, parametric_response
+from torsionnet.base.errors import SolveError
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
+from torsionnet.linear.sensitivity.mode_sensitivities import ModeSensitivities, mode_sensitivities
+from torsionnet.linear.sensitivity.parametric import ParametricResponse, parametric_response
 from torsionnet.study.quantities.evaluator import Evaluator
 from torsionnet.study.quantities.natural_frequency import UNDAMPED, DampingRatio, ModeQuantity, NaturalFrequency
 from torsionnet.study.quantities.quantity import StudyQuantity

@@ -9,8 +9,8 @@ from typing import Protocol
 import numpy as np
 import scipy
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
+from torsionnet.linear.assembly.rows import FloatArray
 
 LAWS = ("normal", "uniform")
 """Names of the distributions that a design tolerance can have."""

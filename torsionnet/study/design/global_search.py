@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import scipy
 
-from torsionnet.assembly.rows import FloatArray
+from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.study.design.design_problem import DesignProblem
 
 MOST_GENERATIONS = 60

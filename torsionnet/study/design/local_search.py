@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import scipy
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.errors import SolveError
+from torsionnet.base.errors import SolveError
+from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.study.design.bounded_rows import BoundedPoints, BoundedRows, finite
 from torsionnet.study.design.design_problem import DesignProblem
 

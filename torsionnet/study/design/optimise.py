@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.errors import SolveError
+from torsionnet.base.errors import SolveError
+from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.study.design.design_optimum import TARGET_MET, DesignOptimum
 from torsionnet.study.design.design_problem import DesignProblem, Rank
 from torsionnet.study.design.global_search import MOST_GENERATIONS, distant_places, evolve, initial_places
@@ -106,7 +106,7 @@ def optimise(
 
     Examples
     --------
-    >>> from torsionnet.response.damper_optimum import DesignParameter
+    >>> from torsionnet.machinery.design.damper_optimum import DesignParameter
     >>> from torsionnet.study.design.design_goals import DesignGoals, DesignTarget
     >>> k = DesignParameter("k", "N*m/rad", 1e3, 1e2, 1e4, 1e3)
     >>> frequency = lambda values: {"f": np.sqrt(values["k"] / 2.0) / (2 * np.pi)}

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.errors import Fault, Path
+from torsionnet.base.entries.spec import entry
+from torsionnet.base.errors import Fault, Path
 from torsionnet.study.answers.answer import AskedStudy, VariantValues, register_answer
 from torsionnet.study.design.design_answer import DesignAnswer
 from torsionnet.study.design.design_entries import NAMES, TARGETS, OneOrSeveral, TargetEntry

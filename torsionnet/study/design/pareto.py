@@ -10,9 +10,9 @@ from typing import Any, ClassVar
 import numpy as np
 import scipy
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.entries.spec import Count, entry
-from torsionnet.core.errors import Fault, MissingExtraError, SolveError, UsageError
+from torsionnet.base.entries.spec import Count, entry
+from torsionnet.base.errors import Fault, MissingExtraError, SolveError, UsageError
+from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.study.answers.answer import AskedStudy, VariantValues, register_answer
 from torsionnet.study.design.design_answer import DesignAnswer
 from torsionnet.study.design.design_entries import NAMES, OneOrSeveral
@@ -32,7 +32,7 @@ VERIFIED_DESIGNS = 5
 
 
 def require_pymoo() -> None:
-    """Raise :class:`~torsionnet.core.errors.MissingExtraError` where pymoo is not installed, without importing it."""
+    """Raise :class:`~torsionnet.base.errors.MissingExtraError` where pymoo is not installed, without importing it."""
     if find_spec("pymoo") is None:
         raise MissingExtraError(PYMOO_NEEDED)
 

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.entries.spec import Json
-from torsionnet.response.damper_optimum import DesignParameter
-from torsionnet.response.table import Column, Table
+from torsionnet.base.entries.spec import Json
+from torsionnet.base.table import Column, Table
+from torsionnet.linear.assembly.rows import FloatArray
+from torsionnet.machinery.design.damper_optimum import DesignParameter
 from torsionnet.study.design.design_goals import DesignObjective, with_unit
 from torsionnet.study.design.design_optimum import SAME_QUANTITY
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.response import Channel
-from torsionnet.solve.design.levels import Levels, ReceptanceLevels
-from torsionnet.solve.design.worst_levels import WorstLevels
-from torsionnet.solve.sensitivity.parametric import parametric_response
+from torsionnet.linear.assembly.rows import FloatArray
+from torsionnet.linear.frequency_response import Channel
+from torsionnet.linear.sensitivity.parametric import parametric_response
+from torsionnet.machinery.design.levels import Levels, ReceptanceLevels
+from torsionnet.machinery.design.worst_levels import WorstLevels
 from torsionnet.study.quantities.evaluator import Evaluator
 from torsionnet.study.quantities.peak import PeakMagnitude
 

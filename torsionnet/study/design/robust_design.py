@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 import scipy
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.entries.spec import Json
-from torsionnet.core.errors import UsageError
-from torsionnet.response.table import Column, Table
+from torsionnet.base.entries.spec import Json
+from torsionnet.base.errors import UsageError
+from torsionnet.base.table import Column, Table
+from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.study.design.design_goals import with_unit
 from torsionnet.study.design.design_optimum import DesignOptimum
 from torsionnet.study.design.design_problem import DesignProblem

@@ -8,10 +8,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import Count, OneOf, entry
-from torsionnet.core.errors import Fault, UsageError
+from torsionnet.base.entries.scalars import Value
+from torsionnet.base.entries.spec import Count, OneOf, entry
+from torsionnet.base.errors import Fault, UsageError
+from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.study.answers.answer import AskedStudy, VariantValues, register_answer
 from torsionnet.study.design.design_tolerances import even_shares, random_shares
 from torsionnet.study.design.optimum import SingleDesign

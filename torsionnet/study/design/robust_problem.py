@@ -8,8 +8,8 @@ from typing import Protocol
 
 import numpy as np
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
+from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.study.design.design_goals import DesignGoals, DesignObjective, Found
 from torsionnet.study.design.design_problem import DesignProblem
 from torsionnet.study.design.design_tolerances import DrawnTolerances

@@ -7,10 +7,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.entries.scalars import Band
-from torsionnet.core.entries.spec import Count, OneOf, entry
+from torsionnet.base.entries.scalars import Band
+from torsionnet.base.entries.spec import Count, OneOf, entry
 from torsionnet.drivetrain import Drivetrain
+from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.study.quantities.quantity import QuantityForm, register_quantity
 from torsionnet.study.quantities.transfer_quantity import TransferQuantity
 from torsionnet.study.quantities.variant_block import VariantBlock

@@ -8,15 +8,15 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.entries.composite import Listed
-from torsionnet.core.entries.spec import Text, entry
-from torsionnet.core.errors import Fault, UsageError
+from torsionnet.base.entries.composite import Listed
+from torsionnet.base.entries.spec import Text, entry
+from torsionnet.base.errors import Fault, UsageError
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.model.excitations.order_excitation import ORDER
-from torsionnet.model.excitations.speed_range import SpeedBand
-from torsionnet.solve.running.critical_speeds import excited_frequencies, excited_lines, order_margins
-from torsionnet.solve.running.order_response import with_motions_held
+from torsionnet.linear.assembly.rows import FloatArray
+from torsionnet.machinery.criticals.critical_speed_search import excited_frequencies, excited_lines, order_margins
+from torsionnet.machinery.excitations.order_excitation import ORDER
+from torsionnet.machinery.excitations.speed_range import SpeedBand
+from torsionnet.machinery.orders.order_solution import with_motions_held
 from torsionnet.study.quantities.quantity import QuantityForm, StudyQuantity, register_quantity
 from torsionnet.study.quantities.speed_quantity import speed_words
 from torsionnet.study.quantities.transfer_quantity import usage_faults

@@ -9,11 +9,11 @@ from typing import Protocol
 
 import numpy as np
 
-from torsionnet.assembly.rows import FloatArray
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.response.modes import Modes
-from torsionnet.solve.batch.batch_plan import BatchPlan, batch_plan
-from torsionnet.solve.modes.modes import natural_modes
+from torsionnet.linear.assembly.rows import FloatArray
+from torsionnet.linear.batch.batch_plan import BatchPlan, batch_plan
+from torsionnet.linear.modes.modes import Modes
+from torsionnet.linear.modes.natural_modes import natural_modes
 from torsionnet.study.quantities.quantity import StudyQuantity
 from torsionnet.study.quantities.variant_block import GRAPH, VariantBlock
 

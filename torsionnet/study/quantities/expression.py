@@ -9,13 +9,13 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec, Text, entry
-from torsionnet.core.errors import Fault, UsageError, unknown_name
-from torsionnet.core.expression_reading import parse_expression
-from torsionnet.core.expressions import Algebra, Expression, ExpressionError
-from torsionnet.core.units import DIMENSIONS, Dimension, UnitError, parse_unit
+from torsionnet.base.entries.spec import EntryError, Json, Schema, Spec, Text, entry
+from torsionnet.base.errors import Fault, UsageError, unknown_name
+from torsionnet.base.expression_reading import parse_expression
+from torsionnet.base.expressions import Algebra, Expression, ExpressionError
+from torsionnet.base.units import DIMENSIONS, Dimension, UnitError, parse_unit
 from torsionnet.drivetrain import Drivetrain
+from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.study.quantities.quantity import QuantityForm, StudyQuantity, register_quantity
 from torsionnet.study.quantities.variant_block import VariantBlock
 

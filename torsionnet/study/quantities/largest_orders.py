@@ -9,12 +9,12 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.response.order_response import OrderResponse
-from torsionnet.response.speed_refinement import fill_speed_gaps, new_speeds, refine_speeds, speeds_to_refine
-from torsionnet.solve.dynamic_stiffness.transfer_request import cached_request
-from torsionnet.solve.running.order_response import OrderRequest
-from torsionnet.solve.running.resonant_speeds import around_poles
+from torsionnet.linear.assembly.rows import FloatArray
+from torsionnet.linear.dynamic_stiffness.transfer_request import cached_request
+from torsionnet.machinery.criticals.resonant_speeds import around_poles
+from torsionnet.machinery.orders.order_response import OrderResponse
+from torsionnet.machinery.orders.order_solution import OrderRequest
+from torsionnet.machinery.orders.speed_refinement import fill_speed_gaps, new_speeds, refine_speeds, speeds_to_refine
 from torsionnet.study.quantities.variant_block import VariantBlock
 
 

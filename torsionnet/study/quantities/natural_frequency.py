@@ -8,13 +8,13 @@ from typing import ClassVar
 
 import numpy as np
 
-from torsionnet.assembly.rows import ComplexArray, FloatArray
-from torsionnet.core.entries.spec import Count, OneOf, entry
-from torsionnet.core.errors import Fault, UsageError
+from torsionnet.base.entries.spec import Count, OneOf, entry
+from torsionnet.base.errors import Fault, UsageError
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.response.modes import OSCILLATORY, Modes
-from torsionnet.solve.modes.mode_pairs import undamped_place
-from torsionnet.solve.modes.modes import natural_modes
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
+from torsionnet.linear.modes.mode_pairs import undamped_place
+from torsionnet.linear.modes.modes import OSCILLATORY, Modes
+from torsionnet.linear.modes.natural_modes import natural_modes
 from torsionnet.study.quantities.quantity import QuantityForm, StudyQuantity, register_quantity
 from torsionnet.study.quantities.variant_block import VariantBlock
 

@@ -9,13 +9,13 @@ from typing import ClassVar
 
 import numpy as np
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import Flag, OneOf, Text, entry
-from torsionnet.core.errors import Fault
+from torsionnet.base.entries.scalars import Value
+from torsionnet.base.entries.spec import Flag, OneOf, Text, entry
+from torsionnet.base.errors import Fault
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.response.order_response import OrderResponse
-from torsionnet.solve.dynamic_stiffness.transfer_request import named_output
+from torsionnet.linear.assembly.rows import FloatArray
+from torsionnet.linear.dynamic_stiffness.transfer_request import named_output
+from torsionnet.machinery.orders.order_response import OrderResponse
 from torsionnet.study.quantities.largest_orders import largest_orders, order_responses
 from torsionnet.study.quantities.quantity import QuantityForm, StudyQuantity, register_quantity
 from torsionnet.study.quantities.speed_quantity import SpeedQuantity

@@ -8,10 +8,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.entries.scalars import Band
-from torsionnet.core.entries.spec import entry
+from torsionnet.base.entries.scalars import Band
+from torsionnet.base.entries.spec import entry
 from torsionnet.drivetrain import Drivetrain
+from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.study.quantities.peak_search import CANDIDATES, POINTS, BandPeaks, band_grid, largest
 from torsionnet.study.quantities.quantity import QuantityForm, register_quantity
 from torsionnet.study.quantities.transfer_quantity import TransferQuantity

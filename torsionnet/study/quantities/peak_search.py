@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.assembly.rows import FloatArray
+from torsionnet.linear.assembly.rows import FloatArray
 
 GRID_STEP = 0.01
 """Largest relative step of the grid of frequencies, as peaks closer together than this may count as one."""

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, ClassVar, TypeVar
 
 import numpy as np
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.entries.declared import Declared
-from torsionnet.core.errors import Fault
-from torsionnet.core.registers import TypeRegister
+from torsionnet.base.entries.declared import Declared
+from torsionnet.base.errors import Fault
+from torsionnet.base.registers import TypeRegister
+from torsionnet.linear.assembly.rows import FloatArray
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain

@@ -9,13 +9,13 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.scalars import AnyNumber, read_value
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.errors import Fault, Path
-from torsionnet.core.expressions import Number
-from torsionnet.core.units import CELSIUS, DIMENSIONS, Dimension, UnitError, parse_unit
+from torsionnet.base.entries.declared import Declared
+from torsionnet.base.entries.scalars import AnyNumber, read_value
+from torsionnet.base.entries.spec import entry
+from torsionnet.base.errors import Fault, Path
+from torsionnet.base.expressions import Number
+from torsionnet.base.units import CELSIUS, DIMENSIONS, Dimension, UnitError, parse_unit
+from torsionnet.linear.assembly.rows import FloatArray
 
 
 class ValueInUnit(float):

@@ -9,11 +9,11 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from torsionnet.assembly.rows import ComplexArray, FloatArray
-from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Band, Value
-from torsionnet.core.entries.spec import Count, EntryError, Json, OneOf, Schema, Spec, coerce_part, entry, not_none
-from torsionnet.core.errors import Fault
+from torsionnet.base.entries.scalars import SCALAR_SCHEMA, Band, Value
+from torsionnet.base.entries.spec import Count, EntryError, Json, OneOf, Schema, Spec, coerce_part, entry, not_none
+from torsionnet.base.errors import Fault
 from torsionnet.drivetrain import Drivetrain
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.study.quantities.quantity import QuantityForm, register_quantity
 from torsionnet.study.quantities.transfer_quantity import TransferQuantity
 from torsionnet.study.quantities.variant_block import VariantBlock

@@ -6,14 +6,14 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import OneOf, Text, entry
-from torsionnet.core.errors import Fault
+from torsionnet.base.entries.scalars import Value
+from torsionnet.base.entries.spec import OneOf, Text, entry
+from torsionnet.base.errors import Fault
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.model.scenario_courses import scenario_of
-from torsionnet.response.recording import Recording
-from torsionnet.solve.dynamic_stiffness.transfer_request import named_output
+from torsionnet.linear.assembly.rows import FloatArray
+from torsionnet.linear.dynamic_stiffness.transfer_request import named_output
+from torsionnet.motion.scenario_courses import scenario_of
+from torsionnet.signals.recording import Recording
 from torsionnet.study.quantities.quantity import QuantityForm, StudyQuantity, register_quantity
 from torsionnet.study.quantities.transfer_quantity import usage_faults
 from torsionnet.study.quantities.transient_peak import READ, READ_WORDS

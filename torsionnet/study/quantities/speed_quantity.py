@@ -8,13 +8,13 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.entries.composite import Listed
-from torsionnet.core.entries.spec import Count, Text, entry
-from torsionnet.core.errors import Fault
-from torsionnet.core.units import RPM
+from torsionnet.base.entries.composite import Listed
+from torsionnet.base.entries.spec import Count, Text, entry
+from torsionnet.base.errors import Fault
+from torsionnet.base.units import RPM
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.model.excitations.speed_range import SpeedBand
+from torsionnet.linear.assembly.rows import FloatArray
+from torsionnet.machinery.excitations.speed_range import SpeedBand
 from torsionnet.study.quantities.quantity import StudyQuantity
 
 OWN = ("excitations", "speeds", "every")

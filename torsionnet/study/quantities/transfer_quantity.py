@@ -6,12 +6,12 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import Field, dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from torsionnet.assembly.rows import ComplexArray, FloatArray
-from torsionnet.core.entries.spec import Text, entry
-from torsionnet.core.errors import Fault, UsageError
+from torsionnet.base.entries.spec import Text, entry
+from torsionnet.base.errors import Fault, UsageError
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.response.frequency_response import quotient_unit
-from torsionnet.solve.dynamic_stiffness.transfer_request import cached_request, named_output, resolve_inputs
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
+from torsionnet.linear.dynamic_stiffness.transfer_request import cached_request, named_output, resolve_inputs
+from torsionnet.linear.frequency_response import quotient_unit
 from torsionnet.study.quantities.quantity import StudyQuantity
 
 if TYPE_CHECKING:

@@ -8,18 +8,18 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.entries.composite import Composite, Listed
-from torsionnet.core.entries.declared import nearby_file
-from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value
-from torsionnet.core.entries.spec import EntryError, Json, OneOf, Schema, Text, entry, not_none
-from torsionnet.core.errors import MISSING_KEY, Fault, TorsionnetError, UsageError
-from torsionnet.core.remedies import remedy
+from torsionnet.base.entries.composite import Composite, Listed
+from torsionnet.base.entries.declared import nearby_file
+from torsionnet.base.entries.scalars import SCALAR_SCHEMA, Value
+from torsionnet.base.entries.spec import EntryError, Json, OneOf, Schema, Text, entry, not_none
+from torsionnet.base.errors import MISSING_KEY, Fault, TorsionnetError, UsageError
+from torsionnet.base.remedies import remedy
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.io.recording_files import read_even
-from torsionnet.model.fit import READING, FileReading
-from torsionnet.solve.dynamic_stiffness.transfer_request import named_output, resolve_inputs
-from torsionnet.solve.modes.modes import natural_modes
+from torsionnet.identification.plan.fit_entries import READING, FileReading
+from torsionnet.linear.assembly.rows import FloatArray
+from torsionnet.linear.dynamic_stiffness.transfer_request import named_output, resolve_inputs
+from torsionnet.linear.modes.natural_modes import natural_modes
+from torsionnet.signals.records.recording_files import read_even
 from torsionnet.study.quantities.quantity import QuantityForm, StudyQuantity, register_quantity
 from torsionnet.study.quantities.transfer_quantity import usage_faults
 from torsionnet.study.quantities.variant_block import VariantBlock

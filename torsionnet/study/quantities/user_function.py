@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.entries.spec import Json
-from torsionnet.core.errors import Fault, TorsionnetError, UsageError
+from torsionnet.base.entries.spec import Json
+from torsionnet.base.errors import Fault, TorsionnetError, UsageError
 from torsionnet.drivetrain import Drivetrain
+from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.study.quantities.quantity import QuantityForm, StudyQuantity
 
 if TYPE_CHECKING:

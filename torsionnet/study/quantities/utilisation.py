@@ -8,10 +8,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.entries.spec import Text, entry
-from torsionnet.core.errors import Fault, unknown_name
+from torsionnet.base.entries.spec import Text, entry
+from torsionnet.base.errors import Fault, unknown_name
 from torsionnet.drivetrain import Drivetrain
+from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.study.quantities.quantity import QuantityForm, StudyQuantity, register_quantity
 from torsionnet.study.quantities.speed_quantity import SpeedQuantity
 from torsionnet.study.quantities.transfer_quantity import usage_faults

@@ -11,21 +11,21 @@ from typing import Any, Protocol, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.assembly.rows import ComplexArray, FloatArray
-from torsionnet.assembly.table_range import told_of_reads
-from torsionnet.core.collected_warnings import collected_warnings
-from torsionnet.core.errors import TorsionnetError
+from torsionnet.base.collected_warnings import collected_warnings
+from torsionnet.base.errors import TorsionnetError
 from torsionnet.drivetrain import Drivetrain
+from torsionnet.linear.assembly.assembled import AssembledModel
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
+from torsionnet.linear.assembly.table_range import told_of_reads
+from torsionnet.linear.batch.batch import Batch
+from torsionnet.linear.batch.batched_modes import BatchedModes, batched_modes, single_modes
+from torsionnet.linear.batch.batched_responses import batched_responses
+from torsionnet.linear.batch.mode_tracking import TrackedModes, track_modes
+from torsionnet.linear.batch.own_frequencies import responses_at_own_frequencies
+from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest, cached_request
+from torsionnet.linear.modes.modes import Modes
+from torsionnet.linear.responses.transfer import responses, warn_infinite
 from torsionnet.model.channels import Input, Sensor
-from torsionnet.response.modes import Modes
-from torsionnet.solve.batch.batch import Batch
-from torsionnet.solve.batch.batched_modes import BatchedModes, batched_modes, single_modes
-from torsionnet.solve.batch.batched_responses import batched_responses
-from torsionnet.solve.batch.mode_tracking import TrackedModes, track_modes
-from torsionnet.solve.batch.own_frequencies import responses_at_own_frequencies
-from torsionnet.solve.dynamic_stiffness.transfer_request import TransferRequest, cached_request
-from torsionnet.solve.responses.transfer import responses, warn_infinite
 from torsionnet.study.quantities.counted_remarks import remark
 
 GRAPH = "graph"

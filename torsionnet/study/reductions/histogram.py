@@ -15,7 +15,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from torsionnet.assembly.rows import FloatArray
+from torsionnet.linear.assembly.rows import FloatArray
 
 ACCURACY = 0.002
 """Largest relative error of a percentile, beside the step between neighbouring values, as less takes more bins."""

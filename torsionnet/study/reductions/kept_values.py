@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from torsionnet.assembly.rows import FloatArray
+from torsionnet.linear.assembly.rows import FloatArray
 
 Cases = Mapping[tuple[str, str], FloatArray]
 """Mapping of (configuration, quantity or parameter) to its values in SI, (n,), or (n, 2) for the extremes of curves."""

@@ -8,7 +8,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.assembly.rows import FloatArray
+from torsionnet.linear.assembly.rows import FloatArray
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,9 +7,9 @@ from typing import Annotated, Any, TypeAlias
 
 from numpy.typing import ArrayLike
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.entries.spec import Schema
-from torsionnet.core.result_rows import NUMBER, NUMBER_ROWS, NUMBERS, Out
+from torsionnet.base.entries.spec import Schema
+from torsionnet.base.result_rows import NUMBER, NUMBER_ROWS, NUMBERS, Out
+from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.study.quantities.quantity import QuantityForm
 from torsionnet.study.reductions.histogram import Histogram
 from torsionnet.study.reductions.moments import Moments

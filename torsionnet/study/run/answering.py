@@ -11,8 +11,8 @@ from functools import partial
 from pathlib import Path
 from typing import cast
 
-from torsionnet.core.errors import SolveError, UsageError
-from torsionnet.core.packages import drawn, thinned
+from torsionnet.base.errors import SolveError, UsageError
+from torsionnet.base.packages import drawn, thinned
 from torsionnet.study.answers.answer import Conclusion, Conclusions, VariantValues
 from torsionnet.study.quantities.evaluator import BlockCalculator, Evaluator
 from torsionnet.study.run import run_chunks

@@ -12,9 +12,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.atomic import write_bytes
-from torsionnet.core.errors import UsageError
+from torsionnet.base.atomic import write_bytes
+from torsionnet.base.errors import UsageError
+from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.study.quantities.counted_remarks import remark
 from torsionnet.study.quantities.evaluator import Evaluator
 from torsionnet.study.quantities.quantity_limit import QuantityLimit

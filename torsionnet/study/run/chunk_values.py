@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.assembly.rows import FloatArray
+from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.study.quantities.variant_block import NOTHING_READ
 from torsionnet.study.reductions.histogram import Histogram
 from torsionnet.study.reductions.limit_counts import LimitBits

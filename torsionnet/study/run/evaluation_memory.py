@@ -15,7 +15,7 @@ from typing import BinaryIO
 
 import numpy as np
 
-from torsionnet.assembly.rows import FloatArray
+from torsionnet.linear.assembly.rows import FloatArray
 
 HEAD = Struct("<4sI32s")
 """Layout of the head of a record of stored evaluations, its mark, the length of the data, and the key."""

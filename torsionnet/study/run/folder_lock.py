@@ -11,7 +11,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
 
 LOCK = "running.json"
 """Name of the lock file in the folder of a study."""

@@ -18,8 +18,8 @@ from itertools import islice
 from multiprocessing import resource_tracker
 from typing import Any, TypeVar
 
-from torsionnet.core.errors import SolveError
-from torsionnet.core.threads import one_thread
+from torsionnet.base.errors import SolveError
+from torsionnet.base.threads import one_thread
 from torsionnet.study.run.executor import part_name
 
 S = TypeVar("S")

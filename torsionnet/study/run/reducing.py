@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from torsionnet.assembly.rows import FloatArray
+from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.study.quantities.counted_remarks import remark
 from torsionnet.study.reductions.histogram import GrowingHistogram
 from torsionnet.study.reductions.kept_values import KeptValues

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from itertools import chain
 from pathlib import Path
 
-from torsionnet.core.errors import SolveError, UsageError
+from torsionnet.base.errors import SolveError, UsageError
 from torsionnet.study.reductions.limit_counts import MOST_LIMITS
 from torsionnet.study.run.calculating import ChunkWork
 from torsionnet.study.run.chunk_values import ChunkValues

@@ -14,8 +14,8 @@ from time import perf_counter
 
 import numpy as np
 
-from torsionnet.assembly.rows import FloatArray
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
+from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.study.quantities.evaluator import Evaluator, Values
 from torsionnet.study.quantities.variant_block import NOTHING_READ
 from torsionnet.study.run.chunk_values import widest

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from torsionnet.core.atomic import write_text
-from torsionnet.core.errors import SolveError, TorsionnetWarning, UsageError
+from torsionnet.base.atomic import write_text
+from torsionnet.base.errors import SolveError, TorsionnetWarning, UsageError
 from torsionnet.study.run.calculating import chunk_file
 from torsionnet.study.run.chunk_values import ChunkValues, DamagedChunk
 from torsionnet.study.run.chunks import Chunks

@@ -8,7 +8,7 @@ import platform
 from importlib import metadata
 from typing import Any
 
-from torsionnet.core.version import __version__
+from torsionnet.base.version import __version__
 from torsionnet.study.run.chunks import Chunks, counted_limits
 from torsionnet.study.study import Study
 

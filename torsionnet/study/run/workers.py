@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
 from torsionnet.study.run.executor import Executor, SerialExecutor
 from torsionnet.study.run.process_pool import ProcessExecutor
 

@@ -6,7 +6,7 @@ import time
 from dataclasses import dataclass
 from math import ceil
 
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
 from torsionnet.study.study import Study
 
 TIMED_VARIANTS = {False: 64, True: 2}

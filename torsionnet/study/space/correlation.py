@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import ClassVar
 
-from torsionnet.core.entries.composite import Listed
-from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import Text, entry
-from torsionnet.core.errors import Fault, unknown_name
+from torsionnet.base.entries.composite import Listed
+from torsionnet.base.entries.declared import Declared
+from torsionnet.base.entries.scalars import Value
+from torsionnet.base.entries.spec import Text, entry
+from torsionnet.base.errors import Fault, unknown_name
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,9 +7,9 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 from numpy.polynomial.legendre import leggauss
 
-from torsionnet.core.errors import Fault
-from torsionnet.core.registers import Groups
-from torsionnet.response.frequency_response import FloatArray
+from torsionnet.base.errors import Fault
+from torsionnet.base.registers import Groups
+from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.study.space.correlation import Correlation
 from torsionnet.study.space.variations.variation import Marginal
 

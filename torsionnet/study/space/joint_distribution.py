@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsionnet.response.frequency_response import FloatArray
+from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.study.space.variations.variation import Marginal
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from torsionnet.core.entries.spec import Count
+from torsionnet.base.entries.spec import Count
 
 
 class Many(Count):

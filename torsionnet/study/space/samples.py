@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from math import log2
 from typing import ClassVar
 
-from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.spec import Count, OneOf, entry
-from torsionnet.core.errors import Fault
+from torsionnet.base.entries.declared import Declared
+from torsionnet.base.entries.spec import Count, OneOf, entry
+from torsionnet.base.errors import Fault
 from torsionnet.study.space.many import Many
 from torsionnet.study.space.sampling_points import LatinHypercubePoints, RandomPoints, UnitPoints
 from torsionnet.study.space.sampling_sobol import COORDINATE_BITS, SobolPoints

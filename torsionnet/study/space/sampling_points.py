@@ -10,7 +10,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.response.frequency_response import FloatArray
+from torsionnet.linear.frequency_response import FloatArray
 
 Words = NDArray[np.uint64]
 FEISTEL_ROUNDS = 4

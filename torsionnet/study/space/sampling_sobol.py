@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.response.frequency_response import FloatArray
+from torsionnet.linear.frequency_response import FloatArray
 
 COORDINATE_BITS = 30
 """Number of bits of every Sobol coordinate, and of the number of points, the default of scipy."""

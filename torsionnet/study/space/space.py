@@ -10,10 +10,10 @@ from typing import Any, Self
 
 import numpy as np
 
-from torsionnet.core.entries.spec import Json
-from torsionnet.core.errors import Fault, ModelError
+from torsionnet.base.entries.spec import Json
+from torsionnet.base.errors import Fault, ModelError
+from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.model.model import Model
-from torsionnet.response.frequency_response import FloatArray
 from torsionnet.study.space.correlation import Correlation
 from torsionnet.study.space.samples import Samples
 from torsionnet.study.space.space_entries import SpaceEntries

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from torsionnet.core.entries.composite import Listed, Named, Nested, Typed
-from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.spec import entry
+from torsionnet.base.entries.composite import Listed, Named, Nested, Typed
+from torsionnet.base.entries.declared import Declared
+from torsionnet.base.entries.spec import entry
 from torsionnet.study.space.correlation import Correlation
 from torsionnet.study.space.samples import Samples
 from torsionnet.study.space.variations.variation import VARIATIONS, Variation

@@ -8,12 +8,12 @@ from math import inf
 
 import numpy as np
 
-from torsionnet.core.entries.scalars import QuantityKind
-from torsionnet.core.errors import UNKNOWN_NAME, Fault, Path, unknown_name
+from torsionnet.base.entries.scalars import QuantityKind
+from torsionnet.base.errors import UNKNOWN_NAME, Fault, Path, unknown_name
+from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.model.changes import value_of_entry
 from torsionnet.model.elements import Element
 from torsionnet.model.model import Model
-from torsionnet.response.frequency_response import FloatArray
 from torsionnet.study.space.correlation import Correlation, name_faults
 from torsionnet.study.space.correlation_matrix import normal_correlation
 from torsionnet.study.space.joint_distribution import JointDistribution

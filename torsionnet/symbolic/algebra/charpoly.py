@@ -11,7 +11,7 @@ from typing import Any
 import sympy
 from sympy.polys.matrices import DomainMatrix
 
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
 from torsionnet.symbolic.algebra.network import ONE, NetworkMember, Program, ProgramNode, SymbolRow
 from torsionnet.symbolic.algebra.recursion import GraphBlock, Quotient
 

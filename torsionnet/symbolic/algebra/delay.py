@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, Self
 
 import sympy
 
-from torsionnet.assembly.symbolic import OMEGA
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
+from torsionnet.linear.assembly.symbolic import OMEGA
 from torsionnet.model.element_base.dynamic_stiffness import DynamicStiffness
 from torsionnet.symbolic.algebra.algebras import InPowersOfS, PolynomialInS
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TypeAlias
 
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
 from torsionnet.symbolic.algebra.network import Program, ProgramNode
 
 SparseRow: TypeAlias = Mapping[int, ProgramNode]

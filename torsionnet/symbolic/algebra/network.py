@@ -18,8 +18,8 @@ from typing import Any, Generic, Protocol, TypeAlias, TypeVar
 
 import sympy
 
-from torsionnet.assembly.symbolic import collect_by_ratio
-from torsionnet.core.registers import Memo
+from torsionnet.base.registers import Memo
+from torsionnet.linear.assembly.symbolic import collect_by_ratio
 
 SymbolRow: TypeAlias = Mapping[str, Any]
 """Row by which a law or a sensor acts on coordinates, sympy coefficients by coordinate, none of them zero."""

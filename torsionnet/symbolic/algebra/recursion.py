@@ -40,7 +40,7 @@ from typing import Any, Generic, Protocol, TypeAlias
 
 import networkx as nx
 
-from torsionnet.core.registers import Groups
+from torsionnet.base.registers import Groups
 from torsionnet.symbolic.algebra.network import (
     L,
     Network,

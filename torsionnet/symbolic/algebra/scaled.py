@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 
 ZERO_EXPONENT = -(10**9)
 """Binary exponent of an exact zero, below that of any other number, so that sums keep the other number."""

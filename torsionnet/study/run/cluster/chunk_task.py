@@ -10,7 +10,7 @@ from functools import cache
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
-from torsionnet.core.threads import one_thread
+from torsionnet.base.threads import one_thread
 from torsionnet.study.run.cluster.cluster_losses import ClusterError
 
 if TYPE_CHECKING:

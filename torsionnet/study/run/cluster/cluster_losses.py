@@ -8,7 +8,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from torsionnet.core.errors import TorsionnetError
+from torsionnet.base.errors import TorsionnetError
 from torsionnet.study.run.executor import part_name
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.core.errors import MissingExtraError, UsageError
+from torsionnet.base.errors import MissingExtraError, UsageError
 from torsionnet.study.run.process_pool import ENVIRONMENT
 
 if TYPE_CHECKING:
@@ -141,7 +141,7 @@ def connected(where: str, patience: float = ANSWER_SECONDS) -> Iterator[Client]:
     ...     pass
     Traceback (most recent call last):
     ...
-    torsionnet.core.errors.UsageError: "cluster.yaml" is no cluster; give tcp://host:port ...
+    torsionnet.base.errors.UsageError: "cluster.yaml" is no cluster; give tcp://host:port ...
     """
     local = LOCAL.fullmatch(where)
     if local is None and "://" not in where and not where.endswith(".json"):

@@ -13,7 +13,7 @@ from statistics import median
 from time import monotonic
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
-from torsionnet.core.errors import UsageError
+from torsionnet.base.errors import UsageError
 from torsionnet.study.run.cluster.chunk_task import DoneChunk, Versions, check_versions, done_chunks, refuse_faults
 from torsionnet.study.run.cluster.cluster_losses import (
     Notify,

@@ -7,11 +7,11 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from torsionnet.core.entries.composite import Listed
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.errors import Fault
-from torsionnet.core.expressions import Number
-from torsionnet.response.frequency_response import FloatArray
+from torsionnet.base.entries.composite import Listed
+from torsionnet.base.entries.spec import entry
+from torsionnet.base.errors import Fault
+from torsionnet.base.expressions import Number
+from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.study.space.variations.nominal import NominalReader
 from torsionnet.study.space.variations.variation import (
     HIGHEST_VALUE,

@@ -10,9 +10,9 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.expressions import Number
-from torsionnet.response.frequency_response import FloatArray
+from torsionnet.base.entries.spec import entry
+from torsionnet.base.expressions import Number
+from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.study.space.variations.nominal import NominalReader
 from torsionnet.study.space.variations.normal import DEVIATION, HIGH, LOW, MEAN
 from torsionnet.study.space.variations.truncated import truncated

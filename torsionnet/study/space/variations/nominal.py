@@ -6,10 +6,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import nan
 
-from torsionnet.core.entries.scalars import QuantityKind
-from torsionnet.core.errors import Fault
-from torsionnet.core.expressions import Name, Number
-from torsionnet.core.units import DIMENSIONS, Dimension, expected_unit
+from torsionnet.base.entries.scalars import QuantityKind
+from torsionnet.base.errors import Fault
+from torsionnet.base.expressions import Name, Number
+from torsionnet.base.units import DIMENSIONS, Dimension, expected_unit
 from torsionnet.model.model import Model
 from torsionnet.model.parameters import dimensions
 

@@ -8,10 +8,10 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from torsionnet.core.entries.spec import OneOf, entry
-from torsionnet.core.errors import UNKNOWN_KEY, Fault
-from torsionnet.core.expressions import Number
-from torsionnet.response.frequency_response import FloatArray
+from torsionnet.base.entries.spec import OneOf, entry
+from torsionnet.base.errors import UNKNOWN_KEY, Fault
+from torsionnet.base.expressions import Number
+from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.study.space.many import Many
 from torsionnet.study.space.variations.nominal import NominalReader
 from torsionnet.study.space.variations.uniform import HIGHEST, LOWEST

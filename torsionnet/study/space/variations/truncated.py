@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from torsionnet.core.expressions import Number
-from torsionnet.response.frequency_response import FloatArray
+from torsionnet.base.expressions import Number
+from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.study.space.variations.nominal import NominalReader
 from torsionnet.study.space.variations.variation import Marginal
 

@@ -8,9 +8,9 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from torsionnet.core.entries.spec import entry
-from torsionnet.core.expressions import Number
-from torsionnet.response.frequency_response import FloatArray
+from torsionnet.base.entries.spec import entry
+from torsionnet.base.expressions import Number
+from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.study.space.variations.nominal import NominalReader
 from torsionnet.study.space.variations.variation import (
     HIGHEST_VALUE,

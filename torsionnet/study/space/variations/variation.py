@@ -9,12 +9,12 @@ from typing import Any, ClassVar, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.scalars import SCALAR_SCHEMA, plain_number, read_value
-from torsionnet.core.entries.spec import EntryError, Json, Schema, Spec
-from torsionnet.core.expressions import Number
-from torsionnet.core.registers import TypeRegister
-from torsionnet.response.frequency_response import FloatArray
+from torsionnet.base.entries.declared import Declared
+from torsionnet.base.entries.scalars import SCALAR_SCHEMA, plain_number, read_value
+from torsionnet.base.entries.spec import EntryError, Json, Schema, Spec
+from torsionnet.base.expressions import Number
+from torsionnet.base.registers import TypeRegister
+from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.study.space.variations.nominal import NominalReader
 
 

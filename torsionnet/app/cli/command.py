@@ -1,0 +1,160 @@
+"""Base class of commands, their answers, and the function that writes and prints an answer.
+
+Files are written before anything is printed, and nothing is written before every picture is drawn, so that an error
+leaves no files behind. Of an answer only the forms asked for are made.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import click
+
+from torsionnet.app.cli.declarations import Arguments, option, parameters
+from torsionnet.app.cli.failures import remedy_words
+from torsionnet.app.cli.options import OutputFile, plot_option
+from torsionnet.app.cli.terminal import print_file_written, print_json, print_line, print_table
+from torsionnet.base.atomic import write_text
+from torsionnet.base.number_text import screen_text
+from torsionnet.base.remedies import remedies
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from torsionnet.base.table import Table
+
+JSON = ("as_json",)
+NUMBERS = (*JSON, "digits")
+TABLE = ("as_json", "csv_file", "digits")
+"""Names of the output options of a command that prints one table; JSON and NUMBERS: of commands that print words, or
+numbers."""
+
+
+class Output(Arguments):
+    """Output options that commands share, for data, tables, digits and picture."""
+
+    as_json: bool = option("--json", help="Print JSON instead of tables.")
+    csv_file: str | None = option("--csv", type=OutputFile(), help="Write the table as CSV, in full precision.")
+    digits: int | None = option(
+        "--digits", type=click.IntRange(1, 17), metavar="N", help="Significant digits of numbers in tables."
+    )
+    plot_file: str | None = plot_option("a picture")
+
+    def with_digits(self, table: Table) -> Table:
+        """Copy of a table with as many significant digits as the command line asks for."""
+        return table.with_digits(self.digits) if self.digits else table
+
+
+@dataclass(frozen=True, kw_only=True)
+class Answer:
+    """Result of a command as functions that give its text, data, tables, pictures and files, and its exit code.
+
+    Tables and pictures for files have a name (of a configuration or channel), which becomes part of the file's name.
+    """
+
+    screen: Callable[[], Iterable[Table | str | tuple[Any, ...]]] = tuple
+    data: Callable[[], Any] = tuple
+    csv: Callable[[], Sequence[tuple[str, Table]]] = tuple
+    figures: Callable[[ModuleType], Iterable[tuple[str, Figure]]] = lambda _: ()
+    """Function that gives names and figures of the pictures, called only if a picture is asked for."""
+    files: Sequence[tuple[str | Path | None, Callable[[Any], Any]]] = ()
+    exit_code: int = 0
+
+
+class Command(Arguments):
+    """Base class of commands, whose fields are the arguments; the docstring of a subclass is the command's help."""
+
+    forms: ClassVar[tuple[str, ...]] = ()
+    """Names of the options of :class:`Output` that the command has."""
+    picture: ClassVar[str] = ""
+    """Words on what the option ``--plot`` draws, for the help of the command; empty: the command draws nothing."""
+
+    output: Output
+
+    def answer(self) -> Answer:
+        """Calculate the result of the command and return it as texts, data, tables and files to be written."""
+        raise NotImplementedError
+
+
+def click_command(name: str, declared: type[Command]) -> click.Command:
+    """Click command made from a class of arguments."""
+
+    def run(**values: Any) -> None:
+        command = declared(**values)
+        if command.output.as_json and command.output.digits:
+            raise click.UsageError("--digits rounds tables and --json has all digits: leave one of them out")
+        with remedies(words):
+            write_answer(command.answer(), command.output)
+
+    forms = {one.name: one for one in parameters(Output)}
+    params = [one for one in parameters(declared) if one.name not in forms]
+    params += [forms[form] for form in declared.forms]
+    params += [plot_option(declared.picture).parameter("plot_file", str | None)] if declared.picture else []
+    words = remedy_words([option for one in params for option in one.opts])
+    return click.Command(name, callback=run, params=params, help=inspect.getdoc(declared))
+
+
+def write_answer(answer: Answer, output: Output) -> None:
+    """Write and print the answer of a command in the forms asked for."""
+    figures: list[tuple[str, Figure]] = []
+    if output.plot_file:
+        import torsionnet.plot as plot
+
+        figures += answer.figures(plot)
+    tables = answer.csv() if output.csv_file else ()
+    for name, table in tables:
+        path = result_path(str(output.csv_file), name, len(tables))
+        table.to_csv(path)
+        print_file_written(path)
+    for file, write in answer.files:
+        if file:
+            write(file)
+            print_file_written(str(file))
+    for name, figure in figures:
+        path = result_path(str(output.plot_file), name, len(figures))
+        plot.save(figure, path)
+        print_file_written(path)
+    if output.as_json:
+        from torsionnet.base.result_rows import to_json
+
+        print_json(to_json(answer.data()))
+    else:
+        for part in answer.screen():
+            _print(part, output)
+    if answer.exit_code:
+        raise click.exceptions.Exit(answer.exit_code)
+
+
+def _print(part: Table | str | tuple[Any, ...], output: Output) -> None:
+    if isinstance(part, (str, tuple)):
+        print_line(screen_text(part, *([output.digits] if output.digits else [])))
+    else:
+        print_table(output.with_digits(part))
+
+
+def result_path(file: str, name: str, count: int) -> str:
+    """Path of one of several result files, as ``shapes_gear_V_clutch_open.png``; ``file`` itself if there is one."""
+    if count == 1:
+        return file
+    path = Path(file)
+    return str(path.with_name(f"{path.stem}_{name.replace('=', '_').replace(',', '_')}{path.suffix}"))
+
+
+def text_answer(text: str, file: str | None) -> Answer:
+    """Answer of a command whose result is one text: written to a file, or printed if none is given."""
+    if file is None:
+        click.echo(text, nl=False)
+    return Answer(files=[(file, lambda path: write_text(path, text))])
+
+
+def separated_by_lines(parts: Iterable[Table]) -> Iterator[Table | str]:
+    """Tables one after the other, with an empty line between them."""
+    for number, part in enumerate(parts):
+        if number:
+            yield ""
+        yield part

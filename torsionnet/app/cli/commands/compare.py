@@ -1,0 +1,115 @@
+"""Command ``torsionnet compare``, which compares a record with a model."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from torsionnet.app.cli.cases import ModelCommand
+from torsionnet.app.cli.command import TABLE, Answer, click_command
+from torsionnet.app.cli.declarations import option
+from torsionnet.app.cli.options import ALIGN, ANGLE, HIGHEST_FREQUENCY, LOWEST_FREQUENCY
+from torsionnet.app.cli.record_options import Averaging, Estimator, RecordCommand
+
+if TYPE_CHECKING:
+    from torsionnet.base.conventions import Conventions
+    from torsionnet.base.table import Table
+    from torsionnet.drivetrain import Drivetrain
+    from torsionnet.linear.frequency_response import FrequencyResponse
+
+
+class CompareCommand(ModelCommand, RecordCommand):
+    """A record against a model: both responses, how far they are apart, and where the test can be trusted.
+
+    \b
+    torsionnet bench amt_bench -c V -o gear_V.npz
+    torsionnet compare gear_V.npz amt_rig -c V --output theta_1 --input T_T --preset paper --to 40 --plot V.png
+    """
+
+    forms = TABLE
+    picture = "test over model, with their differences"
+
+    sensor: str = option("--output", metavar="NAME", help="Channel of the record, and sensor of the model.")
+    into: str = option("--input", metavar="NAME", help="Channel of the record, and input or sensor.")
+    model_output: str | None = option(
+        "--model-output", metavar="NAME", help="Sensor of the model, if it has another name there."
+    )
+    model_input: str | None = option(
+        "--model-input", metavar="NAME", help="Input or sensor of the model, if it has another name there."
+    )
+    excitation: str | None = option(
+        "--excitation", metavar="INPUT", help="What drives the model, if it has several inputs."
+    )
+    averaging: Averaging
+    estimator: Estimator
+    start: float = LOWEST_FREQUENCY
+    stop: float | None = HIGHEST_FREQUENCY
+    angle: str = ANGLE
+    align: bool = ALIGN
+
+    def answer(self) -> Answer:
+        from torsionnet.app.cli.commands.estimate import estimate_record
+        from torsionnet.app.cli.frf_output import comparison_record
+        from torsionnet.base.conventions import Conventions
+        from torsionnet.signals.agreement import agreement
+
+        self.require_one("a record is of one configuration: name one with -c")
+        case = self.cases()[0]
+        band = (self.start, self.stop)
+        test = estimate_record(
+            self.record,
+            self.reading,
+            (self.sensor,),
+            (self.into,),
+            self.averaging,
+            self.estimator,
+            band,
+            align=self.align,
+        )
+        names = (self.model_output or self.sensor, self.model_input or self.into)
+        calculated = _calculated(case.drivetrain, test, *names, self.excitation)
+        conventions = Conventions(angle=self.angle)
+        return Answer(
+            screen=lambda: [agreement(test, calculated, conventions)],
+            data=lambda: comparison_record(test, calculated, conventions),
+            csv=lambda: [("", _full(test, calculated, conventions))],
+            figures=lambda plot: [("", plot.comparison(test, calculated, conventions=conventions))],
+        )
+
+
+def _calculated(
+    drivetrain: Drivetrain, test: FrequencyResponse, output: str, into: str, excitation: str | None
+) -> FrequencyResponse:
+    """Calculated response of the model at the frequencies of the test, under the test's channel names."""
+    from dataclasses import replace
+
+    found = drivetrain.frequency_response(output, into, test.frequencies, excitation=excitation)
+    same = [
+        tuple(replace(channel, name=other.name) for channel, other in zip(mine, theirs, strict=True))
+        for mine, theirs in ((found.outputs, test.outputs), (found.inputs, test.inputs))
+    ]
+    return replace(found, outputs=same[0], inputs=same[1])
+
+
+def _full(test: FrequencyResponse, model: FrequencyResponse, conventions: Conventions) -> Table:
+    """Table of test, model, their differences and coherence, with a row for each frequency in Hz."""
+    from torsionnet.base.table import Column, Table
+    from torsionnet.signals.comparison import difference
+
+    differences, unit, scale = difference(test, model), test.unit(conventions=conventions), test.scale(conventions)
+    data = {
+        ("frequency", "Hz"): test.frequencies,
+        ("|test|", unit): test.magnitude[:, 0, 0] * scale,
+        ("phase test", "deg"): test.phase[:, 0, 0],
+        ("|model|", unit): model.magnitude[:, 0, 0] * scale,
+        ("phase model", "deg"): model.phase[:, 0, 0],
+        ("difference", "dB"): differences.decibels[:, 0, 0],
+        ("difference of phase", "deg"): differences.degrees[:, 0, 0],
+    }
+    if test.coherence is not None:
+        data[("coherence", "1")] = test.coherence[:, 0, 0]
+    rows = tuple(tuple(map(float, row)) for row in zip(*data.values(), strict=True))
+    notes = tuple(map(str, (*test.notes, *model.notes)))
+    return Table(model.title, tuple(Column(*key) for key in data), rows, notes)
+
+
+command = click_command("compare", CompareCommand)

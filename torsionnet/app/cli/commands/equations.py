@@ -1,0 +1,186 @@
+"""Command ``torsionnet equations``, which prints equations of motion or transfer functions in symbols.
+
+Also texts and tables of equations and matrices for ``torsionnet show``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import fields
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from torsionnet.app.cli.cases import ConfiguredCase, ModelCommand
+from torsionnet.app.cli.command import JSON, Answer, click_command
+from torsionnet.app.cli.declarations import option
+from torsionnet.app.cli.equation_output import (
+    ConfiguredMotion,
+    TransferFunctionRecord,
+    dependent_angles,
+    equations_of_motion,
+    matrix_rows,
+    simplification_errors,
+)
+from torsionnet.app.cli.options import SIMPLIFY, EntryOption
+from torsionnet.base.table import Column, Table
+
+if TYPE_CHECKING:
+    from torsionnet.drivetrain import Drivetrain
+    from torsionnet.report.plan import Pair
+    from torsionnet.symbolic.simplified import Simplified
+    from torsionnet.symbolic.transfer_function import TransferFunction
+
+MATRICES = (
+    ("M", "kg*m^2", "Inertia matrix"),
+    ("C", "N*m*s/rad", "Damping matrix"),
+    ("K", "N*m/rad", "Stiffness matrix"),
+)
+EQUATION_WIDTH = 100
+"""Characters of a line after which an equation goes on in the next line, as terminals are about as wide."""
+FORMS = ("mechanical", "polynomial", "normalised", "program", "expanded", "python")
+
+
+class EquationsCommand(ModelCommand):
+    """Equations of motion, or transfer functions, in the model's own symbols.
+
+    \b
+    torsionnet equations amt_rig -c V
+    torsionnet equations dmf_rig --tf theta_1/T_T --form normalised
+    torsionnet equations dmf_rig --tf theta_1/T_M --simplify 1% --band 0.5 20 --latex
+    """
+
+    forms = JSON
+
+    pairs: tuple[Any, ...] = option(
+        "--tf",
+        type=EntryOption("OUTPUT/INPUT", "model.report.report_plan:PAIR"),
+        help='A transfer function, "theta_1/T_T". Repeatable.',
+    )
+    form: str | None = option("--form", type=click.Choice(FORMS), help="How it is written.  [default: mechanical]")
+    simplify: float | None = SIMPLIFY
+    band: tuple[float, float] | None = option(
+        "--band",
+        type=float,
+        nargs=2,
+        metavar="LOW HIGH",
+        help="The band of --simplify in Hz.  [default: around the lowest mode]",
+    )
+    latex: bool = option("--latex", help="As LaTeX.")
+
+    def answer(self) -> Answer:
+        self._refuse_what_would_be_ignored()
+        cases = self.cases()
+        return Answer(
+            screen=lambda: self._parts(cases), data=lambda: [found for case in cases for found in self._records(case)]
+        )
+
+    def _refuse_what_would_be_ignored(self) -> None:
+        for name, given in (("--form", self.form), ("--simplify", self.simplify)):
+            if given is not None and not self.pairs:
+                raise click.UsageError(f"{name} is about a transfer function; say which by --tf OUTPUT/INPUT")
+        if self.band is not None and self.simplify is None:
+            raise click.UsageError(
+                "--band has no effect without --simplify; write --simplify 1% --band 0.5 20, or leave it out"
+            )
+        if self.latex and self.form == "python":
+            raise click.UsageError("--latex and --form python are two ways of writing; choose one")
+
+    def _parts(self, cases: list[ConfiguredCase]) -> Iterator[str]:
+        for number, case in enumerate(cases):
+            yield from [""] if number else []
+            if not self.pairs:
+                yield case.drivetrain.symbolic().to_latex() if self.latex else equations_text(case.drivetrain)
+            for place, pair in enumerate(self.pairs):
+                yield from [""] if place else []
+                found, short = self._found(case.drivetrain, pair)
+                # What is not the expression is a comment, so that the whole can be pasted.
+                mark = "% " if self.latex else "# " if self.form == "python" else ""
+                yield f"{mark}{case.drivetrain.title}: {pair}"
+                if short is not None:
+                    low, high = short.band
+                    yield f"{mark}left out: {'; '.join(short.changes) or 'nothing'}"
+                    yield f"{mark}error {low:g} to {high:g} Hz: {short.errors}"
+                yield self._written(found)
+
+    def _records(self, case: ConfiguredCase) -> Iterator[ConfiguredMotion | TransferFunctionRecord]:
+        if not self.pairs:
+            motion = equations_of_motion(case.drivetrain)
+            yield ConfiguredMotion(case.configuration, *(getattr(motion, one.name) for one in fields(motion)))
+        for pair in self.pairs:
+            found, short = self._found(case.drivetrain, pair)
+            more = (short.changes, short.band, simplification_errors(short)) if short is not None else ()
+            yield TransferFunctionRecord(case.configuration, str(pair), self._written(found), *more)
+
+    def _found(self, rig: Drivetrain, pair: Pair) -> tuple[TransferFunction, Simplified | None]:
+        symbolic = rig.symbolic()
+        names = (pair.output, pair.input, pair.excitation or None)
+        if self.simplify is None:
+            return symbolic.transfer_function(*names), None
+        short = symbolic.simplified(*names, tolerance=self.simplify, band=self.band)
+        return short.transfer_function, short
+
+    def _written(self, found: TransferFunction) -> str:
+        form = self.form or "mechanical"
+        return found.to_latex(form) if self.latex else found.to_text(form)
+
+
+def equations_text(rig: Drivetrain) -> str:
+    """Text of a drivetrain's equations of motion, of the angles of dependent nodes, and of terms taken to be zero."""
+    from torsionnet.symbolic.formula_text import for_display
+
+    system = rig.symbolic()
+    lines = [f"{rig.title}: equations of motion (' is d/dt)"]
+    for name, equation in zip(system.coordinates, system.equations(), strict=True):
+        lines += [f"{name}:", *_folded(equation)]
+    for one, law in zip(system.actions, system.laws(), strict=True):
+        lines += [f"{one.owner}:", *_folded(law)]
+    others = [f"theta_{node} = {text}" for node, text in dependent_angles(system).items()]
+    others += [f"{name} = {for_display(formula)}" for name, formula in system.formulas.items()]
+    lines += ["where", *(f"    {text}" for text in others)] if others else []
+    if system.conditions:
+        lines += ["taking the values into account:", *(f"    {condition} = 0" for condition in system.conditions)]
+    return "\n".join(lines)
+
+
+def _folded(equation: str) -> list[str]:
+    """Lines of an equation as texts, broken between terms and indented."""
+    lines = [" " * 4]
+    for term in _terms(equation):
+        if len(lines[-1]) + len(term) >= EQUATION_WIDTH:
+            lines.append(" " * 8)
+        lines[-1] += term if lines[-1].isspace() else f" {term}"
+    return lines
+
+
+def _terms(equation: str) -> list[str]:
+    """Terms of an equation as texts, split before every sign or = outside parentheses."""
+    terms: list[str] = []
+    depth = 0
+    for word in equation.split(" "):
+        if not terms or (depth == 0 and word in ("+", "-", "=")):
+            terms.append(word)
+        else:
+            terms[-1] += f" {word}"
+        depth += word.count("(") - word.count(")")
+    return terms
+
+
+def matrix_tables(rig: Drivetrain) -> list[Table]:
+    """Tables of a drivetrain's matrices M, C and K in SI units, with a row and a column for each coordinate."""
+    coordinates = rig.assembly.kinematics.coordinates
+    columns = (Column(""), *(Column(name) for name in coordinates))
+    notes: tuple[str, ...] = ("frequency-dependent stiffness is not included",) if rig.assembly.system.dynamic else ()
+    notes += ("torques of controllers are not included",) if rig.assembly.system.actions else ()
+    return [
+        Table(
+            f"{rig.title}: {title} {symbol} [{unit}]",
+            columns,
+            tuple((name, *row) for name, row in zip(coordinates, matrix_rows(rig, symbol), strict=True)),
+            notes,
+        )
+        for symbol, unit, title in MATRICES
+    ]
+
+
+command = click_command("equations", EquationsCommand)

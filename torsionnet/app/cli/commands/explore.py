@@ -1,0 +1,122 @@
+"""Command ``torsionnet explore``, which opens a page in the browser to play with a model."""
+
+from __future__ import annotations
+
+import threading
+from typing import TYPE_CHECKING
+
+import click
+
+from torsionnet.app.cli.cases import ModelCommand
+from torsionnet.app.cli.command import Answer, click_command
+from torsionnet.app.cli.declarations import argument, option
+from torsionnet.app.cli.models import STANDARD_INPUT, standard_input_text
+from torsionnet.app.cli.terminal import message, print_faults, print_line
+
+if TYPE_CHECKING:
+    from torsionnet.app.explore import ExploreServer
+
+TEMPLATE = "rig"
+"""Kind of starting model that the page begins with where no model is named."""
+TEMPLATE_NAME, TEMPLATE_FILE = "new rig", "model.yaml"
+"""Name of that model, and of the file that the page offers to save."""
+
+TEMPLATE_HEAD = """# A test rig to begin with: motor, torque meter, specimen, brake.
+# ALL FIGURES ARE EXAMPLES: replace every one of them.
+# Ctrl-Space completes, F8 goes to the next fault, Ctrl-. mends it, Ctrl-Z undoes. A mass-elastic table pasted over
+# this text becomes a model.
+"""
+"""Comment above that model in the page."""
+
+
+class ExploreCommand(ModelCommand):
+    """A page in the browser to write a model and to play with it: text, sliders, responses, modes. Ctrl-C ends it.
+
+    Without MODEL it begins with a small test rig. A model with errors is opened to be mended. The page writes to the
+    file of the model, and to no other one, where its user says so.
+
+    \b
+    torsionnet explore
+    torsionnet explore plant.yaml
+    torsionnet explore amt_rig -c V --tf theta_1/T_T --overlay gear_V.csv --band 0.5 40
+    torsionnet explore plant.yaml --over-speed "torque(coupling)" --measured tracked.csv
+    """
+
+    model: str = argument("[MODEL]", required=False, default="")
+    pairs: tuple[str, ...] = option(
+        "--tf",
+        metavar="OUTPUT/INPUT",
+        help='A response to offer, as "theta_1/T_M"; the first one is shown. Repeatable.',
+    )
+    over_speed: tuple[str, ...] = option(
+        "--over-speed",
+        metavar="OUTPUT",
+        help='What excitations make of an output over speed, as "torque(coupling)"; shown at first. Repeatable.',
+    )
+    measured: str | None = option(
+        "--measured",
+        metavar="FILE",
+        help="Orders of a test to lay over those of --over-speed: a file of torsionnet track, or CSV.",
+    )
+    band: tuple[float, float] | None = option(
+        "--band", nargs=2, type=float, metavar="LOW HIGH", help="Frequencies in Hz; default: from the modes."
+    )
+    overlay: str | None = option(
+        "--overlay", metavar="FILE", help="A measured response to lay over: CSV, NPZ, MAT, UFF58."
+    )
+    port: int = option("--port", type=click.IntRange(0, 65535), default=0, help="Default: any that is free.")
+    no_browser: bool = option("--no-browser", help="Only print the address.")
+
+    def answer(self) -> Answer:
+        from torsionnet.app.explore.state import HIGHEST_FREQUENCY
+
+        self.require_one("the page begins with one configuration: name one with -c; all of them are tabs of the page")
+        if self.band and not 0 < self.band[0] < self.band[1] <= HIGHEST_FREQUENCY:
+            given = f"{self.band[0]:g} {self.band[1]:g}"
+            raise click.UsageError(f"--band needs 0 < LOW < HIGH <= {HIGHEST_FREQUENCY:g} Hz, got {given}")
+        from torsionnet.app.explore import ExploreServer, open_documents
+        from torsionnet.app.explore.choices import read_pair
+
+        documents, faults = open_documents(
+            self.model or TEMPLATE_FILE,
+            "".join(self.configurations),
+            dict(self.settings),
+            [read_pair(pair) for pair in self.pairs],
+            self.band,
+            self.overlay,
+            self._text(),
+            self.over_speed,
+            self.measured,
+            is_template=not self.model,
+        )
+        print_faults(faults)
+        with ExploreServer(documents, self.port) as server:
+            _serve(server, open_browser=not self.no_browser)
+        return Answer()
+
+    def _text(self) -> str | None:
+        """Text of a model without a file: the template, or standard input."""
+        if not self.model:
+            from torsionnet.app.cli.commands.new import starting_model
+
+            text = starting_model(TEMPLATE, TEMPLATE_NAME)
+            return TEMPLATE_HEAD + text[text.index("torsionnet: 1") :]  # without its commands for a terminal
+        return standard_input_text() if self.model == STANDARD_INPUT else None
+
+
+def _serve(server: ExploreServer, *, open_browser: bool) -> None:
+    """Serve the page of the explorer to the browser until the user stops the command."""
+    print_line(server.address)
+    message("note", "the page is on this machine only; Ctrl-C ends it")
+    if open_browser:
+        import webbrowser
+
+        # A text browser in this terminal would not return.
+        threading.Thread(target=webbrowser.open, args=(server.address,), daemon=True).start()
+    try:
+        server.serve_forever()
+    except KeyboardInterrupt:
+        message("note", "ended")
+
+
+command = click_command("explore", ExploreCommand)

@@ -1,0 +1,140 @@
+"""Command ``torsionnet export``, which writes a model for another program."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from torsionnet.app.cli.cases import ModelCommand
+from torsionnet.app.cli.command import Answer, click_command, result_path
+from torsionnet.app.cli.declarations import option
+from torsionnet.app.cli.options import file_option
+from torsionnet.app.cli.terminal import message, print_file_written
+from torsionnet.base.errors import UsageError
+
+if TYPE_CHECKING:
+    from torsionnet.drivetrain import Drivetrain
+
+FORMATS = {".tors": "tors", ".json": "tors", ".m": "matlab", ".mat": "mat", ".mo": "modelica",
+           ".fmu": "fmu", ".csv": "sheet"}  # fmt: skip
+"""Format in which a model is written, by the ending of the file."""
+FORMAT_OPTIONS = {"step": ("--step", "fmu", "an FMU"), "version": ("--fmi", "fmu", "an FMU"),
+       "referred_to": ("--referred-to", "sheet", "a mass-elastic sheet (.csv)")}  # fmt: skip
+"""Options of the command that belong to one format: by name, their words, the format, and the kind of file it makes."""
+ONE_PLATFORM_HINT = '; pip install "torsionnet[fmu]" brings a compiler for the others'
+
+
+class ExportCommand(ModelCommand):
+    """Write a model for another program.
+
+    What the file leaves out or holds as a straight line is listed in it and on stderr.
+
+    \b
+    .tors, .json  TORS of openTorsion: disks, shafts and gears in a tree
+    .m, .mat      matrices, state space and names for Matlab and Octave
+    .mo           Modelica text of Modelica.Mechanics.Rotational components
+    .fmu          functional mock-up unit, for co-simulation and model exchange
+                  (extra fmu, or a C compiler)
+    .csv          mass-elastic sheet: inertias and the shafts between them,
+                  real or --referred-to a node
+
+    \b
+    torsionnet export amt_rig -c V -o rig.mo
+    torsionnet export dmf_rig -o rig.fmu --fmi 3.0
+    torsionnet export geared_branch -o sheet.csv --referred-to motor
+    """
+
+    output_file: str = file_option("The file to write.")
+    form: str | None = option(
+        "--format",
+        type=click.Choice(list(dict.fromkeys(FORMATS.values()))),
+        help="Default: by the ending of the file. Of text (tors, modelica, sheet) the ending may be any.",
+    )
+    step: float | None = option("--step", help="Communication step of an FMU in s.  [default: a fiftieth of a period]")
+    version: str | None = option(
+        "--fmi", type=click.Choice(["2.0", "3.0"]), help="Version of the interface of an FMU.  [default: 2.0]"
+    )
+
+    referred_to: str | None = option(
+        "--referred-to",
+        metavar="NODE",
+        help="Values of a sheet as at the speed of this node.  [default: real]",
+    )
+
+    viscous_at: float | None = option(
+        "--viscous-at",
+        metavar="HZ",
+        help="Springs with a loss factor or a table over frequency as springs and dampers that do the same at HZ.",
+    )
+
+    def answer(self) -> Answer:
+        chosen = _format(Path(self.output_file).suffix.lower(), self.form)
+        more = {name: value for name in FORMAT_OPTIONS if (value := getattr(self, name)) is not None}
+        for name in more:
+            word, form, what = FORMAT_OPTIONS[name]
+            if form != chosen:
+                raise click.UsageError(f"{word} applies only to {what}: leave it out, or choose that format")
+        cases = self.cases()
+        import torsionnet.io as io
+        from torsionnet.io.export_losses import export_losses
+
+        writers: dict[str, Callable[..., tuple[str, ...] | None]] = {
+            "tors": io.write_tors,
+            "matlab": io.write_matlab,
+            "mat": io.write_matlab,
+            "modelica": io.write_modelica,
+            "fmu": io.write_fmu,
+            "sheet": io.write_mass_elastic,
+        }
+        for case in cases:
+            target = result_path(self.output_file, case.configuration, len(cases))
+            platforms = self._write(writers[chosen], case.drivetrain, target, more)
+            if platforms:
+                message("note", f"binaries for {', '.join(platforms)}{'' if len(platforms) > 1 else ONE_PLATFORM_HINT}")
+            for sentence in export_losses(case.drivetrain, chosen).sentences():
+                message("note", sentence)
+            print_file_written(target)
+        return Answer()
+
+    def _write(
+        self, writer: Callable[..., tuple[str, ...] | None], drivetrain: Drivetrain, target: str, more: dict[str, Any]
+    ) -> tuple[str, ...] | None:
+        written = self._written(drivetrain)
+        try:
+            return writer(written, target, **more)
+        except UsageError as error:
+            if not written.assembly.system.dynamic:
+                raise
+            instead = "--viscous-at HZ replaces laws over frequency by springs and dampers with their values at HZ"
+            raise UsageError(f"{error}; {instead}") from error
+
+    def _written(self, drivetrain: Drivetrain) -> Drivetrain:
+        if self.viscous_at is None:
+            return drivetrain
+        from torsionnet.linear.assembly.table_range import range_notes
+        from torsionnet.machinery.design.viscous_equivalent import viscous_equivalent
+
+        equivalent = viscous_equivalent(drivetrain, self.viscous_at)
+        message(
+            "note",
+            "stiffness and damping over frequency are replaced by springs and "
+            f"viscous dampers with their values at {self.viscous_at:g} Hz",
+        )
+        for note in range_notes(drivetrain.assembly, [self.viscous_at]):
+            message("note", note)
+        return equivalent
+
+
+def _format(ending: str, form: str | None) -> str:
+    usual = FORMATS.get(ending)
+    if form is None and usual is None:
+        raise click.UsageError(f'"{ending}" tells no format; end the file in {", ".join(FORMATS)}, or give --format')
+    if form and usual and form != usual:
+        raise click.UsageError(f"a file ending in {ending} is of the format {usual}, not {form}; change one of the two")
+    return form or str(usual)
+
+
+command = click_command("export", ExportCommand)

@@ -1,0 +1,94 @@
+"""Command ``torsionnet simulate``, which moves a model over time by one of its scenarios."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from torsionnet.app.cli.cases import ConfiguredCase, ModelCommand
+from torsionnet.app.cli.command import TABLE, Answer, click_command, result_path, separated_by_lines
+from torsionnet.app.cli.declarations import argument, option
+from torsionnet.app.cli.options import ANGLE, EntryOption, file_option
+
+if TYPE_CHECKING:
+    from torsionnet.base.table import Table
+    from torsionnet.signals.recording import Recording
+
+
+class SimulateCommand(ModelCommand):
+    """Motion over time under a scenario of the model: peaks, events and energies.
+
+    A scenario stands in the entry scenarios: of the model, as torques over time or a short circuit. Outputs are the
+    sensors of the model unless others are named. Linear drivetrains move exactly; laws of motion, as of clearances and
+    friction, act in full.
+
+    \b
+    torsionnet simulate turbine_generator_ssr two_phases --plot fault.png
+    torsionnet simulate plant.yaml tip_in -c V --output "torque(shaft)" -o tip_in.npz
+    """
+
+    forms = TABLE
+    picture = "the signals over time with events"
+
+    scenario: str = argument("SCENARIO")
+    outputs: tuple[str, ...] = option(
+        "--output",
+        metavar="NAME",
+        help='Sensor or node, or "torque(coupling)". Repeatable.  [default: the sensors of the model]',
+    )
+    rate: float | None = option(
+        "--rate",
+        type=EntryOption("RATE", "model.scenarios.scenario:RATE"),
+        help='Samples a second instead of those of the scenario, as "20 kHz".',
+    )
+    check: bool = option(
+        "--check", help="Repeat the motion in steps half as long, and say until when both agree: contacts are chaotic."
+    )
+    output_file: str | None = file_option("Write the record; the ending tells the format, as .npz, .csv or .mat.")
+    angle: str = ANGLE
+
+    def answer(self) -> Answer:
+        from torsionnet.base.conventions import Conventions
+        from torsionnet.motion.motion_summary import peak_table, simulation_record
+        from torsionnet.signals.formats.registry import format_of
+        from torsionnet.signals.records.recording_files import write_recording
+
+        if self.output_file:
+            format_of(Path(self.output_file), "recording")
+        cases = self.cases()
+        found = self.each("simulating", cases, self._run)
+        pairs = list(zip(cases, found, strict=True))
+        conventions = Conventions(angle=self.angle)
+        return Answer(
+            screen=lambda: separated_by_lines(self._tables(pairs)),
+            data=lambda: [simulation_record(record, self.scenario, case.configuration) for case, record in pairs],
+            csv=lambda: [("", self.combined_table(cases, [peak_table(one, self._title(one)) for one in found]))],
+            files=[
+                (result_path(self.output_file, case.configuration, len(pairs)), partial(write_recording, record))
+                for case, record in pairs
+                if self.output_file
+            ],
+            figures=lambda plot: [
+                (case.configuration, plot.scenario_motion(record, conventions=conventions, title=self._title(record)))
+                for case, record in pairs
+            ],
+        )
+
+    def _run(self, case: ConfiguredCase) -> Recording:
+        outputs = self.outputs or None
+        return case.drivetrain.simulate(outputs, sampling_rate=self.rate, scenario=self.scenario, check=self.check)
+
+    def _title(self, record: Recording) -> str:
+        return f"{record.title}: {self.scenario}"
+
+    def _tables(self, pairs: list[tuple[ConfiguredCase, Recording]]) -> Iterator[Table]:
+        from torsionnet.motion.motion_summary import motion_tables
+
+        for case, record in pairs:
+            words = case.drivetrain.definition.scenarios[self.scenario].words
+            yield from motion_tables(record, self._title(record), words)
+
+
+command = click_command("simulate", SimulateCommand)

@@ -1,0 +1,96 @@
+"""Command ``torsionnet spectrogram``, which shows the level of a recorded channel over time and frequency."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from torsionnet.app.cli.command import TABLE, Answer, click_command
+from torsionnet.app.cli.declarations import option
+from torsionnet.app.cli.options import ANGLE, FiniteFloat
+from torsionnet.app.cli.record_options import Averaging, RecordCommand
+
+if TYPE_CHECKING:
+    from torsionnet.base.table import Table
+    from torsionnet.signals.recording import Recording
+    from torsionnet.signals.spectrogram import Spectrogram
+
+
+class SpectrogramCommand(RecordCommand):
+    """Level over time and frequency; on the screen the strongest line along the record.
+
+    \b
+    torsionnet spectrogram test.npz --channel T_T --decimate 50 --plot torque.png
+    """
+
+    forms = TABLE
+    picture = "the level over time and frequency"
+
+    channels: tuple[str, ...] = option("--channel", metavar="CHANNEL", help="Repeatable; default: all of the record.")
+    averaging: Averaging
+    highest: float | None = option(
+        "--to", type=FiniteFloat(0, min_open=True), help="Highest frequency in Hz; default: where the power ends."
+    )
+    span: float = option(
+        "--span", type=FiniteFloat(0, min_open=True), default=60.0, show_default=True, help="dB shown."
+    )
+    angle: str = ANGLE
+
+    def answer(self) -> Answer:
+        from torsionnet.base.conventions import Conventions
+
+        seen, shown = self.spectrograms(), Conventions(angle=self.angle)
+        return Answer(
+            screen=lambda: map(_table, seen),
+            data=lambda: [one.record() for one in seen],
+            csv=lambda: [(one.name, _table(one, every=True)) for one in seen],
+            figures=lambda plot: [
+                (one.name, plot.spectrogram(one, highest=self.highest, span=self.span, conventions=shown))
+                for one in seen
+            ],
+        )
+
+    def spectrograms(self) -> list[Spectrogram]:
+        """Spectrograms of the recorded channels asked for."""
+        from torsionnet.app.cli.progress import progress
+        from torsionnet.app.cli.records import load_record
+        from torsionnet.signals.decimation import decimated
+        from torsionnet.signals.recording import Recording
+        from torsionnet.signals.spectrogram import spectrogram
+
+        settings = self.averaging.settings()
+        with progress("transforming", None) as advance:
+            channels = self.channels or None
+            found = self.averaging.suited(load_record(self.record, self.reading, channels, settings.seconds, advance))
+            if not isinstance(found, Recording):  # only what is left after decimation is kept in memory
+                found = _joined(list(decimated(found, settings.decimation)))
+                settings = replace(settings, decimation=1)
+            return [spectrogram(found, name, settings) for name in self.channels or found.names]
+
+
+def _joined(blocks: list[Recording]) -> Recording:
+    import numpy as np
+
+    first = blocks[0]
+    signals = tuple(
+        replace(signal, values=np.concatenate([block[signal.name].values for block in blocks])) for signal in first
+    )
+    return replace(first, signals=signals)
+
+
+def _table(seen: Spectrogram, *, every: bool = False) -> Table:
+    """Table of the strongest line of a spectrogram over time: at every time, or at about twenty for the screen."""
+    from torsionnet.base.table import Column, Table
+
+    columns = (
+        Column("time", "s", 5),
+        Column("strongest line", "Hz", 5),
+        Column("amplitude", seen.unit, 4),
+    )
+    step = 1 if every else max(1, len(seen.times) // 20)
+    strongest = seen.amplitude.max(axis=0)
+    rows = tuple(zip(*(values[::step].tolist() for values in (seen.times, seen.ridge, strongest)), strict=True))
+    return Table(seen.name, columns, rows, tuple(map(str, seen.notes)))
+
+
+command = click_command("spectrogram", SpectrogramCommand)

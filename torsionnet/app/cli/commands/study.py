@@ -1,0 +1,210 @@
+"""Command ``torsionnet study``, which calculates a drivetrain over tolerances, conditions and choices."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from torsionnet.app.cli.command import TABLE, Answer, Command, click_command
+from torsionnet.app.cli.declarations import argument, option
+from torsionnet.app.cli.options import OutputFile, OutputFolder
+from torsionnet.app.cli.terminal import message, print_faults
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from torsionnet.base.table import Table
+    from torsionnet.study.answers.answer import Conclusion, Conclusions
+    from torsionnet.study.run.answering import AnsweredStudy
+    from torsionnet.study.run.workload import Workload
+    from torsionnet.study.study import Study
+    from torsionnet.study.study_result import StudyResult
+
+LONG_STUDY = 10.0
+"""Seconds of calculation from which a study's duration is announced before it starts."""
+
+
+LONGEST_TABLE, LINES_OF_LONG_TABLE = 100, 10
+"""Rows up to which a table is printed whole, and rows printed of a longer one."""
+
+
+class StudyCommand(Command):
+    """Calculate a drivetrain over tolerances, conditions and choices of its parameters.
+
+    STUDY is a YAML file, or one of the library: model, what varies, what is asked of every variant, limits, what is to
+    be concluded. What is in the folder of -o already is not calculated again, so that a study that was broken off goes
+    on.
+
+    \b
+    torsionnet study amt_tolerances --plot tolerances.png
+    torsionnet study tolerances.yaml -o results --workers 2
+    torsionnet study tolerances.yaml -o /shared/results --cluster tcp://node7:8786
+    """
+
+    forms = TABLE
+    picture = "the answers, or else the quantities over all variants"
+
+    file: str = argument("STUDY")
+    folder: str | None = option(
+        "-o", "--output-folder", type=OutputFolder(), help="Keep every part of the result as soon as it is done."
+    )
+    processes: int = option("--workers", type=click.IntRange(1), default=1, help="Processes; default: 1.")
+    cluster: str = option(
+        "--cluster",
+        metavar="WHERE",
+        default="",
+        help="Workers of dask.distributed: tcp://host:port, a scheduler file, or local:N.",
+    )
+    anyway: bool = option("--yes", help="Begin even if it takes weeks.")
+    variants_file: str | None = option(
+        "--variants",
+        type=OutputFile((".csv", ".parquet")),
+        help="Write parameters and values of every variant; of very many, of an even part.",
+    )
+
+    def answer(self) -> Answer:
+        from torsionnet.app.cli.study_output import study_json
+        from torsionnet.signals.formats.extras import require_extra
+        from torsionnet.study.loading_study import load_study
+
+        if (self.variants_file or "").endswith(".parquet"):
+            require_extra("parquet")
+        study = load_study(self.file)
+        print_faults(study.findings)
+        answered = self._answered(study)
+        result, conclusions = answered.result, answered.conclusions
+        for name, error in answered.unanswered.items():
+            message("error", f"{name}: {error}")
+        return Answer(
+            screen=lambda: _screen(answered),
+            data=lambda: study_json(study, answered),
+            csv=lambda: _tables(result, conclusions),
+            files=[(self.variants_file, lambda file: _write_variants(study, result, file))],
+            figures=lambda plot: _figures(plot, study, conclusions or _usual(study, result)),
+            exit_code=max((error.exit_code for error in answered.unanswered.values()), default=0),
+        )
+
+    def _answered(self, study: Study) -> AnsweredStudy:
+        from torsionnet.app.cli.progress import stages
+        from torsionnet.study.run.answering import answer_study
+        from torsionnet.study.run.run_chunks import LONGEST_SECONDS
+        from torsionnet.study.run.workers import Workers
+
+        workers = Workers(
+            self.processes,
+            self.cluster,
+            announce=lambda link: message("dashboard", link),
+            waiting=lambda text: message("note", text),
+        )
+        with stages() as show:
+            try:
+                return answer_study(
+                    study,
+                    self._place,
+                    workers=workers,
+                    progress=lambda done, total: show("calculating", done, total),
+                    answering=lambda name, done, total: show(name, done, total, _counted(name, done)),
+                    announce=_announce,
+                    longest=float("inf") if self.anyway else LONGEST_SECONDS * workers.processes,
+                )
+            except KeyboardInterrupt:
+                message("note", _kept(self._place))
+                raise
+
+    @property
+    def _place(self) -> Path | None:
+        return Path(self.folder) if self.folder else None
+
+
+def _counted(answer: str, done: int) -> str:
+    return f"{answer}: {done:,} variants".replace(",", " ") if done else answer
+
+
+def _kept(folder: Path | None) -> str:
+    """Message on where a stopped study has kept what is done, and how to go on."""
+    if folder is None:
+        return "stopped; nothing is kept without a folder, and with -o FOLDER a study goes on from where it was stopped"
+    return f"stopped; what is done is in {folder}, and the same command goes on from there"
+
+
+def _announce(workload: Workload) -> None:
+    if workload.total > LONG_STUDY:
+        message("note", workload.words)
+
+
+def _screen(answered: AnsweredStudy) -> Iterator[Table | str]:
+    if answered.result is not None:
+        yield answered.result.table()
+    for name, conclusion in answered.conclusions.items():
+        yield ""
+        table = conclusion.table()
+        yield _beginning(table)
+        yield from (one for one in answered.sentences(name) if one not in table.notes)
+
+
+def _beginning(table: Table) -> Table:
+    """Copy of a table cut to its first rows if it is long, with a note on where the rest is."""
+    from dataclasses import replace
+
+    total = len(table.rows)
+    if total <= LONGEST_TABLE:
+        return table
+    left_out = f"{LINES_OF_LONG_TABLE} of {total} lines; --csv FILE and --json have all"
+    return replace(table, rows=table.rows[:LINES_OF_LONG_TABLE], notes=(left_out, *table.notes))
+
+
+def _tables(result: StudyResult | None, conclusions: Conclusions) -> list[tuple[str, Table]]:
+    found = [("summary", result.table())] if result is not None else []
+    return [*found, *((name, one.table()) for name, one in conclusions.items())]
+
+
+def _usual(study: Study, result: StudyResult | None) -> Conclusions:
+    """Pictures that a study without answers gets as its conclusions.
+
+    Percentile bands of curves, scatter of numbers over parameters.
+    """
+    from contextlib import suppress
+
+    from torsionnet.base.errors import SolveError, UsageError
+    from torsionnet.study.answers.percentile_bands_answer import PercentileBands
+    from torsionnet.study.answers.scatter_answer import Scatter
+
+    if result is None:
+        return {}
+    curves = [name for (_, name), one in result.summaries.items() if one.measure.is_curve]
+    found: dict[str, Conclusion] = {}
+    for name in dict.fromkeys(curves):
+        found[name] = PercentileBands(quantity=name).conclude(study, result)
+    if result.kept.numbers:
+        with suppress(SolveError):  # too few variants for a correlation
+            found["scatter"] = Scatter().conclude(study, result)
+    if not found:
+        raise UsageError(
+            "there is nothing to draw: the study has no curve, no answer, "
+            "and too few variants for its numbers; add one of them"
+        )
+    return found
+
+
+def _figures(plot: Any, study: Study, conclusions: Conclusions) -> list[tuple[str, Figure]]:
+    from torsionnet.study.shown_units import shown_units
+
+    units = shown_units(study)
+    return [(name, one.figure(plot, units=units)) for name, one in conclusions.items()]
+
+
+def _write_variants(study: Study, result: StudyResult | None, file: str) -> None:
+    from torsionnet.base.errors import UsageError
+    from torsionnet.study.run.run_chunks import no_variants
+
+    if result is None:
+        raise UsageError(no_variants(study.space))
+    if result.kept.every > 1:
+        message("note", f"{file} has {result.kept.words(result.study.count)}; beyond so many not all are kept")
+    (result.to_parquet if file.endswith(".parquet") else result.to_csv)(file)
+
+
+command = click_command("study", StudyCommand)

@@ -1,0 +1,235 @@
+"""Frequency responses as tables for the screen and CSV, and as data for JSON."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Annotated
+
+import numpy as np
+
+from torsionnet.app.cli.cases import ConfiguredCase
+from torsionnet.base.collected_warnings import collected_warnings
+from torsionnet.base.conventions import Conventions
+from torsionnet.base.notes import NoteOrText
+from torsionnet.base.result_rows import Out
+from torsionnet.base.table import Column, Table
+from torsionnet.linear.frequency_response import SIGN_NOTE, FloatArray, FrequencyResponse
+from torsionnet.linear.phase import phase_at_zero_frequency
+from torsionnet.linear.responses.peaks import Peak, Solver, peaks, static_value
+
+
+@dataclass(frozen=True)
+class DisplayUnits:
+    """Units in which responses are shown, and whether magnitudes are in dB."""
+
+    conventions: Conventions
+    decibels: bool
+
+    def magnitude(self, value: float, scale: float) -> float:
+        """Magnitude in the unit shown, or in dB, from a value in SI units and the scale of the unit shown."""
+        if not self.decibels:
+            return value * scale
+        if math.isnan(value):
+            return value
+        return 20 * math.log10(value * scale / self.conventions.db_reference) if value else -math.inf
+
+    def unit(self, unit: str) -> str:
+        """Unit of a magnitude as text, with its reference value if magnitudes are in decibels."""
+        return f"dB re {self.conventions.db_reference:g} {unit}" if self.decibels else unit
+
+
+def output_input_pairs(response: FrequencyResponse) -> Iterator[tuple[int, int, str]]:
+    """Index of output, index of input and label "output/input" of every transfer function."""
+    for o, out in enumerate(response.outputs):
+        for i, into in enumerate(response.inputs):
+            yield o, i, f"{out.name}/{into.name}"
+
+
+def peak_table(response: FrequencyResponse, solve: Solver, shown: DisplayUnits) -> Table:
+    """Table of a frequency response, with a row for the static value and each peak of every transfer function."""
+    conventions = shown.conventions
+    columns = (
+        Column("response"),
+        Column("unit"),
+        Column("at"),
+        Column("frequency", conventions.frequency, 5),
+        Column("magnitude"),
+        Column("phase", "deg", 4),
+    )
+    rows = []
+    for o, i, label in output_input_pairs(response):
+        scale, unit = response.scale(conventions, o, i), shown.unit(response.unit(o, i, conventions))
+        for name, peak in _points(response, solve, o, i):
+            magnitude = shown.magnitude(peak.magnitude, scale)
+            rows.append((label, unit, name, peak.frequency * conventions.frequency_scale, magnitude, peak.phase))
+    low, high = (edge * conventions.frequency_scale for edge in (response.frequencies[0], response.frequencies[-1]))
+    span = f"{len(response.frequencies)} frequencies from {low:g} to {high:g} {conventions.frequency}"
+    return Table(response.title, columns, tuple(rows), (span, *map(str, _notes(response, solve)), SIGN_NOTE))
+
+
+def _notes(response: FrequencyResponse, solve: Solver) -> tuple[NoteOrText, ...]:
+    """Notes on a frequency response with its static values, which read tables over frequency at 0 Hz."""
+    with collected_warnings(Counter()):  # of infinite values, which the table shows
+        return solve(np.array([0.0, *response.frequencies[[0, -1]]])).notes
+
+
+def _points(response: FrequencyResponse, solve: Solver, o: int, i: int) -> Iterator[tuple[str, Peak]]:
+    value = static_value(solve, o, i)
+    yield "static", Peak(0.0, abs(value), phase_at_zero_frequency(value))
+    for number, peak in enumerate(peaks(response, solve, o, i), 1):
+        yield f"peak {number}", peak
+
+
+def full_table(response: FrequencyResponse, shown: DisplayUnits) -> Table:
+    """Table of a frequency response, with a row for each frequency in Hz; magnitudes in dB if asked for."""
+    table = response.table(shown.conventions)
+    if not shown.decibels:
+        return table
+    levels = response.decibels(shown.conventions)
+    columns, rows = list(table.columns), [list(row) for row in table.rows]
+    headings = [column.name for column in columns]
+    for o, i, label in output_input_pairs(response):
+        index = headings.index(f"|{label}|")
+        columns[index] = Column(f"|{label}|", shown.unit(response.unit(o, i, shown.conventions)))
+        for row, level in zip(rows, levels[:, o, i], strict=True):
+            row[index] = float(level)
+    return Table(table.title, tuple(columns), tuple(map(tuple, rows)), table.notes)
+
+
+@dataclass(frozen=True, eq=False)
+class CurveRow:
+    """Complex transfer function of one output to one input in the angle unit chosen, at all frequencies."""
+
+    output: str
+    input: str
+    quantity: str
+    unit: str
+    real: FloatArray
+    imag: FloatArray
+
+
+@dataclass(frozen=True)
+class PeakRow:
+    """Peak of a transfer function with its frequency in Hz, magnitude and phase."""
+
+    frequency: Annotated[float, Out(json="frequency_Hz")]
+    magnitude: float
+    phase: Annotated[float, Out(json="phase_deg")]
+
+
+@dataclass(frozen=True, eq=False)
+class SolvedCurveRow(CurveRow):
+    """Calculated transfer function of one output to one input: static value, peaks, values at all frequencies."""
+
+    static: Annotated[complex, Out(after="unit")]
+    peaks: Annotated[tuple[PeakRow, ...], Out(after="static")]
+
+
+@dataclass(frozen=True, eq=False)
+class EstimatedCurveRow(CurveRow):
+    """Estimated transfer function of one output to one input, with its coherence."""
+
+    coherence: FloatArray | None
+
+
+@dataclass(frozen=True, eq=False)
+class ResponsesRecord:
+    """Frequency responses of one configuration, as ``torsionnet frf --json`` prints them."""
+
+    title: str
+    configuration: str
+    notes: tuple[NoteOrText, ...]
+    frequencies: Annotated[FloatArray, Out(json="frequencies_Hz")]
+    responses: tuple[SolvedCurveRow, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class EstimateRecord:
+    """Estimated frequency responses, as ``torsionnet estimate --json`` prints them."""
+
+    title: str
+    notes: tuple[NoteOrText, ...]
+    usable_up_to: Annotated[float | None, Out(json="usable_up_to_Hz")]
+    frequencies: Annotated[FloatArray, Out(json="frequencies_Hz")]
+    responses: tuple[EstimatedCurveRow, ...]
+
+
+def responses_record(
+    case: ConfiguredCase, response: FrequencyResponse, solve: Solver, conventions: Conventions
+) -> ResponsesRecord:
+    """Record of a calculated response for JSON, with complex values in the angle unit chosen, and peaks."""
+    rows = []
+    for o, i, _ in output_input_pairs(response):
+        scale = response.scale(conventions, o, i)
+        found = tuple(
+            PeakRow(peak.frequency, peak.magnitude * scale, peak.phase) for peak in peaks(response, solve, o, i)
+        )
+        static = static_value(solve, o, i) * scale
+        rows.append(SolvedCurveRow(**vars(_curve(response, conventions, o, i)), static=static, peaks=found))
+    notes = (*_notes(response, solve), SIGN_NOTE)
+    return ResponsesRecord(response.title, case.configuration, notes, response.frequencies, tuple(rows))
+
+
+def estimated_responses_record(response: FrequencyResponse, conventions: Conventions) -> EstimateRecord:
+    """Record of an estimated response for JSON with complex values in the angle unit chosen, and coherence."""
+    coherence = response.coherence
+    rows = tuple(
+        EstimatedCurveRow(
+            **vars(_curve(response, conventions, o, i)), coherence=None if coherence is None else coherence[:, o, i]
+        )
+        for o, i, _ in output_input_pairs(response)
+    )
+    return EstimateRecord(response.title, response.notes, response.usable_up_to, response.frequencies, rows)
+
+
+def _curve(response: FrequencyResponse, conventions: Conventions, o: int, i: int) -> CurveRow:
+    # Part by part: infinite values at a free turn times a complex scale are no numbers.
+    values, scale = response.values[:, o, i], response.scale(conventions, o, i)
+    names = response.outputs[o].name, response.inputs[i].name
+    return CurveRow(
+        *names, response.kind(o, i), response.unit(o, i, conventions), values.real * scale, values.imag * scale
+    )
+
+
+@dataclass(frozen=True)
+class AgreementRow:
+    """Number that says how far a test and the model agree, with the frequency in Hz where it was found."""
+
+    what: str
+    at: Annotated[float | None, Out(json="at_Hz")]
+    value: float | None
+    unit: str | None
+
+
+@dataclass(frozen=True, eq=False)
+class ComparisonRecord:
+    """Record of a test and of the model's response, as ``torsionnet compare --json`` prints it.
+
+    Differences are test - model.
+    """
+
+    test: EstimateRecord
+    model: EstimateRecord
+    decibels: Annotated[FloatArray, Out(json="difference_dB")]
+    degrees: Annotated[FloatArray, Out(json="difference_deg")]
+    summary: tuple[AgreementRow, ...]
+    notes: tuple[NoteOrText, ...]
+
+
+def comparison_record(test: FrequencyResponse, model: FrequencyResponse, conventions: Conventions) -> ComparisonRecord:
+    """Record of a test and of the model's response as plain data for JSON, in the angle unit chosen."""
+    from torsionnet.signals.agreement import agreement
+    from torsionnet.signals.comparison import difference
+
+    apart, table = difference(test, model), agreement(test, model, conventions)
+    return ComparisonRecord(
+        estimated_responses_record(test, conventions),
+        estimated_responses_record(model, conventions),
+        apart.decibels[:, 0, 0],
+        apart.degrees[:, 0, 0],
+        tuple(AgreementRow(*row) for row in table.rows),
+        table.notes,
+    )

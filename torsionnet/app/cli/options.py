@@ -1,0 +1,204 @@
+"""Types of option values, which refuse wrong values before anything is calculated, and options of several commands."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from torsionnet.app.cli.declarations import option
+
+if TYPE_CHECKING:
+    PairType = click.ParamType[tuple[str, Any]]
+    EntryType = click.ParamType[Any]
+    FileType = click.ParamType[str]
+else:  # not generic before click 8.2
+    PairType = FileType = EntryType = click.ParamType
+
+PLOT_ENDINGS = (".svg", ".png", ".pdf")
+PRESETS = ("paper",)
+
+
+class PairOption(PairType):
+    """Type of an option value ``LEFT=RIGHT``, read as a pair of texts."""
+
+    def __init__(self, left: str, right: str, example: str) -> None:
+        self.name, self.example = f"{left}={right}", example
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        left, equals, right = (part.strip() for part in value.partition("="))
+        if not (left and equals and right):
+            self.fail(f'expected {self.name}, as in "{self.example}", got "{value}"', param, ctx)
+        return left, right
+
+
+class DelayOption(PairOption):
+    """Type of an option value ``CHANNEL=TIME``, read as a channel and a time in s by which it comes late."""
+
+    def __init__(self) -> None:
+        super().__init__("CHANNEL", "TIME", "T=1.2ms")
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        from torsionnet.base.entries.scalars import Value
+        from torsionnet.base.entries.spec import EntryError
+
+        name, text = super().convert(value, param, ctx)
+        try:
+            return name, float(Value("delay", "time", lower=None).coerce(text))
+        except EntryError as error:
+            self.fail(f"{name}: {error}", param, ctx)
+
+
+class SettingOption(PairOption):
+    """Type of the option value ``--set NAME=VALUE``, read as a parameter and the text of its value.
+
+    Refused if it has no known unit.
+    """
+
+    def __init__(self) -> None:
+        super().__init__("NAME", "VALUE", "c_O=360 N*m*s/rad")
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        from torsionnet.base.entries.scalars import read_value
+        from torsionnet.base.entries.spec import EntryError
+
+        name, text = super().convert(value, param, ctx)
+        try:
+            read_value(text)
+        except EntryError as error:
+            self.fail(f"{name}: {error}", param, ctx)
+        return name, text
+
+
+class StepsOption(PairOption):
+    """Type of an option value ``CHANNEL=STEPS``, read as a channel and its steps per revolution.
+
+    The number of steps is above 0.
+    """
+
+    def __init__(self) -> None:
+        super().__init__("CHANNEL", "STEPS", "n1=60")
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        channel, word = super().convert(value, param, ctx)
+        try:
+            steps = float(word)
+        except ValueError:
+            steps = 0.0
+        if not 0 < steps < float("inf"):
+            self.fail(f"{channel}: the steps per revolution must be a positive number, got {word}", param, ctx)
+        return channel, steps
+
+
+class EntryOption(EntryType):
+    """Type of an option value that is read like an entry of a model file, with its unit.
+
+    ``entry`` is the ``module:name`` of the specification of that entry, imported when a value is read.
+    """
+
+    def __init__(self, name: str, entry: str) -> None:
+        self.name, self.entry = name, entry
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        import importlib
+
+        from torsionnet.base.entries.spec import EntryError
+
+        module, _, name = self.entry.partition(":")
+        try:
+            return getattr(importlib.import_module(f"torsionnet.{module}"), name).coerce(value)
+        except EntryError as error:
+            self.fail(str(error), param, ctx)
+
+
+class FiniteFloat(click.FloatRange):
+    """Type of an option value that is a finite number within limits; nan and inf are refused."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        number = super().convert(value, param, ctx)
+        if not math.isfinite(number):
+            self.fail(f"{number} is no finite number", param, ctx)
+        return number
+
+
+class OutputFile(FileType):
+    """Type of an option value that is a file to write, refused if its folder is missing or its ending unknown."""
+
+    name = "FILE"
+
+    def __init__(self, endings: tuple[str, ...] = ()) -> None:
+        self.endings = endings
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        path = Path(value)
+        if self.endings and path.suffix.lower() not in self.endings:
+            self.fail(f'"{value}" does not end in {", ".join(self.endings)}', param, ctx)
+        if path.is_dir():
+            self.fail(f'"{value}" is a folder', param, ctx)
+        if not path.parent.is_dir():
+            self.fail(f'"{value}": there is no folder {path.parent}', param, ctx)
+        return str(value)
+
+
+class OutputFolder(FileType):
+    """Type of an option value that is a folder which exists or can be made."""
+
+    name = "FOLDER"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        path = Path(value)
+        if path.exists() and not path.is_dir():
+            self.fail(f'"{value}" is a file, and a folder is needed', param, ctx)
+        if not path.parent.is_dir():
+            self.fail(f'"{value}": there is no folder {path.parent}', param, ctx)
+        return str(value)
+
+
+def file_option(text: str, endings: tuple[str, ...] = ()) -> Any:
+    """Declaration of the option ``-o``, ``--output-file`` of a command that makes a file."""
+    return option("-o", "--output-file", type=OutputFile(endings), help=text)
+
+
+def plot_option(what: str) -> Any:
+    """Declaration of the option ``--plot``, which names the file of a picture.
+
+    ``what`` are the words for the picture in its help.
+    """
+    text = f"Write {what} as {', '.join(ending[1:].upper() for ending in PLOT_ENDINGS)}, by the ending."
+    return option("--plot", type=OutputFile(PLOT_ENDINGS), help=text)
+
+
+SIMPLIFY = option(
+    "--simplify",
+    type=EntryOption("SHARE", "model.report.report_plan:SIMPLIFY"),
+    help="Leave out elements that move natural frequency and damping ratio of no mode in the band by more, as 1%.",
+)
+SETTINGS = option(
+    "--set", type=SettingOption(), help='Change a parameter: "c_O=360 N*m*s/rad", a bare number is SI. Repeatable.'
+)
+FREQUENCY_UNIT = option(
+    "--frequency-unit",
+    type=click.Choice(["Hz", "rpm", "cpm", "rad/s"], case_sensitive=False),
+    default="Hz",
+    show_default=True,
+    help="Unit of frequencies, given and shown.",
+)
+ANGLE = option("--angle", type=click.Choice(["rad", "deg"]), default="rad", show_default=True, help="Unit of angles.")
+LOWEST_FREQUENCY = option("--from", default=0.0, help="Lowest frequency in Hz.")
+HIGHEST_FREQUENCY = option("--to", help="Highest frequency in Hz.")
+ALIGN = option(
+    "--align", help="Move the output by its lag before windows cut the record, and put the phase of the lag back."
+)
+EXCITATION = option("--excitation", metavar="INPUT", help="What drives the drivetrain then, if it has several inputs.")
+
+
+REFERRED_TO: Any = option(
+    "--referred-to", metavar="NODE", help="Outputs referred to the shaft of this node: torques, angles and their rates."
+)
+
+
+def referred_outputs(outputs: tuple[str, ...], shaft: str | None) -> list[str]:
+    """Names of outputs, each with the shaft it is referred to if a shaft is given."""
+    return [f"{name} referred to {shaft}" if shaft else name for name in outputs]

@@ -1,0 +1,20 @@
+"""Page in the browser, served from this machine, to play with a drivetrain: sliders, responses and modes at once.
+
+:class:`Documents` hold the texts of the page, one for each tab, and a :class:`Session` holds the model of one; an
+:class:`ExploreServer` shows them to the browser and answers the page's questions (:mod:`torsionnet.app.explore.api`).
+Everything is calculated here; the page in ``static/`` draws. Neither loads anything from elsewhere.
+
+>>> from torsionnet.app.explore.answers import answer
+>>> from torsionnet.app.explore.state import State
+>>> session = open_session("amt_rig")
+>>> found = answer(session, State({"gear": "V"}, {"c_O": "360 N*m*s/rad"}))
+>>> round(found["modes"]["natural"][0], 3)
+6.268
+"""
+
+from torsionnet.app.explore.documents import Documents
+from torsionnet.app.explore.server import ExploreServer
+from torsionnet.app.explore.session import Session, open_session
+from torsionnet.app.explore.starting import open_documents
+
+__all__ = ["Documents", "ExploreServer", "Session", "open_documents", "open_session"]

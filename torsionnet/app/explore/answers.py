@@ -1,0 +1,232 @@
+"""Answer to one state of the explore page: response, modes, parameters and misfit of a test, as JSON data."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from torsionnet.app.explore.command_text import command_text
+from torsionnet.app.explore.over_speed import over_speed
+from torsionnet.app.explore.overlay import misfit
+from torsionnet.app.explore.page_numbers import CONVENTIONS_BY_ANGLE, json_numbers
+from torsionnet.app.explore.point_sliders import point_sliders
+from torsionnet.app.explore.session import Session
+from torsionnet.app.explore.sliders import sliders
+from torsionnet.app.explore.state import State
+from torsionnet.base.collected_warnings import collected_warnings
+from torsionnet.base.errors import ModelError, TorsionnetError
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.linear.frequency_response import DERIVATIVE_ORDERS, FloatArray, FrequencyResponse
+from torsionnet.linear.modes.modes import Modes
+from torsionnet.linear.phase import unwrapped_phase
+from torsionnet.linear.responses.grid import Adaptive, vibration_range
+
+MOST_MODES, MANY_NODES = 40, 120
+"""Number of lowest modes calculated of models with more nodes than the second number.
+
+All modes of such a model would take longer than the drag of a slider.
+"""
+MOST_PEAKS = 6
+"""Largest number of peaks of a response that are marked in the plot; more labels would cover the curve."""
+
+
+POINTS, PER_PEAK, LEAST_PER_PEAK = 300, 41, 9
+MOST_AT_PEAKS = 1600
+"""Largest number of frequencies of a plotted response around all peaks together; a screen has about as many columns
+of pixels."""
+UNDAMPED_RATIO = 1e-7
+"""Damping ratio below which a vibration counts as undamped: its drawn height would depend on the nearest frequency."""
+NEAREST_TO_POLE = 2e-4
+"""Smallest relative distance of a plotted frequency from an undamped pole; the peak is drawn some thousand times its
+flanks."""
+APPROACH = 4.0 ** np.arange(1, 5) / 2
+"""Distances from an undamped pole of the plotted frequencies added around it, in units of ``NEAREST_TO_POLE``."""
+
+
+def answer(session: Session, state: State) -> dict[str, Any]:
+    """Everything on the page that changes with its state, as JSON data; reasons under ``refused`` if impossible."""
+    with collected_notes() as notes:
+        try:
+            return _answer(session, state) | {"notes": notes}
+        except TorsionnetError as error:
+            return {"refused": fault_texts(error), **_sliders_of_refused(session, state)}
+
+
+def _sliders_of_refused(session: Session, state: State) -> dict[str, Any]:
+    """Sliders of a state without results, as of an operating point out of balance; none of an impossible model."""
+    try:
+        return _sliders(session, state, session.model_for(state))
+    except TorsionnetError:
+        return {}
+
+
+def _sliders(session: Session, state: State, rig: Drivetrain) -> dict[str, Any]:
+    plain = session.model_in(state.choice)
+    return {
+        "parameters": [slider.to_data() for slider in sliders(plain, rig, state.values)],
+        "operating_point": [slider.to_data() for slider in point_sliders(plain, rig, state.values)],
+    }
+
+
+@contextmanager
+def collected_notes() -> Iterator[list[str]]:
+    """Context manager that collects the library's warnings in a list of texts instead of printing them."""
+    notes: list[str] = []
+    found: Counter[str] = Counter()
+    with collected_warnings(found):
+        yield notes
+    notes += found
+
+
+def fault_texts(error: TorsionnetError) -> list[str]:
+    """Texts of every fault of an error, each with the entry of the model that has it."""
+    if not isinstance(error, ModelError):
+        return [str(error)]
+    return [f"{_where(fault.path)}{fault.text}" for fault in error.faults]
+
+
+def _where(path: tuple[str | int, ...]) -> str:
+    named = ("operating point", *path[1:]) if path[:1] == ("operating_point",) else path[1:]
+    return f"{' '.join(map(str, named))}: " if named else ""
+
+
+def _answer(session: Session, state: State) -> dict[str, Any]:
+    rig = session.model_for(state)
+    shown = session.with_defaults(state)
+    modes = page_modes(rig)
+    return {
+        "title": rig.title,
+        "excitation": shown.excitation,
+        **_sliders(session, state, rig),
+        "modes": modes_data(modes),
+        "cut": None,
+        "findings": [fault.text for fault in rig.check() if fault.severity == "warning"],
+        "command": command_text(session, replace(shown, values=session.given_values(shown))),
+        **(_over_speed(session, rig, shown) if state.axis == "speed" else _over_frequency(session, rig, shown, modes)),
+    }
+
+
+def _over_frequency(session: Session, rig: Drivetrain, shown: State, modes: Modes) -> dict[str, Any]:
+    measured = _measured(rig, shown)
+    found = [modes, measured] if measured else [modes]
+    band = shown.band if any(shown.band) else vibration_range(*found)
+    response = respond(rig, shown, response_frequencies(band, *found))
+    return {
+        "band": list(band),
+        "response": response_data(response, _undamped(*found)),
+        "cut": modes_data(measured) if measured else None,
+        "misfit": misfit(session.overlay, shown, lambda f: respond(rig, shown, f), band),
+    }
+
+
+def _over_speed(session: Session, rig: Drivetrain, shown: State) -> dict[str, Any]:
+    return {"orders": over_speed(rig, shown.output, rough=shown.rough, test=session.measured)}
+
+
+def page_modes(rig: Drivetrain) -> Modes:
+    """Modes of a drivetrain that the page shows, of a large one only the lowest."""
+    return rig.modes(lowest=MOST_MODES) if len(rig.nodes) > MANY_NODES else rig.modes()
+
+
+def _measured(rig: Drivetrain, state: State) -> Modes | None:
+    """Modes of the drivetrain cut at a measured input, the poles of that response; None where a torque drives."""
+    if not state.excitation:
+        return None
+    lowest = MOST_MODES if len(rig.nodes) > MANY_NODES else None
+    return rig.modes(measured_input=state.input, excitation=state.excitation, lowest=lowest)
+
+
+def respond(rig: Drivetrain, state: State, frequencies: FloatArray) -> FrequencyResponse:
+    """Frequency response in SI that a state of the page shows, at frequencies in Hz."""
+    response = rig.frequency_response(state.output, state.input, frequencies, excitation=state.excitation or None)
+    is_motion = response.outputs[0].unit in DERIVATIVE_ORDERS
+    return getattr(response, state.quantity)() if state.quantity and is_motion else response
+
+
+def response_data(response: FrequencyResponse, unbounded: FloatArray) -> dict[str, Any]:
+    """Magnitude in SI and continuous phase in degrees of a response over Hz as JSON data, with factors to other units.
+
+    ``unbounded`` are frequencies in Hz at which a peak has no height.
+    """
+    values = response.values[:, 0, 0]
+    magnitude, phase = np.abs(values), unwrapped_phase(values)
+    return {
+        "label": f"{response.outputs[0].name}/{response.inputs[0].name}",
+        "kind": response.kind(),
+        "is_motion": response.outputs[0].unit in DERIVATIVE_ORDERS,
+        "units": {angle: response.unit(conventions=shown) for angle, shown in CONVENTIONS_BY_ANGLE.items()},
+        "scales": {angle: response.scale(shown) for angle, shown in CONVENTIONS_BY_ANGLE.items()},
+        "frequencies": json_numbers(response.frequencies),
+        "magnitude": json_numbers(magnitude),
+        "phase": json_numbers(phase),
+        "peaks": _peaks(response.frequencies, magnitude, phase, unbounded),
+        "notes": list(map(str, response.notes)),
+    }
+
+
+def _peaks(
+    frequencies: FloatArray, magnitude: FloatArray, phase: FloatArray, unbounded: FloatArray
+) -> list[list[float | None]]:
+    """Frequency in Hz, magnitude (SI) and phase in degrees of a response's largest maxima, by rising frequency.
+
+    None as height of undamped ones.
+    """
+    inner = magnitude[1:-1]
+    with np.errstate(invalid="ignore"):
+        at = 1 + np.flatnonzero((inner > magnitude[:-2]) & (inner >= magnitude[2:]) & np.isfinite(inner))
+    largest = np.sort(at[np.argsort(-magnitude[at])][:MOST_PEAKS])
+    near = [unbounded[np.abs(unbounded - frequencies[k]) < 4 * NEAREST_TO_POLE * unbounded] for k in largest]
+    return [
+        [float(pole[0]), None, None] if pole.size else [float(frequencies[k]), float(magnitude[k]), float(phase[k])]
+        for k, pole in zip(largest, near, strict=True)
+    ]
+
+
+def modes_data(modes: Modes) -> dict[str, Any]:
+    """Columns of the table of modes as JSON data, frequencies in Hz, eigenvalues in rad/s."""
+    return {
+        "title": modes.title,
+        "natural": json_numbers(modes.natural_frequencies),
+        "damped": json_numbers(modes.damped_frequencies),
+        "ratio": json_numbers(modes.damping_ratios),
+        "real": json_numbers(modes.eigenvalues.real),
+        "imag": json_numbers(modes.eigenvalues.imag),
+        "numbers": list(modes.numbers),
+        "kinds": list(modes.kinds),
+        "descriptions": list(modes.descriptions),
+        "notes": list(modes.notes),
+    }
+
+
+def response_frequencies(band: tuple[float, float], *modes: Modes) -> FloatArray:
+    """Frequencies of the plotted response in Hz, ascending, closer together around the modes.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> f = response_frequencies((0.5, 200.0), tn.load("dmf_rig").modes())
+    >>> float(f[0]), float(f[-1]), 300 < len(f) < 400
+    (0.5, 200.0, True)
+    """
+    vibrations = sum(int(np.sum(mode.damped_frequencies > 0)) for mode in modes)
+    per_peak = min(PER_PEAK, max(LEAST_PER_PEAK, MOST_AT_PEAKS // max(1, vibrations)))
+    f = Adaptive(*band, points=POINTS, per_peak=per_peak).frequencies(*modes)
+    for pole in _undamped(*modes):
+        f = f[np.abs(f - pole) > NEAREST_TO_POLE * pole]
+        f = np.union1d(f, np.outer(pole, 1 + np.outer((-1, 1), NEAREST_TO_POLE * APPROACH)))
+    return f[(f >= band[0]) & (f <= band[1])]
+
+
+def _undamped(*modes: Modes) -> FloatArray:
+    """Frequencies in Hz of vibrations without damping, shape (n,); several at one frequency count once."""
+    found = [
+        mode.damped_frequencies[(mode.damped_frequencies > 0) & (mode.damping_ratios < UNDAMPED_RATIO)]
+        for mode in modes
+    ]
+    every = np.sort(np.concatenate([np.empty(0), *found]))
+    return every[np.diff(every, prepend=0.0) > NEAREST_TO_POLE * every]

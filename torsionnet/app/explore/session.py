@@ -1,0 +1,272 @@
+"""Model of the explore page with its start state and test, which the server keeps between requests."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from torsionnet.app.explore.choices import ResponseChoice, choices, default_pair
+from torsionnet.app.explore.over_speed import runs
+from torsionnet.app.explore.overlay import overlay_data
+from torsionnet.app.explore.point_sliders import all_point_rows, point_rows, point_settings, with_balance
+from torsionnet.app.explore.state import State
+from torsionnet.base.entries.scalars import read_value
+from torsionnet.base.errors import TorsionnetError, UsageError
+from torsionnet.base.registers import RecentResults
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.linear.frequency_response import FrequencyResponse
+from torsionnet.linear.modes.modes import Modes
+from torsionnet.linear.responses.grid import opening_range
+from torsionnet.loading import loads
+from torsionnet.machinery.orders.order_response import OrderResponse
+from torsionnet.model.configurations import parse_choice
+from torsionnet.model.files.library import decode
+from torsionnet.model.files.reader import find_model
+from torsionnet.model.files.value_editing import changed_text, place_of
+
+NO_POINT = (
+    "Laws of motion are linear at rest: give torques under operating_point: of the model, or start with "
+    '--set "operating_point.torque.NODE=200 N*m", to move them here.'
+)
+"""Words instead of sliders for the operating point of a model that has none."""
+BAND_WITHOUT_MODES = (1.0, 1000.0)
+"""Frequency band in Hz of a page whose operating point is out of balance; most torsional vibrations lie in it."""
+MOST_SURVEYED = 24
+"""Number of configurations whose modes are calculated to find the first frequency band; each costs a solution."""
+
+
+@dataclass(frozen=True, eq=False)
+class Session:
+    """Model that the page shows, with its text and the state that the page begins with.
+
+    Attributes
+    ----------
+    model : str
+        Name or path on the command line.
+    file : str
+        Name of its file, without folders.
+    text : str
+        The text of that file.
+    base : Drivetrain
+    start : State
+    pairs : tuple of ResponseChoice
+        Responses asked for by name.
+    over_speed : tuple of str
+        Outputs over speed asked for by name.
+    overlay : FrequencyResponse, optional
+        A test.
+    overlay_name : str
+    folder : Path, optional
+        Where files that the text names lie.
+    measured : Path, optional
+        A file of measured orders.
+    """
+
+    model: str
+    file: str
+    text: str
+    base: Drivetrain
+    start: State
+    pairs: tuple[ResponseChoice, ...] = ()
+    over_speed: tuple[str, ...] = ()
+    overlay: FrequencyResponse | None = None
+    overlay_name: str = ""
+    folder: Path | None = None
+    measured: Path | None = None
+    point: Mapping[str, Any] = field(default_factory=dict)
+    """Operating point in place of that of the file."""
+    pictures: RecentResults = field(default_factory=RecentResults, repr=False)
+    """Recent schematics and motions of modes, which many states share."""
+    _chosen: dict[str, Drivetrain] = field(default_factory=dict, repr=False)
+
+    def model_in(self, choice: Mapping[str, str]) -> Drivetrain:
+        """Drivetrain of the page in a configuration, with the parameter values of its file."""
+        name = ",".join(f"{axis}={alternative}" for axis, alternative in choice.items())
+        if name not in self._chosen:
+            self._chosen[name] = self.base.configured(name) if name else self.base
+        return self._chosen[name]
+
+    def values_of(self, state: State) -> dict[str, Any]:
+        """Values of a state, with the torques that follow others, without the sliders that its configuration hides."""
+        plain, values = self.model_in(state.choice), dict(state.values)
+        if not point_settings(values, plain):
+            return values
+        shown = {row.name for row in point_rows(plain)}
+        hidden = {row.name for row in all_point_rows(self.base)} - shown
+        return with_balance(plain, {name: value for name, value in values.items() if name not in hidden})
+
+    def model_for(self, state: State) -> Drivetrain:
+        """Drivetrain in a state's configuration with its values; UsageError for an expression as a value."""
+        plain = self.model_in(state.choice)
+        values = self.values_of(state)
+        changed = plain.configured(**values) if values else plain
+        settings = point_settings(values, plain)
+        for name in values:
+            if read_value(settings[name]).names if name in settings else changed.parameter_definitions[name].is_derived:
+                raise UsageError(
+                    f"{name}: expected a number with its unit; expressions of parameters belong in the model file"
+                )
+        return changed
+
+    def given_values(self, state: State) -> dict[str, Any]:
+        """Values that differ from the file's: those of a state, and the operating point of the command line."""
+        return {**self.point, **self.values_of(state)}
+
+    def with_defaults(self, state: State) -> State:
+        """State of the page with the response and the excitation that an empty name stands for.
+
+        Of a state whose input is no sensor the excitation is empty.
+        """
+        output, into = state.output or self.start.output, state.input or self.start.input
+        offered = choices(self.base, self.pairs, self.over_speed)
+        if into not in offered["measured"]:
+            return replace(state, output=output, input=into, excitation="")
+        excitation = state.excitation or next(iter(offered["excitations"]))
+        return replace(state, output=output, input=into, excitation=excitation)
+
+    def describe(self) -> dict[str, Any]:
+        """Data of the model that stay the same while the page is open, for JSON."""
+        return {
+            "name": self.base.name,
+            "source": self.base.source,
+            "description": self.base.description,
+            "file": self.file,
+            "parameters": [
+                {"name": name, "description": own.description} for name, own in self.base.parameter_definitions.items()
+            ],
+            "operating_point": self._operating_point(),
+            "axes": {axis: list(names) for axis, names in self.base.axes.items()},
+            "choices": choices(self.base, self.pairs, self.over_speed),
+            "runs": runs(self.base),
+            "start": self.start.to_data(),
+            "overlay": self.overlay_name,
+            "measured": self.measured.name if self.measured else "",
+        }
+
+    def _operating_point(self) -> dict[str, Any]:
+        """Names and labels of sliders of the operating point in any configuration; words where there are none."""
+        rows = all_point_rows(self.base)
+        hint = "" if rows or self.base.definition.tangents is None else NO_POINT
+        return {"rows": [{"name": row.name, "label": row.label} for row in rows], "hint": hint}
+
+    def overlay_for(self, state: State) -> dict[str, Any] | None:
+        """Measured response of a state's output and input as JSON data in Hz, SI and degrees; None without one."""
+        return overlay_data(self.overlay, self.with_defaults(state))
+
+    def changed_file_text(self, state: State) -> str:
+        """Text of the model file with the parameter values of a state.
+
+        A value that the configuration chosen sets is changed there, any other one in the table of parameters.
+        """
+        changed = self.model_for(state).parameter_definitions
+        changes = {
+            place_of(self.base.definition, state.choice, name): changed[name].value
+            if name in changed
+            else read_value(value)
+            for name, value in self.given_values(state).items()
+        }
+        return changed_text(self.text, self.base.definition, changes, self.file, self.folder)
+
+
+def open_session(
+    model: str | os.PathLike[str],
+    configuration: str = "",
+    settings: Mapping[str, str] | None = None,
+    pairs: Sequence[ResponseChoice] = (),
+    band: tuple[float, float] | None = None,
+    overlay: str | os.PathLike[str] | None = None,
+    text: str | None = None,
+    over_speed: Sequence[str] = (),
+    measured: str | os.PathLike[str] | None = None,
+) -> Session:
+    """Session of the page with a model read from its file, and a measured response to draw with the calculated one.
+
+    Parameters
+    ----------
+    model : str or path
+        A model file or the name of a library model.
+    configuration : str
+    settings : mapping, optional
+        Parameter -> value that the page begins with; ``operating_point.torque.crank`` and so on take the place of
+        what the file says, so that the sliders begin there.
+    pairs : sequence of ResponseChoice
+        Responses to offer; the first one is shown.
+    band : (float, float), optional
+        Hz; default: what suits the modes of all configurations.
+    overlay : str or path, optional
+        A file with a measured frequency response.
+    text : str, optional
+        The model itself, where no file holds it.
+    over_speed : sequence of str, optional
+        Outputs to offer over the speed of the running machinery; the page begins with the first one.
+    measured : str or path, optional
+        A file of measured orders, drawn over the calculated ones.
+
+    Raises
+    ------
+    ModelError
+        The model or the test is faulty.
+    UsageError
+        A name that does not exist, a file that is missing.
+
+    Examples
+    --------
+    >>> open_session("amt_rig", "V").start.choice
+    {'gear': 'V'}
+    """
+    path = Path("model.yaml") if text is not None else find_model(model)
+    folder = path.parent if text is None else None
+    text = decode(path.read_bytes(), str(path)) if text is None else text
+    base = loads(text, str(path), folder)
+    test = None if overlay is None else read_overlay(overlay)
+    choice = parse_choice(configuration, base.definition.configurations) if configuration else {}
+    values = dict(settings or {})
+    point = point_settings(values, base)
+    base = base.configured(**point) if point else base
+    values = {key: value for key, value in values.items() if key not in point}
+    base.configured(configuration, **values)  # refuses what is impossible before a page is opened
+    first = pairs[0] if pairs else default_pair(base, test)
+    start = State(choice, values, first.output, first.input, band=band or _band(base))
+    if over_speed:
+        start = replace(start, axis="speed", output=over_speed[0])
+        found = base.order_response(list(over_speed))  # refuses a name that is none
+        if measured is not None:
+            _check_orders(measured, found)
+    elif measured is not None:
+        raise UsageError("measured orders are drawn over the speed: say which output they are of with --over-speed")
+    name = "" if overlay is None else Path(overlay).name
+    session = Session(
+        str(model), path.name, text, base, start, tuple(pairs), tuple(over_speed), test, name, folder,
+        None if measured is None else Path(measured), point,
+    )  # fmt: skip
+    for pair in pairs:
+        asked = session.with_defaults(replace(start, output=pair.output, input=pair.input))
+        base.frequency_response(asked.output, asked.input, [1.0], excitation=asked.excitation or None)
+    return session
+
+
+def _band(base: Drivetrain) -> tuple[float, float]:
+    """Frequencies in Hz that suit the modes of all configurations whose operating point is in balance."""
+    found: list[Modes] = []
+    for name in ("", *base.configurations[:MOST_SURVEYED]):
+        with contextlib.suppress(TorsionnetError):  # the page says why, once that configuration is chosen
+            found.append(base.configured(name).modes() if name else base.modes())
+    return opening_range(*found) if found else BAND_WITHOUT_MODES
+
+
+def _check_orders(path: str | os.PathLike[str], run: OrderResponse) -> None:
+    """Refuse a file of orders that has none for the output that is shown at first."""
+    from torsionnet.io.order_tables import read_orders
+    from torsionnet.machinery.orders.order_comparison import compared_orders
+
+    compared_orders(run, run.outputs[0].name, read_orders(path, run.outputs[0]))
+
+
+def read_overlay(path: str | os.PathLike[str]) -> FrequencyResponse:
+    from torsionnet.io import read_frequency_response  # loads what most pages do without
+
+    return read_frequency_response(path)

@@ -1,0 +1,175 @@
+"""Answers of the services on texts in the words of the Language Server Protocol."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+from lsprotocol.types import (
+    CompletionItem,
+    CompletionItemKind,
+    CompletionList,
+    DocumentHighlight,
+    DocumentHighlightKind,
+    DocumentSymbol,
+    InsertTextMode,
+    Location,
+    MarkupContent,
+    MarkupKind,
+    SymbolKind,
+    WorkspaceEdit,
+)
+from lsprotocol.types import Hover as EditorHover
+from lsprotocol.types import Position as EditorPosition
+from lsprotocol.types import Range as EditorRange
+from lsprotocol.types import TextEdit as EditorEdit
+
+from torsionnet.app.language_server.open_model import OpenModel
+from torsionnet.app.text.formatting import formatted
+from torsionnet.app.text.hovering import hover
+from torsionnet.app.text.name_change import renamable, rename
+from torsionnet.app.text.name_definition import definition, references
+from torsionnet.app.text.named_places import named_places
+from torsionnet.app.text.outline import OutlineItem, outline
+from torsionnet.app.text.text_edits import TextSpan
+
+if TYPE_CHECKING:
+    from torsionnet.app.text.completion import Completion
+
+_COMPLETIONS = {
+    "entry": CompletionItemKind.Property,
+    "element type": CompletionItemKind.Class,
+    "node": CompletionItemKind.Variable,
+    "parameter": CompletionItemKind.Constant,
+    "unit": CompletionItemKind.Unit,
+    "size": CompletionItemKind.Value,
+    "configuration": CompletionItemKind.EnumMember,
+    "sensor": CompletionItemKind.Event,
+    "part": CompletionItemKind.Module,
+    "word": CompletionItemKind.Enum,
+}
+"""Symbols that editors show beside a proposal, by its kind."""
+
+_SYMBOLS = {
+    "section": SymbolKind.Namespace,
+    "element": SymbolKind.Object,
+    "parameter": SymbolKind.Constant,
+    "node": SymbolKind.Variable,
+    "part": SymbolKind.Class,
+    "configuration": SymbolKind.Enum,
+    "sensor": SymbolKind.Event,
+}
+"""Symbols that editors show in an outline, by the kind of an item."""
+
+
+def completion_list(model: OpenModel, at: EditorPosition) -> CompletionList:
+    """Proposals for what is written at a position, in the order of the service."""
+    from torsionnet.app.text.completion import completions
+
+    offset = model.shown.offset(at)
+    found = completions(model.text, offset, model.file, model.folder)
+    items = [_completion(model, one, number) for number, one in enumerate(found)]
+    # Before a word has begun, the next key asks anew: left to themselves, editors match the digits 14 with k_14.
+    return CompletionList(not model.text[:offset][-1:].isalnum(), items)
+
+
+def _completion(model: OpenModel, one: Completion, number: int) -> CompletionItem:
+    written = model.text[one.span.start : one.span.end]
+    return CompletionItem(
+        label=one.label,
+        kind=_COMPLETIONS.get(one.kind, CompletionItemKind.Text),
+        detail=one.detail or None,
+        documentation=MarkupContent(MarkupKind.Markdown, one.documentation) if one.documentation else None,
+        sort_text=f"{number:05d}",
+        # Editors drop proposals that do not match what is written; the service has chosen already.
+        filter_text=one.label if one.label.startswith(written) or not written else written,
+        insert_text_mode=InsertTextMode.AsIs,  # lines after the first have their indentation
+        text_edit=EditorEdit(model.shown.range(one.span), one.insert),
+    )
+
+
+def hover_text(model: OpenModel, at: EditorPosition) -> EditorHover | None:
+    """Explanation of what stands at a position, None where nothing is to be said."""
+    found = hover(model.text, model.shown.offset(at), model.file, model.folder)
+    if found is None:
+        return None
+    return EditorHover(MarkupContent(MarkupKind.Markdown, found.markdown), model.shown.range(found.span))
+
+
+def definition_location(model: OpenModel, at: EditorPosition) -> Location | None:
+    """Location of the definition of the name at a position, None where there is none."""
+    found = definition(model.text, model.shown.offset(at), model.file, model.folder)
+    return None if found is None else Location(model.uri, model.shown.range(found))
+
+
+def reference_locations(model: OpenModel, at: EditorPosition, *, with_definition: bool) -> list[Location]:
+    """Locations where the name at a position stands."""
+    offset = model.shown.offset(at)
+    found = references(model.text, offset, model.file, model.folder)
+    if not with_definition:
+        own = definition(model.text, offset, model.file, model.folder)
+        found = [span for span in found if span != own]
+    return [Location(model.uri, model.shown.range(span)) for span in found]
+
+
+def highlights(model: OpenModel, at: EditorPosition) -> list[DocumentHighlight]:
+    """Stretches where the name at a position stands; what defines it is marked as written."""
+    found = references(model.text, model.shown.offset(at), model.file, model.folder)
+    defining = {place.span for place in named_places(model.text, model.file, model.folder) if place.is_definition}
+    return [
+        DocumentHighlight(
+            model.shown.range(span), DocumentHighlightKind.Write if span in defining else DocumentHighlightKind.Read
+        )
+        for span in found
+    ]
+
+
+def renamable_range(model: OpenModel, at: EditorPosition) -> EditorRange | None:
+    """Range of the name at a position that can be changed, None where there is none."""
+    found = renamable(model.text, model.shown.offset(at), model.file, model.folder)
+    return None if found is None else model.shown.range(found)
+
+
+def renaming(model: OpenModel, at: EditorPosition, new: str) -> WorkspaceEdit:
+    """Edits that change the name at a position everywhere in the file.
+
+    Raises
+    ------
+    UsageError
+        The name is taken or no name, or nothing there has a name to change.
+    """
+    edits = rename(model.text, model.shown.offset(at), new, model.file, model.folder)
+    return WorkspaceEdit(changes={model.uri: model.shown.edits(edits)})
+
+
+def document_symbols(model: OpenModel) -> list[DocumentSymbol]:
+    """Outline of the file: sections, elements and what they hold."""
+    return _symbols(model, outline(model.text, model.file))
+
+
+def _symbols(model: OpenModel, items: Iterable[OutlineItem]) -> list[DocumentSymbol]:
+    return [
+        DocumentSymbol(
+            name=item.name or "-",  # editors refuse the whole outline for one empty name
+            detail=item.detail or None,
+            kind=_SYMBOLS.get(item.kind, SymbolKind.Field),
+            range=model.shown.range(_around(item.span, item.name_span)),
+            selection_range=model.shown.range(item.name_span),
+            children=_symbols(model, item.children),
+        )
+        for item in items
+    ]
+
+
+def _around(span: TextSpan, name: TextSpan) -> TextSpan:
+    """Stretch of an item with its name, as editors ask for."""
+    return TextSpan(min(span.start, name.start), max(span.end, name.end))
+
+
+def formatting_edits(model: OpenModel, within: EditorRange | None = None) -> list[EditorEdit]:
+    """Edits that lay out the file, or those of them that lie in a range."""
+    edits = formatted(model.text)
+    if within is not None:
+        wanted = model.shown.span(within)
+        edits = [one for one in edits if wanted.start <= one.span.start and one.span.end <= wanted.end]
+    return model.shown.edits(edits)

@@ -1,0 +1,194 @@
+"""Language server of model files: what is open, what was found in it, and work beside the messages."""
+
+from __future__ import annotations
+
+import asyncio
+import traceback
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import TypeVar
+
+from lsprotocol import types
+from pygls.exceptions import JsonRpcException
+from pygls.lsp.server import LanguageServer
+from pygls.uris import to_fs_path, urlparse
+from pygls.workspace import TextDocument
+
+from torsionnet.app.language_server.answering_protocol import AnsweringProtocol
+from torsionnet.app.language_server.check_schedule import CHANGE_DELAY, CheckSchedule
+from torsionnet.app.language_server.diagnostics import diagnostics, faults_in_editor
+from torsionnet.app.language_server.editor_text import EditorText
+from torsionnet.app.language_server.open_model import OpenModel, is_model_text, names_a_model
+from torsionnet.app.text.text_faults import LocatedFault
+from torsionnet.base.entries.declared import files_recorded, texts_in_editors
+from torsionnet.base.errors import UsageError
+from torsionnet.base.version import __version__
+
+T = TypeVar("T")
+
+REFUSED = types.LSPErrorCodes.RequestFailed.value
+"""Code of the protocol for a request that was understood and cannot be met, as a name that is taken."""
+WORKERS = 2
+"""Threads that answer questions while another one checks."""
+
+
+class ModelServer(LanguageServer):
+    """Language server that knows the open model files, what was found in them and which files they read."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            "torsionnet",
+            __version__,
+            # Editors count the lines of an incremental change in their own way, and model files are small.
+            text_document_sync_kind=types.TextDocumentSyncKind.Full,
+            protocol_cls=AnsweringProtocol,
+        )
+        self.checks = CheckSchedule(self._check)
+        self.found: dict[str, tuple[OpenModel, list[LocatedFault]]] = {}
+        """Last faults of each open file, with the text in which they are."""
+        self.read: dict[str, set[Path]] = {}
+        """Files that each open file reads, as far as its last check came."""
+        self.models: set[str] = set()
+        """Open files that were models once, which they stay while their key is being written."""
+        self.shut_down = False
+        self._checking = ThreadPoolExecutor(1, "check")
+        self._answering = ThreadPoolExecutor(WORKERS, "answer")
+
+    # files
+
+    def open_model(self, uri: str) -> OpenModel | None:
+        """Model file that is open under an address; None where it is none, or is not open."""
+        document = self._documents().get(uri)
+        if document is None:
+            return None
+        text, path = document.source, to_fs_path(uri)
+        file, folder = path or str(urlparse(uri)[2]), Path(path).parent if path else None
+        if not is_model_text(text, file) and (uri not in self.models or names_a_model(text)):
+            return None
+        self.models.add(uri)
+        agreed = document.position_codec.encoding or types.PositionEncodingKind.Utf16
+        shown = EditorText(text, types.PositionEncodingKind(agreed).value)
+        return OpenModel(uri, shown, file, folder, {path: other.uri for path, other in self._files().items()})
+
+    def _documents(self) -> dict[str, TextDocument]:
+        """Open documents by the address that opened them; the keys of pygls are other ones from version 2.1 on."""
+        return {document.uri: document for document in self.workspace.text_documents.values()}
+
+    def _files(self) -> dict[Path, TextDocument]:
+        """Open documents that are files, by their resolved path."""
+        return {path: one for uri, one in self._documents().items() if (path := _real_path(uri)) is not None}
+
+    def changed(self, uri: str, delay: float = 0.0) -> None:
+        """Check a file anew, and the open files that read it."""
+        self.checks.ask(uri, delay)
+        own = _real_path(uri)
+        for other in self._reading(own) - {uri}:
+            self.checks.ask(other, max(delay, CHANGE_DELAY))
+
+    def file_changed(self, uri: str) -> None:
+        """Check the open files that read a file which another program has changed."""
+        for reader in self._reading(_real_path(uri)):
+            self.checks.ask(reader, CHANGE_DELAY)
+
+    def _reading(self, path: Path | None) -> set[str]:
+        return {uri for uri, read in self.read.items() if path in read}
+
+    def closed(self, uri: str) -> None:
+        """Forget a file, and take its diagnostics away."""
+        self.checks.drop(uri)
+        self.read.pop(uri, None)
+        self.models.discard(uri)
+        if self.found.pop(uri, None) is not None:
+            self.text_document_publish_diagnostics(types.PublishDiagnosticsParams(uri, []))
+        for other in self._reading(_real_path(uri)):
+            self.checks.ask(other, CHANGE_DELAY)
+
+    # checks
+
+    async def _check(self, uri: str) -> None:
+        model = self.open_model(uri)
+        if model is None:
+            if self.found.pop(uri, None) is not None:
+                self.text_document_publish_diagnostics(types.PublishDiagnosticsParams(uri, []))
+            return
+        version = self._documents()[uri].version
+        try:
+            faults, shown, read = await self._run(self._checking, uri, lambda: _checked(model))
+        except Exception as error:  # noqa: BLE001
+            self.tell(f"checking {model.file}", error)
+            return
+        self.found[uri], self.read[uri] = (model, faults), read
+        self.text_document_publish_diagnostics(types.PublishDiagnosticsParams(uri, shown, version))
+
+    def faults(self, model: OpenModel) -> list[LocatedFault]:
+        """Faults of a text, found anew where the last ones are of another text."""
+        known = self.found.get(model.uri)
+        return known[1] if known is not None and known[0] == model else faults_in_editor(model)
+
+    # answers
+
+    async def answer(self, uri: str, calculate: Callable[[OpenModel], T]) -> T | None:
+        """Answer to a question on an open model, calculated beside the messages that come in.
+
+        None of a file that is no model, and where the calculation failed, which becomes a message in the log.
+
+        Raises
+        ------
+        JsonRpcException
+            With the sentence of a UsageError.
+        """
+        model = self.open_model(uri)
+        if model is None:
+            return None
+        try:
+            return await self._run(self._answering, uri, lambda: calculate(model))
+        except UsageError as error:
+            raise JsonRpcException(str(error), REFUSED) from None
+        except Exception as error:  # noqa: BLE001
+            self.tell(f"answering about {model.file}", error)
+            return None
+
+    async def _run(self, workers: ThreadPoolExecutor, uri: str, work: Callable[[], T]) -> T:
+        """Result of work in another thread, in which files that are open beside one have the text of the editor."""
+        texts = {path: document.source for path, document in self._files().items() if document.uri != uri}
+
+        def with_texts() -> T:
+            with texts_in_editors(texts):
+                return work()
+
+        return await asyncio.get_running_loop().run_in_executor(workers, with_texts)
+
+    def tell(self, doing: str, error: BaseException) -> None:
+        """Write an exception into the log of the editor."""
+        shown = "".join(traceback.format_exception(error))
+        text = f"torsionnet failed while {doing} (a bug): {shown}"
+        self.window_log_message(types.LogMessageParams(types.MessageType.Error, text))
+
+    def report_server_error(self, error: Exception, source: object) -> None:
+        """Write what went wrong with a message into the log of the editor, instead of a window before the user."""
+        del source
+        if isinstance(error, JsonRpcException) and error.code == REFUSED:
+            return
+        text = f"torsionnet could not answer a message of the editor: {error}"
+        self.window_log_message(types.LogMessageParams(types.MessageType.Error, text))
+
+    def end(self) -> None:
+        """Stop the threads; a check that is running is not waited for by the editor."""
+        for workers in (self._checking, self._answering):
+            workers.shutdown(wait=False, cancel_futures=True)
+
+
+def _checked(model: OpenModel) -> tuple[list[LocatedFault], list[types.Diagnostic], set[Path]]:
+    """Faults of a model, its diagnostics, and the files that it reads."""
+    with files_recorded() as recorded:
+        faults = faults_in_editor(model)
+    return faults, diagnostics(model, faults), set(recorded)
+
+
+def _real_path(uri: str) -> Path | None:
+    path = to_fs_path(uri)
+    try:
+        return Path(path).resolve() if path else None
+    except (OSError, RuntimeError, ValueError):
+        return None

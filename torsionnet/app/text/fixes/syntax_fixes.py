@@ -1,0 +1,296 @@
+"""Quick fixes of texts that are no sound YAML: indentation, brackets, quotes, colons, characters."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from torsionnet.app.text.text_edits import TextEdit, TextFix, TextLines, TextSpan, edited
+from torsionnet.base.errors import Fault, ModelError
+from torsionnet.base.packages import gc_paused
+from torsionnet.model.definition import Definition
+from torsionnet.model.files.located_yaml import (
+    BACKSLASH,
+    BAD_BEGINNING,
+    CHARACTER,
+    INDENTATION,
+    NO_BLANK,
+    NO_COLON,
+    NOT_CLOSED,
+    OPEN_BRACKET,
+    OPEN_QUOTE,
+    OUTSIDE,
+    STRAY_COLON,
+    TAB,
+    TAG,
+    TO_QUOTE,
+    UNKNOWN_ALIAS,
+    compose,
+)
+
+_COMMENT = re.compile(r"\s#")
+_MOST_TRIED = 12
+"""Largest number of edits of which the best is searched, as each is read."""
+
+_PAIRS = {"}": "{", "]": "["}
+
+
+@dataclass(frozen=True)
+class _Break:
+    """Place at which a text stops being YAML."""
+
+    fault: Fault
+    offset: int
+    lines: TextLines
+
+    @property
+    def text(self) -> str:
+        return self.lines.text
+
+    @property
+    def number(self) -> int:
+        return self.lines.place(self.offset)[0]
+
+    @property
+    def line(self) -> str:
+        return self.line_at(self.number)
+
+    def line_at(self, number: int) -> str:
+        if not 0 <= number < len(self.lines.starts):
+            return ""
+        return self.text[self.lines.starts[number] : self.lines.offset(number, len(self.text))]
+
+    @property
+    def start(self) -> int:
+        return self.lines.starts[self.number]
+
+    @property
+    def content_end(self) -> int:
+        """Offset of the end of the line without blanks and comment."""
+        comment = _COMMENT.search(self.line, self.offset - self.start)
+        return self.start + len((self.line[: comment.start()] if comment else self.line).rstrip())
+
+    def inserted(self, title: str, place: int, text: str) -> TextFix:
+        return TextFix(title, (TextEdit(TextSpan(place, place), text),))
+
+    def replaced(self, title: str, start: int, end: int, text: str) -> TextFix:
+        return TextFix(title, (TextEdit(TextSpan(start, end), text),))
+
+
+@gc_paused()
+def syntax_fixes(fault: Fault, span: TextSpan, lines: TextLines, file: str, known: int = 0) -> tuple[TextFix, ...]:
+    """Fix of a text that is no sound YAML, the one after which most of it can be read; none where no fix is known.
+
+    ``known`` is the number of other faults of the text. Quotes and deletions are only offered if they bring no others,
+    as nearly every text is sound YAML after them.
+    """
+    here = _Break(fault, span.start, lines)
+    best: tuple[int, TextFix] | None = None
+    for _, fix in zip(range(_MOST_TRIED), _candidates(here), strict=False):
+        left = _faults_left(edited(lines.text, fix.edits), file)
+        if left is None or (left > known and fix.title.startswith(("put the text", "delete "))):
+            continue
+        if best is None or left < best[0]:
+            best = left, fix
+        if best[0] == 0:
+            break
+    return (best[1],) if best else ()
+
+
+def _faults_left(text: str, file: str) -> int | None:
+    """Number of faults in reading a text, None where it still is no sound YAML."""
+    try:
+        document = compose(text.removeprefix("\ufeff"), file)
+    except ModelError:
+        return None
+    if not isinstance(document.data, dict):
+        return 1 + len(document.faults)
+    return len(document.faults) + len(Definition.read_entries(document.data)[1])
+
+
+def _candidates(here: _Break) -> Iterator[TextFix]:
+    for rule, kinds in _RULES:
+        if here.fault.kind in kinds:
+            yield from rule(here)
+
+
+def _character(here: _Break) -> Iterator[TextFix]:
+    yield here.replaced("delete this character", here.offset, here.offset + 1, "")
+
+
+def _tabs(here: _Break) -> Iterator[TextFix]:
+    edits = []
+    for number, start in enumerate(here.lines.starts):
+        line = here.line_at(number)
+        blank = line[: len(line) - len(line.lstrip(" \t"))]
+        if "\t" in blank:
+            edits.append(TextEdit(TextSpan(start, start + len(blank)), blank.replace("\t", "  ")))
+    yield TextFix("indent with spaces", tuple(edits))
+    found = re.match(r"[ \t]*", here.line)
+    if found:
+        for width in dict.fromkeys(_indents(here)):
+            yield here.replaced("indent with spaces", here.start, here.start + found.end(), " " * width)
+    yield here.replaced("write a blank for the tab", here.offset, here.offset + 1, " ")
+
+
+def _indents(here: _Break) -> Iterator[int]:
+    """Indentation of the lines around, nearest first."""
+    for step in (-1, 1):
+        number, seen = here.number + step, 0
+        while 0 <= number < len(here.lines.starts) and seen < 4:
+            line = here.line_at(number)
+            bare = line.lstrip()
+            if bare and bare[0] not in "#\t":
+                yield len(line) - len(bare)
+                seen += 1
+            number += step
+
+
+def _indentation(here: _Break) -> Iterator[TextFix]:
+    old = len(here.line) - len(here.line.lstrip(" "))
+    for width in sorted(dict.fromkeys(_indents(here)), key=lambda width: abs(width - old)):
+        if width != old:
+            yield here.replaced("indent as the lines around", here.start, here.start + old, " " * width)
+
+
+def _quote(here: _Break) -> Iterator[TextFix]:
+    sign = here.text[here.offset : here.offset + 1]
+    if sign not in ("'", '"'):
+        return
+    rest = here.text[here.offset + 1 : here.content_end]
+    for found in re.finditer(r"(?=, *\w+ *:)|(?=[}\]]+ *,?$)|$", rest):
+        place = here.offset + 1 + found.start()
+        yield here.inserted(f"close with {sign}", place, sign)
+    yield here.replaced(f"delete {sign}", here.offset, here.offset + 1, "")
+
+
+def _bracket(here: _Break) -> Iterator[TextFix]:
+    began = here.fault.remedy.place if here.fault.remedy else None
+    opened = here.lines.offset(*began) if began else here.offset
+    if here.text[opened : opened + 1] not in ("{", "["):
+        return
+    close = "}" if here.text[opened] == "{" else "]"
+    there = _Break(here.fault, opened, here.lines)
+    end = max(there.content_end, min(here.offset, len(here.text))) if began else there.content_end
+    inside = here.text[opened:end]
+    if close == "]":
+        for found in re.finditer(r",\s*\w+\s*:", inside):
+            yield here.inserted("close with ]", opened + found.start(), "]")
+        for found in re.finditer(r"\s*[}]", inside):
+            yield here.inserted("close with ]", opened + found.start(), "]")
+    yield here.inserted(f"close with {close}", there.content_end, close)
+    for found in re.finditer(r"(?<=[\w\]}\"'])\s+(?=\w+\s*:)", inside):
+        yield here.inserted("insert a comma", opened + found.start(), ",")
+    for found in re.finditer(r"(?<=\w)\s*(?=\{)", inside):
+        yield here.replaced("write a colon before the bracket", opened + found.start(), opened + found.end(), ": ")
+    if here.offset > opened:
+        before = len(here.text[: here.offset].rstrip())
+        yield here.inserted("insert a comma", before, ",")
+        yield here.inserted(f"close with {close}", before, close)
+    nested = "]" if close == "}" else "}"
+    yield here.inserted(f"close with {nested}", there.content_end, nested)
+    yield here.replaced(f"delete {here.text[opened]}", opened, opened + 1, "")
+
+
+def _surplus(here: _Break) -> Iterator[TextFix]:
+    for place in (here.offset, here.offset - 1):
+        if here.text[place : place + 1] in ("}", "]", ",") and place >= 0:
+            yield here.replaced(f"delete {here.text[place]}", place, place + 1, "")
+
+
+def _colon(here: _Break) -> Iterator[TextFix]:
+    found = re.compile(r"(\w+)\s*:?\s*").match(here.text, here.offset)
+    if found:
+        yield here.replaced(f'write "{found[1]}: "', here.offset, found.end(), f"{found[1]}: ")
+
+
+def _missing_colon(here: _Break) -> Iterator[TextFix]:
+    """A colon after a word alone on its line, here or above."""
+    for number in range(here.number, here.number - 3, -1):
+        line = here.line_at(number).partition(" #")[0]
+        pair = re.fullmatch(r"(\s*[A-Za-z_]\w*)(\s*[=:]\s*|\s+)(\S.*)", line)
+        if pair and pair[2] != ": " and 0 <= number < len(here.lines.starts):
+            start = here.lines.starts[number] + pair.end(1)
+            yield here.replaced(f'write "{pair[1].strip()}: "', start, start + len(pair[2]), ": ")
+        word = re.fullmatch(r"(\s*\w+)\s*", here.line_at(number).partition(" #")[0])
+        if word and 0 <= number < len(here.lines.starts):
+            yield here.inserted("write a colon after the name", here.lines.starts[number] + word.end(1), ":")
+
+
+def _quoted_value(here: _Break) -> Iterator[TextFix]:
+    """Quotes around the value of the line, or around the word at which the break is."""
+    key = re.match(r"\s*(- )?[^:#\s]+:\s+", here.line)
+    starts = [here.start + key.end()] if key else []
+    for start in dict.fromkeys(
+        [here.offset, *starts] if ":" not in here.text[here.offset : here.offset + 1] else starts
+    ):
+        rest = here.text[start : here.content_end]
+        for found in re.finditer(r"(?=[,}\]])|$", rest):
+            value = rest[: found.start()].rstrip()
+            if value and '"' not in value and "\\" not in value:
+                yield here.replaced("put the text in quotes", start, start + len(value), f'"{value}"')
+
+
+def _opening(here: _Break) -> Iterator[TextFix]:
+    """The opening bracket of a value that ends with one."""
+    found = re.match(r"\s*(- )?[^:#\s]+:\s+(?=\w)", here.line)
+    close = here.text[here.content_end - 1 : here.content_end]
+    if found and close in ("}", "]"):
+        yield here.inserted(f"insert {_PAIRS[close]}", here.start + found.end(), _PAIRS[close])
+
+
+def _joined(here: _Break) -> Iterator[TextFix]:
+    """A line break before a section of a model that begins in the middle of a line."""
+    sections = "|".join(("torsionnet", *dict(Definition.specs())))
+    for found in re.finditer(rf"(?<=[^\s{{,])[ \t]*(?=({sections}):)", here.line):
+        start = here.start + found.start()
+        yield here.replaced(f"begin {found[1]} on a line of its own", start, here.start + found.end(), "\n")
+
+
+def _behind(here: _Break) -> Iterator[TextFix]:
+    """Fix that deletes what stands behind a value in brackets."""
+    found = re.search(r"(?<=[}\]])[^}\]\s,#]+$", here.text[here.start : here.content_end])
+    if found:
+        start = here.start + found.start()
+        yield here.replaced(f"delete {found[0]}", start, start + len(found[0]), "")
+
+
+def _single_quotes(here: _Break) -> Iterator[TextFix]:
+    for found in re.finditer(r'"([^"]*)"', here.line):
+        if "\\" in found[1] and "'" not in found[1]:
+            start = here.start + found.start()
+            yield here.replaced("use single quotes", start, here.start + found.end(), f"'{found[1]}'")
+
+
+def _tag(here: _Break) -> Iterator[TextFix]:
+    found = re.compile(r"!\S*[ \t]*").match(here.text, here.offset)
+    if found:
+        yield here.replaced(f"delete {found[0].strip()}", here.offset, found.end(), "")
+
+
+def _alias(here: _Break) -> Iterator[TextFix]:
+    found = re.compile(r"\*(\w+)").match(here.text, here.offset)
+    if found and re.search(rf"(?<!\w){found[1]}\s*:", here.text):
+        yield here.replaced(f"write {found[1]}", here.offset, found.end(), found[1])
+
+
+_RULES = (
+    (_character, (CHARACTER,)),
+    (_tabs, (TAB,)),
+    (_indentation, (INDENTATION, OUTSIDE)),
+    (_quote, (OPEN_QUOTE,)),
+    (_bracket, (OPEN_BRACKET, NOT_CLOSED)),
+    (_colon, (NO_BLANK,)),
+    (_joined, (STRAY_COLON, INDENTATION)),
+    (_opening, (STRAY_COLON, INDENTATION)),
+    (_behind, (STRAY_COLON, BAD_BEGINNING, INDENTATION)),
+    (_missing_colon, (NO_COLON, STRAY_COLON, INDENTATION)),
+    (_indentation, (STRAY_COLON,)),
+    (_quoted_value, (STRAY_COLON, BAD_BEGINNING, TO_QUOTE, UNKNOWN_ALIAS)),
+    (_surplus, (OUTSIDE, INDENTATION, BAD_BEGINNING, NOT_CLOSED)),
+    (_single_quotes, (BACKSLASH,)),
+    (_tag, (TAG,)),
+    (_alias, (UNKNOWN_ALIAS,)),
+)
+"""Kinds of breaks that a rule may mend, in the order in which the rules are tried."""

@@ -1,0 +1,129 @@
+"""Outline of a model text for editors: its sections, and what stands in them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from torsionnet.app.text.named_places import SECTION_KINDS, NamedPlace, NamesInText
+from torsionnet.app.text.text_edits import TextSpan
+from torsionnet.base.errors import Path
+from torsionnet.model.files.located_yaml import LocatedNode
+
+
+@dataclass(frozen=True)
+class OutlineItem:
+    """Entry of an outline, with the stretch of the whole entry and that of its name.
+
+    ``kind`` is section, or that of what is named, as element, parameter or node.
+    """
+
+    name: str
+    kind: str
+    detail: str
+    span: TextSpan
+    name_span: TextSpan
+    children: tuple[OutlineItem, ...] = ()
+
+
+def outline(text: str, file: str = "") -> list[OutlineItem]:
+    """Outline of a model text: its sections, what each defines, and below each element its nodes.
+
+    Examples
+    --------
+    >>> text = "elements:\\n  disc: {type: inertia, node: hub, inertia: 2 kg*m^2}\\n"
+    >>> (section,) = outline(text)
+    >>> element = section.children[0]
+    >>> section.name, element.name, element.detail, [one.name for one in element.children]
+    ('elements', 'disc', 'inertia at hub', ['hub'])
+    """
+    names = NamesInText.of(text, file)
+    if names.root is None:
+        return []
+    return list(_Outline(names).sections(names.root, ()))
+
+
+class _Outline:
+    """Outline of the entries of a document with the names in it."""
+
+    def __init__(self, names: NamesInText) -> None:
+        self.names = names
+        self.nodes: dict[Path, list[NamedPlace]] = {}
+        for one in names.places:
+            if one.kind == "node":
+                for length in range(2, len(one.path)):
+                    self.nodes.setdefault(one.path[:length], []).append(one)
+
+    def sections(self, node: LocatedNode, path: Path) -> Iterator[OutlineItem]:
+        """Sections of a model or part."""
+        for key, entry in node.entries.items():
+            section = str(key)
+            kind = "axis" if section == "configurations" else SECTION_KINDS.get(section, "")
+            below = [self.thing(entry, (*path, key, name), one, kind) for name, one in entry.entries.items()]
+            children = tuple(one for one in below if one is not None) if kind else ()
+            item = self.item(entry, section, "section", _shown(entry.value) if not kind else "", children)
+            if item is not None:
+                yield item
+
+    def thing(self, whole: LocatedNode, path: Path, node: LocatedNode, kind: str) -> OutlineItem | None:
+        """Entry of a section by its name, with what is in it."""
+        name = str(path[-1])
+        if kind == "element":
+            places = self.nodes.get(path, [])
+            nodes = tuple(OutlineItem(one.name, "node", "", one.span, one.span) for one in places)
+            return self.item(node, name, kind, _element_words(node.value, [one.name for one in nodes]), nodes)
+        if kind == "part":
+            return self.item(node, name, kind, _shown(node.value), tuple(self.sections(node, path)))
+        if kind == "axis":
+            return self.axis(whole, node, name)
+        return self.item(node, name, kind, _shown(node.value), ())
+
+    def axis(self, whole: LocatedNode, node: LocatedNode, name: str) -> OutlineItem | None:
+        """Axis with its alternatives, or an alternative of the only axis."""
+        from torsionnet.model.configurations import has_axes
+
+        if not has_axes(whole.value):
+            return self.item(node, name, "configuration", _shown(node.value), ())
+        below = [
+            self.item(one, str(label), "configuration", _shown(one.value), ()) for label, one in node.entries.items()
+        ]
+        return self.item(node, name, "axis", "", tuple(one for one in below if one is not None))
+
+    def item(
+        self, node: LocatedNode, name: str, kind: str, detail: str, children: tuple[OutlineItem, ...]
+    ) -> OutlineItem | None:
+        """Entry with its stretches, None for one of a list, which has no name."""
+        if node.key_place is None:
+            return None
+        name_span = self.names.stretches.whole(node.key_place)
+        start, end = self.names.stretches.span(node.key_place).start, self.names.stretches.span(node.place).end
+        text = self.names.stretches.lines.text
+        end = max(len(text[:end].rstrip()), name_span.end, *(one.span.end for one in children), 0)
+        return OutlineItem(name, kind, detail, TextSpan(start, end), name_span, children)
+
+
+def _element_words(raw: Any, nodes: list[str]) -> str:
+    """Text on an element: its type and its nodes."""
+    kind = str(raw.get("type", "")).replace("_", " ") if isinstance(raw, Mapping) else ""
+    where = f"at {nodes[0]}" if len(nodes) == 1 else ", ".join(nodes)
+    return f"{kind} {where}".strip()
+
+
+def _shown(raw: Any) -> str:
+    """Text on the value of an entry: the value itself, that of a parameter, or what a sensor measures."""
+    if not isinstance(raw, Mapping):
+        return "" if raw is None or isinstance(raw, list) else _short(str(raw))
+    if isinstance(raw.get("by"), str):
+        return _short(f"by {raw['by'].replace('_', ' ')} of {raw.get('of', '')}")
+    for key in ("value", "type", "rule", "part"):
+        if isinstance(raw.get(key), str | int | float):
+            return _short(str(raw[key]))
+    if len(raw) <= 3 and all(isinstance(one, str | int | float) for one in raw.values()):
+        return _short(", ".join(f"{key} {one}" for key, one in raw.items()))
+    return ""
+
+
+def _short(text: str) -> str:
+    line = " ".join(text.split())
+    return line if len(line) <= 60 else f"{line[:57]}..."

@@ -1,0 +1,398 @@
+"""Base class of objects whose fields carry specifications, by which they are read, checked, written and described.
+
+Here as well: version of the file format, the first entry of every file; files named in a model file, which must lie
+beside it or in folders below.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import MISSING, Field, fields, replace
+from functools import cache
+from pathlib import Path, PurePosixPath, PureWindowsPath
+from typing import Any, ClassVar, Self, TypeAlias
+
+from torsionnet.base.entries.spec import EntryError, Json, Renaming, Schema, Spec, spec_of
+from torsionnet.base.errors import (
+    MISSING_KEY,
+    NO_VALUE,
+    SEPARATE,
+    UNKNOWN_KEY,
+    WRITE,
+    Fault,
+    ModelError,
+    Remedy,
+    UsageError,
+    nearest,
+    question,
+    unknown_key,
+)
+
+FORMAT_VERSION = 1
+"""Number of the version of the file format that this release reads and writes."""
+KEY = "torsionnet"
+"""Key under which a file states the version of its format."""
+VERSION_SCHEMA: dict[str, str | int] = {"const": FORMAT_VERSION, "description": "version of the file format"}
+
+
+def version_faults(data: Mapping[Any, Any], kind: str) -> list[Fault]:
+    """Faults of a file whose format version is missing or unknown; ``kind`` says what it holds: a model, a fit."""
+    version = data.get(KEY)
+    if version is None:
+        text = f"the first entry of a {kind} file is {KEY}: {FORMAT_VERSION}, the version of the format"
+        return [Fault(text, kind=MISSING_KEY, about=KEY)]
+    if version != FORMAT_VERSION or isinstance(version, bool):
+        shown = f"format {version}" if isinstance(version, int) and not isinstance(version, bool) else repr(version)
+        text = f"{KEY}: is the version of the format, {FORMAT_VERSION} for this release; this is {shown}"
+        known = Remedy(WRITE, str(FORMAT_VERSION)) if str(version) in ("1", "1.0") else None
+        return [Fault(text, (KEY,), remedy=known)]
+    return []
+
+
+class Declared:
+    """Base of frozen dataclasses whose fields are entries (:func:`torsionnet.base.entries.spec.entry`)."""
+
+    kind: ClassVar[str] = ""
+    """Name of the kind of object in messages and in the schema; the value of ``type:`` where there are several
+    kinds."""
+    article: ClassVar[str] = ""
+    """Name of the kind of object with its article, for messages that need one."""
+    head: ClassVar[tuple[str, ...]] = ()
+    """Keys of a file that identify its kind and are no entries, as the format version."""
+    form: ClassVar[str] = "{name: value, ...}"
+    """Example of how the object is written in a file."""
+
+    def __post_init__(self) -> None:
+        faults = self.coerced() or self.contradictions()
+        if faults:
+            raise ModelError(faults, type(self).kind or self.article)
+
+    def coerced(self) -> list[Fault]:
+        """Faults of the fields that cannot be stored, while all others are brought to their stored form."""
+        faults: list[Fault] = []
+        defaults = self._defaults()
+        for name, spec in self.specs():
+            raw = getattr(self, name)
+            default, stored = defaults[name]
+            if raw is default or (raw is stored and default is not MISSING):
+                object.__setattr__(self, name, stored)
+                continue
+            try:
+                object.__setattr__(self, name, spec.coerce(raw))
+            except EntryError as error:
+                faults += [fault.under(name) for fault in error.faults]
+        return faults
+
+    def contradictions(self) -> list[Fault]:
+        """Faults of entries that are valid alone but contradict each other."""
+        return []
+
+    @classmethod
+    @cache
+    def declared(cls) -> tuple[Field[Any], ...]:
+        """Dataclass fields that carry a specification, in the order of the class; those common to all kinds last."""
+        own = [declared for declared in fields(cls) if "spec" in declared.metadata]  # type: ignore[arg-type]
+        return tuple(sorted(own, key=cls._is_common))
+
+    @classmethod
+    def _is_common(cls, declared: Field[Any]) -> bool:
+        """Whether an entry belongs to all kinds of object in a register and so stands last."""
+        del declared
+        return False
+
+    @classmethod
+    @cache
+    def specs(cls) -> tuple[tuple[str, Spec[object]], ...]:
+        """Name and specification of every entry, in the order of the fields."""
+        return tuple((declared.name, spec_of(declared)) for declared in cls.declared())
+
+    @classmethod
+    @cache
+    def required(cls) -> tuple[str, ...]:
+        """Names of the entries that have to be given."""
+        return tuple(declared.name for declared in cls.declared() if declared.metadata["must"])
+
+    @classmethod
+    @cache
+    def defaults(cls) -> Mapping[str, Any]:
+        """Default of every entry in its stored form, by name."""
+        return {name: stored for name, (_, stored) in cls._defaults().items()}
+
+    @classmethod
+    @cache
+    def _defaults(cls) -> Mapping[str, tuple[Any, Any]]:
+        """Default of every entry as it is declared and in its stored form, by name."""
+        found = {}
+        for declared in cls.declared():
+            spec, default = spec_of(declared), declared.default
+            found[declared.name] = (default, spec.absent if default in (MISSING, None) else spec.coerce(default))
+        return found
+
+    @classmethod
+    def read(cls, raw: object) -> tuple[Self | None, list[Fault]]:
+        """Object that a mapping of entries describes, None if anything in it is wrong, and every fault."""
+        if isinstance(raw, cls):
+            return raw, []
+        if not isinstance(raw, Mapping):
+            return None, [Fault(f"expected {cls.form}, got {raw!r}")]
+        values, faults = cls.read_entries(raw)
+        return (None, faults) if faults else cls.made(values)
+
+    @classmethod
+    def made(cls, values: Mapping[str, Any]) -> tuple[Self | None, list[Fault]]:
+        """Object made from values of its entries, or None and the faults of values that contradict each other."""
+        try:
+            return cls(**values), []
+        except ModelError as error:
+            return None, list(error.faults)
+        except UsageError as error:
+            return None, [Fault(str(error), on_key=True)]
+
+    @classmethod
+    def read_entries(cls, raw: Mapping[Any, Any]) -> tuple[dict[str, Any], list[Fault]]:
+        """Values of the entries that could be read, by name, and every fault."""
+        faults = cls.key_faults(raw)
+        values: dict[str, Any] = {}
+        for name, spec in cls.specs():
+            if raw.get(name) is not None or (name in raw and name in cls.required() and not spec.may_be_empty):
+                values[name], found = spec.read(raw[name])
+                faults += [fault.under(name) for fault in found]
+        return values, faults
+
+    @classmethod
+    def key_faults(cls, raw: Mapping[Any, Any], name: str = "") -> list[Fault]:
+        """Faults of unknown keys, of missing entries, and of entries without a value."""
+        specs, required = dict(cls.specs()), cls.required()
+        known = [*cls.head, *specs]
+        rest = f"{cls.article or cls.kind} has {', '.join(known)}"
+        faults = []
+        for key in raw:
+            if key not in known:
+                # A comma in a text without quotes makes such a key.
+                comma = "text with a comma needs quotes; " if raw[key] is None else ""
+                run_together = _run_together(key, known, raw) if raw[key] is None else None
+                faults.append(run_together or unknown_key(key, known, (key,), comma + rest))
+        faults += [cls.missing(key, name) for key in required if key not in raw]
+        empty = [key for key, spec in specs.items() if key in raw and raw[key] is None and not spec.may_be_empty]
+        for key in empty:
+            if key not in required:
+                text = f"{key} has no value; give one, or leave the entry out"
+                faults.append(Fault(text, (key,), on_key=True, kind=NO_VALUE, about=key))
+        return faults
+
+    @classmethod
+    def missing(cls, key: str, name: str = "") -> Fault:
+        """Fault of a required entry that is not given."""
+        called = f"{cls.article or cls.kind} {name}".rstrip()
+        text = f"{called} needs {key}: {dict(cls.specs())[key].example}"
+        return Fault(text, on_key=True, kind=MISSING_KEY, about=key)
+
+    @classmethod
+    def spec_beside(cls, name: str, spec: Spec[Any], entries: Mapping[str, Any]) -> Spec[Any]:
+        """Specification that says what an entry names, which for some depends on the entries beside it."""
+        del name, entries
+        return spec
+
+    @classmethod
+    def entry_specs(cls, raw: Mapping[Any, Any]) -> Mapping[Any, Spec[Any]]:
+        """Specification of each entry of an object as a file gives it, by key."""
+        return {name: cls.spec_beside(name, spec, raw) for name, spec in cls.specs() if name in raw}
+
+    @classmethod
+    def key_names(cls, raw: Mapping[Any, Any]) -> Mapping[Any, Spec[Any]]:
+        """Specification of each key of the object that names another thing, as an element."""
+        del raw
+        return {}
+
+    def renamed(self, names: Renaming) -> Self:
+        """Copy of the object in which all names that it refers to are renamed."""
+        changes = {}
+        for name, spec in self.specs():
+            value = getattr(self, name)
+            found = value if value is None else self.spec_beside(name, spec, self.__dict__).renamed(value, names)
+            if found is not value:
+                changes[name] = found
+        return replace(self, **changes) if changes else self  # type: ignore[type-var]
+
+    def to_data(self) -> Json:
+        """Plain data that describe the object in a file; entries with their default are left out."""
+        return self.written_entries()
+
+    def written_entries(self) -> dict[str, Json]:
+        """Plain value of every entry of the object that differs from its default, by name."""
+        defaults = self.defaults()
+        required = self.required()
+        return {
+            name: spec.plain(value)
+            for name, spec in self.specs()
+            if (value := getattr(self, name)) is not None and (name in required or value != defaults[name])
+        }
+
+    @classmethod
+    def schema(cls, *, type_key: str = "") -> Schema:
+        """JSON Schema of an object of this class as a file holds it.
+
+        ``type_key`` is the key, as ``type``, that names its kind.
+        """
+        summary = (cls.__doc__ or "").strip().splitlines()[0]
+        head: Schema = {type_key: {"const": cls.kind, "description": summary}} if type_key else {}
+        head |= dict.fromkeys(cls.head, VERSION_SCHEMA)
+        properties = {declared.name: _with_default(declared) for declared in cls.declared()}
+        return {
+            "title": cls.kind or cls.article,
+            "description": summary,
+            "type": "object",
+            "properties": head | properties,
+            "required": [*head, *cls.required()],
+            "additionalProperties": False,
+        }
+
+    @classmethod
+    def definitions(cls) -> Schema:
+        """Definitions that the JSON Schema of the class refers to, by name."""
+        found: Schema = {}
+        for _, spec in cls.specs():
+            found |= spec.definitions()
+        return found
+
+
+def _with_default(declared: Field[Any]) -> Schema:
+    spec = spec_of(declared)
+    schema = {**spec.schema()}
+    if "$ref" in schema:
+        schema.setdefault("description", spec.description)
+    default = declared.default
+    return {**schema, "default": default} if isinstance(default, bool | int | float | str) and default != "" else schema
+
+
+def _run_together(key: Any, known: Iterable[str], raw: Mapping[Any, Any]) -> Fault | None:
+    """Fault of an entry in brackets without a colon, or without a blank behind it: all of it is read as a key."""
+    found = re.match(r"(\w+)(\s*:\s*|\s+)[^\s=:]", str(key))
+    if not found or found[1] not in known or found[1] in raw:
+        return None
+    keys = list(raw)
+    if ":" not in found[2] and keys.index(key) and keys[keys.index(key) - 1] in ("description", "source", "name"):
+        return None  # rather a comma in that text
+    lacks = f'a blank is missing after "{found[1]}:"' if ":" in found[2] else f'a colon is missing after "{found[1]}"'
+    text = f"{lacks}; write {found[1]}: {str(key)[found.end() - 1 :]}"
+    apart = Remedy(SEPARATE)
+    return Fault(text, (key,), on_key=True, kind=UNKNOWN_KEY, about=str(key), meant=found[1], remedy=apart)
+
+
+_FOLDER: ContextVar[Path | None] = ContextVar("folder of the file that is being read", default=None)
+"""Folder of the model file that is being read, None where a text without a folder is read."""
+FileState: TypeAlias = tuple[int, int, int]
+"""Type of numbers that change when a file is written or replaced: time in ns, size in bytes and number of the file."""
+
+_RECORDED: ContextVar[dict[Path, FileState | None] | None] = ContextVar("files that were looked for", default=None)
+_IN_EDITORS: ContextVar[Mapping[Path, str]] = ContextVar("texts that are not saved yet", default={})  # noqa: B039
+MOST_FILE_BYTES = 8_000_000
+"""Size in bytes of the largest named file that is read, as a larger one would only fill the memory."""
+_SUFFIXED = re.compile(r"\.[A-Za-z]\w{0,4}$")
+
+
+@contextmanager
+def files_beside(folder: Path | None) -> Iterator[None]:
+    """Context manager within which file names are looked up in ``folder``; with None no file can be named."""
+    before = _FOLDER.set(folder)
+    try:
+        yield
+    finally:
+        _FOLDER.reset(before)
+
+
+@contextmanager
+def files_recorded() -> Iterator[Mapping[Path, FileState | None]]:
+    """Context manager that gives the files looked for within it, with what :func:`file_state` said of each before.
+
+    >>> with files_recorded() as files, files_beside(Path("models")):
+    ...     names = [one.name for one in files]
+    >>> names
+    []
+    """
+    recorded: dict[Path, FileState | None] = {}
+    before = _RECORDED.set(recorded)
+    try:
+        yield recorded
+    finally:
+        _RECORDED.reset(before)
+
+
+def file_state(path: Path) -> FileState | None:
+    """State of a file, another one after each change of it; None if it is not there."""
+    try:
+        found = path.stat()
+    except (OSError, ValueError):
+        return None
+    return found.st_mtime_ns, found.st_size, found.st_ino
+
+
+@contextmanager
+def texts_in_editors(texts: Mapping[Path, str]) -> Iterator[None]:
+    """Context manager within which files that are open in an editor have the text shown there, by resolved path."""
+    before = _IN_EDITORS.set(texts)
+    try:
+        yield
+    finally:
+        _IN_EDITORS.reset(before)
+
+
+def nearby_bytes(path: Path) -> bytes:
+    """Content of a file that :func:`nearby_file` found, as an editor shows it or as it is saved."""
+    texts = _IN_EDITORS.get()
+    shown = texts.get(path.resolve()) if texts else None
+    return path.read_bytes() if shown is None else shown.encode("utf-8", "replace")
+
+
+def nearby_file(name: str) -> Path:
+    """Path of the file of that name beside the model file that is being read.
+
+    Raises
+    ------
+    EntryError
+        There is none, it lies elsewhere or is too large, or what is being read is no file.
+    """
+    folder = _FOLDER.get()
+    if folder is None:
+        text = f'the file "{name}" is meant to lie beside the model file, but this model is text without a folder'
+        raise EntryError(f"{text}; save it and load the file, or give the numbers in a list")
+    pure = PurePosixPath(name.replace("\\", "/"))
+    if pure.is_absolute() or PureWindowsPath(name).drive or ".." in pure.parts or "\0" in name:
+        raise EntryError(f'"{name}" leads out of the folder of the model file; put the file beside it or below')
+    path = folder / pure
+    recorded = _RECORDED.get()
+    try:
+        if recorded is not None:
+            recorded.setdefault(path.resolve(), file_state(path))
+        there, inside = path.is_file(), path.resolve().is_relative_to(folder.resolve())
+        size = path.stat().st_size if there else 0
+    except (OSError, RuntimeError):  # the latter of links that lead in a circle, up to Python 3.12
+        there, inside, size = False, True, 0
+    if not there:
+        meant = _nearest_file(path) if inside else ""  # what lies elsewhere, behind a link, is not told
+        text = f'there is no file "{name}" beside the model file{question(meant)}'
+        raise EntryError(Fault(text, about=pure.name, meant=meant))
+    if not inside:
+        raise EntryError(f'"{name}" is a link that leads out of the folder of the model file; put the file there')
+    if size > MOST_FILE_BYTES:
+        raise EntryError(f'"{name}" is too large: more than {MOST_FILE_BYTES // 1_000_000} MB')
+    return path
+
+
+def names_a_file(raw: object) -> bool:
+    """Whether the name of a file occurs anywhere in the data as written."""
+    if isinstance(raw, Mapping):
+        return any(names_a_file(part) for part in raw.values())
+    if isinstance(raw, list | tuple):
+        return any(names_a_file(part) for part in raw)
+    return isinstance(raw, Path) or (isinstance(raw, str) and _SUFFIXED.search(raw) is not None)
+
+
+def _nearest_file(path: Path) -> str:
+    try:
+        return nearest(path.name, [entry.name for entry in path.parent.iterdir() if entry.is_file()])
+    except OSError:
+        return ""

@@ -1,0 +1,300 @@
+"""Imports of a package's public names at first use, so that starting up stays quick.
+
+Each package hands a table of its public names to :func:`lazy_exports`. The stub beside it, in which type checkers and
+editors find the same names (SPEC 1 of Scientific Python), is written by ``make generate``.
+
+Here as well: errors of objects and of constructors that say what a name of another program is called here; showing of
+results in a notebook as tables, and as a picture where there is one.
+
+Pauses of Python's garbage collector of reference cycles.
+
+Reading and checking a large model makes a million small objects that all stay, none in a cycle. The collector goes
+through all of them again and again as they become more, which takes a third of the time.
+"""
+
+from __future__ import annotations
+
+import functools
+import gc
+import importlib
+import re
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from types import FunctionType, MethodType, ModuleType
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeVar
+
+from torsionnet.base.errors import TorsionnetError, did_you_mean
+
+AnyClass = TypeVar("AnyClass", bound=type[Any])
+
+
+def imported(place: str) -> Any:
+    """Object of a module by its place ``module:name``; the module is imported when it is first asked for.
+
+    >>> imported("torsionnet.base.errors:Fault").__name__
+    'Fault'
+    """
+    module, _, name = place.partition(":")
+    return getattr(importlib.import_module(module), name)
+
+
+_UNEXPECTED = re.compile(r"unexpected keyword argument '(\w+)'")
+
+
+class AttributeHints:
+    """Base class whose objects say, for an attribute that they have not, what to write instead."""
+
+    if not TYPE_CHECKING:  # for type checkers an unknown attribute stays an error
+
+        def __getattr__(self, name: str) -> object:
+            if not name.startswith("_") and hasattr(type(self), name):
+                return object.__getattribute__(self, name)  # a property that failed tells its own error
+            from torsionnet.base.familiar_words import METHODS
+
+            kind = type(self)
+            table = next((METHODS[one.__name__] for one in kind.__mro__ if one.__name__ in METHODS), {})
+            hint = python_hint(table, name, (one for one in dir(kind) if not one.startswith("_")))
+            raise AttributeError(f"{kind.__name__!r} object has no attribute {name!r}{hint}", name=name, obj=self)
+
+
+class LazyMethod:
+    """Function that is a method of a class, from a module imported at the first call or when the class is asked for it.
+
+    Made of a module's name by naming what is in it, as ``LazyMethod("torsionnet").solve.modes.modes.modes``: what type
+    checkers read as the function itself, if they have the module's import.
+    """
+
+    def __init__(self, place: str) -> None:
+        self._place = place
+
+    def __getattr__(self, name: str) -> LazyMethod:
+        if name.startswith("_"):  # no function is private
+            raise AttributeError(name)
+        return LazyMethod(f"{self._place}.{name}")
+
+    @functools.cached_property
+    def _function(self) -> FunctionType:
+        module, _, name = self._place.rpartition(".")
+        found: FunctionType = getattr(importlib.import_module(module), name)
+        return found
+
+    def __get__(self, instance: object, owner: type | None = None) -> FunctionType | MethodType:
+        return self._function if instance is None else MethodType(self._function, instance)
+
+
+def with_argument_hints(cls: AnyClass) -> AnyClass:
+    """Class whose constructor says what was meant by an argument that it does not have.
+
+    >>> import torsionnet as tn
+    >>> tn.Shaft("s", ("a", "b"), length=1, diameter=0.1)
+    Traceback (most recent call last):
+    TypeError: Shaft.__init__() got an unexpected keyword argument 'diameter'; did you mean "outer_diameter"?
+    """
+    if "__init__" not in vars(cls) or hasattr(vars(cls)["__init__"], "gives_hints"):
+        return cls  # that of its base class says it, or it does already
+    initialise: Callable[..., None] = cls.__init__
+
+    @functools.wraps(initialise)
+    def initialised(self: Any, *args: Any, **entries: Any) -> None:
+        try:
+            initialise(self, *args, **entries)
+        except TypeError as error:
+            found = _UNEXPECTED.search(str(error))
+            if found is None or found[1] not in entries:
+                raise
+            from torsionnet.base.familiar_words import familiar_key
+
+            known = [name for name in initialise.__annotations__ if name != "return"]
+            meant, advice = familiar_key(found[1], known)
+            hint = f"; {advice}" if advice else f'; did you mean "{meant}"?' if meant else did_you_mean(found[1], known)
+            raise TypeError(f"{error}{hint}") from None
+
+    initialised.gives_hints = True  # type: ignore[attr-defined]
+    cls.__init__ = initialised
+    return cls
+
+
+def python_hint(table: Mapping[str, str], name: str, known: Iterable[str]) -> str:
+    """End of the message of an AttributeError, ``; write ...`` or a question, empty where nothing is like the name.
+
+    >>> python_hint({"Disk": "tn.Inertia(name, node, inertia)"}, "Disk", [])
+    '; write tn.Inertia(name, node, inertia)'
+    >>> python_hint({}, "bodee", ["bode"]), python_hint({}, "__path__", ["bode"])
+    ('; did you mean "bode"?', '')
+    """
+    if name.startswith("_"):
+        return ""
+    return f"; write {table[name]}" if name in table else did_you_mean(name, known)
+
+
+TABLES: dict[str, dict[str, str]] = {}
+"""Place of each public name, ``module:name`` or a module, by package and name."""
+
+
+class LazyPackage(ModuleType):
+    """Package that keeps a public name for its function where a module beside it has the same name.
+
+    Importing the module plot.bode would otherwise put it in the place of the function plot.bode.
+    """
+
+    def __setattr__(self, name: str, value: object) -> None:
+        if not (isinstance(value, ModuleType) and ":" in TABLES[self.__name__].get(name, "")):
+            super().__setattr__(name, value)
+
+
+def lazy_exports(
+    package: str, homes: Mapping[str, str], modules: Iterable[str] = ()
+) -> tuple[list[str], Callable[[str], object], Callable[[], list[str]]]:
+    """Return ``__all__``, ``__getattr__`` and ``__dir__`` of a package that imports its names at first use.
+
+    Parameters
+    ----------
+    package : str
+        Its full name.
+    homes : mapping
+        Public name -> module that it comes from.
+    modules : iterable of str
+        Modules offered under the last part of their name.
+
+    Examples
+    --------
+    >>> names, get, _ = lazy_exports("torsionnet.base", {"Fault": "torsionnet.base.errors"}, ["torsionnet.base.units"])
+    >>> names, get("Fault").__name__, get("units").__name__
+    (['Fault', 'units'], 'Fault', 'torsionnet.base.units')
+    """
+    table = {name: f"{home}:{name}" for name, home in homes.items()}
+    table |= {module.rpartition(".")[2]: module for module in modules}
+    TABLES[package] = table
+    there = sys.modules[package].__dict__
+
+    def attribute(name: str) -> object:
+        if name not in table:
+            from torsionnet.base.familiar_words import PYTHON
+
+            hint = python_hint(PYTHON.get(package, {}), name, dir(sys.modules[package]))
+            raise AttributeError(f"module {package!r} has no attribute {name!r}{hint}", name=name)
+        home, _, inside = table[name].partition(":")
+        found = importlib.import_module(home)
+        value = there[name] = getattr(found, inside) if inside else found
+        return value
+
+    sys.modules[package].__class__ = LazyPackage
+    return list(table), attribute, lambda: sorted(table)
+
+
+MOST_ROWS = 30
+"""Largest number of rows of a table in a notebook, as many as fit on a screen."""
+DOTS_PER_INCH = 100
+"""Resolution of a picture in a notebook in dots per inch, sharp at the size at which it is shown."""
+
+
+class NotebookTable(Protocol):
+    """Interface of a table that a notebook shows, as :class:`torsionnet.response.Table`."""
+
+    __dataclass_fields__: ClassVar[dict[str, Any]]
+
+    @property
+    def title(self) -> str: ...
+    @property
+    def rows(self) -> Sequence[Any]: ...
+    @property
+    def notes(self) -> tuple[str, ...]: ...
+    def to_html(self) -> str: ...
+
+
+AnyTable = TypeVar("AnyTable", bound=NotebookTable)
+
+
+class NotebookResult(AttributeHints):
+    """Base class of results that a notebook shows as tables, and as a picture where ``picture`` names one."""
+
+    picture: ClassVar[str] = ""
+    """Name of the function of :mod:`torsionnet.plot` that draws the result alone; empty: none does."""
+
+    def table(self) -> NotebookTable:
+        """Table of the result that a notebook shows."""
+        raise NotImplementedError
+
+    def notebook_tables(self) -> Iterable[NotebookTable]:
+        """Tables of the result that a notebook shows."""
+        return (self.table(),)
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {getattr(self, 'title', '')}>".replace(" >", ">")
+
+    def _repr_html_(self) -> str:
+        return "\n".join([*(thinned(table).to_html() for table in self.notebook_tables()), self._picture()])
+
+    def _picture(self) -> str:
+        return drawn(lambda plot: getattr(plot, self.picture)(self)) if self.picture else ""
+
+
+def drawn(draw: Callable[[ModuleType], Any]) -> str:
+    """HTML with the picture of the figure that ``draw`` makes with :mod:`torsionnet.plot`.
+
+    Empty where nothing is to draw.
+    """
+    try:
+        return figure_html(draw(importlib.import_module("torsionnet.plot")))  # plots are made from results
+    except TorsionnetError:  # as of a response without frequencies
+        return ""
+
+
+def thinned(table: AnyTable) -> AnyTable:
+    """Copy of a table with at most ``MOST_ROWS`` rows, evenly chosen, and a note on how many there are."""
+    step = -(-len(table.rows) // MOST_ROWS)
+    if step <= 1:
+        return table
+    rows = table.rows[::step]
+    return replace(table, rows=rows, notes=(*table.notes, f"{len(rows)} of {len(table.rows)} lines"))
+
+
+def figure_html(figure: Any) -> str:
+    """HTML element with the picture of a matplotlib figure, which needs no other file."""
+    import base64  # with io only where a picture is drawn, as everything imports this module
+    import io
+
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png", dpi=DOTS_PER_INCH)
+    return f'<img src="data:image/png;base64,{base64.b64encode(buffer.getvalue()).decode("ascii")}" alt="">'
+
+
+OBJECTS_BETWEEN_COLLECTIONS = 20_000
+"""New objects after which the collector looks for cycles: Python's own 700 cost a document a twentieth of its time, and
+this many take a few megabytes."""
+
+
+@contextmanager
+def gc_paused() -> Iterator[None]:
+    """Context manager or decorator that pauses the garbage collector of reference cycles.
+
+    >>> with gc_paused():
+    ...     gc.isenabled()
+    False
+    """
+    if not gc.isenabled():
+        yield
+        return
+    gc.disable()
+    try:
+        yield
+    finally:
+        gc.enable()
+
+
+@contextmanager
+def rare_collections() -> Iterator[None]:
+    """Context manager in which the garbage collector of reference cycles runs less often, for long calculations.
+
+    >>> with rare_collections():
+    ...     gc.get_threshold()[0]
+    20000
+    """
+    before = gc.get_threshold()
+    gc.set_threshold(OBJECTS_BETWEEN_COLLECTIONS, *before[1:])
+    try:
+        yield
+    finally:
+        gc.set_threshold(*before)

@@ -1,0 +1,183 @@
+"""Declarations of the fields of results, which make JSON, its schema, tables and files of them."""
+
+from __future__ import annotations
+
+import dataclasses
+import types
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin, get_type_hints
+
+from torsionnet.base.notes import Note, NoteOrText
+
+if TYPE_CHECKING:
+    from torsionnet.base.entries.spec import Schema
+
+NUMBER: Schema = {"type": ["number", "null"], "description": "null where it is infinite or not determined"}
+NUMBERS: Schema = {"type": "array", "items": NUMBER}
+NUMBER_ROWS: Schema = {"type": "array", "items": NUMBERS}
+PAIR: Schema = {**NUMBERS, "minItems": 2, "maxItems": 2}
+COMPLEX: Schema = {**PAIR, "description": "real and imaginary part"}
+PLAIN: dict[object, Schema] = {
+    str: {"type": "string"},
+    bool: {"type": "boolean"},
+    int: {"type": "integer", "minimum": 0},
+    float: NUMBER,
+    complex: COMPLEX,
+    NoteOrText: {"type": "string"},
+    str | None: {"type": ["string", "null"]},
+    float | None: NUMBER,
+    tuple[float, float]: PAIR,
+}
+"""JSON Schema of each plain Python type; numbers that are infinite or not determined are null."""
+
+
+@dataclass(frozen=True)
+class Out:
+    """Declaration of how a field of a result is shown, as in ``Annotated[float, Out("natural frequency", "Hz")]``.
+
+    Attributes
+    ----------
+    heading : str
+        Of its column in tables and CSV; empty: it has none.
+    unit : str
+        Of the column.
+    json : str or None
+        Key in JSON; empty: the name of the field; None: it is left out.
+    digits, decimals : int
+        Significant digits of the column on the screen, and most decimals.
+    factor : float
+        Number in the column over the value of the field.
+    after : str
+        Field that this one follows in JSON and tables; empty: fields stand as declared, properties before them.
+    optional : bool
+        Whether JSON leaves the key out where the value is None.
+    schema : mapping or None
+        JSON Schema where the type of the field says less.
+    """
+
+    heading: str = ""
+    unit: str = ""
+    json: str | None = ""
+    digits: int = 6
+    decimals: int | None = None
+    factor: float = 1.0
+    after: str = ""
+    optional: bool = False
+    schema: Schema | None = None
+
+
+class OutField(NamedTuple):
+    """Name, type and declaration of a field or property of a result class."""
+
+    name: str
+    type: Any
+    out: Out
+
+    @property
+    def key(self) -> str | None:
+        """Key of the result field in JSON, None where JSON leaves it out."""
+        return None if self.out.json is None else self.out.json or self.name
+
+    @property
+    def schema(self) -> Schema:
+        """JSON Schema of the values of the result field; an optional field has no null, as its key is left out then."""
+        schema = self.out.schema or json_schema(self.type)
+        choices: Any = schema.get("anyOf", [])
+        return choices[0] if self.out.optional and choices[1:] == [{"type": "null"}] else schema
+
+
+@cache
+def out_fields(kind: type) -> tuple[OutField, ...]:
+    """Fields of a result class in the order of JSON; of its properties those that are declared."""
+    hints = get_type_hints(kind, include_extras=True)
+    found: list[OutField] = []
+    for field in dataclasses.fields(kind):
+        _insert(found, _declared(field.name, hints[field.name]), len(found))
+    for name, member in ((name, member) for base in reversed(kind.__mro__) for name, member in vars(base).items()):
+        if isinstance(member, property):
+            one = _declared(name, get_type_hints(member.fget, include_extras=True).get("return"))
+            if one.out != Out():
+                _insert(found, one, 0)
+    return tuple(found)
+
+
+def _insert(found: list[OutField], one: OutField, otherwise: int) -> None:
+    """Insert a result field behind the one that it follows, or at the place given."""
+    places = [place for place, other in enumerate(found, 1) if other.name == one.out.after]
+    found.insert(places[0] if places else otherwise, one)
+
+
+def _declared(name: str, annotation: Any) -> OutField:
+    if get_origin(annotation) is Annotated:
+        declared, *more = get_args(annotation)
+        return OutField(name, declared, next((one for one in more if isinstance(one, Out)), Out()))
+    return OutField(name, annotation, Out())
+
+
+def to_json(value: Any) -> Any:
+    """Plain data of a result: objects, lists, numbers; complex numbers as pairs of real and imaginary part."""
+    if isinstance(value, Note):
+        return str(value)
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        pairs = ((one, getattr(value, one.name)) for one in out_fields(type(value)) if one.key is not None)
+        return {str(one.key): to_json(field) for one, field in pairs if not (one.out.optional and field is None)}
+    if isinstance(value, Mapping):
+        return {key: to_json(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [to_json(one) for one in value]
+    if isinstance(value, complex):
+        return [value.real, value.imag]
+    if hasattr(value, "tolist"):  # an array, or a number of numpy
+        return to_json(value.tolist()) if value.dtype.kind == "c" else value.tolist()
+    return value
+
+
+def record_schema(properties: Mapping[str, Schema], optional: Collection[str] = ()) -> Schema:
+    """JSON Schema of an object with these keys and no others."""
+    return {
+        "type": "object",
+        "properties": dict(properties),
+        "required": [name for name in properties if name not in optional],
+        "additionalProperties": False,
+    }
+
+
+def json_schema(kind: Any) -> Schema:
+    """JSON Schema of the JSON data that values of a type make.
+
+    A result class, a plain type, or tuples, lists and mappings of them.
+
+    Raises
+    ------
+    TypeError
+        Nothing says what values of the type look like.
+
+    Examples
+    --------
+    >>> json_schema(tuple[str, ...])
+    {'type': 'array', 'items': {'type': 'string'}}
+    """
+    if kind in PLAIN:
+        return PLAIN[kind]
+    arguments = get_args(kind)
+    match get_origin(kind):
+        case origin if origin in (Union, types.UnionType):
+            (inner,) = (one for one in arguments if one is not type(None))
+            return {"anyOf": [json_schema(inner), {"type": "null"}]}
+        case origin if origin in (tuple, list):
+            return {"type": "array", "items": json_schema(arguments[0])}
+        case origin if isinstance(origin, type) and issubclass(origin, Mapping):
+            return {"type": "object", "additionalProperties": json_schema(arguments[1])}
+        case origin if origin is Literal:
+            return {"enum": list(arguments)}
+        # NDArray is an alias of its own from numpy 2.5 on, before it was ndarray itself.
+        case origin if getattr(origin, "__name__", "") in ("ndarray", "NDArray"):
+            return NUMBERS
+    if not dataclasses.is_dataclass(kind):
+        raise TypeError(f"no JSON Schema is known of {kind}; give one by Out(schema=...)")
+    fields = [one for one in out_fields(kind) if one.key is not None]  # type: ignore[arg-type]
+    return record_schema(
+        {str(one.key): one.schema for one in fields}, [str(one.key) for one in fields if one.out.optional]
+    )

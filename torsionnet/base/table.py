@@ -1,0 +1,157 @@
+"""Table of results, columns with units, as text, CSV, JSON or HTML."""
+
+from __future__ import annotations
+
+import csv
+import html
+import io
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from torsionnet.base.atomic import write_text
+from torsionnet.base.conventions import SI, Conventions
+from torsionnet.base.notes import NoteOrText
+from torsionnet.base.number_text import csv_value, json_finite, screen_text, unit_in_brackets
+from torsionnet.base.result_rows import OutField, out_fields
+
+
+@dataclass(frozen=True)
+class Column:
+    """Column of a table with name, unit, and significant digits and most decimals of its numbers as text."""
+
+    name: str
+    unit: str = ""
+    digits: int = 6
+    decimals: int | None = None
+
+    @property
+    def heading(self) -> str:
+        """Heading of a table's column, its name with the unit in brackets."""
+        return f"{self.name} {unit_in_brackets(self.unit)}".rstrip()
+
+    def text(self, value: Any) -> str:
+        """Value in a table's column as text, rounded to the digits of the column."""
+        rounded = isinstance(value, float) and self.decimals is not None
+        return screen_text(round(value, self.decimals) if rounded else value, self.digits)
+
+
+@dataclass(frozen=True)
+class Table:
+    """Table of results with title, columns, rows of plain values, and notes that are part of every output format."""
+
+    title: str
+    columns: tuple[Column, ...]
+    rows: tuple[tuple[Any, ...], ...]
+    notes: tuple[str, ...] = ()
+
+    def with_digits(self, digits: int) -> Table:
+        """Copy of the table with ``digits`` significant digits in every column."""
+        return replace(self, columns=tuple(replace(one, digits=digits, decimals=None) for one in self.columns))
+
+    def chosen(self, indices: Sequence[int]) -> Table:
+        """Copy of the table with some of its columns only, given by their indices."""
+        rows = tuple(tuple(row[index] for index in indices) for row in self.rows)
+        return replace(self, columns=tuple(self.columns[index] for index in indices), rows=rows)
+
+    def is_numeric(self, index: int) -> bool:
+        """Whether a table's column holds only numbers or empty cells, so that it is aligned to the right."""
+        return all(row[index] is None or isinstance(row[index], (int, float)) for row in self.rows)
+
+    def cells(self) -> list[list[str]]:
+        """Cells of every row of a table as text, with the digits of their columns."""
+        return [[column.text(value) for value, column in zip(row, self.columns, strict=True)] for row in self.rows]
+
+    def to_text(self) -> str:
+        """Table as text with its title, aligned columns, and its notes."""
+        headings = [column.heading for column in self.columns]
+        cells = self.cells()
+        widths = [max(len(row[i]) for row in [headings, *cells]) for i in range(len(headings))]
+        lines = [
+            "  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)) for row in [headings, *cells]
+        ]
+        return "\n".join([self.title, *lines, *self.notes])
+
+    def to_csv(self, path: str | Path | None = None) -> str:
+        """Table as CSV text in full precision, title and notes as ``#`` lines; also written to ``path`` if given."""
+        buffer = io.StringIO()
+        for note in (self.title, *self.notes):
+            buffer.write(f"# {note}\n")
+        writer = csv.writer(buffer, lineterminator="\n")
+        writer.writerow([column.heading for column in self.columns])
+        writer.writerows([[csv_value(value) for value in row] for row in self.rows])
+        return _written(buffer.getvalue(), path)
+
+    def to_json(self, path: str | Path | None = None) -> str:
+        """Table as JSON text with title, columns (name, unit), rows and notes; numbers that JSON lacks are null."""
+        data = {
+            "title": self.title,
+            "columns": [{"name": column.name, "unit": column.unit} for column in self.columns],
+            "rows": [
+                [screen_text(cell) if isinstance(cell, tuple) else json_finite(cell) for cell in row]
+                for row in self.rows
+            ],
+            "notes": list(self.notes),
+        }
+        return _written(json.dumps(data, indent=1, ensure_ascii=False) + "\n", path)
+
+    def to_html(self) -> str:
+        """Table as HTML text with title and notes in its caption."""
+
+        def line(cells: Sequence[str], tag: str) -> str:
+            return "<tr>" + "".join(f"<{tag}>{html.escape(cell)}</{tag}>" for cell in cells) + "</tr>"
+
+        head = line([column.heading for column in self.columns], "th")
+        body = "\n".join(line(row, "td") for row in self.cells())
+        notes = "".join(f"<br><small>{html.escape(note)}</small>" for note in self.notes)
+        caption = f"<caption>{html.escape(self.title)}{notes}</caption>"
+        return f"<table>\n{caption}\n<thead>{head}</thead>\n<tbody>\n{body}\n</tbody></table>"
+
+    def __str__(self) -> str:
+        return self.to_text()
+
+
+def result_table(
+    title: str,
+    rows: Sequence[object],
+    kind: type,
+    columns: Sequence[str] = (),
+    conventions: Conventions = SI,
+    notes: Sequence[NoteOrText] = (),
+) -> Table:
+    """Table of result rows, with a column for each declared field of their class that has a heading.
+
+    Parameters
+    ----------
+    title : str
+    rows : sequence
+        Objects of ``kind``.
+    kind : type
+        Result class, see :class:`torsionnet.base.result_rows.Out`.
+    columns : sequence of str
+        Names of the fields in the order of their columns; default: all with a heading, as declared.
+    conventions : Conventions
+        Units shown.
+    notes : sequence of str or Note
+    """
+    fields = {one.name: one for one in out_fields(kind) if one.out.heading}
+    shown = [fields[name] for name in columns] if columns else list(fields.values())
+    headings = tuple(
+        Column(one.out.heading, conventions.unit_of_column(one.out.unit), one.out.digits, one.out.decimals)
+        for one in shown
+    )
+    cells = tuple(tuple(_cell(getattr(row, one.name), one, conventions) for one in shown) for row in rows)
+    return Table(title, headings, cells, tuple(map(str, notes)))
+
+
+def _cell(value: Any, one: OutField, conventions: Conventions) -> Any:
+    scale = one.out.factor * conventions.scale_of_column(one.out.unit)
+    return float(value * scale) if isinstance(value, float) or (scale != 1.0 and value is not None) else value
+
+
+def _written(text: str, path: str | Path | None) -> str:
+    if path is not None:
+        write_text(path, text)
+    return text

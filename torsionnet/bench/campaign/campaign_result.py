@@ -1,0 +1,202 @@
+"""Result of a campaign: orders and responses of its records beside the calculated ones, repeatability, fit."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+from torsionnet.base.conventions import SI, Conventions
+from torsionnet.base.packages import NotebookResult
+from torsionnet.base.result_rows import Out
+from torsionnet.base.table import Table, result_table
+from torsionnet.bench.campaign.campaign import Campaign
+from torsionnet.bench.campaign.condition_spread import ConditionSpread
+from torsionnet.bench.campaign.estimating_responses import CampaignResponse
+from torsionnet.bench.campaign.record_findings import RecordFinding
+from torsionnet.bench.campaign.response_rows import ResponseRow, ResponseSpread, response_lines, response_rows
+from torsionnet.identification import Fit, Ranking
+from torsionnet.machinery.orders.order_agreement import AGREES, WITHIN_BOUND
+from torsionnet.machinery.orders.order_comparison import compared_orders, order_comparison
+from torsionnet.machinery.orders.order_response import OrderResponse
+from torsionnet.signals.orders.tracked_orders import MeasuredOrder, TrackedOrders
+
+GOOD = (AGREES, WITHIN_BOUND)
+"""Verdicts on orders that count as agreement."""
+
+
+@dataclass(frozen=True, eq=False)
+class CampaignVerdict:
+    """Verdict on one order of a record beside the calculation."""
+
+    record: Annotated[str, Out("record")]
+    output: Annotated[str, Out("output")]
+    order: Annotated[float, Out("order")]
+    difference: Annotated[float, Out("difference of peaks", "%", digits=4, json="difference_of_peaks_percent")]
+    intervals: Annotated[float | None, Out("in half widths", digits=4, json="half_widths")]
+    verdict: Annotated[str, Out("verdict")]
+    explanation: Annotated[str, Out("explanation")]
+
+
+@dataclass(frozen=True, eq=False)
+class RecordRow:
+    """Record of a campaign with its condition, its speeds, and how many of its orders agree with the calculation."""
+
+    name: Annotated[str, Out("record")]
+    configuration: Annotated[str, Out("configuration")]
+    condition: Annotated[str, Out("condition")]
+    lowest: Annotated[float, Out("from", "rpm", digits=5, json="from_rpm")]
+    highest: Annotated[float, Out("to", "rpm", digits=5, json="to_rpm")]
+    points: Annotated[int, Out("points")]
+    compared: Annotated[int, Out("orders compared", json="orders_compared")]
+    agreeing: Annotated[int, Out("agree", json="orders_that_agree")]
+    reference: Annotated[str, Out("phase 0 at", json="phase_reference")]
+    files: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class CampaignRecordResult:
+    """Tracked orders and frequency responses of one record, and those that the model has for its channels.
+
+    Attributes
+    ----------
+    name : str
+    files : tuple of path
+        File of the tracked orders of each channel.
+    orders : tuple of TrackedOrders
+    calculated : OrderResponse, optional
+        None where no channel shows a sensor of the model.
+    response : CampaignResponse, optional
+        Measured and calculated frequency responses, of a record that shows them.
+    """
+
+    name: str
+    files: tuple[Path, ...]
+    orders: tuple[TrackedOrders, ...]
+    calculated: OrderResponse | None
+    response: CampaignResponse | None = None
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class CampaignResult(NotebookResult):
+    """Result of a campaign: orders and responses of its records beside the calculated ones, repeatability and fit.
+
+    Attributes
+    ----------
+    campaign : Campaign
+    records : mapping of str to CampaignRecordResult
+    spreads : tuple of ConditionSpread
+        Repeatability of each condition with several records.
+    fit : Fit, optional
+    ranking : Ranking, optional
+    remarks : tuple of str
+        Repairs of pulses, and what the comparison leaves out.
+    response_spreads : tuple of ResponseSpread
+        Repeatability of the frequency responses.
+    findings : tuple of RecordFinding
+        Faults that the checks of the records found.
+    """
+
+    campaign: Campaign
+    records: Mapping[str, CampaignRecordResult]
+    spreads: tuple[ConditionSpread, ...] = ()
+    fit: Fit | None = None
+    ranking: Ranking | None = None
+    remarks: tuple[str, ...] = ()
+    response_spreads: tuple[ResponseSpread, ...] = ()
+    findings: tuple[RecordFinding, ...] = ()
+
+    @property
+    def fails(self) -> bool:
+        """Whether a fault of a record is beyond the level at which the campaign fails."""
+        return any(one.consequence == "fails" for one in self.findings)
+
+    def tests(self, record: str) -> dict[str, tuple[MeasuredOrder, ...]]:
+        """Measured orders of a record by the output of its calculated orders."""
+        found, sensors = self.records[record], self.campaign.sensors
+        known = [] if found.calculated is None else [channel.name for channel in found.calculated.outputs]
+        return {sensors[one.name]: one.measured() for one in found.orders if sensors.get(one.name) in known}
+
+    @property
+    def verdicts(self) -> tuple[CampaignVerdict, ...]:
+        """Verdicts on every order that was measured and calculated."""
+        return tuple(self._verdicts())
+
+    def _verdicts(self) -> Iterator[CampaignVerdict]:
+        for name, found in self.records.items():
+            if found.calculated is None:
+                continue
+            for output, measured in self.tests(name).items():
+                for pair in compared_orders(found.calculated, output, measured):
+                    apart = pair.agreement
+                    yield CampaignVerdict(
+                        name, output, pair.measured.order, apart.peak, apart.intervals, apart.verdict, apart.sentence
+                    )
+
+    def comparisons(self, conventions: Conventions = SI) -> Iterator[Table]:
+        """Yield a table of measured and calculated orders for each record and output."""
+        for name, found in self.records.items():
+            if found.calculated is not None:
+                for output, measured in self.tests(name).items():
+                    table = order_comparison(found.calculated, output, measured, conventions)
+                    yield Table(f"{name}: {table.title}", table.columns, table.rows, table.notes)
+
+    @property
+    def rows(self) -> tuple[RecordRow, ...]:
+        """Rows of the table: for each record its condition, speeds and the number of orders that agree."""
+        found, verdicts = [], self.verdicts
+        for name, one in self.records.items():
+            entry, files = self.campaign.plan.records[name], tuple(map(str, one.files))
+            if not one.orders:
+                unknown = float("nan")
+                found.append(
+                    RecordRow(name, entry.configuration, entry.condition, unknown, unknown, 0, 0, 0, "", files)
+                )
+                continue
+            first = one.orders[0]
+            own = [each for each in verdicts if each.record == name]
+            found.append(RecordRow(
+                name, entry.configuration, entry.condition, float(first.rpm.min()), float(first.rpm.max()),
+                len(first.times), len(own), sum(each.verdict in GOOD for each in own), first.reference,
+                files,
+            ))  # fmt: skip
+        return tuple(found)
+
+    def table(self) -> Table:
+        """Table of the records: condition, speeds, orders, how many of them agree with the calculation."""
+        return result_table(self.campaign.title, self.rows, RecordRow, notes=self.remarks)
+
+    @property
+    def responses(self) -> Mapping[str, CampaignResponse]:
+        """Measured and calculated frequency responses of the records that show them, by record."""
+        return {name: one.response for name, one in self.records.items() if one.response is not None}
+
+    @property
+    def response_rows(self) -> tuple[ResponseRow, ...]:
+        """Rows of the table of responses: how far test and model are apart, for each record and output."""
+        return tuple(response_rows(self.responses))
+
+    def response_table(self) -> Table:
+        """Table of the frequency responses of each record and output beside those of the model."""
+        title = f"{self.campaign.title}: frequency responses of test and model"
+        return result_table(
+            title, self.response_rows, ResponseRow, notes=() if self.campaign.of_orders else self.remarks
+        )
+
+    def response_lines(self, conventions: Conventions = SI) -> Table:
+        """Table of test, model and coherence at each frequency in Hz, for each record and output."""
+        return response_lines(self.responses, conventions)
+
+    def response_repeatability(self) -> Table:
+        """Table of the spread of responses between records of one condition, beside what their coherence states."""
+        title = f"{self.campaign.title}: repeatability of frequency responses"
+        return result_table(title, self.response_spreads, ResponseSpread)
+
+    def verdict_table(self) -> Table:
+        """Table of the verdicts on every order of every record."""
+        return result_table(f"{self.campaign.title}: test and model", self.verdicts, CampaignVerdict)
+
+    def repeatability(self) -> Table:
+        """Table of the spread between records of one condition, beside what their intervals state."""
+        return result_table(f"{self.campaign.title}: repeatability", self.spreads, ConditionSpread)

@@ -1,0 +1,1 @@
+"""Entries of a fit file, which say what is fitted to which tests."""

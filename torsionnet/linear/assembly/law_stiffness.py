@@ -1,0 +1,396 @@
+"""Dynamic stiffness of every law in N m/rad over frequency, and over variants of the parameters.
+
+Solvers work on points: one point is one frequency of one variant, all frequencies of the first variant first.
+
+Readings of sensors as linear expressions of the motion and of applied torques.
+
+Every reading is a sum of terms coefficient(s) * gamma, gamma = a^T theta, and a direct share of applied torques, which
+only the torque through a rigid connection has. Solvers that care about accuracy keep the gap of such a connection as a
+column of its own, because these terms may cancel.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.base.errors import UsageError, did_you_mean
+from torsionnet.linear.assembly.assembled import AssembledModel
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray, RowSystem
+from torsionnet.linear.assembly.system import Assembly
+from torsionnet.linear.frequency_response import Channel
+from torsionnet.model.channels import UNITS, Sensor
+from torsionnet.model.definition import all_nodes
+from torsionnet.model.elements import Values
+from torsionnet.model.elimination import exact
+from torsionnet.model.kinematics import exact_row
+from torsionnet.model.readings import balance, reading
+
+EVEN_RATIO = 0.2
+"""Relative change over frequency up to which the squared ratio of two stiffnesses counts as constant, a tenth of the
+ratio itself, as bounds on rounding errors need no more than its order of magnitude."""
+
+
+@dataclass(frozen=True, eq=False)
+class LawStiffness:
+    """Dynamic stiffness k - J omega^2 + j c omega + sampled(omega) in N m/rad of every law, by variant and frequency.
+
+    Attributes
+    ----------
+    inertia, damping, stiffness : (n_variants, n_laws) arrays
+    omega : (n_f,) array, or (n_variants, n_f) where every variant has frequencies of its own
+        rad/s.
+    sampled : tuple of (law index, (n_variants, n_f) complex array)
+        What is no polynomial in omega, N m/rad.
+    actions : tuple of (n_variants, n_f) complex arrays
+        Torque per angle sensed of every action, N m/rad.
+    """
+
+    inertia: FloatArray
+    damping: FloatArray
+    stiffness: FloatArray
+    omega: FloatArray
+    sampled: tuple[tuple[int, ComplexArray], ...] = ()
+    actions: tuple[ComplexArray, ...] = ()
+
+    @property
+    def n_laws(self) -> int:
+        return int(self.stiffness.shape[1])
+
+    @property
+    def n_points(self) -> int:
+        return len(self.stiffness) * self.n_frequencies
+
+    @property
+    def n_frequencies(self) -> int:
+        return int(self.omega.shape[-1])
+
+    @property
+    def s(self) -> ComplexArray:
+        """Laplace variable s = j omega of all points in rad/s, shape (n_points,)."""
+        own = self.omega.size == self.n_points  # each variant has frequencies of its own, or all have the same
+        omega = self.omega.ravel() if own else np.tile(self.omega, len(self.stiffness))
+        return np.asarray(1j * omega, dtype=np.complex128)
+
+    def of(self, law: int) -> ComplexArray:
+        """Dynamic stiffness of one law at all points in N m/rad, complex, shape (n_points,)."""
+        return np.asarray(self.only([law]).by_law[0])
+
+    def only(self, laws: Sequence[int]) -> LawStiffness:
+        """Dynamic stiffness in N m/rad of the selected laws alone, in the order given."""
+        places = {law: place for place, law in enumerate(laws)}
+        sampled = tuple((places[law], values) for law, values in self.sampled if law in places)
+        parts = self.inertia[:, laws], self.damping[:, laws], self.stiffness[:, laws]
+        return LawStiffness(*parts, omega=self.omega, sampled=sampled)
+
+    @property
+    def by_law(self) -> ComplexArray:
+        """Dynamic stiffness of all laws in N m/rad, shape (n_laws, n_points); the points of a law are contiguous."""
+        kappa = np.empty((self.n_laws, len(self.stiffness), self.n_frequencies), dtype=complex)
+        J, c, k = (np.ascontiguousarray(part.T)[:, :, None] for part in (self.inertia, self.damping, self.stiffness))
+        np.multiply(J, -(self.omega * self.omega), out=kappa.real)
+        kappa.real += k
+        np.multiply(c, self.omega, out=kappa.imag)
+        for law, values in self.sampled:
+            kappa[law] += values
+        return kappa.reshape(self.n_laws, self.n_points)
+
+    def at(self, points: NDArray[np.intp]) -> LawStiffness:
+        """Dynamic stiffness of all laws in N m/rad at selected points, which become frequencies of one variant."""
+        actions = tuple(values.reshape(1, -1)[:, points] for values in self.actions)
+        variants, places = np.divmod(points, self.n_frequencies)
+        omega = self.omega[places] if self.omega.ndim == 1 else self.omega[variants, places]
+        values = np.empty((self.n_laws, len(points)), dtype=complex)
+        values.real = self.inertia[variants].T * -(omega * omega) + self.stiffness[variants].T
+        values.imag = self.damping[variants].T * omega
+        for law, sampled in self.sampled:
+            values[law] += sampled[variants, places]
+        return replace(self, omega=omega, actions=actions).with_sampled_stiffness(values)
+
+    def variants(self, which: NDArray[np.intp]) -> LawStiffness:
+        """Dynamic stiffness of all laws in N m/rad for selected variants, at the same frequencies."""
+        return replace(
+            self,
+            inertia=self.inertia[which],
+            damping=self.damping[which],
+            stiffness=self.stiffness[which],
+            omega=self.omega if self.omega.ndim == 1 else self.omega[which],
+            sampled=tuple((law, values[which]) for law, values in self.sampled),
+            actions=tuple(values[which] for values in self.actions),
+        )
+
+    def with_sampled_stiffness(self, values: ComplexArray) -> LawStiffness:
+        """Dynamic stiffness of all laws given by values (n_laws, n_f) in N m/rad, for one variant."""
+        nothing = np.zeros((1, self.n_laws))
+        sampled = tuple((law, value[None]) for law, value in enumerate(values))
+        return LawStiffness(nothing, nothing, nothing, self.omega, sampled, self.actions)
+
+    @property
+    def is_real(self) -> bool:
+        """Whether no law has damping, so that the dynamic stiffnesses of all laws are real."""
+        return not (self.damping.any() or any(values.imag.any() for _, values in self.sampled))
+
+    def law_sums(self, sources: Sequence[Sequence[tuple[int, float]]]) -> LawStiffness:
+        """Dynamic stiffness in N m/rad of sums of laws, each given in ``sources`` by pairs of law and factor."""
+        shape = (len(self.stiffness), len(sources))
+        J, c, k = np.zeros(shape), np.zeros(shape), np.zeros(shape)
+        places: dict[int, list[tuple[int, float]]] = {}
+        terms: dict[int, list[tuple[int, int, float]]] = {}
+        for slot, source in enumerate(sources):
+            for number, (law, factor) in enumerate(source):
+                terms.setdefault(number, []).append((slot, law, factor))
+                places.setdefault(law, []).append((slot, factor))
+        for some in terms.values():  # the first terms of all sums, then the second ones: no slot twice
+            slots, laws, factors = map(list, zip(*some, strict=True))
+            for part, whole in ((J, self.inertia), (c, self.damping), (k, self.stiffness)):
+                part[:, slots] += whole[:, laws] * factors
+        sampled: dict[int, ComplexArray] = {}
+        for law, values in self.sampled:
+            for slot, factor in places.get(law, ()):
+                sampled[slot] = factor * values + sampled.get(slot, 0.0)
+        return LawStiffness(J, c, k, self.omega, tuple(sampled.items()))
+
+    @cached_property
+    def _columns(self) -> list[tuple[Any, Any, Any]]:
+        """J (kg m^2), c (N m s/rad) and k (N m/rad) of every law, each None where the law has none.
+
+        They are numbers for one variant, else (n_variants, 1) arrays.
+        """
+        parts = self.inertia, self.damping, self.stiffness
+        shaped: list[Any] = [part[0].tolist() if len(part) == 1 else part.T[:, :, None] for part in parts]
+        acting = [np.any(part, axis=0) for part in parts]
+        columns = [
+            [value if some else None for value, some in zip(values, there, strict=True)]
+            for values, there in zip(shaped, acting, strict=True)
+        ]
+        return list(zip(*columns, strict=True))
+
+    @cached_property
+    def _squares(self) -> FloatArray:
+        return -(self.omega * self.omega)
+
+    @cached_property
+    def _samples(self) -> dict[int, ComplexArray]:
+        return dict(self.sampled)
+
+    def write(self, law: int, real: FloatArray, imag: FloatArray | None) -> None:
+        """Write the dynamic stiffness of a law in N m/rad into arrays (n_variants, n_f), real and imaginary part."""
+        J, c, k = self._columns[law]
+        if J is None:
+            real[...] = 0.0 if k is None else k
+        else:
+            np.multiply(self._squares, J, out=real)
+            if k is not None:
+                real += k
+        if imag is not None and c is None:
+            imag[...] = 0.0
+        elif imag is not None:
+            np.multiply(self.omega, c, out=imag)
+        if law in self._samples:
+            real += self._samples[law].real
+            if imag is not None:
+                imag += self._samples[law].imag
+
+    def inertial(self, law: int) -> FloatArray | None:
+        """Inertia term J omega^2 of a law in N m/rad, (n_points,), or None unless it has a stiffness as well."""
+        J, _, k = self._columns[law]
+        if J is None or (k is None and law not in self._samples):
+            return None
+        return np.asarray(np.broadcast_to(-self._squares * J, (len(self.stiffness), self.n_frequencies)).ravel())
+
+    def ratio(self, above: int, below: int) -> float | FloatArray:
+        """Magnitude of the dynamic stiffness of one law over that of another, a number or an (n_points,) array.
+
+        A number stands for all points where it is right within `EVEN_RATIO`, and is then the largest.
+        """
+        (J_a, c_a, k_a), (J_b, c_b, k_b) = self._columns[above], self._columns[below]
+        if J_a is None and J_b is None and above not in self._samples and below not in self._samples:
+            if len(self.stiffness) == 1 and k_a == k_b and c_a == c_b:
+                return 1.0
+            least, most = (_squared(c_a, k_a, w2) / _squared(c_b, k_b, w2) for w2 in self._ends)
+            if len(self.stiffness) == 1 and abs(least - most) <= EVEN_RATIO * least:
+                return math.sqrt(max(least, most))
+            if np.all(abs(least - most) <= EVEN_RATIO * least):
+                return np.repeat(np.sqrt(np.maximum(least, most)).ravel(), self.n_frequencies)
+        return np.asarray(np.abs(self.of(above)) / np.abs(self.of(below)))
+
+    @cached_property
+    def _ends(self) -> tuple[float, float]:
+        """Least and largest squared circular frequency in (rad/s)^2."""
+        return -float(self._squares.max(initial=-np.inf)), -float(self._squares.min(initial=0.0))
+
+    def blocks(self, size: int) -> Iterator[LawStiffness]:
+        """Yield the dynamic stiffness of all laws in N m/rad in blocks of at most ``size`` points."""
+        n_f = self.n_frequencies
+        together = max(1, size // max(1, n_f))
+        for first in range(0, len(self.stiffness), together):
+            variants = slice(first, first + together)
+            for start in range(0, max(1, n_f), max(1, size)):
+                frequencies = slice(start, start + size)
+                yield replace(
+                    self,
+                    inertia=self.inertia[variants],
+                    damping=self.damping[variants],
+                    stiffness=self.stiffness[variants],
+                    omega=self.omega[frequencies] if self.omega.ndim == 1 else self.omega[variants, frequencies],
+                    sampled=tuple((law, values[variants, frequencies]) for law, values in self.sampled),
+                    actions=tuple(values[variants, frequencies] for values in self.actions),
+                )
+
+
+def _squared(damping: Any, stiffness: Any, square: float) -> Any:
+    """Squared magnitude of a stiffness with damping in N m/rad at a squared circular frequency, NaN where it is 0.
+
+    None stands for none.
+    """
+    k, c = (0.0 if value is None else value for value in (stiffness, damping))
+    size = k * k + square * (c * c)
+    return size if np.ndim(size) or size else math.nan
+
+
+def law_stiffness(systems: Sequence[RowSystem], omega: FloatArray) -> LawStiffness:
+    """Dynamic stiffness in N m/rad of every law of a drivetrain's variants, at omega in rad/s.
+
+    ``omega`` is (n_f,), or (n_variants, n_f) where every variant has frequencies of its own.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> rig = tn.load("dmf_rig")
+    >>> soft = rig.configured(k_2=100)
+    >>> kappa = law_stiffness([rig.assembly.system, soft.assembly.system], np.array([0.0, 1.0]))
+    >>> kappa.n_points
+    4
+    """
+    J = np.array([system.inertia for system in systems])
+    c = np.array([system.damping for system in systems])
+    k = np.array([system.stiffness for system in systems])
+    laws = dict.fromkeys(law for system in systems for law, _ in system.dynamic)
+    sampled = {law: np.zeros((len(systems), omega.shape[-1]), dtype=complex) for law in laws}
+    for variant, system in enumerate(systems):
+        for law, at in system.dynamic:
+            sampled[law][variant] += at.kappa(omega if omega.ndim == 1 else omega[variant])
+    actions = tuple(
+        np.array(
+            [
+                one.kappa(1j * np.broadcast_to(omega, (len(systems), omega.shape[-1]))[variant])
+                for variant, one in enumerate(alike)
+            ]
+        )
+        for alike in zip(*(system.actions for system in systems), strict=True)
+    )
+    return LawStiffness(J, c, k, omega, tuple(sampled.items()), actions)
+
+
+@dataclass(frozen=True)
+class Term:
+    """Term of a sensor's reading, factor * s^power * (row theta), or with ``law`` factor * kappa_law(s) * (row theta).
+
+    ``columns`` is the row over the ``n_coordinates`` coordinates and, after them, imposed angles: the floats of
+    ``exact``.
+    """
+
+    columns: Mapping[int, float]
+    n_coordinates: int
+    exact: Mapping[str, Fraction]
+    factor: Fraction
+    power: int = 0
+    law: int | None = None
+
+    @property
+    def row(self) -> FloatArray:
+        """Coefficients (n_q,) of the coordinates in the angle of the term, a dense array: not for large systems."""
+        row = np.zeros(self.n_coordinates)
+        for column, coefficient in self.columns.items():
+            if column < self.n_coordinates:
+                row[column] = coefficient
+        return row
+
+
+@dataclass(frozen=True)
+class Functional:
+    """Reading of a sensor as a linear expression of the motion and of the torques applied to nodes.
+
+    ``sensor`` is None for an excitation in the place of a measured input; ``applied`` is empty unless the torque of a
+    rigid connection is read. ``actions`` are the factors of the torques of actions that belong to the element read;
+    what actions apply to nodes counts with ``applied``.
+    """
+
+    name: str
+    unit: str
+    terms: tuple[Term, ...]
+    applied: Mapping[str, Fraction] = field(default_factory=dict)
+    actions: Mapping[int, Fraction] = field(default_factory=dict)
+    sensor: Sensor | None = None
+
+    @property
+    def channel(self) -> Channel:
+        """Channel of the reading, with its name and unit."""
+        return Channel(self.name, self.unit)
+
+    def direct(self, row: Mapping[str, int]) -> Fraction:
+        """Factor from torques on the nodes of a row to the reading without any motion (direct feedthrough)."""
+        return sum((share * self.applied.get(node, Fraction(0)) for node, share in row.items()), start=Fraction(0))
+
+
+def coefficient(term: Term, kappa: LawStiffness) -> ComplexArray:
+    """Factor on the angle of a term at all points, s^power or the dynamic stiffness of its law, shape (n_points,)."""
+    return np.asarray(float(term.factor) * (kappa.s**term.power if term.law is None else kappa.of(term.law)))
+
+
+def powers_of_s(assembly: Assembly, term: Term) -> tuple[Fraction, Fraction, Fraction]:
+    """Coefficients of 1, s and s^2 (SI) in the law of a term; of a term without law, 1 at its power of s and 0 else."""
+    if term.law is None:
+        return Fraction(term.power == 0), Fraction(term.power == 1), Fraction(term.power == 2)
+    law = assembly.laws[term.law]
+    return exact(law.stiffness), exact(law.damping), exact(law.inertia)
+
+
+def functional(drivetrain: AssembledModel, sensor: Sensor, name: str = "") -> Functional:
+    """Reading of a sensor of a drivetrain as a linear expression of the motion and of applied torques.
+
+    Raises
+    ------
+    UsageError
+        The node, element or port does not exist or is switched off, or the torque is statically indeterminate.
+    """
+    assembly, definition = drivetrain.assembly, drivetrain.definition
+    if sensor.is_on_element:
+        _require(sensor.of, drivetrain.elements, "element", definition.elements)
+    else:
+        for node in sensor.nodes:
+            _require(node, drivetrain.nodes, "node", all_nodes(definition.elements.values()))
+    laws = ((owner, law.row) for owner, law in zip(assembly.owners, assembly.laws, strict=True))
+    values = Values(drivetrain.exact_values)
+    actions = ((one.owner, one.nodes) for one in assembly.system.actions)
+    read = reading(sensor, drivetrain.elements, values, laws, assembly.kinematics.constraints, actions)
+    found = Functional(name or str(sensor), UNITS[sensor.quantity], (), sensor=sensor)
+    n_coordinates = assembly.system.n_coordinates
+    if read.row is not None:  # a motion: s^power times a row over coordinates, theta = T q
+        row = exact_row(assembly.kinematics.reduced(read.row))
+        motion = Term(assembly.columns_of(row), n_coordinates, row, factor=Fraction(1), power=read.power)
+        return replace(found, terms=(motion,))
+    # A torque: laws that carry it, and through a rigid connection what the balance of torques leaves to it.
+    balanced = balance(read, assembly.kinematics, [law.row for law in assembly.laws])
+    terms = tuple(
+        Term(assembly.law_columns[law], n_coordinates, assembly.exact_rows[law], factor=factor, law=law)
+        for law, factor in balanced.laws
+        if factor
+    )
+    own = {number: exact(factor) for number, factor in read.actions.items()}
+    return replace(found, terms=terms, applied=balanced.applied, actions=own)
+
+
+def _require(name: str, known: Any, what: str, switched_off: Any = ()) -> None:
+    if name in known:
+        return
+    if name in switched_off:
+        raise UsageError(f'{what} "{name}" is switched off in this configuration; nothing can be measured there')
+    raise UsageError(f'no {what} is named "{name}"{did_you_mean(name, known)}')

@@ -1,0 +1,402 @@
+"""Equations of motion of a drivetrain as sympy matrices in the model's own symbols.
+
+M, C, K come from the same elements and the same elimination as the numbers, with twins of value and symbol. Terms are
+collected by the ratios they are reflected with, so that ``k_1 + k_2/tau**2`` stays as an engineer writes it and
+``I_MT + (I_1 - I_MT)`` collapses to ``I_1``.
+
+Here as well: exact numbers with their symbolic expressions, of which decisions use the value and formulas the symbol.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+import sympy
+
+from torsionnet.base.errors import UsageError
+from torsionnet.base.expressions import Algebra
+from torsionnet.linear.assembly.assembled import AssembledModel
+from torsionnet.model.elements import Action, Law, Row, Values
+from torsionnet.model.elimination import exact
+from torsionnet.model.kinematics import Kinematics, kinematics_on, solve_kinematics
+
+if TYPE_CHECKING:
+    from torsionnet.model.element_base.dynamic_stiffness import DynamicStiffness
+
+
+@dataclass(frozen=True, eq=False)
+class Twin:
+    """Twin of an exact rational value and its sympy expression, equal to a number if its value is."""
+
+    value: Fraction
+    symbol: Any
+
+    def __add__(self, other: Any) -> Twin:
+        other = twin(other)
+        return Twin(self.value + other.value, self.symbol + other.symbol)
+
+    def __mul__(self, other: Any) -> Twin:
+        other = twin(other)
+        return Twin(self.value * other.value, self.symbol * other.symbol)
+
+    def __truediv__(self, other: Any) -> Twin:
+        other = twin(other)
+        return Twin(self.value / other.value, self.symbol / other.symbol)
+
+    def __neg__(self) -> Twin:
+        return Twin(-self.value, -self.symbol)
+
+    def __sub__(self, other: Any) -> Twin:
+        return self + (-twin(other))
+
+    def __rsub__(self, other: Any) -> Twin:
+        return twin(other) - self
+
+    def __rtruediv__(self, other: Any) -> Twin:
+        return twin(other) / self
+
+    def __pow__(self, power: int) -> Twin:
+        return Twin(self.value**power, self.symbol**power)
+
+    __radd__ = __add__
+    __rmul__ = __mul__
+
+    def __eq__(self, other: object) -> bool:
+        return self.value == (other.value if isinstance(other, Twin) else other)
+
+    def __lt__(self, other: Any) -> bool:
+        return bool(self.value < twin(other).value)
+
+    def __gt__(self, other: Any) -> bool:
+        return bool(self.value > twin(other).value)
+
+    def __hash__(self) -> int:
+        return hash(self.value)
+
+
+def rational(number: Any) -> Any:
+    """Sympy rational equal to a number, exact, never a sympy Float."""
+    value = exact(number)
+    return sympy.Rational(value.numerator, value.denominator)
+
+
+def twin(number: Any) -> Twin:
+    """Twin (an exact value with its symbol) of a plain number, whose symbol is the number itself."""
+    return number if isinstance(number, Twin) else _plain(number)
+
+
+@lru_cache(maxsize=1024)
+def _plain(number: Any) -> Twin:
+    return Twin(exact(number), rational(number))
+
+
+def _root(number: Any) -> Twin:
+    number = twin(number)
+    return Twin(exact(float(number.value) ** 0.5), sympy.sqrt(number.symbol))
+
+
+TWINS = Algebra(number=twin, sqrt=_root, pi=Twin(exact(float(sympy.pi)), sympy.pi))
+"""Algebra in which expressions of parameters evaluate to twins (an exact value with its symbol)."""
+
+
+def twin_parameters(definitions: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Twin]:
+    """Twins (exact value and symbol) of all parameters by name; a derived one has its expression in the basic ones."""
+    twins: dict[str, Twin] = {}
+    for name in values:
+        expression = definitions[name].value
+        symbol = expression.evaluate(twins, TWINS).symbol if expression.names else sympy.Symbol(name)
+        twins[name] = Twin(exact(values[name]), symbol)
+    return twins
+
+
+OMEGA = sympy.Symbol("omega")
+"""Sympy symbol of the circular frequency in rad/s, on which tables and delays depend."""
+MOST_TERMS = 1000
+"""Largest number of terms up to which an entry of a matrix is multiplied out, as longer ones are not read term by
+term."""
+
+
+@dataclass(frozen=True, eq=False)
+class SymbolicAction:
+    """Law of an action in symbols, whose torque N(s)/E(s) e^(-s delay) (sensed q) drives a row; powers of s ascend."""
+
+    owner: str
+    row: tuple[Any, ...]
+    sensed: tuple[Any, ...]
+    numerator: tuple[Any, ...]
+    denominator: tuple[Any, ...]
+    delay: Any
+
+    def law(self, s: Any) -> Any:
+        """Transfer function torque / sensed angle of the action in N m/rad, a sympy expression of s."""
+        above, below = (
+            sum((value * s**power for power, value in enumerate(part)), start=sympy.Integer(0))
+            for part in (self.numerator, self.denominator)
+        )
+        return above / below * sympy.exp(-s * self.delay)
+
+    def equation(self, coordinates: Sequence[str]) -> str:
+        """Equation of the action's torque over the angles of the coordinates, as text in sympy's notation."""
+        terms = [_signed(value, f"theta_{name}") for value, name in zip(self.sensed, coordinates, strict=True) if value]
+        return f"T_{self.owner} = {self.law(sympy.Symbol('s'))} ({_joined(terms)})"
+
+
+@dataclass(frozen=True, eq=False)
+class SymbolicMatrices:
+    """Matrices of the equations of motion (M s^2 + C s + K + j H) q + kappa(omega) terms = B u in symbols.
+
+    Attributes
+    ----------
+    M, C, K : (n_q, n_q) sympy matrices
+        Inertia, viscous damping and stiffness.
+    H : (n_q, n_q) sympy matrix
+        Hysteretic damping k eta.
+    tables : (n_q, n_q) sympy matrix
+        Tabulated dynamic stiffness, as functions ``kappa_NAME(omega)``.
+    coordinates, nodes, inputs : tuple of str
+    T : (n_nodes, n_q) sympy matrix
+        Angles of all nodes from the coordinates.
+    B : (n_q, n_inputs) sympy matrix
+        Generalised torques of unit torque inputs.
+    values : dict
+        Symbol -> exact rational value.
+    conditions : tuple
+        Expressions of symbols that are zero for the values and were taken to be zero always.
+    actions : tuple of SymbolicAction
+        Torques that follow the motion; no part of the matrices.
+    """
+
+    M: sympy.Matrix
+    C: sympy.Matrix
+    K: sympy.Matrix
+    H: sympy.Matrix
+    tables: sympy.Matrix
+    coordinates: tuple[str, ...]
+    nodes: tuple[str, ...]
+    inputs: tuple[str, ...]
+    T: sympy.Matrix
+    B: sympy.Matrix
+    values: dict[Any, Any]
+    conditions: tuple[Any, ...] = field(default=())
+    actions: tuple[SymbolicAction, ...] = field(default=())
+
+    def dynamic_stiffness(self, s: Any) -> sympy.Matrix:
+        """Symbolic dynamic stiffness M s^2 + C s + K + j H + tables, less the actions, (n_q, n_q), N m/rad."""
+        passive = self.M * s**2 + self.C * s + self.K + sympy.I * self.H + self.tables
+        for one in self.actions:
+            passive -= one.law(s) * sympy.Matrix(one.row) * sympy.Matrix([one.sensed])
+        return passive
+
+    def equations(self) -> tuple[str, ...]:
+        """Equations of motion as text, one string for each coordinate, with ' for d/dt."""
+        return tuple(self._equation(row) for row in range(len(self.coordinates)))
+
+    def laws(self) -> tuple[str, ...]:
+        """Equations of the torques of all actions as text, in the Laplace domain, one string for each action."""
+        return tuple(one.equation(self.coordinates) for one in self.actions)
+
+    def _equation(self, row: int) -> str:
+        terms = []
+        parts = ((self.M, "''"), (self.C, "'"), (self.K + sympy.I * self.H + self.tables, ""))
+        for matrix, dashes in parts:
+            for column, name in enumerate(self.coordinates):
+                if matrix[row, column] != 0:
+                    terms.append(_signed(matrix[row, column], f"theta_{name}{dashes}"))
+        loads = [_signed(self.B[row, i], name) for i, name in enumerate(self.inputs) if self.B[row, i] != 0]
+        loads += [_signed(one.row[row], f"T_{one.owner}") for one in self.actions if one.row[row] != 0]
+        return f"{_joined(terms)} = {_joined(loads)}"
+
+
+def _signed(coefficient: Any, name: str) -> str:
+    negative = bool(coefficient.could_extract_minus_sign())
+    shown = -coefficient if negative else coefficient
+    text = str(shown)
+    factor = "" if shown == 1 else f"({text}) " if shown.is_Add else f"{text} "
+    return f"{'-' if negative else '+'} {factor}{name}"
+
+
+def _joined(terms: list[str]) -> str:
+    text = " ".join(terms)
+    return text.removeprefix("+ ") or "0"
+
+
+def symbolic_matrices(drivetrain: AssembledModel, referred_to: Sequence[str] = ()) -> SymbolicMatrices:
+    """Matrices of the equations of motion of a drivetrain in symbols; see :meth:`torsionnet.Drivetrain.symbolic`.
+
+    Raises
+    ------
+    UsageError
+        ``referred_to`` names unknown nodes or nodes that cannot be coordinates together, or an input imposes an angle.
+    """
+    imposed = [name for name, channel in drivetrain.inputs.items() if channel.quantity == "angle"]
+    if imposed:
+        raise UsageError(
+            f"equations with imposed angles are not written out; leave out the input(s) {', '.join(imposed)}"
+        )
+    definition = drivetrain.definition
+    names = [referred_to] if isinstance(referred_to, str) else list(referred_to)
+    values = Values(twin_parameters(definition.parameters, drivetrain.exact_values), TWINS)
+    kinematics = solve_kinematics(definition, Values(drivetrain.exact_values), names)
+    ratios = _Ratios(kinematics, values, definition, names)
+    laws = [(owner, law, ratios.reduced(law.row)) for owner, law in ratios.kinematics.laws if law.acts]
+    coordinates = kinematics.coordinates
+    sums = {key: _Sum(coordinates) for key in ("M", "C", "K", "H", "tables")}
+    for owner, law, row in laws:
+        for key, coefficient in _coefficients(owner, law).items():
+            sums[key].add(coefficient, row)
+    nodes = [ratios.reduced({node: twin(1)}) for node in kinematics.nodes]
+    present = set(kinematics.nodes)
+    inputs = tuple(name for name, channel in drivetrain.inputs.items() if set(channel.nodes) <= present)
+    loads = [ratios.reduced(drivetrain.inputs[name].row) for name in inputs]
+    return SymbolicMatrices(
+        **{key: total.matrix() for key, total in sums.items()},
+        coordinates=coordinates,
+        nodes=kinematics.nodes,
+        inputs=inputs,
+        T=_matrix(nodes, coordinates),
+        B=_matrix(loads, coordinates).T,
+        values={sympy.Symbol(name): rational(value) for name, value in drivetrain.exact_values.items()},
+        conditions=ratios.conditions(),
+        actions=tuple(
+            _action(name, action, ratios, coordinates)
+            for name, (_, action) in zip(_numbered(ratios.kinematics.actions), ratios.kinematics.actions, strict=True)
+        ),
+    )
+
+
+def _numbered(actions: Sequence[tuple[str, Action]]) -> list[str]:
+    """Names of the actions' torques, each that of its element, with a number where an element has several actions."""
+    owners = [owner for owner, _ in actions]
+    return [
+        owner if owners.count(owner) == 1 else f"{owner}_{owners[: place + 1].count(owner)}"
+        for place, owner in enumerate(owners)
+    ]
+
+
+def _action(owner: str, action: Action, ratios: _Ratios, coordinates: Sequence[str]) -> SymbolicAction:
+    row, sensed = (_matrix([ratios.reduced(part)], coordinates) for part in (action.row, action.sensed))
+    above, below = (tuple(twin(value).symbol for value in part) for part in (action.numerator, action.denominator))
+    return SymbolicAction(owner, tuple(row), tuple(sensed), above, below, twin(action.delay).symbol)
+
+
+class _Ratios:
+    """Kinematics of a drivetrain solved in symbols, with the pivots that the exact values choose."""
+
+    def __init__(self, plain: Kinematics, values: Values, definition: Any, names: Sequence[str]) -> None:
+        self.kinematics = kinematics_on(values, plain, definition, names)
+
+    def reduced(self, row: Row) -> Row:
+        return self.kinematics.reduced({node: twin(value) for node, value in row.items()})
+
+    def conditions(self) -> tuple[Any, ...]:
+        """Expressions that are zero for the parameter values but not as symbols, from constraints that dropped out."""
+        found = []
+        rows = [{node: twin(value) for node, value in row.items()} for _, row in self.kinematics.constraints]
+        for index in self.kinematics.reduction.redundant:
+            for coefficient in _uncancelled(rows[index], self.kinematics.reduction.solved).values():
+                expression = sympy.numer(sympy.together(sympy.expand(coefficient)))
+                if expression != 0:
+                    found.append(sympy.factor(expression))
+        return tuple(found)
+
+
+def _uncancelled(row: Row, solved: Mapping[Any, Row]) -> dict[str, Any]:
+    result: dict[str, Any] = {}
+    for node, coefficient in row.items():
+        for free, factor in solved.get(node, {node: twin(1)}).items():
+            result[free] = result.get(free, 0) + coefficient.symbol * factor.symbol
+    return result
+
+
+def law_parts(owner: str, law: Law) -> tuple[Any, Any, Any]:
+    """Coefficients of 1, s and s^2 in a law's dynamic stiffness, in symbols; the first holds hysteresis and tables."""
+    found = {key: sympy.Integer(0) for key in ("K", "C", "M", "H", "tables")} | _coefficients(owner, law)
+    return found["K"] + sympy.I * found["H"] + found["tables"], found["C"], found["M"]
+
+
+def _coefficients(owner: str, law: Law) -> dict[str, Any]:
+    table = stiffness_symbol(owner, law.table) if law.table is not None else 0
+    hysteretic = law.stiffness * law.loss_factor
+    given = {"M": law.inertia, "C": law.damping, "K": law.stiffness, "H": hysteretic}
+    symbols = {key: twin(value).symbol for key, value in given.items()}
+    return {key: value for key, value in (symbols | {"tables": table}).items() if value != 0}
+
+
+def stiffness_symbol(owner: str, table: DynamicStiffness) -> Any:
+    """Sympy function ``kappa_NAME(omega)`` that stands for a frequency-dependent stiffness."""
+    return sympy.Function("_".join(["kappa", owner, *([table.label] if table.label else [])]))(OMEGA)
+
+
+def with_symbols(table: DynamicStiffness) -> DynamicStiffness:
+    """Copy of a frequency-dependent stiffness with sympy expressions for the values of its coefficients."""
+    return table.with_coefficients(*(twin(one).symbol for one in table.coefficients))
+
+
+class _Sum:
+    """Symmetric matrix of inertias, dampings or stiffnesses in symbols, summed up law by law.
+
+    Each entry is collected by the ratio that its terms are reflected with.
+    """
+
+    def __init__(self, coordinates: Sequence[str]) -> None:
+        self.index = {name: number for number, name in enumerate(coordinates)}
+        self.entries: dict[tuple[int, int], dict[Any, Any]] = {}
+
+    def add(self, coefficient: Any, row: Row) -> None:
+        used = [(self.index[name], factor.symbol) for name, factor in row.items() if name in self.index]
+        for i, left in used:
+            for j, right in used:
+                ratio, number = _ratio_and_number(left * right)
+                groups = self.entries.setdefault((i, j), {})
+                groups[ratio] = groups.get(ratio, 0) + number * coefficient
+
+    def matrix(self) -> sympy.Matrix:
+        size = len(self.index)
+        result = sympy.zeros(size, size)
+        for place, groups in self.entries.items():
+            result[place] = collect_by_ratio(groups)
+        return result
+
+
+def collect_by_ratio(groups: Mapping[Any, Any]) -> Any:
+    """Sympy sum of ratio * total over groups of terms, each total multiplied out by itself."""
+    if not groups:
+        return sympy.Integer(0)
+    if list(groups) == [1]:
+        return _expanded(groups[1])
+    return sympy.Add(*(ratio * _expanded(total) for ratio, total in groups.items()))
+
+
+def _expanded(total: Any) -> Any:
+    """Sympy sum with its products multiplied out, unless that would take more terms than anyone reads."""
+    return total if total.is_Atom or _terms(total) > MOST_TERMS else sympy.expand(total)
+
+
+def _terms(expression: Any) -> int:
+    """Upper bound of the number of terms of a sympy expression when multiplied out."""
+    if expression.is_Add:
+        return sum(map(_terms, expression.args))
+    if expression.is_Mul:
+        return math.prod(map(_terms, expression.args))
+    if expression.is_Pow and expression.exp.is_Integer:
+        power: int = _terms(expression.base) ** abs(int(expression.exp))
+        return power
+    return 1
+
+
+def _ratio_and_number(product: Any) -> tuple[Any, Any]:
+    number, ratio = product.as_coeff_Mul()
+    return ratio, number
+
+
+def _matrix(rows: Sequence[Row], coordinates: Sequence[str]) -> sympy.Matrix:
+    return sympy.Matrix(len(rows), len(coordinates), lambda i, j: _symbol(rows[i].get(coordinates[j], 0)))
+
+
+def _symbol(value: Any) -> Any:
+    return value.symbol if isinstance(value, Twin) else value

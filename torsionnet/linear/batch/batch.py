@@ -1,0 +1,103 @@
+"""Variants of a drivetrain with coefficients of all laws in arrays, on rows that all variants share."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.linear.assembly.assembled import AssembledModel
+from torsionnet.linear.assembly.law_stiffness import LawStiffness
+from torsionnet.linear.assembly.rows import ActionLaw, FloatArray
+from torsionnet.linear.batch.batched_stiffness import BatchedStiffness
+
+
+@dataclass(frozen=True, eq=False)
+class Batch:
+    """Variants of a drivetrain with their parameter values and the coefficients of all laws, as arrays in SI units.
+
+    Attributes
+    ----------
+    drivetrain : AssembledModel
+        With its own values; all variants have its rows.
+    values : mapping
+        Parameter -> (n,) values in SI.
+    inertia, damping, stiffness : (n, n_laws) arrays
+        kg m^2, N m s/rad, N m/rad of the laws of ``drivetrain.assembly.system``.
+    dynamic : tuple of BatchedStiffness
+        What laws have beside them.
+    impossible : (n,) boolean array
+        Variants that :meth:`torsionnet.Drivetrain.configured` refuses; their coefficients say nothing.
+    separate : (n,) boolean array
+        Variants that have other acting laws, as one whose stiffness vanishes, and so another system of equations: to be
+        solved by their :meth:`model`. Their coefficients say nothing.
+    moduli : mapping
+        Element -> (n,) polar section moduli in m^3 over that of ``drivetrain``, where a varied parameter changes it.
+    """
+
+    drivetrain: AssembledModel
+    values: Mapping[str, FloatArray]
+    inertia: FloatArray
+    damping: FloatArray
+    stiffness: FloatArray
+    dynamic: tuple[BatchedStiffness, ...]
+    impossible: NDArray[np.bool_]
+    separate: NDArray[np.bool_]
+    moduli: Mapping[str, FloatArray]
+
+    def __len__(self) -> int:
+        return len(self.impossible)
+
+    @property
+    def stacked(self) -> NDArray[np.intp]:
+        """Indices of the variants whose coefficients are in the arrays, that is neither impossible nor separate."""
+        return np.flatnonzero(~(self.impossible | self.separate))
+
+    def model(self, index: int) -> AssembledModel:
+        """Drivetrain model of the variant at this index, at the operating point of the batch's drivetrain.
+
+        Raises
+        ------
+        ModelError
+            Its values are impossible.
+        """
+        changes = {name: float(column[index]) for name, column in self.values.items()}
+        single = self.drivetrain.configured(**changes)
+        follow = single.definition.following
+        return (
+            single.with_operating_values({name: self.drivetrain.parameters[name] for name in follow})
+            if follow
+            else single
+        )
+
+    def part(self, which: Any) -> Batch:
+        """Batch of the selected variants, chosen by indices, a slice or a mask."""
+        places = np.arange(len(self))[which]
+        return Batch(
+            self.drivetrain,
+            {name: column[places] for name, column in self.values.items()},
+            self.inertia[places],
+            self.damping[places],
+            self.stiffness[places],
+            tuple(one.part(places, len(self)) for one in self.dynamic),
+            self.impossible[places],
+            self.separate[places],
+            {name: column[places] for name, column in self.moduli.items()},
+        )
+
+    @property
+    def _actions(self) -> tuple[ActionLaw, ...]:
+        return self.drivetrain.assembly.system.actions
+
+    def law_stiffness(self, omega: FloatArray) -> LawStiffness:
+        """Dynamic stiffness of all laws of all variants, in N m/rad, at omega (n_f,) in rad/s."""
+        laws = dict.fromkeys(one.law for one in self.dynamic)
+        sampled = {law: np.zeros((len(self), len(omega)), dtype=complex) for law in laws}
+        for one in self.dynamic:
+            sampled[one.law][one.places] = one.kappa(omega)
+        s = np.asarray(1j * omega, dtype=np.complex128)
+        actions = tuple(np.repeat(one.kappa(s)[None], len(self), axis=0) for one in self._actions)
+        return LawStiffness(self.inertia, self.damping, self.stiffness, omega, tuple(sampled.items()), actions)

@@ -1,0 +1,229 @@
+"""Transfer functions at frequency points, from readings divided by measured inputs if there are any.
+
+Responses with controllers and fluid couplings at work, calculated from responses without their torques.
+
+An action drives a row by T = kappa(s) y, y the motion it senses. With the responses of the laws alone to excitations u
+and to unit torques of the actions, y = Y_u u + Y_T T and z = Z_u u + Z_T T, so
+
+    T = (I - kappa Y_T)^-1 kappa Y_u u
+
+Elimination along the graph stays symmetric; what the loop subtracts is watched for the digits it costs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+import torsionnet.linear.dynamic_stiffness.sweep as elimination
+from torsionnet.base.errors import SolveError
+from torsionnet.linear.assembly.law_stiffness import LawStiffness
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
+from torsionnet.linear.dynamic_stiffness.reading_problem import ReadingProblem
+from torsionnet.linear.dynamic_stiffness.response_problem import ResponseProblem
+from torsionnet.linear.dynamic_stiffness.sweep import Sweep
+from torsionnet.linear.dynamic_stiffness.tape import LARGE_SHARE
+from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest
+
+
+class ClosedLoops(NamedTuple):
+    """Readings (n_read, n_exc, n_points) with controllers at work, torques of these in N m, and uncertain points.
+
+    Readings are per unit excitation; the torques are (n_act, n_exc, n_points); ``uncertain`` (n_points,) marks points
+    that lost digits.
+    """
+
+    values: ComplexArray
+    torques: ComplexArray
+    uncertain: NDArray[np.bool_]
+
+
+def close_loops(
+    reading_problem: ReadingProblem, kappa: LawStiffness, values: ComplexArray, uncertain: NDArray[np.bool_]
+) -> ClosedLoops:
+    """Readings per unit excitation with controllers at work, from ``values`` calculated without their torques.
+
+    These ``values`` are responses to the excitations, then to a unit torque of each action.
+    """
+    n_exc, n_act = reading_problem.n_excitations, len(reading_problem.sensed)
+    if not n_act:
+        return ClosedLoops(values, np.zeros((0, n_exc, kappa.n_points), dtype=complex), uncertain)
+    if len(kappa.actions) != n_act:
+        raise SolveError("this calculation does not include the torques of controllers; switch them off")
+    gains = np.array([values_.ravel() for values_ in kappa.actions])
+    sensed = gains[:, None, :] * values[list(reading_problem.sensed)]
+    by_torque, by_excitation = np.moveaxis(sensed[:, n_exc:], 2, 0), np.moveaxis(sensed[:, :n_exc], 2, 0)
+    with np.errstate(all="ignore"):
+        loop = np.eye(n_act) - by_torque
+        torques, lost = _solved(loop, by_excitation)
+        lost |= (LARGE_SHARE * np.abs(loop) < np.abs(by_torque)).any(axis=(1, 2))
+        torques = np.moveaxis(torques, 0, 2)
+        alone, added = values[:, :n_exc], values[:, n_exc:]
+        total = alone + np.einsum("rap,aep->rep", added, torques)
+        size = np.abs(alone) + np.einsum("rap,aep->rep", np.abs(added), np.abs(torques))
+        lost |= (LARGE_SHARE * np.abs(total) < size).any(axis=(0, 1))
+    finite = np.isfinite(total).all(axis=(0, 1)) & np.isfinite(torques).all(axis=(0, 1))
+    return ClosedLoops(total, torques, uncertain | lost | ~finite)
+
+
+def _solved(loop: ComplexArray, right: ComplexArray) -> tuple[ComplexArray, NDArray[np.bool_]]:
+    """Torques of the actions (n_points, n_act, n_exc) in N m, and mask (n_points,) where the loops nearly cancel."""
+    if loop.shape[1] == 1:
+        return np.asarray(right / loop), np.zeros(len(loop), dtype=bool)
+    finite = np.isfinite(loop).all(axis=(1, 2)) & np.isfinite(right).all(axis=(1, 2))
+    found: ComplexArray = np.full(right.shape, np.nan + 0j)
+    lost: NDArray[np.bool_] = np.asarray(~finite)
+    for point in np.flatnonzero(finite):
+        rows = np.abs(loop[point]).max(axis=1, keepdims=True)
+        scaled = loop[point] / np.where(rows > 0, rows, 1.0)
+        if np.linalg.cond(scaled) > LARGE_SHARE:
+            lost[point] = True
+        try:
+            found[point] = np.linalg.solve(loop[point], right[point])
+        except np.linalg.LinAlgError:
+            lost[point] = True
+    return found, lost
+
+
+Respond: TypeAlias = Callable[[ResponseProblem, LawStiffness], Sweep]
+
+
+def _respond_densely(problem: ResponseProblem, kappa: LawStiffness) -> Sweep:
+    from torsionnet.linear.dynamic_stiffness.dense import respond
+
+    return respond(problem, kappa)
+
+
+METHODS: dict[str, Respond] = {
+    "auto": elimination.respond,
+    "graph": elimination.respond_in_numpy,
+    "compiled": elimination.respond_compiled,
+    "dense": _respond_densely,
+}
+
+
+@dataclass(frozen=True)
+class FrequencyPoints:
+    """Transfer functions (n_points, n_out, n_in), conditioning of measured inputs, mask of uncertain points.
+
+    Conditioning and mask are (n_points,).
+    """
+
+    values: ComplexArray
+    conditioning: FloatArray
+    uncertain: NDArray[np.bool_]
+
+
+def transfer_functions(
+    request: TransferRequest, kappa: LawStiffness, method: str = "auto", *, other_order: bool = False
+) -> FrequencyPoints:
+    """Transfer functions (n_points, n_out, n_in) of a request at all frequency points of the stiffness ``kappa``.
+
+    They come with conditioning and a mask of points that lost digits. With ``other_order`` another order of elimination
+    is used.
+    """
+    reading_problem, n_out = (
+        request.reading_problem.in_other_order if other_order else request.reading_problem,
+        len(request.outputs),
+    )
+    method = elimination.chosen_method(reading_problem.problem, kappa.n_points, method)
+    if method == "compiled" and (whole := _compiled(request, reading_problem, kappa)) is not None:
+        points = np.flatnonzero(~np.isfinite(whole.values).all(axis=(1, 2)))
+        if len(points):  # beyond its range, or infinite
+            again = transfer_functions(request, kappa.at(points), "graph", other_order=other_order)
+            whole.values[points], whole.conditioning[points] = again.values, again.conditioning
+        return whole
+    found = METHODS[method](reading_problem.problem, kappa)
+    loops = close_loops(reading_problem, kappa, found.values, found.uncertain)
+    # Readings y = L(s) q + direct u of all outputs, then measured inputs, per unit excitation.
+    readings = np.empty((kappa.n_points, len(reading_problem.parts), loops.values.shape[1]), dtype=complex)
+    with np.errstate(invalid="ignore"):
+        for number, part in enumerate(reading_problem.parts):
+            readings[:, number] = part.of(kappa, loops.values).T
+            for action, factor in reading_problem.driven[number].items():
+                readings[:, number] += float(factor) * loops.torques[action].T
+    values, uncertain, conditioning = readings[:, :n_out], loops.uncertain, np.ones(kappa.n_points)
+    if request.is_measured:
+        # Y_out Y_in^-1, equations (8)-(13) of Galvagno et al. (2015); small rests of large terms lose digits.
+        measured = readings[:, n_out:]
+        values, lost, apart = _divide(values, measured)
+        conditioning = _shares(reading_problem, kappa, loops.values, measured).max(axis=2).min(axis=1) * apart
+        uncertain = uncertain | lost
+    return FrequencyPoints(values, conditioning, uncertain)
+
+
+def _compiled(request: TransferRequest, reading_problem: ReadingProblem, kappa: LawStiffness) -> FrequencyPoints | None:
+    """Transfer functions (n_points, n_out, n_in) by one compiled loop, or None for requests it cannot handle."""
+    import torsionnet.linear.dynamic_stiffness.compiled as compiled
+    from torsionnet.linear.dynamic_stiffness.reading_table import reading_table
+
+    parts, n_out = reading_problem.problem.parts, len(request.outputs)
+    tables = [reading_table(reading_problem, n_out, len(excitations)) for excitations, _ in parts]
+    values = np.empty((kappa.n_points, n_out, reading_problem.n_excitations), dtype=complex)
+    conditioning, uncertain = np.ones(kappa.n_points), np.zeros(kappa.n_points, dtype=bool)
+    for (excitations, part), table in zip(parts, tables, strict=True):
+        if table is None:
+            return None
+        slots = kappa.law_sums(part.plan.sources)
+        found, conditioning, lost = compiled.read(part.tape, slots, table, kappa.only(table.laws))
+        uncertain |= lost | part.plan.subtracts
+        if len(parts) == 1:
+            values = found
+        else:
+            values[:, :, excitations] = found
+    return FrequencyPoints(values, conditioning, uncertain)
+
+
+def _shares(
+    reading_problem: ReadingProblem, kappa: LawStiffness, solved: ComplexArray, measured: ComplexArray
+) -> FloatArray:
+    """Magnitude of measured inputs over the sum of the magnitudes of their terms, shape (n_points, n_in, n_exc)."""
+    sizes = np.zeros(measured.shape)
+    first = len(reading_problem.parts) - measured.shape[1]
+    with np.errstate(all="ignore"):
+        for number in range(measured.shape[1]):
+            terms = (np.abs(part.of(kappa, solved)).T for part in reading_problem.terms[first + number])
+            sizes[:, number] = sum(terms, start=np.abs(reading_problem.applied[first + number]))
+        return np.divide(np.abs(measured), sizes, out=np.zeros(sizes.shape), where=sizes > 0)
+
+
+def _divide(outputs: ComplexArray, measured: ComplexArray) -> tuple[ComplexArray, NDArray[np.bool_], FloatArray]:
+    """Quotient Y_out Y_in^-1, mask of points that lose digits, and reciprocal condition of Y_in, at every point.
+
+    The last is 1 at best and 0 where it does not at all; there the quotient is inf.
+    """
+    n_points, n_in, _ = measured.shape
+    with np.errstate(all="ignore"):
+        if n_in == 1:
+            quotient = np.where(measured == 0, np.inf + 0j, outputs / measured)
+            return quotient, np.asarray(~np.isfinite(quotient).all(axis=(1, 2))), np.ones(n_points)
+        rows = np.abs(measured).max(axis=2, keepdims=True)
+        columns = (np.abs(measured) / rows).max(axis=1, keepdims=True)
+        normed = measured / rows / columns
+        normed[~np.isfinite(normed)] = 0.0
+        singular = np.linalg.svd(normed, compute_uv=False)
+        apart = singular[:, -1] / np.maximum(singular[:, 0], 1e-300)
+        inverse, size = _inverse(normed)
+        scale = 1 / columns.swapaxes(1, 2) / rows.swapaxes(1, 2)
+        quotient = outputs @ (inverse * scale)
+        lost = (LARGE_SHARE * np.abs(quotient) < np.abs(outputs) @ (size * scale)).any(axis=(1, 2))
+        return quotient, lost | ~(apart * LARGE_SHARE > 1) | ~np.isfinite(quotient).all(axis=(1, 2)), apart
+
+
+def _inverse(matrices: ComplexArray) -> tuple[ComplexArray, FloatArray]:
+    """Inverses (n_points, n, n) of matrices, inf where singular, and the size of the rounding error of each entry."""
+    if matrices.shape[1] == 2:
+        (a, b), (c, d) = matrices.transpose(1, 2, 0)
+        inverse = (np.array([[d, -b], [-c, a]]) / (a * d - b * c)).transpose(2, 0, 1)
+        return inverse, np.abs(inverse)
+    inverse = np.empty(matrices.shape, dtype=complex)
+    for number, matrix in enumerate(matrices):
+        try:
+            inverse[number] = np.linalg.inv(matrix)
+        except np.linalg.LinAlgError:
+            inverse[number] = np.inf
+    return inverse, np.broadcast_to(np.abs(inverse).max(axis=(1, 2), keepdims=True), inverse.shape)

@@ -1,0 +1,245 @@
+"""Response problem in rows, made from named outputs and excitations, and the map from its solution to the outputs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from functools import cached_property
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+
+from torsionnet.linear.assembly.law_stiffness import Functional, LawStiffness, Term, coefficient
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
+from torsionnet.linear.assembly.system import Assembly
+from torsionnet.linear.dynamic_stiffness.response_problem import Loading, ResponseProblem
+from torsionnet.linear.dynamic_stiffness.row_algebra import DOUBLE, Accuracy, Row
+from torsionnet.model.channels import Input
+from torsionnet.model.kinematics import exact_row
+
+Number: TypeAlias = Callable[[Any], Any]
+"""Function that makes the coefficient of a row from a rational, as a float or as a number with many digits."""
+
+
+class ReadingPart(NamedTuple):
+    """Summand of a reading, which is ``factor``, or a term's coefficient, times row ``solved`` of the solution."""
+
+    solved: int
+    term: Term | None
+    factor: Fraction = Fraction(1)
+
+    def of(self, kappa: LawStiffness, values: ComplexArray) -> ComplexArray:
+        """Contribution of this summand to the reading, in its unit per unit excitation, shape (n_exc, n_points)."""
+        if self.term is None:
+            return np.asarray(float(self.factor) * values[self.solved])
+        return np.asarray(coefficient(self.term, kappa) * values[self.solved])
+
+
+@dataclass(frozen=True)
+class Gap:
+    """Virtual opening, in rad, of a rigid connection whose torque is read, with the laws and nodes that it moves."""
+
+    laws: Mapping[int, Fraction]
+    nodes: Mapping[str, Fraction]
+
+    def work(self, row: Mapping[str, Fraction | int]) -> Fraction:
+        """Work in J, per rad that the gap opens, of the torques in N m that ``row`` gives by node."""
+        return sum((share * self.nodes.get(node, Fraction(0)) for node, share in row.items()), start=Fraction(0))
+
+
+@dataclass(frozen=True, eq=False)
+class ReadingProblem:
+    """Response problem for all readings of a request, with the map from its solution to every reading.
+
+    Attributes
+    ----------
+    problem : ResponseProblem
+    parts : tuple of ReadingPart
+        What every reading is.
+    terms : tuple of (Part, ...)
+        Of measured inputs, what their size is compared with: the reading written out as terms of motion.
+    applied : (n_readings, n_exc) array
+        The share of applied torques in that.
+    sensed : tuple of int
+        Which of what is solved the actions follow; their torques are the last excitations of the problem.
+    driven : tuple of mapping
+        Action -> factor of its torque in every reading.
+    """
+
+    problem: ResponseProblem
+    parts: tuple[ReadingPart, ...]
+    terms: tuple[tuple[ReadingPart, ...], ...]
+    applied: FloatArray
+    sensed: tuple[int, ...] = ()
+    driven: tuple[Mapping[int, Fraction], ...] = ()
+
+    @property
+    def n_excitations(self) -> int:
+        """Number of the request's excitations, in which the torques of actions are not counted."""
+        return len(self.problem.excitations) - len(self.sensed)
+
+    def excitations_reaching(self, reading: int) -> frozenset[int]:
+        """Numbers of the excitations that move a reading at all, directly or by way of actions."""
+        reached = self._reached
+        found = set(reached.get(self.parts[reading].solved, ()))
+        waiting = [*self.driven[reading], *(number - self.n_excitations for number in found)]
+        seen: set[int] = set()
+        while waiting:
+            action = waiting.pop()
+            if action < 0 or action in seen:
+                continue
+            seen.add(action)
+            more = reached.get(self.sensed[action], frozenset())
+            found |= more
+            waiting += [number - self.n_excitations for number in more]
+        return frozenset(number for number in found if number < self.n_excitations)
+
+    @cached_property
+    def _reached(self) -> dict[int, frozenset[int]]:
+        """Numbers of the excitations that reach each solved motion or reaction, by the number of that."""
+        found: dict[int, set[int]] = {}
+        for excitations, part in self.problem.parts:
+            for value in part.tape.reached:
+                place, number = divmod(value, len(excitations))
+                found.setdefault(place, set()).add(excitations[number])
+        return {place: frozenset(numbers) for place, numbers in found.items()}
+
+    @cached_property
+    def in_other_order(self) -> ReadingProblem:
+        """Copy of the response problem that is eliminated in another order, so that its rounding errors differ."""
+        return replace(self, problem=self.problem.in_other_order)
+
+
+def make_reading_problem(
+    assembly: Assembly,
+    outputs: Sequence[Functional],
+    measured: Sequence[Functional],
+    excitations: Sequence[Input],
+    number: Number = float,
+    accuracy: Accuracy = DOUBLE,
+) -> ReadingProblem:
+    """Response problem for outputs and measured inputs under excitations, with coefficients at this accuracy."""
+    readings = [*outputs, *measured]
+    n_given = assembly.system.n_coordinates + len(assembly.kinematics.imposed)
+    twists = dict(enumerate((one for one in excitations if one.is_on_element), n_given))
+    twisted = {law_of_imposed_twist(assembly, one.of): column for column, one in twists.items()}
+    rows, gaps = _Rows(assembly, number, twisted), _Gaps()
+    found = [
+        gaps.part(reading) if reading.applied or len(reading.terms) != 1 else rows.part(reading.terms[0])
+        for reading in readings
+    ]
+    terms: list[tuple[ReadingPart, ...]] = [() for _ in outputs]
+    terms += [tuple(rows.part(term) for term in reading.terms) for reading in measured]
+    sensed = tuple(rows.number_of(assembly.columns_of(one.sensed, number)) for one in assembly.system.actions)
+    columns = dict(enumerate(gaps.found, n_given + len(twists)))
+    driving = [_torque(assembly, one.row, one.nodes, columns, number) for one in assembly.system.actions]
+    problem = ResponseProblem(
+        _laws(assembly, columns, twisted, number),
+        assembly.system.n_coordinates,
+        (*(_excitation(assembly, one, columns, twists, number) for one in excitations), *driving),
+        tuple(rows.rows),
+        tuple(columns),
+        accuracy=accuracy,
+    )
+    applied = np.zeros((len(readings), len(excitations)))
+    for place, reading in enumerate(measured, len(outputs)):
+        for column, one in enumerate(excitations):
+            applied[place, column] = float(reading.direct(one.row)) if one.quantity == "torque" else 0.0
+    parts = (part if part.term else part._replace(solved=len(rows.rows) + part.solved) for part in found)
+    driven = tuple(reading.actions for reading in readings)
+    return ReadingProblem(problem, tuple(parts), tuple(terms), applied, sensed, driven)
+
+
+def law_of_imposed_twist(assembly: Assembly, element: str) -> int:
+    """Number of the law in which an input imposes the twist of an element. Such an element has only one law."""
+    return assembly.owners.index(element)
+
+
+def _laws(assembly: Assembly, gaps: Mapping[int, Gap], twisted: Mapping[int, int], number: Number) -> Sequence[Row]:
+    """Coefficients of every law's twist, by column of coordinates, imposed angles, imposed twists and gaps."""
+    exact = number is not float
+    laws = [assembly.columns_of(row, number) for row in assembly.exact_rows] if exact else list(assembly.law_columns)
+    for column, gap in gaps.items():
+        for law, work in gap.laws.items():
+            laws[law] = {**laws[law], column: number(work)}
+    for law, column in twisted.items():
+        laws[law] = {**laws[law], column: number(Fraction(-1))}
+    return laws
+
+
+def _excitation(
+    assembly: Assembly, excitation: Input, gaps: Mapping[int, Gap], twists: Mapping[int, Input], number: Number
+) -> Loading:
+    if excitation.is_on_element:
+        return Loading(motion={column: number(Fraction(1)) for column, one in twists.items() if one == excitation})
+    effect = exact_row(assembly.kinematics.reduced(excitation.row))
+    if excitation.quantity == "angle":
+        return Loading(motion=assembly.columns_of(effect, number))
+    return _torque(assembly, effect, excitation.row, gaps, number)
+
+
+def _torque(
+    assembly: Assembly,
+    row: Mapping[str, Any],
+    nodes: Mapping[str, Fraction | int],
+    gaps: Mapping[int, Gap],
+    number: Number,
+) -> Loading:
+    """Loading by a unit torque on a combination of nodes, with the torque that it puts on gaps.
+
+    Of the same combination, ``nodes`` is over nodes and ``row`` over coordinates and imposed angles.
+    """
+    at_gaps = {column: number(work) for column, gap in gaps.items() if (work := gap.work(nodes))}
+    return Loading(load={**assembly.columns_of(row, number), **at_gaps})
+
+
+@dataclass
+class _Rows:
+    """Motions to be solved for as rows, in which each motion stands once however many readings share it."""
+
+    assembly: Assembly
+    number: Number
+    twisted: Mapping[int, int]
+    """Column of the imposed twist, by the number of the law in which the twist is imposed."""
+    rows: list[Row] = field(default_factory=list)
+    numbers: dict[frozenset[tuple[int, float]], int] = field(default_factory=dict)
+
+    def part(self, term: Term) -> ReadingPart:
+        row = self.assembly.columns_of(term.exact, self.number)
+        if term.law is not None and term.law in self.twisted:
+            row = {**row, self.twisted[term.law]: self.number(Fraction(-1))}
+        return ReadingPart(self.number_of(row), term)
+
+    def number_of(self, row: Row) -> int:
+        """Number of a motion among those to be solved for, which is appended if it is new."""
+        number = self.numbers.setdefault(frozenset(row.items()), len(self.rows))
+        if number == len(self.rows):
+            self.rows.append(row)
+        return number
+
+
+@dataclass
+class _Gaps:
+    """Gaps at the rigid connections whose torques are solved for, each once.
+
+    Torques at ports of one element may be equal up to a factor.
+    """
+
+    found: list[Gap] = field(default_factory=list)
+    numbers: dict[tuple[frozenset[tuple[Any, Fraction]], ...], int] = field(default_factory=dict)
+
+    def part(self, reading: Functional) -> ReadingPart:
+        """Summand by which a torque is read as one reaction on a gap, so that its exact coefficients cancel."""
+        laws: dict[int, Fraction] = {}
+        for term in reading.terms:
+            if term.law is not None:
+                laws[term.law] = laws.get(term.law, Fraction(0)) - term.factor
+        sizes = [*laws.items(), *reading.applied.items()]
+        factor = next((size for _, size in sizes if size), Fraction(1))
+        laws = {law: work / factor for law, work in laws.items() if work}
+        nodes = {node: share / factor for node, share in reading.applied.items() if share}
+        number = self.numbers.setdefault((frozenset(laws.items()), frozenset(nodes.items())), len(self.found))
+        if number == len(self.found):
+            self.found.append(Gap(laws, nodes))
+        return ReadingPart(number, None, factor)

@@ -1,0 +1,332 @@
+"""Linear problem behind a response, with rows of laws, unit excitations, and motions and reactions to solve for.
+
+Columns below ``n_free`` are coordinates, which follow from the equations of motion. Those from there on are given: an
+imposed angle, or the gap of a rigid connection, which is held at zero so that its reaction can be read.
+
+Operation tapes that carry out elimination plans, by back-substitution or by carrying readings forward.
+
+Weights of loads go forward with the elimination. What is read either comes back along the way, all motions from one
+solution, or goes forward like a load: the dynamic stiffness is symmetric, and with r D^-1 l built up on the way nothing
+has to be kept for a way back. That is the better way for few readings.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+from torsionnet.linear.dynamic_stiffness.graph_plan import EliminationPlan, EliminationStep, make_plan
+from torsionnet.linear.dynamic_stiffness.row_algebra import DOUBLE, Accuracy, Row
+from torsionnet.linear.dynamic_stiffness.tape import CONSTANT, LAW, ErrorBound, Losses, Tape, TapeQuantity, Writer
+
+MOST_FORWARD_READINGS = 2
+"""Largest number of readings that are carried forward with the loads, as that takes fewer operations than
+back-substitution for so few."""
+_ONE = TapeQuantity(-1, 1.0)
+
+
+def make_tape(plan: EliminationPlan) -> Tape:
+    """Operation tape of an elimination plan, whose value n_excitations * reading + excitation is that reading.
+
+    Examples
+    --------
+    >>> from torsionnet.linear.dynamic_stiffness.graph_plan import make_plan
+    >>> tape = make_tape(make_plan([{0: 1.0}, {0: 1.0, 1: -1.0}], 2, [{1: 1.0}], [{}], [{1: 1.0}], ()))
+    >>> len(tape), tape.n_registers
+    (20, 7)
+    """
+    n_read = len(plan.outputs) + len(plan.reactions)
+    return (_Forward if n_read <= MOST_FORWARD_READINGS else _Back)(plan).tape(n_read)
+
+
+@dataclass(frozen=True)
+class _Eliminated:
+    """Elimination step with the shares kappa_i / S of its rows, and the motion f_v / S in rad by excitation."""
+
+    step: EliminationStep
+    shares: dict[int, TapeQuantity]
+    loads: dict[int, TapeQuantity]
+
+
+class _Taping:
+    """Writer of the part of a tape that both kinds have in common, the elimination of laws and loads."""
+
+    def __init__(self, plan: EliminationPlan) -> None:
+        self.plan, self.writer = plan, Writer()
+        self.losses = Losses(self.writer, len(plan.sources))
+        self.links: dict[int, TapeQuantity] = {}
+        self.fresh = set(range(len(plan.sources)))
+        self.weights: list[dict[int, TapeQuantity]] = [{} for _ in range(plan.n_excitations)]
+        for slot, excitation, factor in plan.weights:
+            self._add(self.weights[excitation], slot, TapeQuantity(-1, factor))
+
+    def _add(self, table: dict[int, TapeQuantity], key: int, term: TapeQuantity) -> None:
+        table[key] = self.writer.plus(table.get(key), term)
+
+    def _link(self, slot: int) -> TapeQuantity:
+        """Dynamic stiffness in N m/rad of a row slot, as a quantity of the tape.
+
+        That of laws is not worked out before use.
+        """
+        if slot in self.fresh:
+            self.fresh.discard(slot)
+            self.links[slot] = TapeQuantity(self.writer.new(LAW, slot), 1.0)
+            self.losses.of_law(slot, self.links[slot])
+        return self.links[slot]
+
+    def _add_link(self, slot: int, term: TapeQuantity, error: ErrorBound) -> None:
+        if slot in self.fresh:
+            self._link(slot)
+        self.links[slot] = self.writer.plus(self.links.get(slot), term, of_terms=False)
+        self.losses.add(slot, error)
+
+    def _eliminated(self) -> Iterable[_Eliminated]:
+        for step in self.plan.steps:
+            for slot, parts in step.handed_on:
+                for target, weight in parts:
+                    part = self.writer.times(self._link(slot), TapeQuantity(-1, weight))
+                    self._add_link(target, part, self.losses.handed_on(slot, weight))
+            if step.shared or step.loads:
+                yield self._eliminate(step)
+            else:
+                yield _Eliminated(step, {}, {})
+
+    def _eliminate(self, step: EliminationStep) -> _Eliminated:
+        writer = self.writer
+        terms = [self._link(slot) for slot, _ in step.terms]
+        # Pivot S = sum kappa_e a_ev^2 in N m/rad, the total stiffness on the coordinate.
+        pivot = None
+        for term, (_, square) in zip(terms, step.terms, strict=True):
+            pivot = writer.plus(pivot, writer.times(term, TapeQuantity(-1, square)), of_terms=False)
+        S = pivot or TapeQuantity(writer.new(CONSTANT, factor=0.0), 1.0)
+        # Shares s_i = kappa_i/S; several of them by one reciprocal, as a product takes less than a quotient.
+        if len(step.shared) > 1:
+            inverse = writer.over(_ONE, S)
+            shares = {i: writer.times(terms[i], inverse) for i in step.shared}
+        else:
+            shares = {i: writer.over(terms[i], S) for i in step.shared}
+        self.losses.eliminate(step, terms, shares, S)
+        # D' = sum_{i<j} factor s_i kappa_j b b^T. All errors first: they depend on what the sums have not yet changed.
+        errors = [self.losses.of_pair(pair) for pair in step.pairs]
+        for (i, j, factor, target), error in zip(step.pairs, errors, strict=True):
+            self._add_link(target, writer.times(writer.times(shares[i], terms[j]), TapeQuantity(-1, factor)), error)
+        loads = {}
+        for excitation, weights in enumerate(self.weights):
+            # w[target] += factor s_i w[slot]: loads on the coordinate pass on to other rows ...
+            for slot, i, factor, target in step.passed:
+                if slot in weights:
+                    passed = writer.times(writer.times(weights[slot], shares[i]), TapeQuantity(-1, factor))
+                    self._add(weights, target, passed)
+            # ... and their sum over S is the motion that they cause on the spot.
+            load = None
+            for slot, factor in step.loads:
+                if slot in weights:
+                    load = writer.plus(load, writer.times(weights[slot], TapeQuantity(-1, factor)))
+            if load is not None:
+                loads[excitation] = writer.over(load, S)
+        return _Eliminated(step, shares, loads)
+
+    def _written(self, values: dict[tuple[int, int], TapeQuantity], n_read: int) -> Tape:
+        for (reading, excitation), value in values.items():
+            self.writer.output(reading * self.plan.n_excitations + excitation, value)
+            self.losses.mark(value)
+        return self.writer.tape(n_read * self.plan.n_excitations)
+
+
+class _Back(_Taping):
+    """Writer of a tape with back-substitution, which gives all motions under one excitation after another."""
+
+    def tape(self, n_read: int) -> Tape:
+        way = list(self._eliminated())
+        values: dict[tuple[int, int], TapeQuantity] = {}
+        for excitation in range(self.plan.n_excitations):
+            motions = self._motions(way, excitation)
+            for reading, value in self._read(motions, excitation):
+                values[reading, excitation] = value
+        return self._written(values, n_read)
+
+    def _motions(self, way: Sequence[_Eliminated], excitation: int) -> dict[int, TapeQuantity]:
+        writer = self.writer
+        found = {slot: TapeQuantity(-1, given[excitation]) for slot, given in self.plan.given if given[excitation]}
+        for one in reversed(way):
+            for motion in one.step.motions:
+                total = None
+                if motion.load and excitation in one.loads:
+                    total = writer.times(one.loads[excitation], TapeQuantity(-1, motion.load))
+                for i, factor, source in motion.parts:
+                    if source in found:
+                        part = writer.times(writer.times(one.shares[i], found[source]), TapeQuantity(-1, factor))
+                        total = writer.plus(total, part)
+                if total is not None:
+                    found[motion.slot] = total
+        return found
+
+    def _read(self, motions: dict[int, TapeQuantity], excitation: int) -> Iterable[tuple[int, TapeQuantity]]:
+        writer = self.writer
+        for number, (slot, factor) in enumerate(self.plan.outputs):
+            if slot in motions:
+                yield number, writer.times(motions[slot], TapeQuantity(-1, factor))
+        for number, reaction in enumerate(self.plan.reactions, len(self.plan.outputs)):
+            total = None
+            for slot, factor, motion in reaction.laws:
+                if motion in motions:
+                    torque = writer.times(writer.times(self._link(slot), motions[motion]), TapeQuantity(-1, factor))
+                    total = writer.plus(total, torque)
+            for slot, factor in reaction.loads:
+                if slot in self.weights[excitation]:
+                    weight = self.weights[excitation][slot]
+                    total = writer.plus(total, writer.times(weight, TapeQuantity(-1, factor)))
+            if total is not None:
+                yield number, total
+
+
+class _Forward(_Taping):
+    """Writer of a tape with readings carried forward as weights, which the loads meet on the way."""
+
+    def tape(self, n_read: int) -> Tape:
+        self.carried: dict[int, dict[int, TapeQuantity]] = {}
+        self.values: dict[tuple[int, int], TapeQuantity] = {}
+        for number, (slot, factor) in enumerate(self.plan.outputs):
+            self._carry(slot, number, TapeQuantity(-1, factor))
+        for one in self._eliminated():
+            for motion in one.step.motions:
+                for reading, weight in self._taken(motion.slot):
+                    for i, factor, source in motion.parts:
+                        part = self.writer.times(weight, one.shares[i])
+                        self._carry(source, reading, self.writer.times(part, TapeQuantity(-1, factor)))
+                    if motion.load:
+                        own = self.writer.times(weight, TapeQuantity(-1, motion.load))
+                        self._meet(reading, {e: self.writer.times(own, load) for e, load in one.loads.items()})
+        for slot, given in self.plan.given:
+            for reading, weight in self._taken(slot):
+                met = {e: self.writer.times(weight, TapeQuantity(-1, angle)) for e, angle in enumerate(given) if angle}
+                self._meet(reading, met)
+        for number, reaction in enumerate(self.plan.reactions, len(self.plan.outputs)):
+            for slot, factor in reaction.loads:
+                for excitation, weights in enumerate(self.weights):
+                    if slot in weights:
+                        self._meet(number, {excitation: self.writer.times(weights[slot], TapeQuantity(-1, factor))})
+        return self._written(self.values, n_read)
+
+    def _carry(self, slot: int, reading: int, weight: TapeQuantity) -> None:
+        self._add(self.carried.setdefault(slot, {}), reading, weight)
+
+    def _taken(self, slot: int) -> list[tuple[int, TapeQuantity]]:
+        """Weights by reading with which the motion of this number counts, reactions that depend on it included."""
+        for number, reaction in enumerate(self.plan.reactions, len(self.plan.outputs)):
+            for law, factor, motion in reaction.laws:
+                if motion == slot:
+                    self._carry(slot, number, self.writer.times(self._link(law), TapeQuantity(-1, factor)))
+        return list(self.carried.pop(slot, {}).items())
+
+    def _meet(self, reading: int, parts: dict[int, TapeQuantity]) -> None:
+        for excitation, part in parts.items():
+            key = (reading, excitation)
+            self.values[key] = self.writer.plus(self.values.get(key), part)
+
+
+MOST_SINGLE_TORQUES = 4
+"""Largest number of excitation torques that are solved one by one, since each then has its own coordinate at the root
+of the tree."""
+GOLDEN = (math.sqrt(5) - 1) / 2
+"""Golden ratio minus one, whose multiples modulo 1 spread the scale factors of coordinates most evenly."""
+
+
+@dataclass(frozen=True)
+class Loading:
+    """Unit excitation, torques ``load`` in N m by column and angles ``motion`` in rad of given columns.
+
+    All other given columns are at rest.
+    """
+
+    load: Row = field(default_factory=dict)
+    motion: Row = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class ResponseProblem:
+    """Linear problem behind a response, with rows of laws, excitations, and motions and reactions to solve for.
+
+    Attributes
+    ----------
+    laws : sequence of rows
+        gamma of every law over all columns.
+    n_free : int
+        Number of coordinates.
+    excitations : tuple of Loading
+    outputs : tuple of rows
+        Rows of the motions to be solved for, over all columns.
+    reactions : tuple of int
+        Given columns whose reaction is solved for: the torque that the drivetrain, held there, exerts.
+    other_order : bool
+        Whether to eliminate towards another root, in coordinates of odd sizes: which gives the same but for rounding.
+    accuracy : Accuracy
+        Of the coefficients in all rows.
+    """
+
+    laws: Sequence[Row]
+    n_free: int
+    excitations: tuple[Loading, ...]
+    outputs: tuple[Row, ...]
+    reactions: tuple[int, ...] = ()
+    other_order: bool = False
+    accuracy: Accuracy = DOUBLE
+
+    @property
+    def n_read(self) -> int:
+        return len(self.outputs) + len(self.reactions)
+
+    @cached_property
+    def parts(self) -> tuple[tuple[list[int], ResponseProblem], ...]:
+        """Groups of excitation numbers that one elimination solves, each group with its response problem.
+
+        Few torques are solved one by one, and all imposed motions at once.
+        """
+        loads = [number for number, one in enumerate(self.excitations) if not one.motion]
+        motions = [number for number, one in enumerate(self.excitations) if one.motion]
+        groups = [[number] for number in loads] if len(loads) <= MOST_SINGLE_TORQUES else [loads]
+        groups += [motions] if motions else []
+        if len(groups) == 1:
+            return ((groups[0], self),)
+        return tuple((group, self._only([self.excitations[number] for number in group])) for group in groups)
+
+    @cached_property
+    def in_other_order(self) -> ResponseProblem:
+        """Copy of the response problem with another elimination order and scales, so that rounding errors differ.
+
+        Where what is read is a small difference, as of 1 and a share next to it, its digits end with those of the 1,
+        however the stiffnesses are moved. In other sizes it is no longer 1.
+        """
+        return replace(self, other_order=True)
+
+    def _only(self, excitations: Sequence[Loading]) -> ResponseProblem:
+        return replace(self, excitations=tuple(excitations))
+
+    def _sized(self, row: Row) -> Row:
+        if not self.other_order:
+            return row
+        return {column: value * _odd(column) if column < self.n_free else value for column, value in row.items()}
+
+    @cached_property
+    def plan(self) -> EliminationPlan:
+        return make_plan(
+            [self._sized(law) for law in self.laws],
+            self.n_free,
+            [self._sized(excitation.load) for excitation in self.excitations],
+            [excitation.motion for excitation in self.excitations],
+            [self._sized(output) for output in self.outputs],
+            self.reactions,
+            other_order=self.other_order,
+            accuracy=self.accuracy,
+        )
+
+    @cached_property
+    def tape(self) -> Tape:
+        return make_tape(self.plan)
+
+
+def _odd(column: int) -> float:
+    """Scale factor between 1 and 2 of a coordinate, different for each column."""
+    return 1 + (column + 1) * GOLDEN % 1

@@ -1,0 +1,368 @@
+"""Named outputs, inputs and excitations of a transfer function, resolved to readings or refused with the reason."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+from torsionnet.base.errors import UsageError, did_you_mean
+from torsionnet.linear.assembly.assembled import AssembledModel
+from torsionnet.linear.assembly.law_stiffness import Functional, functional
+from torsionnet.linear.assembly.system import Assembly
+from torsionnet.linear.dynamic_stiffness.reading_problem import ReadingProblem, make_reading_problem
+from torsionnet.model.channels import UNITS, Input, Sensor, immobility_text, named_nodes, named_sensor, parse_pair
+from torsionnet.model.element_base.round_section import section_modulus
+from torsionnet.model.elements import GROUND, Values
+from torsionnet.model.kinematics import twist_fault
+
+NO_CHANNELS_MESSAGE = "name at least one output and one input"
+"""Message of the error for a request of transfer functions without outputs or without inputs."""
+
+
+@dataclass(frozen=True)
+class TransferRequest:
+    """Outputs and inputs of transfer functions, where inputs are measured ones or the excitations themselves.
+
+    ``assembly`` is one in which the names were looked up; others with the same rows may be asked the same.
+    """
+
+    outputs: tuple[Functional, ...]
+    measured: tuple[Functional, ...]
+    excitations: tuple[Input, ...]
+    is_measured: bool
+    assembly: Assembly
+    notes: tuple[str, ...] = ()
+
+    @property
+    def names(self) -> str:
+        """Names of the measured inputs of the request, joined by "and"."""
+        return " and ".join(reading.name for reading in self.measured)
+
+    @property
+    def sensors(self) -> tuple[Sensor, ...]:
+        """Sensors of the outputs, then of the measured inputs, without readings that have no sensor."""
+        return tuple(one.sensor for one in (*self.outputs, *self.measured) if one.sensor is not None)
+
+    @cached_property
+    def reading_problem(self) -> ReadingProblem:
+        """Equations of the request's outputs and measured inputs, with the map from their solution to each reading."""
+        return make_reading_problem(
+            self.assembly, self.outputs, self.measured if self.is_measured else (), self.excitations
+        )
+
+    def require_reached_inputs(self) -> None:
+        """Raise UsageError for measured inputs that stay zero whatever the parameter values.
+
+        Raises
+        ------
+        UsageError
+            An excitation does not reach a measured input, or a measured input is reached by none.
+        """
+        if not self.is_measured:
+            return
+        felt = [
+            self.reading_problem.excitations_reaching(len(self.outputs) + number)
+            for number in range(len(self.measured))
+        ]
+        driven = " and ".join(str(excitation) for excitation in self.excitations)
+        for reading, reached in zip(self.measured, felt, strict=True):
+            if not reached:
+                raise UsageError(
+                    f"{reading.name} stays zero under a {driven} at every frequency; it cannot be a measured input"
+                )
+        for number, excitation in enumerate(self.excitations):
+            if not any(number in reached for reached in felt):
+                where = f"under a {excitation} at every frequency"
+                raise UsageError(f"{self.names} stay zero {where}; they cannot be its measured inputs")
+
+    def dependent_inputs_error(self) -> UsageError:
+        """Error to raise for measured inputs that depend on each other under the excitations at all frequencies."""
+        names, driven = self.names, " and ".join(str(excitation) for excitation in self.excitations)
+        if len(self.measured) == 1:
+            return UsageError(f"{names} stays zero under a {driven} at every frequency; it cannot be a measured input")
+        return UsageError(f"{names} depend on each other under {driven}: they cannot be measured inputs together")
+
+
+def cached_request(
+    drivetrain: AssembledModel,
+    output: str | Sensor | Sequence[str | Sensor],
+    input: str | Sensor | Input | Sequence[str | Sensor | Input],
+    excitation: str | Input | Sequence[str | Input] | None,
+) -> TransferRequest:
+    """Request of transfer functions, resolved once for all configurations with the same rows and shaft sections."""
+    parts = tuple(tuple(entry) if isinstance(entry, list) else entry for entry in (output, input, excitation))
+
+    def asked() -> TransferRequest:
+        request = resolve_request(drivetrain, output, input, excitation)
+        request.require_reached_inputs()
+        return request
+
+    try:
+        hash(parts)
+    except TypeError:  # something that is no name, for ask to refuse in words
+        return asked()
+    sections = stress_section_moduli(drivetrain, (output, input))
+    return drivetrain.assembly.system.memo.once(TransferRequest, (parts, sections), asked)
+
+
+def request_for_model(drivetrain: AssembledModel, request: TransferRequest) -> TransferRequest:
+    """Request of the same transfer functions for another model, such as a variant with rows of its own.
+
+    Raises
+    ------
+    UsageError
+        The model lacks a sensor or input of the request.
+    """
+
+    def read(known: Functional) -> Functional:
+        return known if known.sensor is None else functional(drivetrain, known.sensor, known.name)
+
+    sensors = [one.sensor for one in request.measured if one.sensor is not None]
+    inputs: list[Sensor | Input] = [*sensors] if request.is_measured else [*request.excitations]
+    found = resolve_inputs(drivetrain, tuple(inputs), list(request.excitations) if request.is_measured else None)
+    outputs, measured = tuple(map(read, request.outputs)), tuple(map(read, request.measured))
+    found = replace(found, outputs=outputs, measured=measured, notes=request.notes)
+    found.require_reached_inputs()
+    return found
+
+
+def stress_section_moduli(
+    drivetrain: AssembledModel, entries: Iterable[str | Sensor | Input | Sequence[str | Sensor | Input]]
+) -> tuple[Any, ...]:
+    """Section moduli in m^3 of the shafts whose stress is requested, on which a reading depends besides the rows."""
+    found = []
+    for entry in entries:
+        for one in entry if isinstance(entry, list | tuple) else [entry]:
+            sensor = named_sensor(one, drivetrain.sensors) if isinstance(one, str | Sensor) else None
+            if sensor is not None and sensor.quantity == "stress" and sensor.of in drivetrain.elements:
+                found.append(section_modulus(drivetrain.elements[sensor.of], Values(drivetrain.exact_values)))
+    return tuple(found)
+
+
+def resolve_request(
+    drivetrain: AssembledModel,
+    output: str | Sensor | Sequence[str | Sensor],
+    input: str | Sensor | Input | Sequence[str | Sensor | Input],
+    excitation: str | Input | Sequence[str | Input] | None,
+) -> TransferRequest:
+    """Request of transfer functions from the names or objects of outputs, inputs and excitation.
+
+    Raises
+    ------
+    UsageError
+        An unknown name, no or an ambiguous excitation, or not as many measured inputs as excitations.
+    """
+    outputs = tuple(named_output(drivetrain, entry) for entry in _listed(output, "an output", (str, Sensor)))
+    if not outputs:
+        raise UsageError(NO_CHANNELS_MESSAGE)
+    return replace(resolve_inputs(drivetrain, input, excitation), outputs=outputs)
+
+
+def resolve_inputs(
+    drivetrain: AssembledModel,
+    input: str | Sensor | Input | Sequence[str | Sensor | Input],
+    excitation: str | Input | Sequence[str | Input] | None,
+) -> TransferRequest:
+    """Request of transfer functions with inputs and excitations resolved, and with no outputs yet.
+
+    See :func:`resolve_request`.
+    """
+    entries = _listed(input, "an input", (str, Sensor, Input))
+    if not entries:
+        raise UsageError(NO_CHANNELS_MESSAGE)
+    resolved = [_input(drivetrain, entry) for entry in entries]
+    excitations = tuple(entry for entry in resolved if isinstance(entry, Input))
+    measured = tuple(entry for entry in resolved if isinstance(entry, Functional))
+    if not measured:
+        if excitation is not None and _chosen(drivetrain, excitation) != excitations:
+            raise UsageError("excitation= goes with measured inputs; here the input itself is the excitation")
+        pairs = zip(entries, excitations, strict=True)
+        inputs = tuple(Functional(str(entry), UNITS[one.quantity], ()) for entry, one in pairs)
+        return TransferRequest((), inputs, excitations, is_measured=False, assembly=drivetrain.assembly)
+    if excitations:
+        unmeasured = [str(entry) for entry, one in zip(entries, resolved, strict=True) if isinstance(one, Input)]
+        raise UsageError(
+            f"{', '.join(unmeasured)} is an excitation and the other inputs are measured; "
+            "put a sensor where the excitation acts, or name measured inputs only"
+        )
+    # Y_out Y_in^-1 needs as many independent excitations as there are measured inputs.
+    excitations = _chosen(drivetrain, excitation) if excitation is not None else _default(drivetrain)
+    if len(excitations) != len(measured):
+        raise UsageError(
+            f"{len(measured)} measured input(s) but {len(excitations)} excitation(s); "
+            f"there must be as many of one as of the other{_known_inputs(drivetrain)}"
+        )
+    names = ", ".join(str(entry) for entry in excitations)
+    notes = (f"measured input; excitation: {names}",)
+    return TransferRequest((), measured, excitations, is_measured=True, assembly=drivetrain.assembly, notes=notes)
+
+
+def _default(drivetrain: AssembledModel) -> tuple[Input, ...]:
+    inputs = tuple(drivetrain.inputs.values())
+    if len(inputs) == 1:
+        return (_present(drivetrain, next(iter(drivetrain.inputs))),)
+    if not inputs:
+        msg = "a measured input needs an excitation; declare an input in the model or name a node with excitation="
+    else:
+        msg = f"the model has several inputs; say with excitation= which one drives{_known_inputs(drivetrain)}"
+    raise UsageError(msg)
+
+
+def _torque_on(drivetrain: AssembledModel, channel: Input) -> Input:
+    """The given torque input if it acts on nodes that can move, else UsageError, as every response would be zero."""
+    kinematics, where = drivetrain.assembly.kinematics, named_nodes(channel)
+    same = (name for name, one in drivetrain.inputs.items() if one.quantity == "angle" and one.nodes == channel.nodes)
+    if (driven := next(same, None)) is not None:
+        raise UsageError(f"the angle of {where} is imposed by {driven}; name that input, or another node")
+    moved = kinematics.reduced(channel.row)
+    if moved.keys().isdisjoint(kinematics.coordinates):
+        held = "its motion is imposed" if moved else immobility_text(channel)
+        raise UsageError(f"a torque on {where} moves nothing: {held}; put it on a node that can turn")
+    return channel
+
+
+def _torque_on_nodes(drivetrain: AssembledModel, name: Any) -> Input | None:
+    """Torque input on the named node, or between two nodes as ``pulley-block``, or None where no node is meant."""
+    if name in drivetrain.nodes:
+        return _torque_on(drivetrain, Input("torque", str(name)))
+    pair = parse_pair(str(name))
+    if pair is None:
+        return None
+    for node in pair:
+        if node not in (*drivetrain.nodes, GROUND):
+            raise UsageError(f'{name}: no node is named "{node}"{did_you_mean(node, drivetrain.nodes)}')
+    return _torque_on(drivetrain, Input("torque", *pair))
+
+
+def _present(drivetrain: AssembledModel, name: str) -> Input:
+    channel = drivetrain.inputs[name]
+    missing = next((node for node in channel.nodes if node not in drivetrain.nodes), None)
+    if missing is not None:
+        text = f'input {name} acts on node "{missing}", to which nothing is attached in this configuration'
+        raise UsageError(f"{text}; choose another input, or a configuration in which it is attached")
+    if drivetrain.assembly.kinematics.holds_row(channel.row):
+        which = f'"{channel.of}" is locked' if channel.against is None else immobility_text(channel)
+        raise UsageError(
+            f"input {name} does nothing: {which} in this configuration; choose another input or configuration"
+        )
+    return channel
+
+
+def _known_inputs(drivetrain: AssembledModel) -> str:
+    return f": {', '.join(drivetrain.inputs)}" if drivetrain.inputs else ""
+
+
+def _chosen(drivetrain: AssembledModel, excitation: str | Input | Sequence[str | Input]) -> tuple[Input, ...]:
+    return tuple(_named_input(drivetrain, name) for name in _listed(excitation, "an excitation", (str, Input)))
+
+
+def _named_input(drivetrain: AssembledModel, name: Any) -> Input:
+    if isinstance(name, Input):
+        return _given(drivetrain, name)
+    if name in drivetrain.inputs:
+        return _present(drivetrain, name)
+    torque = _torque_on_nodes(drivetrain, name)
+    if torque is not None:
+        return torque
+    known = [*drivetrain.inputs, *drivetrain.nodes]
+    declared = ", ".join(drivetrain.inputs) or "none"
+    raise UsageError(f'no input or node is named "{name}"{did_you_mean(name, known)}; inputs: {declared}')
+
+
+def _given(drivetrain: AssembledModel, channel: Input) -> Input:
+    """Excitation given as an object, returned if it can act in this drivetrain, else UsageError.
+
+    It is a torque or twist anywhere, or an imposed angle where the model declares one.
+    """
+    if channel.is_on_element:
+        return _twist_in(drivetrain, channel)
+    if channel.quantity == "torque" and set(channel.nodes) <= set(drivetrain.nodes):
+        return _torque_on(drivetrain, channel)
+    for name, declared in drivetrain.inputs.items():
+        if channel == declared:
+            return _present(drivetrain, name)
+    raise UsageError(
+        f"the model has no {channel}; an imposed angle must stand in its entry inputs:, a torque must act on its nodes"
+    )
+
+
+def _twist_in(drivetrain: AssembledModel, channel: Input) -> Input:
+    """The twist input itself if its element can be twisted (a compliant one), else UsageError."""
+    if channel.of not in drivetrain.elements:
+        raise UsageError(f'no element is named "{channel.of}"{did_you_mean(channel.of, drivetrain.elements)}')
+    element = drivetrain.elements[channel.of]
+    fault = twist_fault(element, element.parts(Values(drivetrain.exact_values)))
+    if fault:
+        raise UsageError(fault)
+    return channel
+
+
+def _listed(names: Any, what: str, kinds: tuple[type, ...]) -> list[Any]:
+    """List of names or channels that were given singly or as a list, where other types are refused."""
+    entries = [names] if isinstance(names, kinds) else list(names) if isinstance(names, list | tuple) else [None]
+    for entry in entries:
+        if not isinstance(entry, kinds):
+            raise UsageError(f"{what} is a name or a list of names, got {names!r}")
+    return entries
+
+
+def named_output(drivetrain: AssembledModel, entry: str | Sensor) -> Functional:
+    """Reading of an output given as sensor, sensor name or node name, as a linear expression of the motion."""
+    sensor = named_sensor(entry, drivetrain.sensors)
+    if sensor is None and entry in drivetrain.nodes:
+        sensor = Sensor("angle", str(entry))
+    if sensor is not None:
+        return _read(drivetrain, sensor, str(entry))
+    known = [*drivetrain.sensors, *drivetrain.nodes]
+    hint = did_you_mean(str(entry), known)
+    declared = ", ".join(drivetrain.sensors) or "none"
+    others = "or write torque(element), twist(element), velocity(node)"
+    raise UsageError(f'no sensor or node is named "{entry}"{hint}; sensors: {declared}; {others}')
+
+
+def usable_channels(drivetrain: AssembledModel) -> tuple[list[str], list[str]]:
+    """Names of the inputs, and of the sensors, on parts that are present and not locked.
+
+    >>> import torsionnet as tn
+    >>> usable_channels(tn.load("dmf_rig"))
+    (['T_M'], ['theta_1', 'T_T'])
+    """
+    nodes, holds_row = set(drivetrain.nodes), drivetrain.assembly.kinematics.holds_row
+
+    def acts(channel: Input | Sensor) -> bool:
+        if channel.is_on_element:
+            return channel.of in drivetrain.elements
+        return nodes.issuperset(channel.nodes) and not holds_row(channel.row)
+
+    tables: tuple[Any, Any] = (drivetrain.inputs, drivetrain.sensors)
+    inputs, sensors = ([name for name, channel in table.items() if acts(channel)] for table in tables)
+    return inputs, sensors
+
+
+def _read(drivetrain: AssembledModel, sensor: Sensor, name: str) -> Functional:
+    """Reading of a sensor as a linear expression of the motion, refused for a declared sensor on a locked node.
+
+    A node given by name reads zero there.
+    """
+    of_node = name in drivetrain.sensors and not sensor.is_on_element
+    if of_node and set(sensor.nodes) <= set(drivetrain.nodes) and drivetrain.assembly.kinematics.holds_row(sensor.row):
+        which = f'"{sensor.of}" is locked' if sensor.against is None else immobility_text(sensor)
+        raise UsageError(f"{name} reads zero: {which} in this configuration")
+    return functional(drivetrain, sensor, name)
+
+
+def _input(drivetrain: AssembledModel, entry: str | Sensor | Input) -> Input | Functional:
+    if isinstance(entry, Input):
+        return _given(drivetrain, entry)
+    if isinstance(entry, str) and entry in drivetrain.inputs:
+        return _present(drivetrain, entry)
+    sensor = named_sensor(entry, drivetrain.sensors)
+    if sensor is not None:
+        return _read(drivetrain, sensor, str(entry))
+    torque = _torque_on_nodes(drivetrain, entry)
+    if torque is not None:
+        return torque
+    known = [*drivetrain.inputs, *drivetrain.sensors, *drivetrain.nodes]
+    raise UsageError(f'no input, sensor or node is named "{entry}"{did_you_mean(str(entry), known)}')

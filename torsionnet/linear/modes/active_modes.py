@@ -1,0 +1,336 @@
+"""Poles in rad/s and mode shapes of a drivetrain with controllers or negative damping, with the controllers' poles.
+
+Starts come from the states of drivetrain and controllers together; each pole is then a root of the exact characteristic
+equation, delays included, with a bound on its rounding.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from torsionnet.base.errors import UsageError
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
+from torsionnet.linear.assembly.system import Assembly
+from torsionnet.linear.dynamic_stiffness.reduction import require_resistance
+from torsionnet.linear.modes.active_digits import DIGITS, ManyDigitPencil
+from torsionnet.linear.modes.active_pencil import EPS, ActivePencil
+from torsionnet.linear.modes.active_starts import LARGEST_START_ERROR, Pole, slow_starts, state_eigenvalues
+from torsionnet.linear.modes.eigen import (
+    OSCILLATORY,
+    REAL,
+    RIGID,
+    EigenSolution,
+    complex_modes,
+    undamped_modes,
+    unit_shapes,
+    with_zero_damping,
+)
+from torsionnet.model.element_base.dynamic_stiffness import ComplexStiffness
+
+LARGEST_SOLVED_EXACTLY = 150
+"""Number of coordinates and controllers up to which every pole is solved on the characteristic equation and counted, as
+time allows."""
+LARGEST_COUNTED = 200
+"""Number of coordinates and controllers up to which poles in a circle are counted, since counting takes their number
+cubed."""
+LARGEST_UNCERTAIN = 1e-3
+"""Size of an uncertain start, over the radius of the circle, up to which slow poles are sought near it, as larger ones
+stem from the delay.
+
+Larger uncertain starts are poles of the delay that its points do not resolve.
+"""
+MOST_POINTS = 160
+"""Most points by which a delay is approximated for start values, as each adds a state per controller."""
+FEWEST_POINTS = 20
+"""Fewest points by which a delay is approximated for start values, so that slow poles have good starts."""
+POINTS_PER_RADIAN = 0.75
+"""Points of a delay per radian by which the fastest motion turns in the time of the delay."""
+SAME_POLE = 1e-7
+"""Relative distance below which two poles are one, as roots are far more accurate and distinct poles hardly as near."""
+REAL_BELOW = 1e-10
+"""Imaginary part of a pole, over its size, up to which the pole counts as real."""
+SOLVED_IN_MANY_DIGITS = 1e-11
+"""Relative error of a pole above which the pole is solved in many digits."""
+MOST_WORK = 3e5
+"""Most coordinates cubed times poles that are solved in many digits, which bounds the time."""
+LOSS_STEPS = 8
+"""Number of equal steps in which loss factors grow from 0 while poles are followed, as more steps follow larger losses
+more safely."""
+
+
+def active_modes(assembly: Assembly) -> tuple[EigenSolution, tuple[str, ...], tuple[str, ...]]:
+    """Modes of a drivetrain with controllers (eigenvalues in rad/s, shapes), texts of warnings, and notes.
+
+    Raises
+    ------
+    UsageError
+        Stiffness that varies with frequency, beside controllers.
+    SolveError
+        Some coordinates have neither inertia nor spring nor damper.
+    """
+    system = assembly.system
+    if system.dynamic:
+        return _with_hysteresis(assembly)
+    require_resistance(system, (system.inertia != 0) | (system.damping != 0) | (system.stiffness != 0))
+    pencil = ActivePencil(assembly)
+    delay = max((float(one.delay) for one in system.actions), default=0.0)
+    poles, warned, notes = _delayed(pencil, delay) if delay else _rational(pencil)
+    poles = _in_many_digits(assembly, poles)
+    return _solution(sorted(poles, key=lambda pole: abs(pole.value)), pencil.static_shapes), warned, notes
+
+
+def _with_hysteresis(assembly: Assembly) -> tuple[EigenSolution, tuple[str, ...], tuple[str, ...]]:
+    """Modes, warnings and notes of a drivetrain with controllers, where springs have loss factors.
+
+    Raises
+    ------
+    UsageError
+        A stiffness varies with frequency.
+    """
+    system = assembly.system
+    varying = [assembly.owners[law] for law, one in system.dynamic if not isinstance(one, ComplexStiffness)]
+    if varying:
+        names = ", ".join(dict.fromkeys(varying))
+        text = f"modes with controllers are not calculated where a stiffness varies with frequency: {names}"
+        raise UsageError(f"{text}; a continuous shaft may be given as type: shaft with segments")
+    springs = system.frozen(1.0)[0].real
+    elastic = replace(assembly, system=replace(system, dynamic=(), stiffness=springs))
+    solution, warned, notes = active_modes(elastic)
+    poles, lost = [], 0
+    pencil = ActivePencil(elastic)
+    for number, kind in enumerate(solution.kinds):
+        value, shape = complex(solution.eigenvalues[number]), solution.vectors[:, number]
+        pole = Pole(value, pencil.with_torques(value, shape), float(solution.errors[number]))
+        if kind == OSCILLATORY:
+            met = _led(elastic, system.frozen(1.0)[0].imag, pole)
+            lost += met is None
+            pole = met or pole
+        if kind != RIGID:
+            poles.append(pole)
+    if lost or len(_distinct_poles(poles)) < len(poles):
+        warned = (
+            *warned,
+            "with controllers and loss factors, some modes were lost or found twice; check without loss factors",
+        )
+    rigid = solution.vectors[:, [kind == RIGID for kind in solution.kinds]].real
+    return _solution(sorted(poles, key=lambda pole: abs(pole.value)), rigid), warned, notes
+
+
+def _led(elastic: Assembly, loss: FloatArray, pole: Pole) -> Pole | None:
+    """Pole in rad/s that one without losses becomes as all laws get losses k eta (n_laws,), or None where lost."""
+    value, vector, error = pole.value, pole.vector, pole.error
+    for share in np.linspace(0, 1, LOSS_STEPS + 1)[1:]:
+        met = ActivePencil(elastic, share * loss).root_near(value, vector)
+        if met is None or met[0].imag <= 0:
+            return None
+        value, vector, error = met
+    return Pole(value, vector, max(error, EPS))
+
+
+def _distinct_poles(poles: Sequence[Pole]) -> list[Pole]:
+    """Poles without those that repeat another one together with its mode shape."""
+    found: list[Pole] = []
+    for pole in poles:
+        if all(abs(pole.value - other.value) > SAME_POLE * abs(pole.value) or _differ(pole, other) for other in found):
+            found.append(pole)
+    return found
+
+
+def _differ(one: Pole, other: Pole) -> bool:
+    a, b = one.vector, other.vector
+    return bool(abs(a.conj() @ b) < (1 - SAME_POLE) * np.linalg.norm(a) * np.linalg.norm(b))
+
+
+def _rational(pencil: ActivePencil) -> tuple[list[Pole], tuple[str, ...], tuple[str, ...]]:
+    """All nonzero poles in rad/s of a drivetrain with controllers without delays, texts of warnings, and notes."""
+    starts = state_eigenvalues(pencil, 0)
+    total = sum(pole.count for pole in starts)
+    small = pencil.size <= LARGEST_SOLVED_EXACTLY
+    firm, loose = [], []
+    for start in starts:
+        met = (_on_exact_equation(pencil, start) if small else start) if start.error < LARGEST_START_ERROR else None
+        firm += [met] if met else []
+        loose += [] if met else [start]
+    left = total - pencil.zeros - sum(pole.count for pole in firm)
+    if left:
+        for pole in _distinct(pencil, [*slow_starts(pencil, loose), *loose]):
+            if pole.count <= left and all(
+                abs(pole.value - other.value) > SAME_POLE * abs(pole.value) for other in firm
+            ):
+                firm.append(pole)
+                left -= pole.count
+    if left:  # a double root is no simple root, on which the iteration converges
+        for pole in sorted(loose, key=lambda one: one.error):
+            if pole.count <= left and pole.error < 1:
+                firm.append(pole)
+                left -= pole.count
+    if not small:
+        return firm, _count_warning(total, total - left), ()
+    count, zeros = pencil.counts()
+    return firm, (*_count_warning(zeros, pencil.zeros, " at zero"), *_count_warning(count, total - left)), ()
+
+
+def _count_warning(counted: int, found: int, where: str = "") -> tuple[str, ...]:
+    return () if counted == found else (f"{counted} poles{where} were counted, but {found} found",)
+
+
+def _on_exact_equation(pencil: ActivePencil, pole: Pole) -> Pole | None:
+    """Pole in rad/s on the exact characteristic equation near a start, or None where the iteration leaves it."""
+    found = pencil.root_near(pole.value, pole.vector)
+    if found is None or abs(found[0] - pole.value) > max(1e-3, 100 * pole.error) * abs(pole.value):
+        return None
+    value = complex(found[0].real, 0.0) if pole.is_real else found[0]
+    return Pole(value, found[1], min(found[2], max(pole.error, EPS)))
+
+
+def _in_many_digits(assembly: Assembly, poles: Sequence[Pole]) -> list[Pole]:
+    """Poles of which the uncertain ones are solved in many digits as time allows, as slow ones of stiff drivetrains."""
+    size = assembly.system.n_coordinates + len(assembly.system.actions)
+    most = int(MOST_WORK // max(size, 1) ** 3)
+    blurred = sorted((pole.error, place) for place, pole in enumerate(poles) if pole.error > SOLVED_IN_MANY_DIGITS)[
+        ::-1
+    ][:most]
+    if not blurred:
+        return list(poles)
+    import mpmath
+
+    found = list(poles)
+    with mpmath.workdps(DIGITS):
+        exact = ManyDigitPencil(assembly)
+        for error, place in blurred:
+            pole = found[place]
+            met = exact.root_near(pole.value, pole.vector)
+            if met is not None and abs(met[0] - pole.value) <= max(0.1, 10 * error) * abs(pole.value):
+                value = complex(met[0].real, 0.0) if pole.is_real else met[0]
+                found[place] = Pole(value, met[1], EPS)
+    return found
+
+
+# --- delays --------------------------------------------------------------------------------------------------------
+
+
+def _delayed(pencil: ActivePencil, delay: float) -> tuple[list[Pole], tuple[str, ...], tuple[str, ...]]:
+    """Poles of a drivetrain with delays, all in a circle and those near modes outside, warnings, and notes.
+
+    The circle holds the modes without control and the poles of controllers, as far as the delay is resolved there.
+    """
+    system = pencil.assembly.system
+    passive = replace(system, actions=())
+    free = complex_modes(passive) if not passive.is_active else None
+    sizes = (
+        np.abs(free.eigenvalues) if free else undamped_modes(replace(passive, damping=np.zeros_like(system.damping)))[0]
+    )
+    widest = (MOST_POINTS - FEWEST_POINTS) / (POINTS_PER_RADIAN * delay)
+    radius = min(1.3 * max([float(sizes.max(initial=0.0)), *(_corner(pencil)), 6 / delay]), widest)
+    starts = state_eigenvalues(pencil, FEWEST_POINTS + math.ceil(POINTS_PER_RADIAN * radius * delay))
+    loose = [
+        pole for pole in starts if pole.error >= LARGEST_START_ERROR and abs(pole.value) <= LARGEST_UNCERTAIN * radius
+    ]
+    tried = [*starts, *slow_starts(pencil, loose)]
+    near = _distinct(pencil, [pole for pole in tried if abs(pole.value) <= 1.2 * radius])
+    radius = _between(radius, [abs(pole.value) for pole in near])
+    inside = [pole for pole in near if abs(pole.value) < radius]
+    counted = pencil.count_within(radius) if pencil.size <= LARGEST_COUNTED else None
+    found = pencil.zeros + sum(pole.count for pole in inside)
+    below = f"{radius / (2 * np.pi):.4g} Hz"
+    if counted is None:
+        warned: tuple[str, ...] = (f"with the delay, the poles below {below} could not be counted",)
+    elif counted != found:
+        warned = (f"with the delay, {counted} poles lie below {below}, but {found} were found",)
+    else:
+        warned = ()
+    if pencil.size <= LARGEST_SOLVED_EXACTLY:
+        warned = (*warned, *_count_warning(pencil.counts()[1], pencil.zeros, " at zero"))
+    beyond = [] if free is None else _beyond(pencil, free, radius)
+    known = "may lack some here" if warned else "are all here"
+    text = f"a delay makes infinitely many poles; those below {below} {known}"
+    notes = (f"{text}, and of faster ones those next to modes without control" if beyond else text,)
+    return inside + beyond, warned, notes
+
+
+def _corner(pencil: ActivePencil) -> list[float]:
+    """Magnitudes in rad/s of the poles that the controllers have by themselves."""
+    found = []
+    for action in pencil.assembly.system.actions:
+        roots = np.roots([float(value) for value in reversed(action.denominator)])
+        found += [float(abs(root)) for root in roots]
+    return found
+
+
+def _distinct(pencil: ActivePencil, starts: Sequence[Pole]) -> list[Pole]:
+    """Poles in rad/s with Im >= 0 to which inverse iteration leads from the starts, each once."""
+    found: list[Pole] = []
+    for start in starts:
+        met = pencil.root_near(start.value, start.vector)
+        if met is None:
+            continue
+        value = met[0]
+        if abs(value.imag) <= REAL_BELOW * abs(value):
+            value = complex(value.real, 0.0)
+        pole = Pole(complex(value.real, abs(value.imag)), met[1] if value.imag >= 0 else met[1].conj(), met[2])
+        if all(abs(pole.value - other.value) > SAME_POLE * abs(pole.value) for other in found):
+            found.append(pole)
+    return found
+
+
+def _between(radius: float, sizes: Sequence[float]) -> float:
+    """Radius in rad/s, from 0.8 to 1 times the given one, in the widest gap between magnitudes of poles."""
+    marks = sorted([0.8 * radius, *(size for size in sizes if 0.8 * radius < size < radius), radius])
+    gaps = [(b / a, math.sqrt(a * b)) for a, b in pairwise(marks)]
+    return max(gaps)[1]
+
+
+def _beyond(pencil: ActivePencil, free: EigenSolution, radius: float) -> list[Pole]:
+    """Poles outside the circle of this radius (rad/s), which inverse iteration finds from modes without control."""
+    n_act = pencil.size - pencil.n_coordinates
+    starts = [
+        Pole(complex(value), np.concatenate([free.vectors[:, number], np.zeros(n_act)]), 0.0)
+        for number, value in enumerate(free.eigenvalues)
+        if abs(value) >= radius
+    ]
+    found = _distinct(pencil, starts)
+    return [pole for pole in found if abs(pole.value) >= radius and abs(pole.value) > 0]
+
+
+# --- results ----------------------------------------------------------------------------------------------------
+
+
+def _solution(poles: Sequence[Pole], rigid: FloatArray) -> EigenSolution:
+    count, n_rigid, n = len(poles), rigid.shape[1], len(rigid)
+    values = with_zero_damping(
+        np.array([pole.value for pole in poles], dtype=complex), np.array([pole.error for pole in poles])
+    )
+    shapes = np.array([pole.vector[:n] for pole in poles], dtype=complex).reshape(count, n).T
+    real = [pole.is_real for pole in poles]
+    shapes[:, real] = _real_shapes(shapes[:, real])
+    zeros = np.zeros(n_rigid)
+    return EigenSolution(
+        eigenvalues=np.concatenate([zeros, values]).astype(complex),
+        vectors=np.hstack([_scaled(rigid), _scaled(shapes)]).astype(complex),
+        kinds=(RIGID,) * n_rigid + tuple(REAL if one else OSCILLATORY for one in real),
+        converged=np.ones(n_rigid + count, dtype=bool),
+        iterations=np.concatenate([zeros, np.ones(count)]).astype(int),
+        errors=np.concatenate([zeros, [pole.error for pole in poles]]),
+    )
+
+
+def _real_shapes(shapes: ComplexArray) -> ComplexArray:
+    largest = shapes[np.argmax(np.abs(shapes), axis=0), np.arange(shapes.shape[1])] if shapes.size else np.ones(0)
+    return np.asarray((shapes / np.where(largest == 0, 1, largest)).real.astype(complex))
+
+
+def _scaled(shapes: Any) -> Any:
+    """Shapes (n_q, n_modes) scaled to 1 at their largest angle, while shapes of zeros stay.
+
+    The pole of a controller that oscillates alone has such a shape.
+    """
+    moving = np.abs(shapes).max(axis=0, initial=0.0) > 0
+    found = np.array(shapes)
+    found[:, moving] = unit_shapes(found[:, moving])
+    return found

@@ -1,0 +1,199 @@
+"""Poles of transfer functions against any measured inputs, that is rates s at which these can stay zero.
+
+The poles are the roots of det P(s) of the bordered system. As many approximations as there are roots come from a
+generalised eigenvalue problem in (q, s q, u); uncertain roots are refined in mpmath.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import torsionnet.linear.modes.ehrlich_aberth as ehrlich_aberth
+from torsionnet.base.errors import UsageError
+from torsionnet.linear.assembly.assembled import AssembledModel
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray, refuse_actions
+from torsionnet.linear.assembly.system import Assembly
+from torsionnet.linear.dynamic_stiffness.reduction import without_empty_laws
+from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest
+from torsionnet.linear.modes.bordered_system import Bordered
+from torsionnet.linear.modes.eigen import unit_shapes
+from torsionnet.linear.modes.mode_shapes import accuracy_warnings
+from torsionnet.linear.modes.modes import OSCILLATORY, REAL, RIGID, Modes
+from torsionnet.linear.modes.spectrum import MAX_OPERATIONS, REFINE_ABOVE, has_pairs, most_uncertain, on_real_axis
+from torsionnet.model.elimination import reduce_rows
+
+BALANCING_ROUNDS = 10
+"""Number of rounds that bring the largest entries of rows and columns to one, as each takes the root of the
+distance."""
+ERROR_FACTOR = 10.0
+"""Assumed backward error of the eigenvalue problem in units of rounding, a larger value of which refines more roots in
+mpmath."""
+_EPS = float(np.finfo(float).eps)
+
+
+@dataclass(frozen=True)
+class Roots:
+    """Nonzero roots of det P(s) in rad/s with conjugates, vectors (q, u), and estimated relative errors."""
+
+    values: ComplexArray
+    vectors: ComplexArray
+    errors: FloatArray
+
+
+def measured_poles(drivetrain: AssembledModel, request: TransferRequest) -> tuple[Modes, tuple[str, ...]]:
+    """Modes whose poles let the measured inputs stay zero, where these cut no drivetrain in two, and warnings.
+
+    Raises
+    ------
+    UsageError
+        For laws that depend on frequency, imposed angles as excitation, or an excitation that reaches no reading.
+    """
+    assembly = drivetrain.assembly
+    refuse_actions(
+        assembly.system.actions, "poles against a measured input that does not cut the drivetrain in two are"
+    )
+    if without_empty_laws(assembly.system).dynamic or any(
+        excitation.quantity != "torque" for excitation in request.excitations
+    ):
+        raise UsageError(
+            "the measured input does not cut the drivetrain in two; then poles are calculated only without "
+            "frequency-dependent stiffness and with torques as excitation"
+        )
+    names = ", ".join(reading.name for reading in request.measured)
+    bordered = Bordered.of(assembly, request)
+    counts = bordered.roots()
+    if counts is None:
+        raise UsageError(
+            f"the excitation does not reach {names}: the measured input is zero at every frequency; choose another"
+        )
+    still = _still(bordered) if counts[1] else np.zeros((bordered.size, 0))
+    roots = _refined(bordered, _approximate(bordered, _rate(assembly), counts[0] - counts[1], counts[1]), counts[1])
+    real = on_real_axis(roots.values)
+    kept = np.flatnonzero(real | (roots.values.imag > 0))
+    kept = kept[np.argsort(np.abs(roots.values[kept]), kind="stable")]
+    values = np.where(real[kept], roots.values[kept].real, roots.values[kept])
+    eigenvalues = np.concatenate([np.zeros(still.shape[1]), values]).astype(complex)
+    vectors = np.hstack([still, roots.vectors[:, kept]])[: bordered.n_coordinates]
+    kinds = (RIGID,) * still.shape[1] + tuple(REAL if value.imag == 0 else OSCILLATORY for value in values)
+    nothing = np.zeros((len(drivetrain.elements), len(eigenvalues)))
+    modes = Modes(
+        eigenvalues=eigenvalues,
+        kinds=kinds,
+        nodes=assembly.nodes,
+        shapes=unit_shapes(assembly.T @ vectors).astype(complex),
+        undamped_natural_frequencies=np.zeros(0),
+        elements=tuple(drivetrain.elements),
+        kinetic=nothing,
+        strain=nothing,
+        dissipated=nothing,
+        converged=np.ones(len(eigenvalues), dtype=bool),
+        descriptions=tuple(f"motion that leaves {names} at zero" for _ in eigenvalues),
+        title=f"{drivetrain.title}, {names} held at zero",
+        notes=(f"{names} does not cut the drivetrain in two; energy shares have no meaning here",),
+    )
+    return modes, accuracy_warnings(roots.errors[kept])
+
+
+def _rate(assembly: Assembly) -> float:
+    """Frequency in rad/s typical of the drivetrain, which balances inertia against stiffness."""
+    system = assembly.system
+    lengths = np.array([sum(value * value for value in row.values()) for row in system.sparse_rows])
+    stiff, heavy = float(system.stiffness @ lengths), float(system.inertia @ lengths)
+    return float(np.sqrt(stiff / heavy)) if stiff and heavy else 1.0
+
+
+def _still(bordered: Bordered) -> FloatArray:
+    """Basis (size, n) of motions and torques at rest that leave the measured inputs at zero, found exactly."""
+    solved = reduce_rows([row for row in bordered.powers[0] if row], {i: i for i in range(bordered.size)}).solved
+    free = [column for column in range(bordered.size) if column not in solved]
+    basis = np.zeros((bordered.size, len(free)))
+    for number, column in enumerate(free):
+        basis[column, number] = 1.0
+        for name, row in solved.items():
+            basis[name, number] = float(row.get(column, 0))
+    return basis
+
+
+def _dense(block: list[dict[int, Fraction]]) -> FloatArray:
+    array = np.zeros((len(block), len(block)))
+    for i, row in enumerate(block):
+        array[i, list(row)] = [float(value) for value in row.values()]
+    return array
+
+
+def _approximate(bordered: Bordered, rate: float, count: int, zeros: int) -> Roots:
+    """Approximate nonzero roots of det P(s) in rad/s, ``count`` of them, in double precision with estimated errors."""
+    import scipy.linalg
+
+    powers = [_dense(block) * rate**power for power, block in enumerate(bordered.powers)]
+    left, right = _balance(np.sum(np.abs(powers), axis=0))
+    P_0, P_1, P_2 = (left[:, None] * power * right for power in powers)
+    n, size = bordered.n_coordinates, bordered.size
+    E, A = np.zeros((n + size, n + size)), np.zeros((n + size, n + size))
+    E[:n, :n], A[:n, size:] = np.eye(n), np.eye(n)
+    E[n:, size:], A[n:, size:] = P_2[:, :n], -P_1[:, :n]
+    A[n:, :size] = -P_0
+    found: Any = scipy.linalg.eig(A, E, left=True, right=True, homogeneous_eigvals=True)
+    (alpha, beta), lefts, rights = found
+    with np.errstate(all="ignore"):
+        values = alpha / beta
+        slopes = np.abs(np.sum(lefts.conj() * (E @ rights), axis=0) * values)
+        errors = _EPS * (np.linalg.norm(A) + np.abs(values) * np.linalg.norm(E)) / slopes
+    errors = ERROR_FACTOR * errors * np.linalg.norm(lefts, axis=0) * np.linalg.norm(rights, axis=0)
+    far = ~np.isfinite(values)
+    values[far] = 2 * np.abs(values[~far]).max(initial=1.0)
+    chosen = np.lexsort((np.abs(values), far))[zeros : zeros + count]
+    errors = np.where(far | ~np.isfinite(errors), np.inf, errors)
+    vectors = (right[:, None] * rights[:size, chosen]).astype(complex)
+    return Roots(rate * values[chosen], vectors, errors[chosen])
+
+
+def _balance(sizes: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Factors (n,) of rows and of columns that bring the largest entry of each to about one."""
+    left, right = np.ones(len(sizes)), np.ones(len(sizes))
+    for _ in range(BALANCING_ROUNDS):
+        scaled_sizes = left[:, None] * sizes * right
+        left = left / np.sqrt(scaled_sizes.max(axis=1, initial=0.0))
+        right = right / np.sqrt(scaled_sizes.max(axis=0, initial=0.0))
+    return left, right
+
+
+def _refined(bordered: Bordered, roots: Roots, zeros: int) -> Roots:
+    """Roots of det P(s) in rad/s with the uncertain ones solved in mpmath, as far as the limit on work allows."""
+    if not np.any(roots.errors > REFINE_ABOVE):
+        return roots
+    repeated = bordered.repeated()
+    if repeated is None:
+        return roots
+    values, known = _repeated(roots.values, repeated)
+    p = ehrlich_aberth.exact_polynomial(bordered.size, bordered.entries)
+    chosen = (roots.errors > REFINE_ABOVE) & ~known
+    chosen = most_uncertain(chosen, roots.errors, MAX_OPERATIONS // max(p.operations, 1))
+    found, done = ehrlich_aberth.refine_roots(p, values, chosen, zeros, roots.errors)
+    values = np.where(chosen, ehrlich_aberth.to_complex(found, square_root=False), values)
+    errors = np.where(chosen | known, ehrlich_aberth.CONVERGED, roots.errors)
+    if not (done and has_pairs(values)):
+        return roots
+    vectors = roots.vectors.copy()
+    for j in np.flatnonzero(chosen | known):
+        start = (
+            np.cos(np.arange(bordered.size) + 2.4 * j) + 0j
+        )  # any vector: that of an uncertain root may have no motion
+        vectors[:, j] = ehrlich_aberth.refine_vector(p, found[j], start)
+    return Roots(values, vectors, errors)
+
+
+def _repeated(values: ComplexArray, repeated: dict[int, list[Fraction]]) -> tuple[ComplexArray, NDArray[np.bool_]]:
+    """Roots in rad/s with the nearest ones replaced by exact repeated roots, and a mask of those replaced."""
+    values, known = values.copy(), np.zeros(len(values), dtype=bool)
+    for multiplicity, polynomial in repeated.items():
+        for root in ehrlich_aberth.polynomial_roots(polynomial):
+            distance = np.where(known, np.inf, np.abs(values - root))
+            nearest = np.argsort(distance, kind="stable")[:multiplicity]
+            values[nearest], known[nearest] = root, True
+    return values, known

@@ -1,0 +1,118 @@
+"""Frequencies for a response, dense enough around every resonance to show its peak."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsionnet.base.errors import UsageError
+from torsionnet.linear.assembly.rows import FloatArray
+from torsionnet.linear.modes.modes import Modes
+
+PEAK_PHASE_RANGE = 85.0
+"""Phase in degrees to either side of a resonance that gets dense points, beyond which the flanks of a peak are
+smooth."""
+UNDAMPED_HALF_WIDTH = 1e-6
+"""Half width given to a peak without damping, as a share of its frequency, so that points stand on both sides of it."""
+RANGE_BELOW, RANGE_ABOVE = 10.0, 2.0
+"""Factors of a frequency range below the lowest and above the highest vibration, so that the asymptotes show."""
+FIRST_SEEN, MARGIN_BELOW, MARGIN_ABOVE = 6, 3.0, 1.5
+"""Number of vibrations in the first view of a response, and factors of its range below and above them."""
+RANGE_WITHOUT_MODES = (0.1, 100.0)
+"""Frequency range in Hz that is shown of a drivetrain without vibrations, where no mode says which."""
+EQUAL_FREQUENCY_DISTANCE = 1e-10
+"""Relative distance of frequencies below which two points count as one, since rounding would show as peaks between
+them."""
+
+
+@dataclass(frozen=True)
+class Adaptive:
+    """Frequency range in Hz that gets as many points as the peaks of a response need. Pass it as ``frequencies=``.
+
+    Parameters
+    ----------
+    start, stop : float
+        Hz.
+    points : int
+        Evenly spaced ones (by equal factors where the range is more than a decade and does not begin at 0).
+    per_peak : int
+        More of them around every mode in the range, at f = f_d + zeta f_0 tan(phi) for equal steps of phi: a resonance
+        of half-power bandwidth 2 zeta f_0 has a phase of 90 degrees - phi there.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> H = tn.load("dmf_rig").frequency_response("theta_1", "T_T", tn.Adaptive(1, 200))
+    >>> len(H.frequencies) > 200
+    True
+    """
+
+    start: float
+    stop: float
+    points: int = 200
+    per_peak: int = 35
+
+    def __post_init__(self) -> None:
+        if not (0 <= self.start < self.stop < np.inf) or min(self.points, self.per_peak) < 1:
+            raise UsageError(f"a range of frequencies needs 0 <= start < stop and points, got {self}")
+
+    def frequencies(self, *modes: Modes) -> FloatArray:
+        """Frequencies (n,) in Hz, rising, that resolve the peaks of these modes."""
+        spaced = np.geomspace if 0 < 10 * self.start <= self.stop else np.linspace
+        phase = np.radians(np.linspace(-PEAK_PHASE_RANGE, PEAK_PHASE_RANGE, self.per_peak))
+        found = [np.asarray(spaced(self.start, self.stop, self.points))]
+        for mode in modes:
+            eigenvalues = mode.eigenvalues[mode.eigenvalues.imag > 0]
+            peak = eigenvalues.imag / (2 * np.pi)
+            width = np.maximum(-eigenvalues.real / (2 * np.pi), UNDAMPED_HALF_WIDTH * peak)
+            found.append((peak[:, None] + width[:, None] * np.tan(phase)).ravel())
+        f = np.unique(np.concatenate(found))
+        # Two systems may have a mode in common but for rounding: points that close would show noise as peaks.
+        apart = np.append(True, np.diff(f) > EQUAL_FREQUENCY_DISTANCE * f[1:])
+        return np.asarray(f[apart & (f >= self.start) & (f <= self.stop)])
+
+
+def vibration_range(*modes: Modes) -> tuple[float, float]:
+    """Frequency range in Hz from a tenth of the lowest to twice the highest vibration of all modes.
+
+    Both ends are round numbers.
+
+    >>> import torsionnet as tn
+    >>> vibration_range(tn.load("dmf_rig").modes())
+    (0.5, 200.0)
+    """
+    found = [value for mode in modes for value in mode.damped_frequencies if value > 0]
+    if not found:
+        return RANGE_WITHOUT_MODES
+    return rounded(float(min(found)) / RANGE_BELOW, up=False), rounded(float(max(found)) * RANGE_ABOVE, up=True)
+
+
+def opening_range(*modes: Modes) -> tuple[float, float]:
+    """Frequency range in Hz to show first, around the lowest few vibrations of each drivetrain.
+
+    Both ends are round numbers.
+
+    >>> import torsionnet as tn
+    >>> opening_range(tn.load("six_cylinder_diesel").modes())
+    (50.0, 5000.0)
+    """
+    found = [sorted(float(value) for value in mode.damped_frequencies if value > 0)[:FIRST_SEEN] for mode in modes]
+    if not any(found):
+        return RANGE_WITHOUT_MODES
+    low, high = min(few[0] for few in found if few), max(few[-1] for few in found if few)
+    return rounded(low / MARGIN_BELOW, up=False), rounded(high * MARGIN_ABOVE, up=True)
+
+
+def rounded(value: float, *, up: bool) -> float:
+    """Next round number of the series 1, 2, 5 times a power of ten, up or down from a value.
+
+    >>> rounded(0.71, up=False), rounded(162, up=True)
+    (0.5, 200.0)
+    """
+    decade = 10.0 ** math.floor(math.log10(value))
+    steps = [factor * decade for factor in (1, 2, 5, 10)]
+    return (
+        next(step for step in steps if step >= value) if up else next(step for step in reversed(steps) if step <= value)
+    )

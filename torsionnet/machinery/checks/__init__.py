@@ -1,0 +1,1 @@
+"""Checks of the sections of a model file that describe running machinery."""

@@ -1,0 +1,149 @@
+"""Checks that excitations and speeds fit the drivetrain."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from torsionnet.base.errors import Fault, Path, UsageError, unknown_name
+from torsionnet.machinery.excitations import OrderExcitation
+from torsionnet.machinery.excitations.engine_phases import unlocked_engines
+from torsionnet.model.channels import Input, named_nodes
+from torsionnet.model.checks.operation import unknown_in_load
+from torsionnet.model.definition import LOAD, Definition, all_nodes
+from torsionnet.model.elements import Values
+from torsionnet.model.kinematics import twist_fault
+from torsionnet.model.parameters import resolve
+from torsionnet.model.speeds import total_ratio
+
+
+def unfit_excitations(definition: Definition) -> list[Fault]:
+    """Faults of excitations, speeds and a load on nodes that do not exist or have no ratio to the reference shaft."""
+    nodes = all_nodes(definition.elements.values())
+    faults: list[Fault] = [*_unfit_elements(definition)]
+    places: list[tuple[str, Path]] = []
+    if definition.speeds is not None:
+        places.append((definition.speeds.of, ("speeds", "of")))
+    for name, excitation in definition.excitations.items():
+        places += _places(name, excitation)
+    faults += [unknown_name("node", node, nodes, path) for node, path in dict.fromkeys(places) if node not in nodes]
+    if LOAD in definition.excitations:
+        text = f'"{LOAD}" is the entry on who drives and who absorbs; give the excitation another name'
+        faults.append(Fault(text, ("excitations", LOAD), on_key=True))
+    if definition.load is not None:
+        faults += unknown_in_load(definition, definition.load)
+    values, wrong = resolve(definition.parameters)
+    if faults or not _has_values(definition, values):
+        return faults
+    ratios, without = ({}, []) if wrong else _shaft_ratios(definition, values)
+    found = [*without, *(() if wrong else _rigid(definition, values)), *_on_imposed(definition)]
+    return found or [*_remarks(definition, ratios)]
+
+
+def _unfit_elements(definition: Definition) -> Iterator[Fault]:
+    """Faults of excitations that impose a twist in an element that does not exist or is of the wrong kind."""
+    for name in definition.excitations:
+        yield from _unfit_element(definition, name)
+
+
+def _unfit_element(definition: Definition, name: str) -> Iterator[Fault]:
+    excitation = definition.excitations[name]
+    if excitation.element_entry is None:
+        return
+    path, element = excitation.element_entry
+    if element not in definition.elements:
+        yield unknown_name("element", element, definition.elements, ("excitations", name, *path))
+    else:
+        yield from (fault.under("excitations", name) for fault in excitation.element_faults(definition.elements))
+
+
+def excitation_faults(definition: Definition, name: str) -> Iterator[Fault]:
+    """Faults of an excitation on nodes or in an element that do not exist or are of the wrong kind."""
+    nodes = all_nodes(definition.elements.values())
+    for node, path in _places(name, definition.excitations[name]):
+        if node not in nodes:
+            yield unknown_name("node", node, nodes, path)
+    yield from _unfit_element(definition, name)
+
+
+def _places(name: str, excitation: OrderExcitation) -> Iterator[tuple[str, Path]]:
+    """Pairs (node, path) of the nodes that an excitation names, and of the entries that name them."""
+    reaction = (excitation.reaction_entry,) if excitation.reaction_entry else ()
+    for path, node in (*excitation.node_entries, *reaction):
+        yield node, ("excitations", name, *path)
+    if excitation.shaft:
+        yield excitation.shaft, ("excitations", name, "speed_of")
+
+
+def _has_values(definition: Definition, values: Mapping[str, Any]) -> bool:
+    """Whether every parameter that the elements of a model name has a value; missing ones are reported elsewhere."""
+    return all(one.names <= values.keys() for element in definition.active for _, _, one, _ in element.expressions())
+
+
+def _rigid(definition: Definition, values: Mapping[str, Any]) -> Iterator[Fault]:
+    """Faults of excitations that impose a twist in an element that is rigid."""
+    for name, excitation in definition.excitations.items():
+        if excitation.element_entry is not None:
+            path, element = excitation.element_entry
+            fault = twist_fault(definition.elements[element], definition.elements[element].parts(Values(values)))
+            if fault:
+                yield Fault(fault, ("excitations", name, *path))
+
+
+def _shaft_ratios(definition: Definition, values: Mapping[str, Any]) -> tuple[dict[str, float], list[Fault]]:
+    """Ratio of each excitation's shaft speed to the reference speed by name, and faults of excitations without one."""
+    ratios: dict[str, float] = {}
+    faults: list[Fault] = []
+    if definition.speeds is None:
+        return ratios, faults
+    for name, excitation in definition.excitations.items():
+        try:
+            ratios[name] = abs(float(total_ratio(definition, values, excitation.shaft, definition.speeds.of)))
+        except UsageError as error:
+            faults.append(Fault(str(error), ("excitations", name, "speed_of")))
+    return ratios, faults
+
+
+def _remarks(definition: Definition, ratios: Mapping[str, float]) -> Iterator[Fault]:
+    """Warnings and notes of the excitations, at the speeds of their shafts where these are known."""
+    for name, excitation in definition.excitations.items():
+        speeds = None
+        if definition.speeds is not None and name in ratios:
+            speeds = np.array(definition.speeds.values) * ratios[name]
+        for fault in excitation.remarks(speeds):
+            yield fault.under("excitations", name)
+    yield from _between_engines(definition)
+
+
+def _between_engines(definition: Definition) -> Iterator[Fault]:
+    """Notes on engines of a model whose phase angle to each other is not given."""
+    acting = {name: one for name, one in definition.excitations.items() if one.enabled}
+    engines = unlocked_engines(acting, definition.excitations)
+    first = next(iter(engines.values()), "")
+    for name in dict.fromkeys(engines.values()):
+        if name != first:
+            text = f"no phase is given between {name} and {first}: the worst angle between their crankshafts counts"
+            hint = f"if they are fixed to each other, give the crank angle by which {name} fires later, phase: 30 deg"
+            yield Fault(f"{text}; {hint}", ("excitations", name), on_key=True, severity="note")
+
+
+def _on_imposed(definition: Definition) -> Iterator[Fault]:
+    """Faults of torques on nodes whose motion another excitation imposes."""
+    acting = {name: one for name, one in definition.excitations.items() if one.enabled}
+    motions = [(name, one) for name, one in acting.items() if one.quantity == "angle"]
+    imposed = {frozenset(one.channel(node).nodes): name for name, one in motions for node in one.nodes}
+    for name, one in acting.items():
+        for path, node in one.node_entries if one.quantity == "torque" else ():
+            channel = one.channel(node)
+            by = imposed.get(frozenset(channel.nodes)) or _all_imposed(channel, imposed)
+            if by is not None:
+                text = f"the motion of {named_nodes(channel)} is imposed by {by}; a torque there does nothing"
+                yield Fault(text, ("excitations", name, *path))
+
+
+def _all_imposed(channel: Input, imposed: Mapping[frozenset[str], str]) -> str | None:
+    """Name of the excitation that imposes the first node's motion, if all nodes are imposed one by one, or None."""
+    each = [imposed.get(frozenset({node})) for node in channel.nodes]
+    return each[0] if None not in each else None

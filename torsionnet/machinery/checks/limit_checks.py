@@ -1,0 +1,70 @@
+"""Checks that limits name existing elements and nodes, and that these have the data the rules need."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from torsionnet.base.errors import Fault, ModelError, unknown_name
+from torsionnet.machinery.excitations.reciprocating_engine import ReciprocatingEngine
+from torsionnet.machinery.limits.limit import Limit
+from torsionnet.machinery.limits.subject import LimitSubject
+from torsionnet.machinery.limits.unit_slips import unit_slips
+from torsionnet.model.definition import Definition, all_nodes
+from torsionnet.model.parameters import resolve
+
+GENERATORS = frozenset({"synchronous_machine", "grid_generator"})
+"""Types of elements that are generators."""
+GENERATOR_LIMITS = frozenset({"machine_angle", "generating_set_shaft"})
+"""Rules of limits that only generators have."""
+
+
+def unfit_limits(definition: Definition) -> list[Fault]:
+    """Faults of limits on elements or nodes that do not exist, or that lack data for the rule."""
+    values, wrong = resolve(definition.parameters)
+    subject = limit_subject(definition, values)
+    known = {"element": subject.elements, "node": subject.nodes}
+    faults: list[Fault] = []
+    for name, limit in definition.limits.items():
+        found = [
+            unknown_name(kind, what, known[kind], path) for path, kind, what in limit.named if what not in known[kind]
+        ]
+        if not found and not wrong:
+            found = [*_unfit(limit, subject), *unit_slips(limit)]
+        faults += [fault.under("limits", name) for fault in found]
+    return faults
+
+
+def _unfit(limit: Limit, subject: LimitSubject) -> Iterator[Fault]:
+    """Faults of one limit after its missing entries were taken from the catalogue of its element."""
+    try:
+        yield from limit.fitted(subject.elements).unfit(subject)
+    except ModelError as error:
+        yield Fault(f"what the catalogue says of {limit.of} does not fit this limit", on_key=True)
+        yield from error.faults
+
+
+def limit_subject(definition: Definition, values: Mapping[str, Any]) -> LimitSubject:
+    """View of a model in its base configuration, as the checks of limits need it."""
+    engines = [one for one in definition.excitations.values() if isinstance(one, ReciprocatingEngine)]
+    speeds = definition.speeds
+    return LimitSubject(
+        elements=definition.elements,
+        active={element.name: element for element in definition.active},
+        nodes=all_nodes(definition.elements.values()),
+        active_nodes=all_nodes(definition.active),
+        sensors=definition.sensors,
+        speeds=() if speeds is None else speeds.values,
+        rated=None if speeds is None else speeds.rated,
+        misfiring=any(engine.has_lost_cylinder for engine in engines),
+        values=values,
+        is_generating_set=is_generating_set(definition),
+    )
+
+
+def is_generating_set(definition: Definition) -> bool:
+    """Whether a model is one of a piston engine that drives a generator and no propeller."""
+    excited = {one.kind for one in definition.excitations.values()}
+    elements = {one.kind for one in definition.elements.values()}
+    generates = elements & GENERATORS or {one.kind for one in definition.limits.values()} & GENERATOR_LIMITS
+    return "reciprocating_engine" in excited and bool(generates) and "propeller" not in excited | elements

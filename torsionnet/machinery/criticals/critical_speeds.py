@@ -1,0 +1,456 @@
+"""Critical speeds, crossings of excitation orders with natural frequencies, their margins and generalised forces."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Annotated, ClassVar
+
+from torsionnet.base.conventions import COUNTING_NOTE, NO_VIBRATION
+from torsionnet.base.entries.spec import Schema
+from torsionnet.base.errors import UsageError
+from torsionnet.base.number_text import screen_text
+from torsionnet.base.packages import NotebookResult
+from torsionnet.base.result_rows import Out
+from torsionnet.base.table import Column, Table, result_table
+from torsionnet.base.units import RPM
+from torsionnet.linear.frequency_response import Channel
+from torsionnet.linear.modes.vibration_mode import VibrationMode
+from torsionnet.machinery.orders.order_line import OrderLine
+from torsionnet.machinery.phasors.star_diagram import StarDiagram
+from torsionnet.machinery.verdicts.margin_rules import MarginRule
+
+NEGLIGIBLE_FORCE = 1e-9
+"""Generalised force, relative to that of one cylinder, below which tables show 0: what rounding leaves of a sum of
+zero."""
+SAME_MODE_DISTANCE = 0.02
+"""Relative difference of natural frequencies up to which modes of two conditions count as the same mode."""
+OVERDAMPED_NOTE = "undamped modes that damping leaves no vibration are counted behind all others"
+UNDAMPED_ALONE = "damping leaves none of these a vibration; they are numbered as without damping"
+"""Text of the note below tables of modes on how overdamped modes are counted."""
+EXCITED: Schema = {"type": ["boolean", "null"], "description": "null where nothing says what acts"}
+"""JSON Schema of the flag whether a mode is excited, null where no torques are known."""
+FREQUENCY_FIELDS = {"undamped": "undamped_frequency", "natural": "natural_frequency", "damped": "damped_frequency"}
+"""Name of the :class:`VibrationMode` field that holds a mode's frequency in Hz, by kind of frequency such as damped."""
+
+
+@dataclass(frozen=True)
+class SpeedPeak:
+    """Largest amplitude (SI) of one order of an output near a critical speed, and the speed in rad/s where it occurs.
+
+    ``speed`` in rad/s of the reference shaft, ``amplitude`` a peak value in SI units.
+    """
+
+    output: str
+    speed: Annotated[float, Out(json="rad_per_s")]
+    amplitude: float
+
+
+@dataclass(frozen=True)
+class StarVector:
+    """Complex vector of a star diagram, without unit, with the names of the cylinder and of the node it acts on."""
+
+    label: str
+    node: str
+    vector: complex
+
+
+@dataclass(frozen=True, eq=False)
+class CriticalSpeedRow:
+    """Critical speed of a mode and an order or fixed frequency of an excitation as plain data, in rad/s."""
+
+    mode: int
+    excitation: str
+    order: float
+    fixed: Annotated[float, Out(json="fixed_Hz")]
+    of_reference: float
+    undamped: Annotated[float, Out(json="undamped_rad_per_s")]
+    natural: Annotated[float, Out(json="natural_rad_per_s")]
+    damped: Annotated[float, Out(json="damped_rad_per_s")]
+    margin: float
+    nearest_speed: Annotated[float, Out(json="margin_at_rad_per_s")]
+    required: float | None
+    generalised_force: Annotated[float, Out(json="generalised_force_Nm")]
+    relative_force: float
+    excited: Annotated[bool | None, Out(schema=EXCITED)]
+    excited_in: tuple[str, ...]
+    peaks: tuple[SpeedPeak, ...]
+    star: tuple[StarVector, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class ModeWithShape(VibrationMode):
+    """Vibration mode with its shape as complex angles by node, without unit, 1 at the node that moves most."""
+
+    shape_by_node: Annotated[Mapping[str, complex], Out(json="shape")]
+
+
+@dataclass(frozen=True, eq=False)
+class CriticalSpeedsRecord:
+    """Critical speeds in rad/s of one configuration, as ``torsionnet critical-speeds --json`` prints them."""
+
+    title: str
+    configuration: str
+    reference: Annotated[str, Out(json="speed_of")]
+    speed_range: Annotated[tuple[float, float], Out(json="speed_range_rad_per_s")]
+    margin_rule: str | None
+    modes: tuple[ModeWithShape, ...]
+    crossings: tuple[CriticalSpeedRow, ...]
+
+
+@dataclass(frozen=True)
+class CriticalSpeed:
+    """Crossing of an excitation order or fixed frequency with one mode, with its margin and generalised force (N m).
+
+    A line may cross a mode at several speeds; where it comes nearer than a rule permits and does not cross it, this is
+    the place where it is nearest, and has no speeds.
+
+    Attributes
+    ----------
+    mode : VibrationMode
+    excitation : str
+    order : float
+        Order of the shaft of the excitation; 0 for a fixed frequency.
+    ratio : Fraction
+        Revolutions of that shaft per revolution of the reference shaft.
+    fixed : float
+        Part of the frequency in Hz that does not depend on speed: the line excites at order * speed + fixed.
+    margin : float
+        Least distance of a natural frequency (undamped, or ``|lambda|/2pi``) from the excitation frequency at the same
+        speed, over the operating range, as a share of the excitation frequency; 0 where the two meet in it.
+    required : float or None
+        Margin required by the rule; None where it covers nothing.
+    generalised_force : float
+        ``|sum_n phi_n T_n|`` in N m at the critical speed, for the shape with its largest angle 1; nan where no torque
+        is given.
+    relative_force : float
+        Generalised force over that of one cylinder at the largest amplitude.
+    star : StarDiagram or None
+    excited : bool or None
+        Whether the mode is excited; None where the torques are not known.
+    excited_in : tuple of str
+        Other conditions (configurations) that excite the mode.
+    case : str
+        Case with the largest generalised force where several are examined, such as a misfire of each cylinder.
+    peaks : tuple of SpeedPeak
+    modal_inertia : float
+        ``sum_n J_n |phi_n|^2`` in kg m^2, for the shape with its largest angle 1; nan where no torque is given.
+    speeds : (float, float, float)
+        Speeds in rad/s of the reference shaft at which the line meets the undamped, the natural and the damped
+        frequency; nan where it does not.
+    nearest_speed : float
+        Speed in rad/s of the operating range that has the margin; nan where all have.
+    leaps : bool
+        Whether the mode leaps over the line there, as a stiffness that changes in steps makes it do.
+    """
+
+    mode: VibrationMode
+    excitation: str
+    order: float
+    ratio: Fraction
+    fixed: float
+    margin: float
+    required: float | None = None
+    generalised_force: float = math.nan
+    relative_force: float = math.nan
+    star: StarDiagram | None = None
+    excited: bool | None = None
+    excited_in: tuple[str, ...] = ()
+    case: str = ""
+    peaks: tuple[SpeedPeak, ...] = ()
+    modal_inertia: float = math.nan
+    speeds: tuple[float, float, float] = (math.nan, math.nan, math.nan)
+    nearest_speed: float = math.nan
+    leaps: bool = False
+
+    @property
+    def equilibrium_amplitude(self) -> float:
+        """Equilibrium amplitude in rad of a mode excited by one order, at the node that moves most.
+
+        The twist of the mode if the order acted at rest.
+
+        Generalised force over modal inertia and square of the undamped natural frequency,
+        ``Q / (omega^2 sum_n J_n |phi_n|^2)``; nan where no torque is given or the mode exists with damping only.
+
+        References
+        ----------
+        W. Ker Wilson, Practical Solution of Torsional Vibration Problems, vol. 2, 3rd ed., 1963, "equilibrium
+        amplitude"; E. J. Nestorides, A Handbook on Torsional Vibration, 1958, "equilibrium amplitude".
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> elements = [tn.Inertia("rotor", node="a", inertia=2), tn.Inertia("wheel", node="b", inertia=1),
+        ...     tn.Spring("shaft", nodes=("a", "b"), stiffness=1e4)]
+        >>> fan = tn.Drivetrain("fan", elements, speeds={"of": "a", "list": ["500 rpm", "700 rpm"]},
+        ...     excitations={"blades": {"type": "harmonic", "node": "b", "orders": {2: {"amplitude": "10 N*m"}}}})
+        >>> angle = fan.critical_speeds().of(1, 2).equilibrium_amplitude  # 10 N m/(1.5 kg m^2 * 1.5e4 rad^2/s^2)
+        >>> round(1e3 * angle, 4)
+        0.4444
+        """
+        stiffness = self.modal_inertia * (2 * math.pi * self.mode.undamped_frequency) ** 2
+        return self.generalised_force / stiffness if stiffness else math.nan
+
+    @property
+    def resonant_amplitude(self) -> float:
+        """Resonant amplitude in rad of a mode excited by one order, at the node that moves most.
+
+        Equilibrium amplitude times ``1/(2 zeta)``.
+
+        An estimate by one mode alone, without the deflections of the others; infinite without damping.
+        """
+        return self.equilibrium_amplitude * self.mode.amplification
+
+    def speed(self, which: str = "undamped") -> float:
+        """Critical speed of the reference shaft in rad/s, nan where there is none.
+
+        ``which`` is ``"undamped"``, ``"natural"`` (of ``|lambda|/2pi``) or ``"damped"`` (of ``Im lambda/2pi``).
+        """
+        if which not in FREQUENCY_FIELDS:
+            raise UsageError(f'no frequency of a mode is named "{which}"; choose {", ".join(FREQUENCY_FIELDS)}')
+        return self.speeds[list(FREQUENCY_FIELDS).index(which)]
+
+    @property
+    def first_speed(self) -> float:
+        """Speed in rad/s at which the line meets the natural, else the undamped frequency, else is nearest to them."""
+        undamped, natural, _ = self.speeds
+        return next((one for one in (natural, undamped, self.nearest_speed) if math.isfinite(one)), math.inf)
+
+    def own_speed(self, which: str = "undamped") -> float:
+        """Critical speed in rad/s of the shaft that bears the excitation, nan where there is none."""
+        return self.speed(which) * float(self.ratio)
+
+    def row(self) -> CriticalSpeedRow:
+        """Critical speed with its mode, excitation and order as plain data for JSON, speeds in rad/s."""
+        star = self.star
+        vectors = [] if star is None else zip(star.labels, star.nodes, star.vectors.tolist(), strict=True)
+        return CriticalSpeedRow(
+            self.mode.number, self.excitation, self.order, self.fixed, self.order * float(self.ratio),
+            self.speed("undamped"), self.speed("natural"), self.speed("damped"), self.margin,
+            self.nearest_speed, self.required,
+            self.generalised_force, self.relative_force,
+            self.excited, self.excited_in, self.peaks, tuple(StarVector(*one) for one in vectors),
+        )  # fmt: skip
+
+    @property
+    def passes(self) -> bool | None:
+        """Whether the separation margin of a critical speed is at least what the rule requires, if it requires one.
+
+        None where the rule requires none.
+        """
+        return None if self.required is None else self.margin >= self.required
+
+    @property
+    def remark(self) -> str:
+        """Text of the remark on a critical speed in tables, such as 'not excited in this condition', empty if none."""
+        said = [self.mode.remark] if self.mode.remark else []
+        if self.excited is False:
+            elsewhere = f", but in {', '.join(self.excited_in)}" if self.excited_in else " in this condition"
+            said.append(f"not excited{elsewhere}")
+        elif self.case:
+            said.append(self.case)
+        if self.leaps:
+            said.append("the mode leaps over the line")
+        elif math.isfinite(self.nearest_speed) and not any(map(math.isfinite, self.speeds)):
+            said.append(f"no crossing: nearest at {screen_text(self.nearest_speed * RPM, 5)} rpm")
+        return "; ".join(said)
+
+    @property
+    def line(self) -> str:
+        """Order or fixed frequency of the excitation at a critical speed as a text, such as '4.5' or '100 Hz'."""
+        if not self.order:
+            return f"{self.fixed:g} Hz"
+        return f"{self.order:g}" + (f" {self.fixed:+g} Hz" if self.fixed else "")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class CriticalSpeeds(NotebookResult):
+    """Critical speeds in and near an operating range (rad/s), for one condition (configuration) of a model.
+
+    Attributes
+    ----------
+    reference : str
+        Node whose speeds are given.
+    speed_range : (float, float)
+        Operating range in rad/s.
+    modes : tuple of VibrationMode
+    crossings : tuple of CriticalSpeed
+        Sorted by mode, then by excitation, order and speed: several where a line crosses a mode at several speeds.
+    lines : tuple of OrderLine
+        Orders and fixed frequencies examined.
+    nodes : tuple of str
+        Node of each entry of the mode shapes.
+    outputs : tuple of Channel
+        Outputs whose peaks were searched.
+    rule : MarginRule or None
+    title, condition : str
+    notes : tuple of str
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> elements = [tn.Inertia("rotor", node="a", inertia=2), tn.Inertia("wheel", node="b", inertia=1),
+    ...     tn.Spring("shaft", nodes=("a", "b"), stiffness=1e4)]
+    >>> fan = tn.Drivetrain("fan", elements, speeds={"of": "a", "list": ["500 rpm", "700 rpm"]},
+    ...     excitations={"blades": {"type": "harmonic", "node": "b", "orders": {2: {"amplitude": "10 N*m"}}}})
+    >>> found = fan.critical_speeds(margin="api684").of(1, 2)
+    >>> round(found.speed() * 30 / 3.14159265), found.margin, found.passes  # 19.49 Hz at order 2
+    (585, 0.0, False)
+    """
+
+    picture: ClassVar[str] = "interference_diagram"
+
+    reference: str
+    speed_range: tuple[float, float]
+    modes: tuple[VibrationMode, ...]
+    crossings: tuple[CriticalSpeed, ...]
+    lines: tuple[OrderLine, ...]
+    nodes: tuple[str, ...]
+    outputs: tuple[Channel, ...] = ()
+    rule: MarginRule | None = None
+    title: str = ""
+    condition: str = ""
+    notes: tuple[str, ...] = ()
+
+    def of(self, mode: int, order: float, excitation: str | None = None, *, near: float | None = None) -> CriticalSpeed:
+        """Critical speed (:class:`CriticalSpeed`) at which a mode, by its number, meets an excitation order.
+
+        Where it does at several speeds, the one nearest to the speed ``near`` in rad/s.
+
+        Raises
+        ------
+        UsageError
+            There is no such crossing, or several excitations or speeds have it and none is named.
+        """
+        self.mode(mode)
+        found = [
+            one
+            for one in self.crossings
+            if one.mode.number == mode
+            and math.isclose(one.order, order)
+            and (excitation is None or one.excitation == excitation)
+        ]
+        if len(found) == 1:
+            return found[0]
+        names = list(dict.fromkeys(one.excitation for one in found))
+        if len(names) > 1:
+            raise UsageError(f"{', '.join(names)} have order {order:g}; say which excitation")
+        if found and near is not None:
+            return min(found, key=lambda one: abs(one.first_speed - near))
+        if found:
+            if len({one.fixed for one in found}) > 1:
+                raise UsageError(f"mode {mode} is near {', '.join(one.line for one in found)}; choose among crossings")
+            places = " and ".join(screen_text(one.first_speed * RPM, 5) for one in found)
+            raise UsageError(f"mode {mode} meets order {order:g} at {places} rpm; say which with near=, in rad/s")
+        known = ", ".join(dict.fromkeys(one.line for one in self.crossings if one.mode.number == mode)) or "none"
+        raise UsageError(f"mode {mode} meets no order {order:g} in or near the operating range; it meets {known}")
+
+    def mode(self, number: int) -> VibrationMode:
+        """Vibration mode of the drivetrain by its number, counted from 1 without rigid bodies.
+
+        Raises
+        ------
+        UsageError
+            There is no mode of this number.
+        """
+        for mode in self.modes:
+            if mode.number == number:
+                return mode
+        known = (
+            f"there are {len(self.modes)}, counted from 1 without rigid bodies"
+            if self.modes
+            else "nothing vibrates here"
+        )
+        raise UsageError(f"there is no mode {number}; {known}")
+
+    def in_conditions(self, others: Sequence[CriticalSpeeds]) -> CriticalSpeeds:
+        """Copy of the critical speeds, each with names of other conditions that excite its mode (``excited_in``)."""
+        return replace(
+            self,
+            crossings=tuple(
+                replace(one, excited_in=tuple(other.condition for other in others if _excites(other, one)))
+                for one in self.crossings
+            ),
+        )
+
+    def table(self) -> Table:
+        """Table of critical speeds in rpm, a row per crossing, with peaks, margin in % and generalised force in N m."""
+        geared = any(one.order and one.ratio != 1 for one in self.crossings)
+        columns = [
+            Column("mode"),
+            Column("excitation"),
+            Column("order"),
+            Column("undamped", "rpm", 5),
+            Column("|lambda| /2pi", "rpm", 5),
+        ]
+        columns += [Column("on its shaft", "rpm", 5)] if geared else []
+        for channel in self.outputs:
+            columns += [Column(f"peak of {channel.name} at", "rpm", 5), Column("with", channel.unit, 4)]
+        columns += [Column("margin", "%", 3, 1)]
+        columns += [Column("rule")] if self.rule else []
+        columns += [Column("generalised force", "N*m", 4), Column("amplifi- cation", "", 3), Column("remark")]
+        rows = tuple(self._row(one, geared=geared) for one in self.crossings)
+        return Table(f"{self.title}: critical speeds", tuple(columns), rows, self._notes())
+
+    def _row(self, one: CriticalSpeed, *, geared: bool) -> tuple[object, ...]:
+        cells: list[object] = [one.mode.number, one.excitation, one.line]
+        cells += [one.speed("undamped") * RPM, one.speed("natural") * RPM]
+        which = "undamped" if math.isnan(one.mode.natural_frequency) else "natural"
+        cells += [one.own_speed(which) * RPM] if geared else []
+        by_output = {peak.output: peak for peak in one.peaks}
+        for channel in self.outputs:
+            peak = by_output.get(channel.name)
+            cells += [None, None] if peak is None else [peak.speed * RPM, peak.amplitude]
+        cells.append(100 * one.margin)
+        if self.rule:
+            cells.append(None if one.required is None else "kept" if one.passes else f"under {100 * one.required:g} %")
+        force = 0.0 if one.relative_force < NEGLIGIBLE_FORCE else one.generalised_force
+        return (*cells, force, one.mode.amplification, one.remark)
+
+    def _notes(self) -> tuple[str, ...]:
+        low, high = (speed * RPM for speed in self.speed_range)
+        notes = [
+            f"speeds of {self.reference}; operating range {screen_text(low, 6)} to {screen_text(high, 6)} rpm",
+            "margin: least distance of both natural frequencies from the line over the range; 0 where they meet there",
+            "generalised force: torques of all cylinders summed on the shape with their phases, largest angle 1 rad",
+        ]
+        return (*notes, *([f"margins: {self.rule}"] if self.rule else []), *self.notes)
+
+    def notebook_tables(self) -> tuple[Table, ...]:
+        """Tables of the vibration modes and of the critical speeds, as a notebook shows them."""
+        return self.mode_table(), self.table()
+
+    def mode_table(self) -> Table:
+        """Table with a row per vibration mode, frequencies in Hz with and without damping, and damping ratio."""
+        vibrating = [math.isfinite(one.natural_frequency) for one in self.modes]
+        first = COUNTING_NOTE if any(vibrating) else UNDAMPED_ALONE if vibrating else NO_VIBRATION
+        notes = (first, *([OVERDAMPED_NOTE] if any(vibrating) and not all(vibrating) else []))
+        return result_table(f"{self.title}: natural frequencies", self.modes, VibrationMode, notes=notes)
+
+    def record(self, configuration: str = "") -> CriticalSpeedsRecord:
+        """Critical speeds in rad/s of one configuration as plain data for JSON, with modes in Hz and crossings."""
+        modes = (ModeWithShape(**vars(mode), shape_by_node=self.shape(mode.number)) for mode in self.modes)
+        return CriticalSpeedsRecord(
+            self.title, configuration, self.reference, self.speed_range, str(self.rule) if self.rule else None,
+            tuple(modes), tuple(one.row() for one in self.crossings),
+        )  # fmt: skip
+
+    def shape(self, mode: int) -> Mapping[str, complex]:
+        """Complex angles by node of the mode of a number, without unit, 1 at the node that moves most."""
+        return dict(zip(self.nodes, self.mode(mode).shape.tolist(), strict=True))
+
+
+def _excites(other: CriticalSpeeds, one: CriticalSpeed) -> bool:
+    """Whether another condition excites the mode of a critical speed by the same order of the same excitation."""
+    for crossing in other.crossings:
+        same = (crossing.excitation, crossing.order, crossing.fixed) == (one.excitation, one.order, one.fixed)
+        if same and crossing.excited and _is_same_mode(crossing.mode, one.mode):
+            return True
+    return False
+
+
+def _is_same_mode(one: VibrationMode, other: VibrationMode) -> bool:
+    pairs = ((getattr(one, name), getattr(other, name)) for name in ("undamped_frequency", "natural_frequency"))
+    return any(abs(first - second) <= SAME_MODE_DISTANCE * second for first, second in pairs)

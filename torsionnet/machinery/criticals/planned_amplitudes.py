@@ -1,0 +1,151 @@
+"""Amplitudes of single orders that a calculation expects at speeds planned for a measurement on board."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsionnet.base.units import RPM
+from torsionnet.machinery.orders.order_comparison import SAME_ORDER_DIFFERENCE
+from torsionnet.machinery.orders.order_response import OrderResponse
+from torsionnet.machinery.orders.order_sums import lines_of_one_frequency, sum_name
+from torsionnet.signals.orders.tracked_orders import MeasuredOrder
+
+MOST_CRITICAL, MOST_ORDERS = 5, 3
+"""Largest numbers of critical speeds of an output, and of orders at each speed, in a list for a measurement."""
+SMALLEST_SHARE = 0.05
+"""Ratio of an order's amplitude to the half range at its speed, or to the largest half range, below which it is left
+out: it would drown in what a torsiograph resolves."""
+SAME_SPEED = 0.005
+"""Relative difference up to which two speeds count as one: a tachometer shows no more."""
+
+
+@dataclass(frozen=True)
+class PlannedSpeed:
+    """Speed in rad/s of the reference shaft at which vibration is to be measured, and the reason as a text."""
+
+    speed: float
+    reason: str
+
+
+@dataclass(frozen=True)
+class PlannedAmplitude:
+    """Expected peak amplitude of one order at one speed, and half range at that speed, SI units of the output.
+
+    Attributes
+    ----------
+    speed : float
+        Speed of the reference shaft, rad/s.
+    reason : str
+        Why this speed is measured.
+    order : float
+        Vibrations per revolution of the reference shaft.
+    name : str
+        Excitations with their orders, such as ``engine 4 + propeller 4``.
+    amplitude : float
+        Peak value of the order, excitations of one frequency added with their phases.
+    half_range : float
+        Half the range of the sum of all orders at this speed.
+    """
+
+    speed: float
+    reason: str
+    order: float
+    name: str
+    amplitude: float
+    half_range: float
+
+    @property
+    def rpm(self) -> float:
+        """Speed of the reference shaft in r/min at which an amplitude is planned to be measured."""
+        return self.speed * RPM
+
+
+def critical_peaks(run: OrderResponse, output: str | None = None) -> tuple[PlannedSpeed, ...]:
+    """Speeds in rad/s of the largest peaks of single orders of an output inside the speed range, by rising speed.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> ship = tn.load("two_stroke_ship").configured("normal")
+    >>> found = critical_peaks(ship.order_response("torque(intermediate)", refine=True))
+    >>> [(round(one.speed * 30 / np.pi), one.reason) for one in found][:1]
+    [(52, 'peak of order 6')]
+    """
+    place, peaks = run.output(output), []
+    largest = float(run.half_range[:, place].max())
+    sizes = np.abs(run.by_frequency()[:, :, place])
+    for number, lines in enumerate(lines_of_one_frequency(run.lines)):
+        line, size = run.lines[lines[0]], sizes[:, number]
+        if line.fixed:
+            continue
+        inside = np.flatnonzero((size[1:-1] > size[:-2]) & (size[1:-1] >= size[2:])) + 1
+        inside = inside[size[inside] >= SMALLEST_SHARE * largest]
+        reason = f"peak of order {float(line.relative):.4g}"
+        peaks += [(float(size[at]), PlannedSpeed(float(run.speeds[at]), reason)) for at in inside]
+    peaks.sort(key=lambda peak: -peak[0])
+    return tuple(sorted((one for _, one in peaks[:MOST_CRITICAL]), key=lambda one: one.speed))
+
+
+def merged_speeds(speeds: Sequence[PlannedSpeed]) -> tuple[PlannedSpeed, ...]:
+    """Planned speeds in rad/s, rising, those that a tachometer cannot tell apart merged into one with all reasons.
+
+    Examples
+    --------
+    >>> merged_speeds([PlannedSpeed(2.0, "rated"), PlannedSpeed(1.0, "order 3"), PlannedSpeed(1.001, "order 4")])
+    (PlannedSpeed(speed=1.0, reason='order 3; order 4'), PlannedSpeed(speed=2.0, reason='rated'))
+    """
+    found: list[PlannedSpeed] = []
+    for one in sorted(speeds, key=lambda one: one.speed):
+        if found and math.isclose(found[-1].speed, one.speed, rel_tol=SAME_SPEED):
+            found[-1] = PlannedSpeed(found[-1].speed, f"{found[-1].reason}; {one.reason}")
+        else:
+            found.append(one)
+    return tuple(found)
+
+
+def planned_amplitudes(
+    run: OrderResponse, speeds: Sequence[PlannedSpeed], output: str | None = None
+) -> tuple[PlannedAmplitude, ...]:
+    """Expected amplitudes of an output in SI units by speed and order, the largest orders of each speed first.
+
+    ``run`` is the response at these speeds, one after the other.
+    """
+    place, found = run.output(output), []
+    sizes = np.abs(run.by_frequency()[:, :, place])
+    groups = lines_of_one_frequency(run.lines)
+    for at, planned in enumerate(speeds):
+        half_range = float(run.half_range[at, place])
+        for number in np.argsort(-sizes[at], kind="stable")[:MOST_ORDERS].tolist():
+            lines = [run.lines[one] for one in groups[number]]
+            size = float(sizes[at, number])
+            if lines[0].fixed or size < SMALLEST_SHARE * half_range:
+                continue
+            found.append(
+                PlannedAmplitude(
+                    planned.speed, planned.reason, float(lines[0].relative), sum_name(lines), size, half_range
+                )
+            )
+    return tuple(found)
+
+
+def measured_at(planned: PlannedAmplitude, measured: Sequence[MeasuredOrder]) -> float | None:
+    """Measured peak amplitude in SI units at the speed and order of a planned amplitude; None where none was measured.
+
+    Between measured speeds it is linear.
+
+    Examples
+    --------
+    >>> test = MeasuredOrder(6.0, np.array([5.0, 6.0]), np.array([1.0, 2.0]))
+    >>> measured_at(PlannedAmplitude(5.5, "peak of order 6", 6.0, "engine 6", 1.6, 2.0), [test])
+    1.5
+    """
+    for one in measured:
+        if math.isclose(one.order, planned.order, rel_tol=SAME_ORDER_DIFFERENCE) and len(one.speeds):
+            low, high = one.speeds[0] * (1 - SAME_SPEED), one.speeds[-1] * (1 + SAME_SPEED)
+            if low <= planned.speed <= high:
+                return float(np.interp(planned.speed, one.speeds, one.amplitude))
+    return None

@@ -1,0 +1,173 @@
+"""Peaks over speed of the amplitude of an order, next to a critical speed.
+
+With damping a peak lies neither at the undamped nor at the damped frequency: the torques grow with speed, other modes
+add their share, and every output has a peak of its own.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from itertools import groupby
+from typing import Any
+
+import numpy as np
+
+from torsionnet.base.errors import UsageError
+from torsionnet.linear.assembly.assembled import AssembledModel
+from torsionnet.linear.frequency_response import Channel, FloatArray
+from torsionnet.linear.responses.peaks import inner_maxima
+from torsionnet.machinery.criticals.critical_speeds import CriticalSpeed, SpeedPeak
+from torsionnet.machinery.orders.order_solution import orders_at_speeds
+from torsionnet.machinery.orders.speed_refinement import SAME_SPEED_DISTANCE
+from torsionnet.model.parameters import VIBRATORY_TORQUE
+
+POINTS, FINER_POINTS, ROUNDS = 41, 11, 3
+"""Number of speeds of the first grid around a critical speed, of each finer grid, and number of finer grids.
+
+More of them place peaks more finely and solve more speeds.
+"""
+WIDTHS, LEAST_WIDTH, MOST_WIDTH = 8.0, 0.03, 0.35
+"""Half width of the searched speeds, over the critical speed, in damping ratios, with its least and most value.
+
+Wider searches find peaks that the damping shifts far, and mistake peaks of other orders for them.
+"""
+SAME_PEAK = 1e-3
+"""Relative distance of speeds below which peaks of two crossings are one peak, as the search places peaks more finely
+than that."""
+
+
+def with_speed_peaks(
+    drivetrain: AssembledModel,
+    crossings: Sequence[CriticalSpeed],
+    outputs: Any,
+    reference: str,
+    limits: tuple[float, float],
+) -> tuple[tuple[CriticalSpeed, ...], tuple[Channel, ...]]:
+    """Critical speeds with the peaks of their orders within the speed limits (rad/s), and the output channels.
+
+    A peak belongs only to the crossing nearest to it.
+
+    Raises
+    ------
+    UsageError
+        A parameter depends on the vibration of all excitations together, so that single orders have no peaks.
+    """
+    swayed = [name for name, one in drivetrain.definition.following.items() if one.by == VIBRATORY_TORQUE]
+    if swayed:
+        text = f"{' and '.join(swayed)} follows the vibration of all excitations together"
+        raise UsageError(f"{text}: no order has a peak of its own; leave out the outputs and see torsionnet orders")
+    sought = [one for one in crossings if one.excited and one.speed("natural") > 0]
+    found: dict[int, tuple[SpeedPeak, ...]] = {}
+    channels: tuple[Channel, ...] = ()
+    for name, group in groupby(sorted(sought, key=lambda one: one.excitation), key=lambda one: one.excitation):
+        search = _Search(drivetrain, outputs, reference, name, list(group), limits)
+        found |= search.peaks()
+        channels = search.channels
+    if not channels:
+        channels = orders_at_speeds(drivetrain, outputs, speeds=[limits[0] or limits[1]], speed_of=reference).outputs
+    return tuple(replace(one, peaks=found.get(id(one), ())) for one in crossings), channels
+
+
+class _Search:
+    """Search for the peaks over speed of the orders of one excitation.
+
+    Every step solves the speeds of all crossings together.
+    """
+
+    def __init__(
+        self,
+        drivetrain: AssembledModel,
+        outputs: Any,
+        reference: str,
+        excitation: str,
+        crossings: list[CriticalSpeed],
+        limits: tuple[float, float],
+    ) -> None:
+        self.drivetrain, self.outputs, self.reference, self.excitation = drivetrain, outputs, reference, excitation
+        self.crossings, self.limits = crossings, limits
+        self.channels: tuple[Channel, ...] = ()
+
+    def peaks(self) -> dict[int, tuple[SpeedPeak, ...]]:
+        """Peaks (speed in rad/s and amplitude) by ``id`` of the critical speed, one for each output that has a peak."""
+        grids = [self._around(one) for one in self.crossings]
+        first = self._sizes(self.crossings, grids)
+        found: dict[int, tuple[SpeedPeak, ...]] = {}
+        for place, channel in enumerate(self.channels):
+            starts = {
+                number: self._next_maximum(one, grids[number], first[number][:, place])
+                for number, one in enumerate(self.crossings)
+            }
+            refined = self._refined({number: grid for number, grid in starts.items() if grid is not None}, place)
+            for number, peak in self._claimed(refined).items():
+                one = self.crossings[number]
+                found[id(one)] = (*found.get(id(one), ()), SpeedPeak(channel.name, *peak))
+        return found
+
+    def _around(self, one: CriticalSpeed) -> FloatArray:
+        width = min(max(WIDTHS * one.mode.damping_ratio, LEAST_WIDTH), MOST_WIDTH)
+        critical = one.speed("natural")
+        low, high = np.clip(critical * np.array([1 - width, 1 + width]), *self.limits)
+        return _around(low, critical, high, POINTS) if high > low else np.zeros(0)
+
+    def _sizes(self, crossings: Sequence[CriticalSpeed], grids: Sequence[FloatArray]) -> list[FloatArray]:
+        """Amplitudes (n, n_out), in the unit of each output, of each crossing's order at its own speeds."""
+        speeds = np.unique(np.concatenate(grids)) if grids else np.zeros(0)
+        if not len(speeds):
+            return [np.zeros((0, len(self.channels))) for _ in crossings]
+        run = orders_at_speeds(
+            self.drivetrain, self.outputs, speeds=speeds, speed_of=self.reference, excitations=[self.excitation]
+        )
+        self.channels = run.outputs
+        lines = {(line.order, line.fixed): place for place, line in enumerate(run.lines)}
+        return [
+            run.sizes[np.searchsorted(speeds, grid), lines[one.order, one.fixed]]
+            for one, grid in zip(crossings, grids, strict=True)
+        ]
+
+    @staticmethod
+    def _next_maximum(one: CriticalSpeed, grid: FloatArray, sizes: FloatArray) -> FloatArray | None:
+        """Finer speeds (n,) in rad/s around the maximum nearest to the critical speed, or None without maximum."""
+        inner = inner_maxima(sizes) if len(sizes) else []
+        if not inner:
+            return None
+        best = min(inner, key=lambda place: abs(math.log(grid[place] / one.speed("natural"))))
+        return _around(grid[best - 1], grid[best], grid[best + 1], FINER_POINTS)
+
+    def _refined(self, grids: dict[int, FloatArray], output: int) -> dict[int, tuple[float, float]]:
+        """Speed in rad/s and amplitude at each maximum, by number of its critical speed, found on ever finer grids."""
+        found: dict[int, tuple[float, float]] = {}
+        for _ in range(ROUNDS if grids else 0):
+            sizes = self._sizes([self.crossings[number] for number in grids], list(grids.values()))
+            for (number, grid), size in zip(list(grids.items()), sizes, strict=True):
+                best = int(np.argmax(size[:, output]))
+                found[number] = (float(grid[best]), float(size[best, output]))
+                low, high = grid[max(best - 1, 0)], grid[min(best + 1, len(grid) - 1)]
+                grids[number] = _around(low, grid[best], high, FINER_POINTS)
+        return found
+
+    def _claimed(self, peaks: Mapping[int, tuple[float, float]]) -> dict[int, tuple[float, float]]:
+        """Speed in rad/s and amplitude of peaks, by number of the critical speed to which each peak is nearest.
+
+        They are not nearer to another critical speed of the same order.
+        """
+        kept = {}
+        for number, (speed, size) in peaks.items():
+            one = self.crossings[number]
+            rivals = [
+                other
+                for rival, other in enumerate(self.crossings)
+                if rival in peaks and other.line == one.line and abs(peaks[rival][0] / speed - 1) < SAME_PEAK
+            ]
+            nearest = min(rivals, key=lambda other: abs(math.log(speed / other.speed("natural"))))
+            if nearest is one:
+                kept[number] = (speed, size)
+        return kept
+
+
+def _around(low: float, place: float, high: float, count: int) -> FloatArray:
+    """Rising speeds from ``low`` to ``high`` in rad/s, in ``count`` - 1 equal steps, and the speed of a narrow peak."""
+    grid = np.linspace(low, high, count)
+    is_new = np.abs(grid - place).min() > SAME_SPEED_DISTANCE * place
+    return np.union1d(grid, [place]) if low < place < high and is_new else grid

@@ -1,0 +1,222 @@
+"""Vibration levels that a damper is to make small, over frequency or speed, with derivatives to parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import ClassVar, Protocol
+
+import numpy as np
+
+from torsionnet.base.units import RPM
+from torsionnet.linear.assembly.assembled import AssembledModel
+from torsionnet.linear.frequency_response import Channel, FloatArray
+from torsionnet.linear.modes.natural_modes import modes
+from torsionnet.linear.responses.grid import Adaptive
+from torsionnet.linear.responses.peaks import inner_maxima
+from torsionnet.linear.sensitivity.parametric import ParametricResponse
+from torsionnet.linear.sensitivity.unknowns import Unknowns
+from torsionnet.machinery.orders.examined_speeds import ExaminedSpeeds
+from torsionnet.machinery.orders.order_response import OrderResponse
+from torsionnet.machinery.orders.order_solution import orders_at_speeds
+from torsionnet.machinery.orders.speed_refinement import refine_speeds, speeds_to_refine
+from torsionnet.model.channels import Sensor
+
+REFINEMENT_ROUNDS, REFINEMENT_POINTS = 4, 21
+"""Number of rounds that refine a maximum of a level, and points in each, so that every round divides the interval by
+ten."""
+SLOPE_STEP = 1e-4
+"""Relative step of a parameter for the central difference that gives the slope of a half range, large enough that
+rounding hardly counts."""
+
+
+@dataclass(frozen=True, eq=False)
+class VariedModel:
+    """Drivetrain at varying values of its unknowns, of which what does not depend on them is worked out once."""
+
+    unknowns: Unknowns
+
+    @cached_property
+    def _first(self) -> AssembledModel:
+        return AssembledModel.from_definition(self.unknowns.definition)
+
+    def at(self, values: FloatArray) -> AssembledModel:
+        return self._first.configured(**dict(zip(self.unknowns.parameters, map(float, values), strict=True)))
+
+
+class Levels(Protocol):
+    """Protocol of vibration levels, which depend on parameters, over frequencies in Hz or speeds in rad/s."""
+
+    @property
+    def precision(self) -> float:
+        """Relative precision of the vibration levels and of results derived from them."""
+
+    def grid(self, values: FloatArray) -> FloatArray:
+        """Frequencies (Hz) or speeds (rad/s), shape (n,), rising, that show every maximum of the level."""
+
+    def at(self, values: FloatArray, points: FloatArray) -> FloatArray:
+        """Levels (n,), amplitudes or half ranges to be made small, at frequencies or speeds ``points`` (n,)."""
+
+    def slopes(self, values: FloatArray, points: FloatArray) -> FloatArray:
+        """Derivatives (n, n_p) of the levels at ``points`` (n,) to the parameters in SI units."""
+
+    def maxima(self, values: FloatArray) -> FloatArray:
+        """Frequencies (Hz) or speeds (rad/s), shape (n,), of the local maxima of the level, the highest first.
+
+        The ends of the range count.
+        """
+
+    def shown(self, points: FloatArray) -> FloatArray:
+        """Frequencies or speeds ``points`` (n,) converted to the unit in which they are displayed, see ``of``."""
+
+    @property
+    def frequencies(self) -> FloatArray:
+        """Frequencies in Hz that the levels are made of, at least the lowest and the highest."""
+
+    @property
+    def of(self) -> tuple[str, str]:
+        """Name of the quantity over which levels are displayed, such as "frequency", and its unit, such as "Hz"."""
+
+    @property
+    def channel(self) -> Channel:
+        """Name and unit of the vibration level."""
+
+
+@dataclass(frozen=True, eq=False)
+class ReceptanceLevels:
+    """Magnitude of one transfer function over a band in Hz, with exact derivatives to the parameters."""
+
+    response: ParametricResponse
+    band: tuple[float, float]
+    precision: ClassVar[float] = 1e-10
+
+    @property
+    def frequencies(self) -> FloatArray:
+        return np.array(self.band)
+
+    @property
+    def of(self) -> tuple[str, str]:
+        return "frequency", "Hz"
+
+    @property
+    def channel(self) -> Channel:
+        output = self.response.request.outputs[0].channel
+        measured = self.response.request.measured[0].channel
+        return Channel(f"{output.name}/{measured.name}", f"{output.unit}/({measured.unit})")
+
+    def grid(self, values: FloatArray) -> FloatArray:
+        return Adaptive(*self.band).frequencies(modes(self._model.at(values)))
+
+    @cached_property
+    def _model(self) -> VariedModel:
+        return VariedModel(self.response.unknowns)
+
+    def at(self, values: FloatArray, points: FloatArray) -> FloatArray:
+        found = replace(self.response, frequencies=points).at(values)
+        return np.abs(found.values[:, 0, 0])
+
+    def slopes(self, values: FloatArray, points: FloatArray) -> FloatArray:
+        found = replace(self.response, frequencies=points).at(values)
+        y, dy = found.values[:, 0, 0], found.jacobian[:, 0, 0]
+        return np.asarray((np.conj(y)[:, None] * dy).real / np.abs(y)[:, None])
+
+    def maxima(self, values: FloatArray) -> FloatArray:
+        grid = self.grid(values)
+        levels = self.at(values, grid)
+        places = _with_ends(levels)
+        found = [
+            self._refined(values, grid[place - 1], grid[place + 1]) if 0 < place < len(grid) - 1 else float(grid[place])
+            for place in places
+        ]
+        return _highest_first(np.array(found), self.at(values, np.array(found)))
+
+    def _refined(self, values: FloatArray, low: float, high: float) -> float:
+        for _ in range(REFINEMENT_ROUNDS):
+            fine = np.linspace(low, high, REFINEMENT_POINTS)
+            best = int(np.argmax(self.at(values, fine)))
+            low, high = fine[max(best - 1, 0)], fine[min(best + 1, REFINEMENT_POINTS - 1)]
+        return float(fine[best])
+
+    def shown(self, points: FloatArray) -> FloatArray:
+        return points
+
+
+@dataclass(frozen=True, eq=False)
+class OrderLevels:
+    """Half range of all orders of one output together, in its unit, at the speeds of a run in rad/s.
+
+    With ``refine`` also between these speeds, near resonances and maxima of the model in question. Every response is
+    exact; slopes are central differences of it, so that whatever excites the model may depend on its parameters in any
+    way.
+    """
+
+    model: VariedModel
+    output: str | Sensor
+    excitations: Sequence[str] | None
+    run: OrderResponse
+    refine: bool = False
+    precision: ClassVar[float] = 1e-5
+
+    @property
+    def frequencies(self) -> FloatArray:
+        return np.abs(self.run.frequencies)
+
+    @property
+    def of(self) -> tuple[str, str]:
+        return f"speed of {self.run.reference}", "r/min"
+
+    @property
+    def channel(self) -> Channel:
+        first = self.run.outputs[0]
+        return replace(first, name=f"half range of {first.name}")
+
+    def grid(self, values: FloatArray) -> FloatArray:
+        if not self.refine:
+            return self.run.speeds
+        changed, shaft = self.model.at(values), self.run.reference
+        examined = ExaminedSpeeds.of(
+            changed, self.run.speeds, speed_of=shaft, excitations=self.excitations, refine=True
+        )
+        return examined.first(np.empty(0))
+
+    def at(self, values: FloatArray, points: FloatArray) -> FloatArray:
+        changed, shaft = self.model.at(values), self.run.reference
+        run = orders_at_speeds(changed, self.output, speeds=points, speed_of=shaft, excitations=self.excitations)
+        return np.asarray(run.half_range[:, 0])
+
+    def slopes(self, values: FloatArray, points: FloatArray) -> FloatArray:
+        found = np.empty((len(points), len(values)))
+        for place, value in enumerate(values):
+            step = SLOPE_STEP * (abs(value) or 1.0)
+            above, below = (np.where(np.arange(len(values)) == place, values + sign * step, values) for sign in (1, -1))
+            found[:, place] = (self.at(above, points) - self.at(below, points)) / (2 * step)
+        return found
+
+    def maxima(self, values: FloatArray) -> FloatArray:
+        def with_more(known: FloatArray, more: FloatArray) -> FloatArray:
+            both = np.concatenate([known, [more, self.at(values, more)]], axis=1)
+            return both[:, np.argsort(both[0], kind="stable")]
+
+        grid = self.grid(values)
+        found = np.array([grid, self.at(values, grid)])
+        if self.refine:
+            found = refine_speeds(found, lambda known: speeds_to_refine(known[0], known[1:].T), with_more)
+        places = _with_ends(found[1])
+        return _highest_first(found[0, places], found[1, places])
+
+    def shown(self, points: FloatArray) -> FloatArray:
+        return points * RPM
+
+
+def _with_ends(levels: FloatArray) -> list[int]:
+    """Indices of the local maxima of levels (n,), and of ends that are higher than their neighbour."""
+    if len(levels) < 2:
+        return [0]
+    first = [0] if levels[0] >= levels[1] else []
+    last = [len(levels) - 1] if levels[-1] > levels[-2] else []
+    return [*first, *inner_maxima(levels), *last]
+
+
+def _highest_first(points: FloatArray, levels: FloatArray) -> FloatArray:
+    return points[np.argsort(-levels, kind="stable")]

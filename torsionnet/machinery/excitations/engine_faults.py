@@ -1,0 +1,223 @@
+"""Faults and remarks on entries of an engine that contradict each other or are unlikely."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from torsionnet.base.entries.composite import one_exactly
+from torsionnet.base.entries.spec import not_none
+from torsionnet.base.errors import Fault, Path, UsageError, comma_list
+from torsionnet.machinery.excitations.cylinder_entries import EACH
+from torsionnet.machinery.excitations.engine_entries import EngineEntries
+from torsionnet.machinery.excitations.engine_sizes import impossible_lengths, unusual_sizes_of
+from torsionnet.machinery.excitations.firing_angles import firing_against_banks
+from torsionnet.machinery.excitations.order_excitation import FloatArray
+from torsionnet.machinery.excitations.pressure_trace import PressureTrace
+
+MEAN_PRESSURE_RTOL = 0.1
+"""Relative amount by which a trace's mean indicated pressure may differ from its heading, as sheets round it."""
+LATEST_PEAK = math.radians(60)
+"""Largest usual angle in rad between firing top dead centre and the peak pressure of a four-stroke cylinder."""
+WIDEST_PEAK = 70.0
+"""Largest usual width in degrees of crank of the peak above half its pressure in a four-stroke engine.
+
+It is 65 where air is compressed to an eighth and 36 to a twenty-second; twice that for a list of half a cycle that is
+taken for the whole."""
+STROKES = {2: "two", 4: "four"}
+
+
+def engine_faults(engine: EngineEntries) -> Iterator[Fault]:
+    """Faults of engine entries that contradict each other."""
+    if engine.cycle not in STROKES:
+        yield Fault("a cycle has 2 or 4 strokes", ("cycle",))
+        return
+    yield from _mechanism(engine)
+    firing = [*_banks(engine), *_firing(engine)]
+    yield from firing or _angles(engine)
+    yield from _cylinders(engine)
+    yield from _gas(engine)
+    yield from _traces(engine)
+
+
+def _mechanism(engine: EngineEntries) -> Iterator[Fault]:
+    huge = list(impossible_lengths(engine))
+    if huge:
+        yield from huge
+        return
+    radius, per_cycle = engine.stroke / 2, engine.cycle / 2
+    if engine.rod_length <= radius:
+        text = f"a rod of {engine.rod_length:g} m is shorter than the crank radius {radius:g} m"
+        yield Fault(text, ("rod_length",))
+    if engine.piston_rod >= engine.bore:
+        yield Fault(f"a piston rod of {engine.piston_rod:g} m fills the bore {engine.bore:g} m", ("piston_rod",))
+    own = engine.gas.own_orders if engine.gas else ()
+    for path, orders in {
+        ("orders",): list(engine.orders),
+        ("gas", "harmonics"): [order for key, order in own if key == "harmonics"],
+        ("gas", "motored_harmonics"): [order for key, order in own if key == "motored_harmonics"],
+    }.items():
+        odd = [f"{order:g}" for order in orders if abs(order * per_cycle - round(order * per_cycle)) > 1e-9]
+        if odd:
+            text = f"orders of a {STROKES[engine.cycle]}-stroke engine are multiples of {1 / per_cycle:g}"
+            yield Fault(f"{text}, not {', '.join(odd)}", path)
+
+
+def _banks(engine: EngineEntries) -> Iterator[Fault]:
+    if not engine.banks:
+        if engine.bank_angle:
+            yield Fault("a bank angle needs banks: {A: [1, 2, 3], B: [4, 5, 6]}", ("bank_angle",), on_key=True)
+        return
+    if not engine.bank_angle:
+        yield Fault("banks need the angle from one to the next: bank_angle: 60 deg", ("banks",), on_key=True)
+    yield from _incomplete(engine, "banks", [number for bank in engine.banks.values() for number in bank])
+
+
+def _firing(engine: EngineEntries) -> Iterator[Fault]:
+    wrong = one_exactly(engine, "firing_order", "firing_angles")
+    if wrong:
+        yield from wrong
+        return
+    key = "firing_order" if engine.firing_order else "firing_angles"
+    yield from _incomplete(engine, key, list(engine.firing_order) or [int(number) for number in engine.firing_angles])
+
+
+def _incomplete(engine: EngineEntries, key: str, given: list[int]) -> Iterator[Fault]:
+    """Faults of a list that does not hold every cylinder exactly once."""
+    verb = ("miss", "have", "have") if key in ("firing_angles", "banks") else ("misses", "has", "has")
+    found = {
+        f"{verb[0]} cylinder": [number for number in engine.numbers if number not in given],
+        f"{verb[1]} twice cylinder": sorted({number for number in given if given.count(number) > 1}),
+        f"{verb[2]} a cylinder that the engine lacks:": [number for number in given if number not in engine.numbers],
+    }
+    for text, wrong in found.items():
+        if wrong:
+            yield Fault(
+                f"{key} {text} {comma_list(wrong)}; there are {comma_list(engine.numbers)}", (key,), on_key=True
+            )
+
+
+def _angles(engine: EngineEntries) -> Iterator[Fault]:
+    """Faults of firing angles that do not fit crank pins which banks share."""
+    if not engine.banks:
+        return
+    phases, key = engine.firing_phases, "firing_angles" if engine.firing_angles else "firing_order"
+    if not phases:
+        text = "the firing order is impossible with banks that share crank pins, or possible in two ways"
+        hint = "do the banks stand in the direction of rotation? Else give firing_angles"
+        yield Fault(f"{text}; {hint}", (key,), on_key=True)
+        return
+    unlike = firing_against_banks(phases, engine.numbers, engine.cylinder_bank_angles)
+    if unlike:
+        one, other, apart, due = unlike
+        turn = f" or {math.degrees(due) + 360:g}" if engine.cycle == 4 else ""
+        text = (
+            f"cylinders {one} and {other} are on one throw, {math.degrees(due):g} deg apart by their banks: they fire "
+            f"{math.degrees(due):g}{turn} deg apart, not {math.degrees(apart):g}; on split pins leave out banks"
+        )
+        yield Fault(text, (key,), on_key=True)
+
+
+def _cylinders(engine: EngineEntries) -> Iterator[Fault]:
+    lists = {"misfire": () if engine.misfire == EACH else engine.misfire, "gas_off": engine.gas_off}
+    for key, numbers in lists.items():
+        for index, number in enumerate(numbers):
+            if number not in engine.numbers:
+                yield Fault(f"there is no cylinder {number}; there are {comma_list(engine.numbers)}", (key, index))
+    for key in ("factors", "misfire_share"):
+        for number in getattr(engine, key) or {}:
+            if int(number) not in engine.numbers:
+                text = f"there is no cylinder {number}; there are {comma_list(engine.numbers)}"
+                yield Fault(text, (key, number), on_key=True)
+    yield from _misfire_shares(engine)
+
+
+def _misfire_shares(engine: EngineEntries) -> Iterator[Fault]:
+    """Faults of shares of misfire above the whole, and of cylinders that have no injection to lose."""
+    silent = {*(() if engine.misfire == EACH else engine.misfire), *engine.gas_off}
+    for number, share in (engine.misfire_share or {}).items():
+        if share > 1:
+            text = f"a cylinder loses at most 100 % of its injection, not {100 * share:g} %"
+            yield Fault(text, ("misfire_share", number))
+        if int(number) in silent:
+            text = f"cylinder {number} has no injection already, by misfire or gas_off; name it once"
+            yield Fault(text, ("misfire_share", number), on_key=True)
+
+
+def _gas(engine: EngineEntries) -> Iterator[Fault]:
+    gas = engine.gas
+    for key in ("misfire", "misfire_share"):
+        if getattr(engine, key) and (gas is None or not gas.has_motored):
+            text = "a cylinder without injection follows the motored trace; give gas: {motored: compression.csv}"
+            yield Fault(text, (key,), on_key=True)
+    for key in ("factors", "spread", "load"):
+        if getattr(engine, key) and gas is None:
+            yield Fault(f"{key} is about gas torque; give gas: {{fired: p100.csv}}", (key,), on_key=True)
+    if gas is None:
+        return
+    if gas.is_by_pressure and engine.load is None and len(gas.traces or not_none(gas.harmonics)) > 1:
+        text = "which mean indicated pressure acts? give load: {mean_indicated_pressure: 27 bar}"
+        yield Fault(f"gas is given by mean indicated pressure: {text}", ("gas",), on_key=True)
+    if engine.load is not None and not gas.is_by_pressure:
+        text = "a load chooses between traces by mean indicated pressure; a single trace follows rated and exponent"
+        yield Fault(text, ("load",), on_key=True)
+    if gas.crank_end and gas.harmonics:
+        yield Fault("the pressure below the piston goes with fired: or traces:", ("gas", "crank_end"), on_key=True)
+
+
+def _traces(engine: EngineEntries) -> Iterator[Fault]:
+    """Faults of trace files that cover another cycle than that of the engine."""
+    for path, trace in engine.gas.all_traces if engine.gas else ():
+        if trace.revolutions not in (None, engine.revolutions):
+            text = f"{trace.file} covers {360 * trace.revolutions} deg"
+            text += f"; the cycle of a {STROKES[engine.cycle]}-stroke engine has {360 * engine.revolutions} deg"
+            yield Fault(text, ("gas", *path), position=trace.place)
+
+
+def engine_remarks(engine: EngineEntries, speeds: FloatArray | None) -> Iterator[Fault]:
+    """Remarks on traces that contradict their entries, unusual sizes, and loads that no trace covers."""
+    yield from unusual_sizes_of(engine)
+    gas = engine.gas
+    if gas is None:
+        return
+    for path, trace in gas.all_traces:
+        if trace.note:
+            yield Fault(trace.note, ("gas", *path), severity="note")
+        yield from _stretched(engine, path, trace)
+    fired = {"fired": gas.fired} if gas.fired else {}
+    for trace in (*fired.values(), *(gas.traces or {}).values()):
+        angles, _ = trace.tangential(engine.crank.ratio, engine.revolutions, gas.zero, 0.0)
+        late = math.remainder(float(angles[int(np.argmax(trace.values))]), engine.cycle * math.pi)
+        if engine.cycle == 4 and abs(late) > LATEST_PEAK:
+            text = f"{trace.origin}the pressure is highest {math.degrees(late):.4g} deg after firing top dead centre"
+            yield Fault(
+                f"{text}; check zero:, the angle of the traces at firing top dead centre", ("gas",), severity="warning"
+            )
+    for pressure, trace in (gas.traces or {}).items():
+        found = trace.mean_indicated_pressure(engine.crank.ratio, engine.revolutions, gas.zero)
+        if abs(found - pressure) > MEAN_PRESSURE_RTOL * max(pressure, 1e5):
+            text = f"{trace.origin}its mean indicated pressure is {found / 1e5:.4g} bar"
+            yield Fault(
+                f"{text}, but it is given under {pressure / 1e5:.4g} bar; correct one of them",
+                ("gas", "traces"),
+                severity="warning",
+            )
+    if speeds is not None:
+        try:
+            gas.fired_harmonics(engine.crank, engine.acting_orders[:1], engine.indicated_pressures(speeds))
+        except UsageError as error:
+            yield Fault(str(error), ("load",))
+
+
+def _stretched(engine: EngineEntries, path: Path, trace: PressureTrace) -> Iterator[Fault]:
+    """Warnings of pressure lists that cover one revolution instead of the two of a four-stroke cycle."""
+    pressures = np.array(trace.values)
+    wide = 360 * engine.revolutions * float(np.mean(pressures >= pressures.max() / 2))
+    if engine.cycle == 4 and trace.revolutions is None and wide > WIDEST_PEAK:
+        text = f"the pressure is above half of its largest for {wide:.3g} deg, too long for a cylinder"
+        meant = (
+            "a list covers the whole cycle, 720 deg; does this one cover 360 deg? Add the gas exchange, or give a file"
+        )
+        yield Fault(f"{text}: {meant} with crank angles", ("gas", *path), severity="warning")

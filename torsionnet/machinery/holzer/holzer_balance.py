@@ -1,0 +1,161 @@
+"""Torques of inertias, springs and rigid connections on all nodes, at one frequency without damping.
+
+The motion is the shape of a mode, or that of a Holzer trial: amplitude 1 at the first station, equilibrium everywhere
+but at the last station, where a torque remains.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from torsionnet.base.errors import SolveError
+from torsionnet.linear.assembly.assembled import AssembledModel
+from torsionnet.linear.assembly.rows import FloatArray, refuse_actions
+from torsionnet.linear.assembly.system import Assembly
+
+Coefficients = Mapping[str, float]
+"""Coefficients of the angles in one spring's twist or one rigid connection, by node."""
+
+
+@dataclass(frozen=True)
+class NodeLoad:
+    """Torque of a spring or rigid connection on the nodes of its row, ``torque`` in N m times the coefficient there.
+
+    Each node of its row loses that much.
+
+    ``stiffness`` is infinite for a constraint; ``housing`` is the node that takes the reaction torque of a gear stage,
+    if that node moves.
+    """
+
+    element: str
+    row: Coefficients
+    torque: float
+    stiffness: float
+    housing: str | None = None
+
+    @property
+    def ends(self) -> tuple[str, ...]:
+        """Nodes between which the torque passes, without the housing that takes a reaction."""
+        return tuple(node for node in self.row if node != self.housing)
+
+    @property
+    def rigid(self) -> bool:
+        """Whether the torque is that of a rigid connection, which has no finite stiffness."""
+        return math.isinf(self.stiffness)
+
+    def stiffness_at(self, node: str) -> float:
+        """Stiffness in N m/rad referred to a node, with all other nodes held."""
+        return self.stiffness * self.row[node] ** 2
+
+
+@dataclass(frozen=True, eq=False)
+class HolzerBalance:
+    """Angles (rad), inertias (kg m^2), inertia torques (N m) by node, and torques of springs and rigid links."""
+
+    angles: Mapping[str, float]
+    inertias: Mapping[str, float]
+    inertia_torques: Mapping[str, float]
+    loads: tuple[NodeLoad, ...]
+
+
+def trial_angles(drivetrain: AssembledModel, omega: float, first: str, last: str) -> FloatArray:
+    """Angles (n_nodes,) in rad at omega in rad/s under a torque on ``last`` that turns ``first`` by 1 rad.
+
+    Raises
+    ------
+    SolveError
+        There is no such motion: ``first`` stands still whatever acts on ``last``.
+    """
+    assembly = drivetrain.assembly
+    refuse_actions(assembly.system.actions, "a Holzer table is")
+    (stiffness, inertia), rows = _coefficients(assembly, omega), assembly.system.rows
+    dynamic = rows.T @ ((stiffness - omega**2 * inertia)[:, None] * rows)
+    nodes = assembly.node_rows.dense
+    start, end = nodes[assembly.node_index[first]], nodes[assembly.node_index[last]]
+    scale = max(np.abs(dynamic).max(initial=0), 1e-300)
+    bordered = np.block([[dynamic / scale, -end[:, None]], [start[None, :], np.zeros((1, 1))]])
+    try:
+        found = np.linalg.solve(bordered, np.append(np.zeros(len(dynamic)), 1.0))
+    except np.linalg.LinAlgError:
+        text = f"at {omega / (2 * np.pi):.6g} Hz {first} stands still whatever acts on {last}; start elsewhere"
+        raise SolveError(text) from None
+    return np.asarray(nodes @ found[:-1])
+
+
+def balance_of(drivetrain: AssembledModel, omega: float, angles: FloatArray, last: str | None = None) -> HolzerBalance:
+    """Angles, inertias and torques by node in a motion with these angles (n_nodes,) in rad, at omega in rad/s.
+
+    One torque may remain on ``last``.
+    """
+    assembly = drivetrain.assembly
+    refuse_actions(assembly.system.actions, "a Holzer table is")
+    angle = dict(zip(assembly.nodes, angles.tolist(), strict=True))
+    inertias, torques = dict.fromkeys(angle, 0.0), dict.fromkeys(angle, 0.0)
+    loads = []
+    rest = dict.fromkeys(angle, 0.0)
+    stiffnesses, own = (part.tolist() for part in _coefficients(assembly, omega))
+    numbers = zip(assembly.owners, assembly.laws, stiffnesses, own, strict=True)
+    for owner, law, stiffness, inertia in numbers:
+        row = {node: float(value) for node, value in law.row.items() if node in angle}
+        motion = sum(value * angle[node] for node, value in row.items())
+        for node, value in row.items():
+            inertias[node] += inertia * value * (sum(row.values()) if _is_shaft(row) else value)
+            torques[node] += omega**2 * inertia * motion * value
+            rest[node] += (omega**2 * inertia - stiffness) * motion * value
+        if stiffness:
+            housing = _housing(drivetrain.elements[owner])
+            loads.append(NodeLoad(owner, row, stiffness * motion, stiffness, housing))
+    for owner, held, torque in _of_constraints(assembly, rest, last):
+        loads.append(NodeLoad(owner, held, torque, math.inf, _housing(drivetrain.elements[owner])))
+    return HolzerBalance(angle, inertias, torques, tuple(loads))
+
+
+def _is_shaft(row: Coefficients) -> bool:
+    """Whether a row is that of a shaft with inertia, half of which goes to each end."""
+    return all(abs(value) == 1 for value in row.values())
+
+
+def _housing(element: Any) -> str | None:
+    return getattr(element, "housing", None)
+
+
+def _of_constraints(
+    assembly: Assembly, rest: Mapping[str, float], last: str | None
+) -> list[tuple[str, Coefficients, float]]:
+    """Owner, row and torque in N m of each rigid connection, from the balance of all other torques at the nodes."""
+    rows = [
+        (owner, {node: float(value) for node, value in row.items() if node in rest})
+        for owner, row in assembly.kinematics.constraints
+    ]
+    if not rows:
+        return []
+    places = {node: place for place, node in enumerate(node for node in rest if node != last)}
+    matrix, right = np.zeros((len(places), len(rows))), np.zeros(len(places))
+    for node, place in places.items():
+        right[place] = rest[node]
+    for column, (_, row) in enumerate(rows):
+        for node, value in row.items():
+            if node in places:
+                matrix[places[node], column] = value
+    multipliers = np.linalg.lstsq(matrix, right, rcond=None)[0].tolist()
+    return [(owner, row, torque) for (owner, row), torque in zip(rows, multipliers, strict=True)]
+
+
+def _coefficients(assembly: Assembly, omega: float) -> tuple[FloatArray, FloatArray]:
+    """Stiffness in N m/rad and inertia in kg m^2 of all laws, (n_laws,), real, at omega in rad/s.
+
+    The ends of a continuous shaft count as inertias.
+    """
+    stiffness, inertia = assembly.system.stiffness.copy(), assembly.system.inertia.copy()
+    for law, table in assembly.system.dynamic:
+        kappa = table.with_loss(0).kappa(np.array([omega])).real.item()
+        if table.is_elastic:
+            stiffness[law] += kappa
+        else:
+            inertia[law] += -kappa / omega**2 if omega else table.inertia_at_rest
+    return stiffness, inertia

@@ -1,0 +1,254 @@
+"""Holzer table, amplitudes and torques along a drivetrain at one frequency, station by station."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Annotated
+
+from torsionnet.base.entries.scalars import Value
+from torsionnet.base.entries.spec import Schema
+from torsionnet.base.packages import NotebookResult
+from torsionnet.base.result_rows import Out
+from torsionnet.base.table import Column, Table
+
+AMPLITUDE = Value("amplitude of the first station", "angle", exclusive=True)
+"""Specification of the amplitude in rad of the first station of a Holzer table, for options and arguments."""
+FREQUENCY = Value("frequency of a trial", "frequency", exclusive=True)
+"""Specification of the trial frequency in Hz of a Holzer table, for options and arguments."""
+TRIAL_OR_MODE: Schema = {"type": ["integer", "null"], "description": "null for a trial frequency"}
+"""JSON Schema of the number of the mode of a Holzer table, null for a trial frequency."""
+MPA_PER_PA = 1e-6
+"""Factor from stresses in Pa to MPa, as Holzer tables show them."""
+NEGLIGIBLE_TORQUE = 1e-9
+"""Ratio of a torque to the largest one of a Holzer table below which the table shows 0: it is what rounding leaves."""
+
+
+@dataclass(frozen=True)
+class HolzerLink:
+    """Connection of a station of a Holzer table to the next, with stiffness (N m/rad), twist (rad) and stress (Pa).
+
+    Attributes
+    ----------
+    elements : tuple of str
+        Names of the elements between the two stations.
+    stiffness : float
+        Stiffness referred to the near station, N m/rad; infinite for a rigid connection.
+    twist : float
+        Twist referred to the near station, rad.
+    stress : float
+        Nominal shear stress in Pa of a shaft with a diameter; nan for others.
+    ratio : float
+        Angle of this station over that of the next one where nothing twists.
+    """
+
+    elements: tuple[str, ...]
+    stiffness: float
+    twist: float
+    stress: float
+    ratio: Annotated[float, Out(json=None)]
+
+    @property
+    def rigid(self) -> Annotated[bool, Out(json="rigid", after="elements")]:
+        """Whether nothing between two stations of a Holzer table twists."""
+        return math.isinf(self.stiffness)
+
+
+@dataclass(frozen=True)
+class HolzerStation:
+    """Station of a Holzer table, a node with inertia, amplitude and torques of its own shaft, SI units, peak values.
+
+    Attributes
+    ----------
+    node : str
+    ratio : float
+        Speed over that of the shaft that quantities are referred to; nan without a fixed ratio.
+    inertia : float
+        Inertia in kg m^2, with half of that of adjacent shafts.
+    amplitude : float
+        Angle, rad.
+    inertia_torque : float
+        ``J omega^2 theta``, N m.
+    joined : float
+        Torque of branches that join here, and of what holds the node, N m.
+    torque : float
+        Sum of torques up to this station, N m: the torque of the link, or the remainder at the end of a branch.
+    link : HolzerLink or None
+        To the next station, for the last station of a branch to the one it joins.
+    """
+
+    node: str
+    ratio: float
+    inertia: float
+    amplitude: float
+    inertia_torque: float
+    joined: float
+    torque: float
+    link: HolzerLink | None
+
+
+@dataclass(frozen=True)
+class HolzerBranch:
+    """Branch of a Holzer table, stations from a free end to where it joins another branch, or to the last station.
+
+    ``joins`` is the node it joins, None for a main line.
+    """
+
+    joins: str | None
+    stations: tuple[HolzerStation, ...]
+
+    @property
+    def title(self) -> str:
+        """Heading of a branch of a Holzer table, such as 'pump to gearbox, which it joins'."""
+        first, last = self.stations[0].node, self.joins or self.stations[-1].node
+        return f"{first} to {last}, which it joins" if self.joins else f"{first} to {last}"
+
+
+@dataclass(frozen=True, eq=False)
+class HolzerRecord:
+    """Holzer table of one configuration in SI units and Hz, as ``torsionnet holzer --json`` prints it."""
+
+    title: str
+    configuration: str
+    mode: Annotated[int | None, Out(schema=TRIAL_OR_MODE)]
+    frequency: Annotated[float, Out(json="frequency_Hz")]
+    referred_to: str
+    remainder: Annotated[float, Out(json="remainder_Nm")]
+    relative_remainder: float
+    notes: tuple[str, ...]
+    branches: tuple[HolzerBranch, ...]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class HolzerTable(NotebookResult):
+    """Holzer table of a drivetrain at one frequency in Hz, a list of branches, those that join no other branch first.
+
+    Attributes
+    ----------
+    frequency : float
+        Hz.
+    mode : int or None
+        Number of the mode, 1 for the lowest vibration; None for a trial frequency.
+    referred_to : str
+        Node of the shaft that referred quantities belong to.
+    branches : tuple of HolzerBranch
+    title : str
+    notes : tuple of str
+    first_rests : bool
+        Whether the first station stands still, so that the amplitude is that of the station that moves most.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> elements = [tn.Inertia("rotor", node="a", inertia=2), tn.Inertia("wheel", node="b", inertia=1),
+    ...     tn.Spring("shaft", nodes=("a", "b"), stiffness=1e4)]
+    >>> holzer = tn.Drivetrain("fan", elements).holzer_table(1)
+    >>> [(one.node, round(one.amplitude, 6), round(one.torque, 3) + 0.0) for one in holzer.branches[0].stations]
+    [('a', 1.0, 30000.0), ('b', -2.0, 0.0)]
+    """
+
+    frequency: float
+    mode: int | None
+    referred_to: str
+    branches: tuple[HolzerBranch, ...]
+    title: str = ""
+    notes: tuple[str, ...] = ()
+    first_rests: bool = False
+
+    @property
+    def remainder(self) -> float:
+        """Torque in N m left over at the last station of the first branch of a Holzer table.
+
+        0 at a natural frequency.
+        """
+        return self.branches[0].stations[-1].torque
+
+    @property
+    def relative_remainder(self) -> float:
+        """Ratio of the largest torque left over at the end of a line to the largest between stations, without unit.
+
+        At a natural frequency it is only rounding.
+        """
+        lines = [abs(branch.stations[-1].torque) for branch in self.branches if not branch.joins]
+        return max(lines) / (self._largest or 1.0)
+
+    @property
+    def _largest(self) -> float:
+        """Largest torque in N m in any connection between two stations of a Holzer table."""
+        return max((abs(one.torque) for one in self._stations() if one.link is not None), default=0.0)
+
+    def station(self, node: str) -> HolzerStation:
+        """Station of a Holzer table by the name of its node."""
+        return next(one for one in self._stations() if one.node == node)
+
+    def tables(self, *, referred: bool = False) -> tuple[Table, ...]:
+        """Tables of the branches of a Holzer table, each with a row per station.
+
+        With ``referred`` all quantities are of one shaft.
+        """
+        return tuple(self._table(number, branch, referred=referred) for number, branch in enumerate(self.branches, 1))
+
+    def table(self, *, referred: bool = False) -> Table:
+        """Table with a row for each station of a Holzer table, with the number of its branch in the first column."""
+        tables = self.tables(referred=referred)
+        rows = tuple((number, *row) for number, table in enumerate(tables, 1) for row in table.rows)
+        return Table(self.heading, (Column("branch"), *tables[0].columns), rows, self._notes())
+
+    def record(self, configuration: str = "") -> HolzerRecord:
+        """Holzer table of one configuration as plain data for JSON, in SI units and Hz."""
+        return HolzerRecord(
+            self.title, configuration, self.mode, self.frequency, self.referred_to, self.remainder,
+            self.relative_remainder, self.notes, self.branches,
+        )  # fmt: skip
+
+    @property
+    def heading(self) -> str:
+        """Heading of a Holzer table with model, mode or trial, and frequency in Hz and per minute."""
+        what = f"mode {self.mode}, " if self.mode else "trial at "
+        return f"{self.title}: {what}{self.frequency:.6g} Hz, {self.frequency * 60:.6g} per minute"
+
+    def _stations(self) -> Iterator[HolzerStation]:
+        for branch in self.branches:
+            yield from branch.stations
+
+    def _table(self, number: int, branch: HolzerBranch, *, referred: bool) -> Table:
+        columns = (
+            Column("station"),
+            Column("J", "kg*m^2", 5),
+            Column("J referred", "kg*m^2", 5),
+            Column("theta", "rad", 5),
+            Column("J w^2 theta", "N*m", 5),
+            Column("joined", "N*m", 5),
+            Column("sum of torque", "N*m", 5),
+            Column("k", "N*m/rad", 5),
+            Column("k referred", "N*m/rad", 5),
+            Column("twist", "rad", 5),
+            Column("stress", "MPa", 5),
+            Column("to the next by"),
+        )
+        rows = tuple(_row(one, NEGLIGIBLE_TORQUE * self._largest, referred=referred) for one in branch.stations)
+        name = f"branch {number}, " if len(self.branches) > 1 else ""
+        last = number == len(self.branches)
+        heading = f"{self.heading}\n" if number == 1 else ""
+        return Table(f"{heading}{name}{branch.title}", columns, rows, self._notes() if last else ())
+
+    def _notes(self) -> tuple[str, ...]:
+        at = self.branches[0].stations[-1].node
+        remainder = f"{self.remainder:.5g} N*m remain at {at}, {self.relative_remainder:.2g} of the largest torque"
+        if self.relative_remainder < NEGLIGIBLE_TORQUE:
+            remainder = f"nothing but rounding remains at {at}"
+        return (f"{remainder}; referred to {self.referred_to}", *self.notes)
+
+
+def _row(one: HolzerStation, rounding: float, *, referred: bool) -> tuple[object, ...]:
+    angle, torque = (1 / one.ratio, one.ratio) if referred else (1.0, 1.0)
+    link = one.link
+    own = [one.node, one.inertia, one.inertia * one.ratio**2, one.amplitude * angle, one.inertia_torque * torque]
+    own += [one.joined * torque if one.joined else None, one.torque * torque if abs(one.torque) > rounding else 0.0]
+    if link is None:
+        return (*own, None, None, None, None, "")
+    stiff = not math.isinf(link.stiffness)
+    stiffness = (link.stiffness, link.stiffness * one.ratio**2) if stiff else (None, None)
+    names = ", ".join(link.elements) if stiff else f"{', '.join(link.elements)} (rigid)"
+    return (*own, *stiffness, link.twist * angle if stiff else None, link.stress * MPA_PER_PA, names)

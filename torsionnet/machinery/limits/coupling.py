@@ -1,0 +1,204 @@
+"""Limits of flexible couplings on torque, heat and twist as makers state them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from torsionnet.base.entries.scalars import Value
+from torsionnet.base.entries.spec import OneOf, entry, not_none
+from torsionnet.base.errors import Fault
+from torsionnet.machinery.limits.element_limit import ElementLimit, constant_over_speed
+from torsionnet.machinery.limits.evidence import Evidence
+from torsionnet.machinery.limits.heat_balance import ICE_POINT, TemperatureValue, steady_temperature, temperature_words
+from torsionnet.machinery.limits.limit import LimitLine, line_without_data, register_rule
+from torsionnet.machinery.limits.speed_band import InSpeedBand
+from torsionnet.machinery.limits.subject import LimitSubject
+from torsionnet.machinery.verdicts.limit_check import RuleText
+from torsionnet.model.channels import Sensor
+
+REFERENCE_HZ = 10.0
+"""Frequency in Hz up to which DIN 740-2 takes the permissible vibratory torque of a coupling for constant."""
+FORMULA = (
+    "T_mean S_theta <= T_KN; (T_mean + T_v) S_theta <= T_Kmax, also in passing; {vibratory} <= T_KW; "
+    "P <= P_KV times the factor for temperature, P = sum over frequencies of Re(T conj(dgamma/dt))/2 with T the whole "
+    "torque, elastic and damping; T_v: half range of the sum of all orders; S_theta = {theta:g}"
+)
+"""Formula of the rule for couplings as reports print it."""
+
+
+@register_rule
+@dataclass(frozen=True, kw_only=True)
+class CouplingLimit(InSpeedBand, ElementLimit):
+    """A flexible coupling: T_KN, T_Kmax, T_KW, P_KV and twist.
+
+    Vibratory torque and heat hold in continuous operation, T_Kmax and twist also while a speed is passed. With
+    ``frequency_factor: din_740_2`` every order is multiplied with sqrt(f/10 Hz) above 10 Hz before the orders are
+    added up: for couplings whose T_KW is stated by that standard, and for no others. In a generating set
+    ``speed_band`` says at which speeds it runs. With ``ambient_temperature`` and
+    ``largest_temperature`` the steady temperature is judged, too, by the balance of heat t = t_a + P/Lambda.
+
+    Examples
+    --------
+    >>> CouplingLimit(element="rubber", T_KN="50 kN*m", T_KW="15 kN*m", P_KV="1.2 kW").T_KW
+    15000.0
+    """
+
+    kind: ClassVar[str] = "coupling"
+    criteria: ClassVar[tuple[str, ...]] = (
+        "T_KN",
+        "T_Kmax",
+        "T_KW",
+        "P_KV",
+        "twist",
+        "vibratory_twist",
+        "largest_temperature",
+    )
+
+    T_KN: float | None = entry(Value("nominal torque, for the mean torque", "torque", exclusive=True), None)
+    T_Kmax: float | None = entry(Value("maximum torque, for mean and vibratory torque", "torque", exclusive=True), None)
+    T_KW: float | None = entry(
+        Value("vibratory torque in continuous operation, peak value", "torque", exclusive=True), None
+    )
+    P_KV: float | None = entry(
+        Value("power it may turn into heat in continuous operation", "power", exclusive=True), None
+    )
+    twist: float | None = entry(Value("twist, mean and vibratory", "angle", exclusive=True), None)
+    vibratory_twist: float | None = entry(Value("vibratory twist, peak value", "angle", exclusive=True), None)
+    frequency_factor: str = entry(
+        OneOf("whether T_KW falls above 10 Hz, as data by DIN 740-2 do", ("none", "din_740_2")), "none"
+    )
+    torque_temperature_factor: float = entry(Value("S_theta, multiplies torques that act", "1", lower=1), 1)
+    power_temperature_factor: float = entry(Value("multiplies P_KV", "1", exclusive=True, below=1 + 1e-9), 1)
+
+    ambient_temperature: float | None = entry(
+        TemperatureValue("of the air around it, as 45 degC", "temperature", exclusive=True), None
+    )
+    largest_temperature: float | None = entry(
+        TemperatureValue("that its rubber may have in continuous operation", "temperature", exclusive=True), None
+    )
+    heat_transfer: float | None = entry(
+        Value(
+            "heat it gives off per degree above ambient; default: P_KV at largest_temperature",
+            "heat transfer",
+            exclusive=True,
+        ),
+        None,
+    )
+
+    def contradictions(self) -> list[Fault]:
+        faults = super().contradictions()
+        ambient, largest = self.ambient_temperature, self.largest_temperature
+        if (ambient is None) != (largest is None) or (self.heat_transfer is not None and ambient is None):
+            text = "a balance of heat needs both ambient_temperature and largest_temperature, as 45 degC and 90 degC"
+            faults.append(Fault(text, on_key=True))
+        elif ambient is not None and largest is not None and largest <= ambient:
+            faults.append(Fault("largest_temperature must be above ambient_temperature", ("largest_temperature",)))
+        return faults
+
+    @property
+    def given_off(self) -> float | None:
+        """Heat in W/K that the coupling gives off per degree above ambient; None where nothing says it.
+
+        Not given, it is P_KV over the rise at which makers state it, largest less ambient temperature.
+        """
+        if self.heat_transfer is not None or self.P_KV is None or self.largest_temperature is None:
+            return self.heat_transfer
+        return self.allowed_power / (self.largest_temperature - not_none(self.ambient_temperature))
+
+    @property
+    def allowed_power(self) -> float:
+        """Power in W that the coupling may turn into heat at its temperature, NaN where it is not limited."""
+        return math.nan if self.P_KV is None else self.P_KV * self.power_temperature_factor
+
+    def order_sensors(self, subject: LimitSubject) -> list[Sensor]:
+        del subject
+        return [self.torque, self.twisting]
+
+    def mean_sensors(self, subject: LimitSubject) -> list[Sensor]:
+        del subject
+        found = [self.torque] if self.T_KN is not None or self.T_Kmax is not None else []
+        return found + ([self.twisting] if self.twist is not None else [])
+
+    def power_elements(self) -> list[str]:
+        return [self.element] if self.P_KV is not None or self.given_off is not None else []
+
+    def vibratory_sensors(self, criterion: str, subject: LimitSubject) -> tuple[list[Sensor], float] | None:
+        del subject
+        return ([self.torque], 1.0) if criterion == "T_KW" and self.frequency_factor == "none" else None
+
+    def text(self, evidence: Evidence) -> RuleText:
+        del evidence
+        by_din = self.frequency_factor == "din_740_2"
+        vibratory = "T_v S_theta" + (", orders times sqrt(f/10 Hz) above 10 Hz (DIN 740-2:1986)," if by_din else "")
+        formula = FORMULA.format(vibratory=vibratory, theta=self.torque_temperature_factor) + self._balance()
+        missing = "starts, short circuits and other transients; radial and axial loads; heat of a steady slip"
+        return RuleText(self.source, formula, missing)
+
+    def lines(self, evidence: Evidence) -> Iterator[LimitLine]:
+        factor, size = self.torque_temperature_factor, evidence.size([self.torque])
+        nothing = np.zeros(len(evidence.speeds))
+        if self.T_KN is not None:
+            allowed = constant_over_speed(self.T_KN / factor, evidence)
+            mean = LimitLine("T_KN", "mean torque", "N*m", nothing, allowed, vibratory=False)
+            yield self.total(mean, self.torque, evidence)
+        if self.T_Kmax is not None:
+            line = LimitLine(
+                "T_Kmax", "mean torque and half range", "N*m", size, constant_over_speed(self.T_Kmax / factor, evidence)
+            )
+            yield self.total(line, self.torque, evidence)
+        if self.T_KW is not None:
+            yield self._vibratory(evidence)
+        if self.P_KV is not None:
+            allowed = constant_over_speed(self.allowed_power, evidence)
+            yield LimitLine("P_KV", "dissipated power", "W", evidence.power(self.element), allowed)
+        yield from self._heating(evidence)
+        yield from self._twists(evidence)
+
+    def _heating(self, evidence: Evidence) -> Iterator[LimitLine]:
+        """Rise of the steady temperature above ambient, against the rise up to the largest temperature."""
+        if self.ambient_temperature is None or self.largest_temperature is None:
+            return
+        if self.given_off is None:
+            yield line_without_data("temperature", "nothing says what heat it gives off; give heat_transfer or P_KV")
+            return
+        rise = steady_temperature(evidence.power(self.element), self.given_off, self.ambient_temperature)
+        allowed = constant_over_speed(self.largest_temperature - self.ambient_temperature, evidence)
+        hottest = float(np.max(rise))
+        yield LimitLine(
+            "temperature", "rise of steady temperature", "K", rise - self.ambient_temperature, allowed,
+            (temperature_words(hottest),), steady_temperature=hottest,
+        )  # fmt: skip
+
+    def _balance(self) -> str:
+        if self.given_off is None or self.ambient_temperature is None or self.largest_temperature is None:
+            return ""
+        ambient, largest = self.ambient_temperature - ICE_POINT, self.largest_temperature - ICE_POINT
+        return (
+            f"; t = t_a + P/Lambda <= {largest:g} degC in steady operation, t_a = {ambient:g} degC, "
+            f"Lambda = {self.given_off:.4g} W/K"
+        )
+
+    def _vibratory(self, evidence: Evidence) -> LimitLine:
+        weights = np.ones(evidence.run.frequencies.shape)
+        if self.frequency_factor == "din_740_2":
+            weights = np.sqrt(np.maximum(evidence.run.frequencies, REFERENCE_HZ) / REFERENCE_HZ)
+        values = evidence.weighted_size(self.torque, weights)
+        orders = evidence.orders([self.torque]) * weights
+        allowed = constant_over_speed(not_none(self.T_KW) / self.torque_temperature_factor, evidence)
+        return LimitLine("T_KW", "vibratory torque, half range", "N*m", values, allowed, (), orders)
+
+    def _twists(self, evidence: Evidence) -> Iterator[LimitLine]:
+        size = evidence.size([self.twisting])
+        if self.twist is not None:
+            line = LimitLine(
+                "twist", "mean twist and half range", "rad", size, constant_over_speed(self.twist, evidence)
+            )
+            yield self.total(line, self.twisting, evidence)
+        if self.vibratory_twist is not None:
+            allowed = constant_over_speed(self.vibratory_twist, evidence)
+            yield LimitLine("vibratory twist", "twist, half range", "rad", size, allowed)

@@ -1,0 +1,205 @@
+"""Limits given as curves over speed by makers of engines, gears or camshafts, for any output."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from torsionnet.base.entries.composite import Listed, one_exactly
+from torsionnet.base.entries.scalars import Value, check_unit
+from torsionnet.base.entries.spec import EntryError, OneOf, Text, entry, name_fault
+from torsionnet.base.errors import Fault, Path, unknown_name
+from torsionnet.base.expressions import Number
+from torsionnet.base.units import RPM
+from torsionnet.linear.frequency_response import FloatArray
+from torsionnet.machinery.excitations.order_excitation import ORDER
+from torsionnet.machinery.limits.allowed_curve import ALLOWED, AllowedTable, Pairs, allowed_at
+from torsionnet.machinery.limits.evidence import Evidence
+from torsionnet.machinery.limits.limit import PASSING_TIME, TOLERANCE, Limit, LimitLine, register_rule
+from torsionnet.machinery.limits.subject import LimitSubject
+from torsionnet.machinery.orders.order_sums import lines_of_one_frequency
+from torsionnet.machinery.verdicts.limit_check import LimitVerdict, RuleText
+from torsionnet.model.channels import UNITS, ChannelName, Sensor, named_sensor
+from torsionnet.model.element_base.round_section import section_fault
+
+DIMENSION_OF = {"angle": "angle", "velocity": "speed", "acceleration": "acceleration", "twist": "angle",
+                "torque": "torque", "stress": "pressure"}  # fmt: skip
+"""Dimension of the value that a limit allows, by the quantity of the limited sensor."""
+
+
+@register_rule
+@dataclass(frozen=True, kw_only=True)
+class CurveLimit(Limit):
+    """A value allowed over speed or speed ratio for any output: of the sum of all orders, or of each order.
+
+    Between the points of a table are straight lines; speeds outside are not judged, and that is said. Where the value
+    is exceeded speeds are to be barred; ``transient_factor`` times it may not be exceeded while they are passed.
+
+    Examples
+    --------
+    >>> crank = CurveLimit(output="torque(k56)", over_speed={"300 rpm": "60 kN*m", "750 rpm": "40 kN*m"},
+    ...     source="letter of the maker")
+    >>> crank.of
+    'torque(k56)'
+    """
+
+    kind: ClassVar[str] = "curve"
+
+    output: str = entry(ChannelName("sensor, or torque(element), stress(shaft), ...", "the name of a sensor"))
+    value: Number | None = entry(ALLOWED, None)
+    over_speed: Pairs = entry(AllowedTable("instead: values over the speed of the reference shaft", "speed"), ())
+    over_lambda: Pairs = entry(AllowedTable("instead: values over the speed ratio n/n_rated", "1"), ())
+    measure: str = entry(
+        OneOf("what is compared: half range of the sum, or the largest of the orders", ("half_range", "each_order")),
+        "half_range",
+    )
+    orders: tuple[float, ...] = entry(Listed("with each_order: these alone", ORDER, form="a list of orders"), ())
+    tachometer_tolerance: float = entry(TOLERANCE, 0)
+    passing_time: float | None = entry(PASSING_TIME, None)
+    transient_factor: float | None = entry(Value("times the value for passing through", "1", lower=1), None)
+    source: str = entry(Text("who says so, and where"))
+
+    @property
+    def of(self) -> str:
+        return str(self.output)
+
+    @property
+    def tolerance(self) -> float:
+        return float(self.tachometer_tolerance)
+
+    @property
+    def seconds_to_pass(self) -> float | None:
+        return None if self.passing_time is None else float(self.passing_time)
+
+    @property
+    def named(self) -> tuple[tuple[Path, str, str], ...]:
+        return ()
+
+    def switched_off(self, subject: LimitSubject) -> str:
+        sensor = self.sensor(subject)
+        if sensor is None:
+            return ""
+        named, there = ((sensor.of,), subject.active) if sensor.is_on_element else (sensor.nodes, subject.active_nodes)
+        return next((name for name in named if name not in there), "")
+
+    def contradictions(self) -> list[Fault]:
+        faults = one_exactly(self, "value", "over_speed", "over_lambda", of="what is allowed")
+        if self.orders and self.measure != "each_order":
+            faults.append(Fault("orders go with measure: each_order", ("orders",), on_key=True))
+        return faults
+
+    def sensor(self, subject: LimitSubject) -> Sensor | None:
+        """Sensor whose values the curve limits: an output, or the angle of a node; None where there is none."""
+        found = named_sensor(self.output, subject.sensors)
+        return found or (Sensor("angle", self.output) if name_fault(self.output) is None else None)
+
+    def unfit(self, subject: LimitSubject) -> Iterator[Fault]:
+        sensor = self.sensor(subject)
+        known = subject.elements if sensor and sensor.is_on_element else subject.nodes
+        missing = [name for name in (sensor.nodes or (sensor.of,)) if name not in known] if sensor else [self.output]
+        if sensor is None or missing:
+            names = [*subject.sensors, *known]
+            what = "output" if missing[0] == self.output else "element or node"
+            yield unknown_name(what, missing[0], names, ("output",))
+            return
+        if sensor.quantity == "stress" and section_fault(subject.elements[sensor.of]):
+            yield Fault(str(section_fault(subject.elements[sensor.of])), ("output",))
+            return
+        yield from self._wrong_units(sensor)
+        if self.over_lambda and subject.rated is None:
+            text = "over_lambda needs the rated speed: speeds: {rated: 750 rpm}"
+            yield Fault(text, ("over_lambda",), on_key=True, about="speeds")
+        elif subject.speeds:
+            yield from self._uncovered(subject.speeds, subject.rated)
+
+    def _wrong_units(self, sensor: Sensor) -> Iterator[Fault]:
+        dimension = DIMENSION_OF[sensor.quantity]
+        places: list[tuple[Path, Number]] = [(("value",), self.value)] if self.value else []
+        places += [(("over_speed",), value) for _, value in self.over_speed]
+        places += [(("over_lambda",), value) for _, value in self.over_lambda]
+        for path, value in places:
+            try:
+                check_unit(value, dimension)
+            except EntryError as error:
+                yield Fault(str(error), path)
+                return
+
+    def _uncovered(self, speeds: tuple[float, ...], rated: float | None) -> Iterator[Fault]:
+        if self.value:
+            return
+        key, factor = ("over_speed", 1.0) if self.over_speed else ("over_lambda", rated or math.nan)
+        pairs = getattr(self, key)
+        low, high = pairs[0][0] * factor, pairs[-1][0] * factor
+        if speeds[0] < low * (1 - 1e-9) or speeds[-1] > high * (1 + 1e-9):
+            covered = f"{low * RPM:.6g} to {high * RPM:.6g} rpm"
+            text = f"the table covers {covered}, the speeds go from {speeds[0] * RPM:.6g} to {speeds[-1] * RPM:.6g} rpm"
+            yield Fault(
+                f"{text}; other speeds are not judged, extend the table to them", (key,), "warning", on_key=True
+            )
+
+    def order_sensors(self, subject: LimitSubject) -> list[Sensor]:
+        sensor = self.sensor(subject)
+        return [] if sensor is None else [sensor]
+
+    def vibratory_sensors(self, criterion: str, subject: LimitSubject) -> tuple[list[Sensor], float] | None:
+        del criterion
+        return (self.order_sensors(subject), 1.0) if self.measure == "half_range" else None
+
+    def text(self, evidence: Evidence) -> RuleText:
+        del evidence
+        what = "half range of the sum of all orders" if self.measure == "half_range" else "amplitude of each order"
+        if self.orders:
+            what += f" of {', '.join(f'{order:g}' for order in self.orders)}"
+        passing = f"; in passing {self.transient_factor:g} times as much" if self.transient_factor else ""
+        return RuleText(self.source, f"{what} <= value allowed{passing}", "speeds outside of the table")
+
+    def breaks(self, subject: LimitSubject) -> list[float]:
+        if self.over_lambda:
+            return [key * (subject.rated or math.nan) for key, _ in self.over_lambda]
+        return [key for key, _ in self.over_speed]
+
+    def lines(self, evidence: Evidence) -> Iterator[LimitLine]:
+        sensor = self.sensor(evidence.subject)
+        if sensor is None:
+            return
+        orders = evidence.orders([sensor])
+        values = evidence.size([sensor]) if self.measure == "half_range" else self._largest(sensor, evidence)
+        allowed = self._allowed(evidence)
+        quantity = "half range" if self.measure == "half_range" else "largest amplitude of an order"
+        unit = UNITS[sensor.quantity]
+        yield LimitLine("continuous", quantity, unit, values, allowed, (), orders)
+        if self.transient_factor:
+            passing = self.transient_factor * allowed
+            yield LimitLine("in passing", quantity, unit, values, passing, (), orders, in_passing=True)
+
+    def judged(self, line: LimitLine, name: str, evidence: Evidence) -> Iterator[LimitVerdict]:
+        if np.isfinite(line.allowed).any() or line.why_not:
+            yield from super().judged(line, name, evidence)
+        elif not line.in_passing:
+            yield self.open(name, evidence, line.criterion, "all speeds are outside of the table")
+
+    def remarks(self, line: LimitLine, evidence: Evidence) -> tuple[str, ...]:
+        rpm = evidence.run.rpm[np.isfinite(line.allowed)]
+        if len(rpm) == len(line.allowed) or line.in_passing:
+            return ()
+        return (f"judged from {rpm[0]:g} to {rpm[-1]:g} rpm; the rest is outside of the table",)
+
+    def _largest(self, sensor: Sensor, evidence: Evidence) -> FloatArray:
+        lines, sizes = evidence.run.lines, evidence.summed_orders(sensor)
+        chosen = [
+            number
+            for number, places in enumerate(lines_of_one_frequency(lines))
+            if not self.orders or any(math.isclose(lines[at].order, order) for at in places for order in self.orders)
+        ]
+        return np.asarray(sizes[:, chosen].max(axis=1)) if chosen else np.zeros(len(sizes))
+
+    def _allowed(self, evidence: Evidence) -> FloatArray:
+        if self.value:
+            return np.full(len(evidence.speeds), float(self.value.value))
+        if self.over_speed:
+            return allowed_at(self.over_speed, evidence.speeds)
+        return allowed_at(self.over_lambda, evidence.speeds / float(evidence.subject.rated or math.nan))

@@ -1,0 +1,121 @@
+"""Responses of one condition over speed, by which the rules of limits judge."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from torsionnet.linear.frequency_response import FloatArray
+from torsionnet.machinery.limits.subject import LimitSubject
+from torsionnet.machinery.mean.power_flow import mean_power, power_flows
+from torsionnet.machinery.orders.order_response import OrderResponse
+from torsionnet.machinery.orders.order_sums import summed_sizes
+from torsionnet.machinery.orders.worst_response import WorstResponse
+from torsionnet.machinery.verdicts.speed_spans import SpeedSpan
+from torsionnet.model.channels import Sensor
+from torsionnet.model.elements import GROUND, Element, Values
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """Responses of one condition over speed, with the mean values and the model in that condition.
+
+    Attributes
+    ----------
+    run : OrderResponse
+        With all that the rules of the model want to see.
+    means : mapping
+        Sensor -> (n_speeds,) mean values; those that are not known are missing.
+    why_no_mean : str
+        Why they are.
+    subject : LimitSubject
+        The model in this condition.
+    rated_means : mapping
+        Sensor -> mean value at the rated speed, where that is examined and it is known.
+    """
+
+    run: OrderResponse
+    means: Mapping[Sensor, FloatArray]
+    why_no_mean: str
+    subject: LimitSubject
+    rated_means: Mapping[Sensor, float] = field(default_factory=dict)
+
+    @property
+    def speeds(self) -> FloatArray:
+        """Speeds of the reference shaft in rad/s, shape (n_speeds,)."""
+        return self.run.speeds
+
+    @property
+    def examined(self) -> SpeedSpan:
+        """Speeds from the lowest to the highest one examined, in rad/s."""
+        return SpeedSpan(float(self.speeds[0]), float(self.speeds[-1]))
+
+    def size(self, sensors: Sequence[Sensor]) -> FloatArray:
+        """Half range of the sum of all orders, the largest of the sensors, in SI units, shape (n_speeds,)."""
+        return np.asarray(np.max([self.run.half_range[:, self._place(sensor)] for sensor in sensors], axis=0))
+
+    def size_by_case(self, sensors: Sequence[Sensor]) -> FloatArray | None:
+        """Half range in each case of excitation, the largest of the sensors, in SI units, shape (n_speeds, n_cases).
+
+        None where there are no cases.
+        """
+        if not isinstance(self.run, WorstResponse) or len(self.run.each) < 2:
+            return None
+        places = [self._place(sensor) for sensor in sensors]
+        return np.stack([case.half_range[:, places].max(axis=1) for case in self.run.each], axis=1)
+
+    def orders(self, sensors: Sequence[Sensor]) -> FloatArray:
+        """Amplitude of every order, the largest of sensors and cases, in SI units, shape (n_speeds, n_lines)."""
+        return np.asarray(np.max([self.run.sizes[:, :, self._place(one)] for one in sensors], axis=0))
+
+    def summed_orders(self, sensor: Sensor) -> FloatArray:
+        """Amplitudes of a sensor by frequency in SI units, shape (n_speeds, n_frequencies).
+
+        Lines of one frequency are added with their phases.
+        """
+        return summed_sizes(self.run)[:, :, self._place(sensor)]
+
+    def weighted_size(self, sensor: Sensor, weights: FloatArray) -> FloatArray:
+        """Half range of the sum of a sensor's lines times their weights, largest of all cases, shape (n_speeds,)."""
+        place, found = self._place(sensor), []
+        for case in self._cases:
+            values = case.values[:, :, place : place + 1] * weights[:, :, None]
+            one = OrderResponse(case.speeds, case.reference, case.lines, values, (case.outputs[place],))
+            found.append(one.half_range[:, 0])
+        return np.asarray(np.max(found, axis=0))
+
+    @property
+    def _cases(self) -> tuple[OrderResponse, ...]:
+        """Responses over speed of the worst combination and of each case alone."""
+        return (self.run, *self.run.case_responses) if isinstance(self.run, WorstResponse) else (self.run,)
+
+    def worst_case(self, sensor: Sensor, at: int) -> str:
+        """Name of the case of excitation that is worst for a sensor at a speed, given by index.
+
+        Empty where there is one case.
+        """
+        return self.run.case_at(at, str(sensor)) if isinstance(self.run, WorstResponse) else ""
+
+    def mean(self, sensor: Sensor) -> FloatArray | None:
+        """Mean value of a sensor in SI units, shape (n_speeds,); None where it is not known."""
+        return self.means.get(sensor)
+
+    def power(self, element: str) -> FloatArray:
+        """Mean power in W that vibration dissipates in an element, shape (n_speeds,)."""
+        return mean_power(self.run, power_flows(self.subject.active[element], Values(self.subject.values)))
+
+    def _place(self, sensor: Sensor) -> int:
+        return self.run.output(str(sensor))
+
+
+def torques_of(element: Element) -> list[Sensor]:
+    """Sensors of the torque at every port of an element that is not on ground.
+
+    Of one port where no inertia lies between the ports.
+    """
+    ports = [port for port, node in element.ports.items() if node != GROUND]
+    if element.diameters is None or len(ports) < 2:
+        return [Sensor("torque", element.name)]
+    return [Sensor("torque", element.name, port) for port in ports]

@@ -1,0 +1,113 @@
+"""Mean torque, twist, stress and power (SI) of every element at one speed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated
+
+from torsionnet.base.conventions import SI, Conventions
+from torsionnet.base.packages import NotebookResult
+from torsionnet.base.result_rows import Out
+from torsionnet.base.table import Table, result_table
+from torsionnet.base.units import RPM
+
+
+@dataclass(frozen=True, kw_only=True)
+class ElementLoad:
+    """Mean speed (rad/s), torque (N m), twist (rad) and stress (N/m^2) of an element at one of its ports.
+
+    Attributes
+    ----------
+    element, port : str
+        Name of the element, and the node of the port.
+    speed : float or None
+        Speed of that node, rad/s, positive like the angle; None where it is undetermined.
+    torque : float or None
+        Torque in N m, as by the sensor ``torque(element, port)``; None where it is statically indeterminate.
+    twist : float or None
+        Twist in rad; at the first port of elements with stiffness.
+    stress : float or None
+        Nominal shear stress in N/m^2; at the first port of a shaft with diameters.
+    """
+
+    element: Annotated[str, Out("element")]
+    port: Annotated[str, Out("at")]
+    speed: Annotated[float | None, Out("speed", "rpm", factor=RPM)]
+    torque: Annotated[float | None, Out("torque", "N*m")]
+    twist: Annotated[float | None, Out("twist", "rad")] = None
+    stress: Annotated[float | None, Out("stress", "Pa")] = None
+
+    @property
+    def power(self) -> Annotated[float | None, Out("power", "kW", factor=1e-3, after="stress")]:
+        """Mean power in W at a port of an element, into it at its first port, out of it at the others."""
+        return None if self.torque is None or self.speed is None else self.torque * self.speed
+
+
+@dataclass(frozen=True)
+class ExternalTorque:
+    """Mean torque in N m that acts on a node from outside."""
+
+    node: str
+    torque: float
+
+
+@dataclass(frozen=True)
+class StaticRecord:
+    """Mean torques of one configuration in SI, speed in rpm, as ``torsionnet static --json`` prints them."""
+
+    configuration: str
+    title: str
+    reference: Annotated[str, Out(json="speed_of")]
+    speed: Annotated[float, Out(json="speed_rpm")]
+    external: tuple[ExternalTorque, ...]
+    elements: tuple[ElementLoad, ...]
+    notes: tuple[str, ...]
+
+
+@dataclass(frozen=True, repr=False)
+class StaticState(NotebookResult):
+    """Static state of a drivetrain, mean torque, twist, stress and power (SI) of every element at one speed.
+
+    Attributes
+    ----------
+    reference : str
+        Node whose speed is given.
+    speed : float
+        Speed of that node, rad/s.
+    external : mapping
+        By node, mean torque from outside, N m.
+    loads : tuple of ElementLoad
+    title : str
+    notes : tuple of str
+    """
+
+    reference: str
+    speed: float
+    external: Mapping[str, float]
+    loads: tuple[ElementLoad, ...]
+    title: str = ""
+    notes: tuple[str, ...] = ()
+
+    def of(self, element: str) -> ElementLoad:
+        """Mean speed, torque, twist and stress (SI) of an element, by its name, at its first port."""
+        return next(one for one in self.loads if one.element == element)
+
+    def table(self, conventions: Conventions = SI) -> Table:
+        """Table of mean speed, torque, twist, stress and power with a row for each element and port."""
+        acting = ", ".join(f"{node} {torque:.6g} N*m" for node, torque in self.external.items())
+        notes = (
+            f"{self.reference} at {self.speed * RPM:.6g} rpm; from outside: {acting}",
+            "torque: into the element at its first node, out of it at the others, signs of the nodes; power likewise",
+            *self.notes,
+        )
+        return result_table(
+            f"{self.title}: mean torques", self.loads, ElementLoad, conventions=conventions, notes=notes
+        )
+
+    def record(self, configuration: str = "") -> StaticRecord:
+        """Mean torques of a drivetrain at one speed as plain data for JSON, in SI units, speed in rpm."""
+        external = tuple(ExternalTorque(node, torque) for node, torque in self.external.items())
+        return StaticRecord(
+            configuration, self.title, self.reference, self.speed * RPM, external, self.loads, self.notes
+        )

@@ -1,0 +1,170 @@
+"""Order responses as plain data for JSON, with the measured orders beside them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Annotated
+
+import numpy as np
+
+from torsionnet.base.entries.spec import Schema
+from torsionnet.base.result_rows import NUMBERS, Out
+from torsionnet.base.units import RPM
+from torsionnet.linear.frequency_response import FloatArray
+from torsionnet.machinery.orders.order_comparison import ComparedOrder, compared_orders
+from torsionnet.machinery.orders.order_response import OrderResponse
+from torsionnet.machinery.orders.order_sums import sums_of_lines
+from torsionnet.machinery.orders.worst_response import WorstResponse
+from torsionnet.signals.orders.tracked_orders import MeasuredOrder
+
+NUMBERS_BY_NAME: Schema = {"type": "object", "additionalProperties": NUMBERS}
+"""JSON Schema of lists of numbers over speed by name, such as angles in degrees by engine."""
+LARGEST_ANGLES: Schema = {
+    **NUMBERS_BY_NAME,
+    "description": "of engines that are not fixed to the first one, where the half range is "
+    "largest: by how much of its crank angle each fires later",
+}
+"""JSON Schema of the angles in degrees between engines at which the half range is largest, over speed by engine."""
+SMALLEST_RANGE: Schema = {**NUMBERS, "description": "with these engines at the best angles"}
+"""JSON Schema of the smallest half range over speed, at the engine angles that give it, in SI units of the output."""
+WORST_CASES: Schema = {
+    "type": ["array", "null"],
+    "items": {"type": "string"},
+    "description": "what is worst at each speed",
+}
+"""JSON Schema of the names of the cases (firing conditions) with the largest half range, over speed."""
+COMMON_CYCLE: Schema = {"type": ["integer", "null"], "description": "null where there is none"}
+"""JSON Schema of the common cycle of all orders in revolutions of the reference shaft."""
+
+
+@dataclass(frozen=True, eq=False)
+class OrderRow:
+    """Complex amplitudes of one order of an excitation over speed, in SI units of the output."""
+
+    excitation: str
+    order: float
+    fixed: Annotated[float, Out(json="fixed_Hz")]
+    of_reference: float
+    real: FloatArray
+    imag: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class OrderSumRow:
+    """Complex amplitudes of the sum of order lines of one frequency over speed, in SI units of the output."""
+
+    lines: str
+    fixed: Annotated[float, Out(json="fixed_Hz")]
+    of_reference: float
+    real: FloatArray
+    imag: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredOrderRow:
+    """Measured and calculated peak amplitudes of one order in SI units of the output over speed in rpm.
+
+    Phases, in degrees, are measured less calculated; distances are in half widths of the 95 % interval.
+    """
+
+    of_reference: float
+    speeds: Annotated[FloatArray, Out(json="speeds_rpm")]
+    measured: FloatArray
+    calculated: FloatArray
+    is_bound: bool
+    is_swept: Annotated[bool, Out(schema={"type": "boolean", "description": "calculated along the measured speed"})]
+    half_widths: FloatArray | None
+    phases: Annotated[FloatArray | None, Out(json="phases_deg")]
+    verdict: str
+    sentence: str
+    peak: Annotated[float | None, Out(json="peak_difference_percent")]
+    rms: Annotated[float | None, Out(json="rms_difference_percent")]
+    phase_at_peak: Annotated[float | None, Out(json="phase_at_peak_deg")]
+    phase_rms: Annotated[float | None, Out(json="phase_rms_deg")]
+    intervals: Annotated[float | None, Out(json="rms_in_half_widths")]
+    offset: Annotated[float | None, Out(json="offset_deg")]
+    delay: Annotated[float | None, Out(json="delay_s")]
+    factor: float | None
+
+
+@dataclass(frozen=True, eq=False)
+class OrderOutputRow:
+    """Half range, RMS and orders of one output over speed as plain data, in SI units of the output."""
+
+    output: str
+    unit: str
+    half_range: FloatArray
+    rms: FloatArray
+    cases: Annotated[tuple[str, ...] | None, Out(schema=WORST_CASES)]
+    angles: Annotated[Mapping[str, FloatArray] | None, Out(json="angles_deg", optional=True, schema=LARGEST_ANGLES)]
+    smallest_half_range: Annotated[FloatArray | None, Out(optional=True, schema=SMALLEST_RANGE)]
+    smallest_at: Annotated[
+        Mapping[str, FloatArray] | None, Out(json="smallest_at_deg", optional=True, schema=NUMBERS_BY_NAME)
+    ]
+    orders: tuple[OrderRow, ...]
+    sums: tuple[OrderSumRow, ...]
+    measured: Annotated[tuple[MeasuredOrderRow, ...] | None, Out(optional=True)]
+
+
+@dataclass(frozen=True, eq=False)
+class OrdersRecord:
+    """Order responses of one configuration (SI, speeds in rpm), as ``torsionnet orders --json`` prints them."""
+
+    title: str
+    configuration: str
+    reference: Annotated[str, Out(json="speed_of")]
+    speeds: Annotated[FloatArray, Out(json="speeds_rpm")]
+    revolutions: Annotated[int | None, Out(json="common_cycle_revolutions", schema=COMMON_CYCLE)]
+    outputs: tuple[OrderOutputRow, ...]
+
+
+def orders_record(
+    run: OrderResponse,
+    configuration: str = "",
+    tests: Mapping[str, Sequence[MeasuredOrder]] = MappingProxyType({}),
+    swept: Mapping[str, Sequence[MeasuredOrder]] = MappingProxyType({}),
+) -> OrdersRecord:
+    """Order responses of one configuration as plain data for JSON, amplitudes in SI units, speeds in rpm."""
+    outputs = tuple(
+        _output_row(run, place, tests.get(channel.name), swept.get(channel.name, ()))
+        for place, channel in enumerate(run.outputs)
+    )
+    return OrdersRecord(run.title, configuration, run.reference, run.rpm, run.revolutions, outputs)
+
+
+def _output_row(
+    run: OrderResponse, place: int, measured: Sequence[MeasuredOrder] | None, swept: Sequence[MeasuredOrder]
+) -> OrderOutputRow:
+    channel, worst = run.outputs[place], run if isinstance(run, WorstResponse) else None
+    turning = worst if worst and worst.angles else None
+    sums = ((one, run.values[:, list(one.places), place].sum(axis=1)) for one in sums_of_lines(run.lines))
+    orders = ((line, run.values[:, number, place]) for number, line in enumerate(run.lines))
+    return OrderOutputRow(
+        channel.name, channel.unit, run.half_range[:, place], run.rms[:, place],
+        worst.cases(channel.name) if worst else None,
+        {one.engine: one.degrees[:, place] for one in turning.angles} if turning else None,
+        turning.least.half_range[:, place] if turning else None,
+        {one.engine: one.degrees[:, place] for one in turning.least.angles} if turning else None,
+        tuple(
+            OrderRow(line.excitation, line.order, line.fixed, float(line.relative), values.real, values.imag)
+            for line, values in orders
+        ),
+        tuple(OrderSumRow(one.name, one.fixed, one.order, values.real, values.imag) for one, values in sums),
+        None if measured is None else tuple(
+            _measured_row(pair) for pair in compared_orders(run, channel.name, measured, swept)
+        ),
+    )  # fmt: skip
+
+
+def _measured_row(one: ComparedOrder) -> MeasuredOrderRow:
+    pair, found = one.pair, one.agreement
+    return MeasuredOrderRow(
+        one.measured.order, one.measured.speeds * RPM, one.measured.amplitude, one.calculated, pair.bound, pair.swept,
+        pair.half_widths,
+        np.degrees(np.angle(np.conj(pair.calculated) * pair.measured)) if pair.has_phase else None,
+        found.verdict, found.sentence, found.peak, found.rms, found.phase_at_peak, found.phase_rms, found.intervals,
+        None if found.offset is None else math.degrees(found.offset), found.delay, found.factor,
+    )  # fmt: skip

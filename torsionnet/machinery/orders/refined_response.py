@@ -1,0 +1,115 @@
+"""Order responses with speeds added between the given ones until half ranges and orders have their peaks."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from torsionnet.linear.assembly.assembled import AssembledModel
+from torsionnet.linear.frequency_response import FloatArray
+from torsionnet.machinery.orders.examined_speeds import ExaminedSpeeds
+from torsionnet.machinery.orders.order_response import OrderResponse
+from torsionnet.machinery.orders.order_solution import orders_at_speeds
+from torsionnet.machinery.orders.order_sums import summed_sizes
+from torsionnet.machinery.orders.speed_refinement import refine_speeds, speeds_to_refine
+from torsionnet.machinery.orders.worst_response import join_responses
+from torsionnet.model.channels import Channels
+
+SMALLEST_ORDER_REFINED = 0.05
+"""Amplitude of an order, over the largest half range of its output, below which its peak gets no more speeds.
+
+A smaller value resolves peaks of orders that hardly matter, at the cost of more speeds.
+"""
+
+
+def order_response(
+    drivetrain: AssembledModel,
+    outputs: Channels,
+    *,
+    speeds: ArrayLike | None = None,
+    speed_of: str | None = None,
+    excitations: Iterable[str] | None = None,
+    refine: bool = False,
+) -> OrderResponse:
+    """Response of running machinery as complex amplitudes of every order of the outputs at every speed.
+
+    Parameters
+    ----------
+    outputs : str, Sensor or sequence of these
+        As for :meth:`frequency_response`.
+    speeds : (n_speeds,) array, optional
+        rad/s, above 0; default: those of the model.
+    speed_of : str, optional
+        The node they belong to; default: that of the model.
+    excitations : iterable of str, optional
+        Which of the model's excitations act; default: all.
+    refine : bool
+        Whether the result has more speeds between these, until the largest half range and the largest amplitudes
+        are known to 0.1 %; between the speeds of a list is nothing.
+
+    Raises
+    ------
+    UsageError
+        Unknown names, no excitations or speeds, or a shaft without a fixed ratio to the reference.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> elements = [tn.Inertia("rotor", node="a", inertia=2), tn.Inertia("wheel", node="b", inertia=1),
+    ...     tn.Spring("shaft", nodes=("a", "b"), stiffness=1e4)]
+    >>> fan = tn.Drivetrain("fan", elements, speeds={"of": "a", "list": ["600 rpm"]},
+    ...     excitations={"blades": {"type": "harmonic", "node": "b", "orders": {2: {"amplitude": "10 N*m"}}}})
+    >>> run = fan.order_response("torque(shaft)")
+    >>> w = 2 * run.speeds[0]
+    >>> bool(abs(run.of_order(2)[0] - -10 * 2e4 / (3e4 - 2 * w**2)) < 1e-9)
+    True
+    """
+    if not refine:
+        return orders_at_speeds(drivetrain, outputs, speeds=speeds, speed_of=speed_of, excitations=excitations)
+    acting = excitations if excitations is None or isinstance(excitations, str) else tuple(excitations)
+    examined = ExaminedSpeeds.of(drivetrain, speeds, speed_of=speed_of, excitations=acting)
+
+    def at(those: FloatArray) -> _Sized:
+        run = orders_at_speeds(drivetrain, outputs, speeds=those, speed_of=examined.reference, excitations=acting)
+        return _Sized(run, run.half_range, np.concatenate([run.sizes, summed_sizes(run)], axis=1))
+
+    found = at(examined.first(np.empty(0)))
+    return (
+        refine_speeds(found, _wanted, lambda known, more: known.with_more(at(more))).run
+        if examined.refine
+        else found.run
+    )
+
+
+def merged_responses(first: OrderResponse, second: OrderResponse) -> tuple[OrderResponse, NDArray[np.intp]]:
+    """Order response joined from two and sorted by speed, and the indices (n_speeds,) that sort both speeds."""
+    both = np.concatenate([first.speeds, second.speeds])
+    order = np.argsort(both, kind="stable")
+    places = np.argsort(order, kind="stable")
+    parts = [(first, places[: len(first.speeds)]), (second, places[len(first.speeds) :])]
+    return join_responses(parts, both[order], first.title), order
+
+
+@dataclass(frozen=True, eq=False)
+class _Sized:
+    """Order response with half ranges (n_speeds, n_out) and amplitudes (n_speeds, n, n_out) of lines and sums."""
+
+    run: OrderResponse
+    half_range: FloatArray
+    sizes: FloatArray
+
+    def with_more(self, other: _Sized) -> _Sized:
+        """Order response at the speeds of both, sorted by speed, with its half ranges and amplitudes."""
+        run, order = merged_responses(self.run, other.run)
+        half_range, sizes = (
+            np.concatenate([getattr(one, name) for one in (self, other)])[order] for name in ("half_range", "sizes")
+        )
+        return _Sized(run, half_range, sizes)
+
+
+def _wanted(found: _Sized) -> FloatArray:
+    large = found.sizes.max(axis=0) > SMALLEST_ORDER_REFINED * found.half_range.max(axis=0)
+    return speeds_to_refine(found.run.speeds, np.concatenate([found.half_range, found.sizes[:, large]], axis=1))

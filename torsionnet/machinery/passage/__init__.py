@@ -1,0 +1,1 @@
+"""Passage through critical speeds at a finite rate."""

@@ -1,0 +1,159 @@
+"""Response of a drivetrain to all orders along a speed over time, with its envelope, peaks and cycles."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from torsionnet.base.conventions import SI, Conventions
+from torsionnet.base.errors import UsageError, did_you_mean
+from torsionnet.base.packages import NotebookResult
+from torsionnet.base.result_rows import Out
+from torsionnet.base.table import Column, Table
+from torsionnet.base.units import RPM
+from torsionnet.linear.frequency_response import Channel, FloatArray
+from torsionnet.machinery.passage.vibration_cycles import cycles_above, half_ranges
+from torsionnet.machinery.verdicts.speed_spans import spans_above
+
+
+@dataclass(frozen=True, eq=False)
+class PassagePeak:
+    """Largest half range of an output along a speed over time, in its SI unit, with time in s and speed in r/min."""
+
+    output: Annotated[str, Out("output")]
+    half_range: Annotated[float, Out("largest half range")]
+    unit: Annotated[str, Out("unit")]
+    time: Annotated[float, Out("time", "s")]
+    rpm: Annotated[float, Out("speed", "rpm", json="speed_rpm")]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PassageResponse(NotebookResult):
+    """Vibration of outputs (SI) due to all orders along a speed (rad/s) over time (s), shape (n_t, n_out).
+
+    The mean values are not part of it.
+
+    Attributes
+    ----------
+    times : (n_t,) array
+        s, from 0.
+    speeds : (n_t,) array
+        Speed of the reference shaft, rad/s.
+    angles : (n_t,) array
+        Angle of the reference shaft, rad; 0 at first unless a start angle is given.
+    reference : str
+        Node of the reference shaft.
+    values : (n_t, n_out) array
+        SI units of the outputs.
+    outputs : tuple of Channel
+    cycle : float
+        Angle of the reference shaft in rad after which the slowest order repeats.
+    error : float
+        Estimated error of the values, over the largest of each output.
+    title : str
+        Name of the model with its configuration.
+    notes : tuple of str
+        What the values are based on.
+    """
+
+    picture: ClassVar[str] = "passage_response"
+
+    times: FloatArray
+    speeds: FloatArray
+    angles: FloatArray
+    reference: str
+    values: FloatArray
+    outputs: tuple[Channel, ...]
+    cycle: float = 2 * math.pi
+    error: float = 0.0
+    title: str = ""
+    notes: tuple[str, ...] = ()
+
+    @property
+    def rpm(self) -> FloatArray:
+        """Speeds of the reference shaft over time in r/min, shape (n_t,)."""
+        return np.asarray(self.speeds * RPM)
+
+    def output(self, name: str | None = None) -> int:
+        """Index of an output of the passage by its name, or of the only output without one.
+
+        Raises
+        ------
+        UsageError
+            There is no such output, or there are several and none is named.
+        """
+        names = [channel.name for channel in self.outputs]
+        if name is None and len(names) == 1:
+            return 0
+        if name not in names:
+            what = f'no output is named "{name}"{did_you_mean(str(name), names)}' if name else "say which output"
+            raise UsageError(f"{what}; there are {', '.join(names)}")
+        return names.index(name)
+
+    def of(self, output: str | None = None) -> FloatArray:
+        """Values of an output over time in SI units, shape (n_t,)."""
+        return np.asarray(self.values[:, self.output(output)])
+
+    def envelope(self, output: str | None = None) -> tuple[FloatArray, FloatArray]:
+        """Times in s, and half ranges (max - min)/2 in SI of an output within a cycle around each time, both (n,).
+
+        At constant speed this is the half range of the order response, which limits judge.
+        """
+        middle, found = half_ranges(self.angles, self.of(output), self.cycle)
+        return np.interp(middle, self.angles, self.times), found
+
+    def peak(self, output: str | None = None) -> PassagePeak:
+        """Largest half range (SI) of an output along the speed, with its time in s and speed in r/min."""
+        times, found = self.envelope(output)
+        at, channel = int(np.argmax(found)), self.outputs[self.output(output)]
+        rpm = float(np.interp(times[at], self.times, self.rpm))
+        return PassagePeak(channel.name, float(found[at]), channel.unit, float(times[at]), rpm)
+
+    def cycles_above(self, level: ArrayLike, output: str | None = None) -> float:
+        """Number of vibration cycles of an output whose amplitude exceeds a level in SI, counted in half cycles.
+
+        The level is one number or one for each time, above 0. Between two crossings of zero the largest value counts
+        ("mean crossing peak counting", ASTM E1049-85, 5.2).
+        """
+        return cycles_above(self.of(output) / np.asarray(level), 1.0)
+
+    def seconds_above(self, level: ArrayLike, output: str | None = None) -> float:
+        """Time in s in which the half range of an output exceeds a level (SI), a number or an array (n_t,)."""
+        times, found = self.envelope(output)
+        levels = np.interp(times, self.times, np.broadcast_to(np.asarray(level, dtype=float), self.times.shape))
+        return sum((span.high - span.low for span in spans_above(times, found, levels)), 0.0)
+
+    def rows(self) -> list[PassagePeak]:
+        """Largest half range (SI) of every output along the speed, with time in s and speed in r/min."""
+        return [self.peak(channel.name) for channel in self.outputs]
+
+    def table(self, conventions: Conventions = SI) -> Table:
+        """Table of the largest half range of every output along the speed, with its time in s and speed in rpm."""
+        columns = (
+            Column("output"),
+            Column("largest half range", digits=5),
+            Column("unit"),
+            Column("time", "s", digits=5),
+            Column("speed", "rpm", digits=5),
+        )
+        rows = tuple(
+            (one.output, one.half_range * conventions.scale(one.unit), conventions.unit(one.unit), one.time, one.rpm)
+            for one in self.rows()
+        )
+        return Table(f"{self.title}: {self._words}", columns, rows, (f"speeds of {self.reference}", *self.notes))
+
+    def long_table(self, conventions: Conventions = SI) -> Table:
+        """Table of the values of all outputs with a row for each time in s, and the speed in rpm."""
+        columns = [Column("time", "s"), Column("speed", "rpm")]
+        columns += [Column(channel.name, conventions.unit(channel.unit)) for channel in self.outputs]
+        scales = np.array([conventions.scale(channel.unit) for channel in self.outputs])
+        rows = np.column_stack([self.times, self.rpm, self.values * scales]).tolist()
+        return Table(f"{self.title}: {self._words}", tuple(columns), tuple(map(tuple, rows)), self.notes)
+
+    @property
+    def _words(self) -> str:
+        return f"from {self.rpm[0]:g} to {self.rpm[-1]:g} rpm in {self.times[-1] - self.times[0]:g} s"

@@ -1,0 +1,1 @@
+"""Excitation as complex amplitudes by order: lines, vector sums, star diagrams, generalised forces."""

@@ -1,0 +1,44 @@
+"""Torques or motions of one excitation by order at the rated speed."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from torsionnet.linear.assembly.assembled import AssembledModel
+from torsionnet.machinery.orders.order_solution import shaft_speeds
+from torsionnet.machinery.phasors.excitation_line import ExcitationLine
+
+EQUAL_AMPLITUDES = 1e-9
+"""Relative difference up to which amplitudes on several nodes count as equal, no more than rounding."""
+
+
+def excitation_lines(drivetrain: AssembledModel, excitation: str) -> tuple[ExcitationLine, ...]:
+    """Torques in N m, or motions in rad, of an excitation by order at the rated speed, or the highest if none is rated.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> first, _ = excitation_lines(tn.load("two_stroke_ship").configured("normal"), "propeller")
+    >>> first.order, round(first.amplitude), round(first.share, 6)  # 6 % of 1280 kN m
+    (4.0, 76800, 0.06)
+    """
+    _, own = shaft_speeds(drivetrain, excitation)
+    one = drivetrain.definition.excitations[excitation]
+    found = one.torques(np.array([own]))
+    rating = one.rating
+    mean = math.nan
+    if rating is not None and one.quantity == "torque":
+        follows = (own / rating.speed) ** rating.exponent if rating.speed and rating.exponent else 1.0
+        mean = abs(rating.torque) * follows
+    fixed = np.zeros(len(found.orders)) if found.fixed is None else found.fixed
+    lines = []
+    for line, (order, hertz) in enumerate(zip(found.orders.tolist(), fixed.tolist(), strict=True)):
+        sizes = np.abs(found.amplitudes[0, line])
+        place = int(np.argmax(sizes >= (1 - EQUAL_AMPLITUDES) * sizes.max()))  # of equal ones the first
+        amplitude = complex(found.amplitudes[0, line, place])
+        share = abs(amplitude) / mean if mean else math.nan
+        phase = float(np.angle(amplitude))
+        lines.append(ExcitationLine(excitation, found.nodes[place], order, hertz, abs(amplitude), share, phase))
+    return tuple(lines)

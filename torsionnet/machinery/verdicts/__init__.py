@@ -1,0 +1,1 @@
+"""Verdicts of limits on a machine, with ranges barred to operation, margins and instructions."""

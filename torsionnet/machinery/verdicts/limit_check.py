@@ -1,0 +1,409 @@
+"""Result of a check of limits with worst speed, utilisation and verdict of each criterion, and speeds to be barred."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Annotated, ClassVar
+
+import numpy as np
+
+from torsionnet.base.conventions import SI, Conventions
+from torsionnet.base.entries.spec import Schema
+from torsionnet.base.equal_remarks import grouped_remarks
+from torsionnet.base.errors import UsageError, comma_list, did_you_mean
+from torsionnet.base.packages import NotebookResult
+from torsionnet.base.result_rows import Out
+from torsionnet.base.table import Column, Table, result_table
+from torsionnet.base.units import RPM
+from torsionnet.linear.frequency_response import FloatArray
+from torsionnet.machinery.verdicts.rule_factors import RuleFactor
+from torsionnet.machinery.verdicts.speed_spans import (
+    SpeedSpan,
+    joined_spans,
+    restriction_words,
+    rpm_spans,
+    span_words,
+    spans_below,
+)
+
+PASS, BARRED, REDUCED, INCOMPLETE, OPEN, FAIL = (
+    "pass", "barred range", "reduced speed", "incomplete", "not judged", "fail",
+)  # fmt: skip
+"""Names of the verdicts on a limit, from best to gravest: it holds at every speed; outside of barred speeds; with a
+cylinder out up to a lower speed than rated; at all that was examined; data are missing; it does not hold."""
+GRAVITY = (PASS, BARRED, REDUCED, INCOMPLETE, OPEN, FAIL)
+"""All verdicts on limits, from best to gravest."""
+
+VERDICT: Schema = {"enum": [*GRAVITY]}
+"""JSON Schema of a verdict on a limit."""
+STARTS = "starts and stops not examined"
+"""Words in every verdict on limits: each start passes speeds below the lowest that was examined."""
+MOST_NAMES = 6
+"""Largest number of configurations or limits that a sentence names; of more, the first are named."""
+
+
+def gravest(verdicts: Iterable[str]) -> str:
+    """Name of the gravest of some verdicts on limits, "pass" if there are none.
+
+    Examples
+    --------
+    >>> gravest(["pass", "incomplete", "barred range"])
+    'incomplete'
+    """
+    return max(verdicts, key=GRAVITY.index, default=PASS)
+
+
+def unexamined_sentence(missing: Sequence[str], known: Sequence[str], examined: Sequence[str]) -> list[str]:
+    """List with one sentence on the configurations that were not examined; empty if none is missing.
+
+    Examples
+    --------
+    >>> unexamined_sentence(["wet", "dry"], ["wet", "dry", "warm"], ["warm"])
+    ['2 of 3 configurations not examined: all but warm']
+    """
+    if not missing:
+        return []
+    lead = f"{len(missing)} of {len(known)} configurations not examined: "
+    kept = [name for name in known if name not in missing]
+    if not kept:
+        return [f"{lead}all but {listed_names([name or 'the model as written' for name in examined])}"]
+    return [lead + (f"all but {listed_names(kept)}" if len(kept) < len(missing) else listed_names(missing))]
+
+
+def starts_sentence(rpm: float, shaft: str) -> str:
+    """Sentence on the speeds below the lowest one examined, in rpm, which every start and stop passes.
+
+    Examples
+    --------
+    >>> starts_sentence(675, "flywheel")
+    'starts and stops not examined: speeds below 675 rpm of flywheel'
+    """
+    return f"starts and stops not examined: speeds below {rpm:g} rpm of {shaft}"
+
+
+def listed_names(names: Sequence[str]) -> str:
+    """Text that lists names of configurations or limits in a sentence, of more than MOST_NAMES only the first."""
+    return comma_list(names, MOST_NAMES)
+
+
+def utilisation_of(values: FloatArray, allowed: FloatArray) -> FloatArray:
+    """Utilisation of a limit, the ratio of value to allowed value, without unit, in the shape of both.
+
+    NaN where no value is allowed.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(np.where(np.isfinite(allowed), values / allowed, np.nan))
+
+
+@dataclass(frozen=True)
+class RuleText:
+    """Text on the rule of a limit, with its source, its formula, what it does not cover, and its factors."""
+
+    source: str
+    formula: str
+    not_covered: str
+    factors: tuple[RuleFactor, ...] = ()
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LimitVerdict:
+    """Verdict on one criterion of one limit, with values and allowed values in SI over speed.
+
+    Attributes
+    ----------
+    limit : str
+        Name of the limit in the model.
+    of : str
+        Element, node or output that is limited.
+    criterion : str
+        Symbol of the allowed value, such as tau_C.
+    quantity : str
+        Quantity that is compared with the allowed value.
+    unit : str
+        SI unit.
+    values, allowed : (n_speeds,) arrays
+        ``allowed`` is NaN at speeds that the rule does not cover; both are empty if the limit could not be judged.
+    verdict : {"pass", "barred range", "reduced speed", "fail", "not judged"}
+    text : RuleText
+    barred : tuple of SpeedSpan
+        Speeds to be barred so that the limit holds at all others.
+    highest : float, optional
+        Highest speed permitted in rad/s, where a cylinder is out and the rated or the highest speed would be barred.
+    tolerance : float
+        Relative error of the tachometer that is in ``barred``.
+    in_passing : bool
+        Whether no speed may exceed it, not even while it is passed.
+    seconds_to_pass : float, optional
+        Longest time in s in which ranges in ``passed`` are to be passed.
+    remarks : tuple of str
+    orders : (n_speeds, n_lines) array, optional
+        Amplitudes of the orders behind ``values``.
+    absent : bool
+        Whether the limit is not judged because its element is switched off.
+    case : str
+        Case of excitation that is worst at the worst speed; empty where all are equal.
+    steady_temperature : float, optional
+        Highest temperature in K by the balance of heat.
+    """
+
+    limit: str
+    of: str
+    criterion: str
+    quantity: str
+    unit: str
+    values: FloatArray
+    allowed: FloatArray
+    verdict: str
+    text: RuleText
+    barred: tuple[SpeedSpan, ...] = ()
+    highest: float | None = None
+    tolerance: float = 0.0
+    in_passing: bool = False
+    seconds_to_pass: float | None = None
+    remarks: tuple[str, ...] = ()
+    orders: FloatArray | None = None
+    absent: bool = False
+    case: str = ""
+    steady_temperature: float | None = None
+
+    @property
+    def passed(self) -> tuple[SpeedSpan, ...]:
+        """Speed ranges (rad/s) barred by a limit below the highest speed permitted, to be passed without stopping."""
+        return spans_below(self.barred, self.highest)
+
+    @property
+    def restrictions(self) -> str:
+        """Text of the speeds in rpm that a limit does not permit, empty if there are none."""
+        return restriction_words(self.passed, self.highest)
+
+    @property
+    def utilisation(self) -> FloatArray:
+        """Utilisation of a limit, the ratio of value to value allowed, without unit, shape (n_speeds,).
+
+        NaN where no value is allowed.
+        """
+        return utilisation_of(self.values, self.allowed)
+
+    @property
+    def worst(self) -> int | None:
+        """Index of the speed with the largest utilisation of a limit; None if there is none."""
+        found = self.utilisation
+        return None if not np.isfinite(found).any() else int(np.nanargmax(found))
+
+
+@dataclass(frozen=True, eq=False)
+class LimitRow:
+    """Verdict on one criterion of a limit over speed and at its worst speed, values in SI, speeds in rpm."""
+
+    limit: Annotated[str, Out("limit")]
+    of: Annotated[str, Out("of")]
+    criterion: Annotated[str, Out("criterion")]
+    quantity: str
+    unit: str
+    verdict: Annotated[str, Out(schema=VERDICT)]
+    worst_rpm: float | None
+    value: float | None
+    allowed: float | None
+    utilisation: float | None
+    barred: Annotated[tuple[tuple[float, float], ...], Out(json="barred_rpm")]
+    highest_rpm: float | None
+    values: FloatArray
+    allowed_over_speed: FloatArray
+    source: str
+    formula: str
+    not_covered: str
+    remarks: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class LimitPoint:
+    """Value and value allowed in SI of one criterion of a limit at one speed in rpm."""
+
+    limit: Annotated[str, Out("limit")]
+    of: Annotated[str, Out("of")]
+    criterion: Annotated[str, Out("criterion")]
+    speed: Annotated[float, Out("speed", "rpm")]
+    value: Annotated[float, Out("value")]
+    allowed: Annotated[float, Out("allowed")]
+    unit: Annotated[str, Out("unit")]
+    utilisation: Annotated[float, Out("utilisation")]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class LimitCheck(NotebookResult):
+    """Verdicts on all limits of a model in one configuration, over speeds in rad/s.
+
+    Attributes
+    ----------
+    speeds : (n_speeds,) array
+        Speeds of the reference shaft, rad/s: those asked for and those added to resolve peaks and crossings.
+    reference : str
+        Node of the reference shaft.
+    verdicts : tuple of LimitVerdict
+    lines : tuple of str
+        Names of the orders in ``LimitVerdict.orders``.
+    title, configuration : str
+    misfiring : bool
+        Whether a cylinder misfires in this condition.
+    notes : tuple of str
+    configurations : tuple of str
+        All configurations of the model.
+    others : tuple of str
+        Configurations that this check is not about.
+    left_out : tuple of str
+        Limits and excitations that were left out, in words.
+    """
+
+    picture: ClassVar[str] = "limit_check"
+
+    speeds: FloatArray
+    reference: str
+    verdicts: tuple[LimitVerdict, ...]
+    lines: tuple[str, ...] = ()
+    title: str = ""
+    configuration: str = ""
+    misfiring: bool = False
+    notes: tuple[str, ...] = field(default=())
+    configurations: tuple[str, ...] = ()
+    others: tuple[str, ...] = ()
+    left_out: tuple[str, ...] = ()
+
+    @property
+    def rpm(self) -> FloatArray:
+        """Speeds of the reference shaft in r/min, shape (n_speeds,)."""
+        return np.asarray(self.speeds * RPM)
+
+    @property
+    def verdict(self) -> str:
+        """Name of the gravest of all verdicts on the limits in one configuration, such as "pass" or "fail".
+
+        "incomplete" instead of one that permits operation if no configuration was chosen although there are some.
+        """
+        found = [one.verdict for one in self.verdicts]
+        return gravest([*found, *([INCOMPLETE] if self.others and not self.configuration else [])])
+
+    @property
+    def barred(self) -> tuple[SpeedSpan, ...]:
+        """Speed ranges in rad/s to be barred by any limit in one configuration, joined where they overlap."""
+        return joined_spans([span for one in self.verdicts for span in one.barred])
+
+    @property
+    def highest(self) -> float | None:
+        """Highest speed in rad/s that all limits permit where a cylinder is out; None where any speed may be run."""
+        return min((one.highest for one in self.verdicts if one.highest is not None), default=None)
+
+    @property
+    def passed(self) -> tuple[SpeedSpan, ...]:
+        """Speed ranges (rad/s) barred by any limit below the highest speed permitted, to be passed without stopping."""
+        return spans_below(self.barred, self.highest)
+
+    @property
+    def conclusion(self) -> str:
+        """Sentence that concludes from all verdicts on limits in one configuration, with what was not examined."""
+        return "; ".join(self.findings)
+
+    @property
+    def findings(self) -> tuple[str, ...]:
+        """Texts that conclude from all verdicts on limits, on what was not examined and on what was found."""
+        missing = unexamined_sentence(self.others, self.configurations, [self.configuration])
+        where = f" in {self.configuration or 'the model as written'}" if self.others else ""
+        return (*missing, *self.left_out, starts_sentence(self.rpm[0], self.reference), self.finding(where))
+
+    def finding(self, where: str = "") -> str:
+        """Sentence that concludes on the limits in one configuration, in which ``where`` names the configuration."""
+        failed = list(dict.fromkeys(one.limit for one in self.verdicts if one.verdict == FAIL))
+        unjudged = list(dict.fromkeys(one.limit for one in self.verdicts if one.verdict == OPEN))
+        parts = [f"{', '.join(failed)} {'do' if len(failed) > 1 else 'does'} not hold{where}"] if failed else []
+        shaft = f" of {self.reference}"
+        if self.highest is not None:
+            parts.append(f"with a cylinder out{where}: {restriction_words(self.passed, self.highest, shaft)}")
+        elif self.barred and not failed:
+            parts.append(f"limits hold{where} with {span_words(self.barred)}{shaft} barred")
+        elif self.barred:
+            parts.append(f"to be barred: {span_words(self.barred)}{shaft}")
+        parts += [f"{', '.join(unjudged)} not judged{'' if parts else where}"] if unjudged else []
+        examined = f"{self.rpm[0]:g} to {self.rpm[-1]:g} rpm of {self.reference}"
+        return "; ".join(parts) or f"{self._those} hold{where} at the speeds examined, {examined}"
+
+    @property
+    def _those(self) -> str:
+        return "the limits examined" if self.left_out else "all limits"
+
+    def of(self, limit: str, criterion: str | None = None) -> LimitVerdict:
+        """Verdict on a limit by its name, or on one of its criteria if it has several.
+
+        Raises
+        ------
+        UsageError
+            There is no such limit, or it has several criteria and none is named.
+        """
+        found = [one for one in self.verdicts if one.limit == limit and criterion in (None, one.criterion)]
+        if len(found) == 1:
+            return found[0]
+        known = [f"{one.limit} {one.criterion}" for one in self.verdicts]
+        asked = f"{limit} {criterion}" if criterion else limit
+        what = f"say which criterion of {limit}" if found else f'no limit "{asked}"{did_you_mean(asked, known)}'
+        raise UsageError(f"{what}; there are {', '.join(known)}")
+
+    def table(self, conventions: Conventions = SI) -> Table:
+        """Table of limits with a row for each criterion at its worst speed in rpm, and the rules as notes."""
+        columns = (
+            Column("limit"),
+            Column("of"),
+            Column("criterion"),
+            Column("worst speed", "rpm", digits=5),
+            Column("value", digits=5),
+            Column("allowed", digits=5),
+            Column("unit"),
+            Column("utilisation", digits=4),
+            Column("verdict"),
+            Column("to be barred"),
+        )
+        rows = tuple(self._row(one, conventions) for one in self.verdicts)
+        notes = [f"speeds of {self.reference}, {self.rpm[0]:g} to {self.rpm[-1]:g} rpm", *self.notes]
+        said = ((f"{one.limit}, {one.criterion}", "", text) for one in self.verdicts for text in one.remarks)
+        notes += [f"{'; '.join(abouts)}: {text}" for abouts, _, text in grouped_remarks(said)]
+        for text, names in self.texts().items():
+            notes += [f"{', '.join(names)}: {text.source}", f"  {text.formula}", f"  not covered: {text.not_covered}"]
+        return Table(f"{self.title}: limits", columns, rows, tuple(dict.fromkeys(notes)))
+
+    def texts(self) -> dict[RuleText, list[str]]:
+        """Lists of the names of the limits, by the text of their rule."""
+        found: dict[RuleText, list[str]] = {}
+        for one in self.verdicts:
+            names = found.setdefault(one.text, [])
+            names += [] if one.limit in names else [one.limit]
+        return found
+
+    def _row(self, one: LimitVerdict, conventions: Conventions) -> tuple[object, ...]:
+        barred = one.restrictions or None
+        at = one.worst
+        if at is None:
+            return (one.limit, one.of, one.criterion, None, None, None, None, None, one.verdict, barred)
+        scale = conventions.scale(one.unit)
+        sizes = (float(one.values[at]) * scale, float(one.allowed[at]) * scale)
+        numbers = (float(self.rpm[at]), *sizes, conventions.unit(one.unit), float(one.utilisation[at]))
+        return (one.limit, one.of, one.criterion, *numbers, one.verdict, barred)
+
+    def long_table(self) -> Table:
+        """Table of value, allowed value (SI) and utilisation of each criterion of the limits at every speed in rpm."""
+        rows = [
+            LimitPoint(one.limit, one.of, one.criterion, rpm, value, allowed, one.unit, share)
+            for one in self.verdicts
+            if len(one.values)
+            for rpm, value, allowed, share in np.stack([self.rpm, one.values, one.allowed, one.utilisation]).T.tolist()
+        ]
+        notes = (f"speeds of {self.reference}",)
+        return result_table(f"{self.title}: limits over speed", rows, LimitPoint, notes=notes)
+
+    def row(self, one: LimitVerdict) -> LimitRow:
+        """Verdict on one criterion of a limit as plain data for JSON, values in SI, speeds in rpm."""
+        at, spans = one.worst, rpm_spans(one.barred)
+        text = (one.text.source, one.text.formula, one.text.not_covered, one.remarks)
+        about = (one.limit, one.of, one.criterion, one.quantity, one.unit, one.verdict)
+        if at is None:
+            return LimitRow(*about, None, None, None, None, spans, None, one.values, one.allowed, *text)
+        worst = (float(self.rpm[at]), float(one.values[at]), float(one.allowed[at]), float(one.utilisation[at]))
+        highest = None if one.highest is None else one.highest * RPM
+        return LimitRow(*about, *worst, spans, highest, one.values, one.allowed, *text)

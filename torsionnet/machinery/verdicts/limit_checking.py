@@ -1,0 +1,268 @@
+"""Verdicts on the limits of a model in one condition, from order responses and mean torques over speed.
+
+Speeds are added until the largest utilisation of every limit and the ends of its ranges are known.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from torsionnet.base.errors import UsageError, suggestion_or
+from torsionnet.linear.assembly.assembled import AssembledModel
+from torsionnet.linear.assembly.table_range import range_notes
+from torsionnet.linear.frequency_response import FloatArray
+from torsionnet.machinery.checks.limit_checks import limit_subject
+from torsionnet.machinery.excitations.engine_phases import running_engines_text
+from torsionnet.machinery.limits import Limit, limit_rules
+from torsionnet.machinery.limits.evidence import Evidence
+from torsionnet.machinery.limits.limit import LimitLine, merged_line
+from torsionnet.machinery.limits.subject import LimitSubject
+from torsionnet.machinery.mean.mean_solution import lost_power_notes, means_of
+from torsionnet.machinery.mean.power_flow import power_flows, power_sensors
+from torsionnet.machinery.orders.examined_speeds import ExaminedSpeeds
+from torsionnet.machinery.orders.order_response import OrderResponse
+from torsionnet.machinery.orders.order_solution import orders_at_speeds
+from torsionnet.machinery.orders.refined_response import merged_responses
+from torsionnet.machinery.orders.speed_refinement import refine_speeds, speeds_to_refine
+from torsionnet.machinery.verdicts.limit_check import LimitCheck, listed_names
+from torsionnet.machinery.verdicts.speed_spans import spans_above
+from torsionnet.model.channels import Sensor
+from torsionnet.model.definition import Definition
+from torsionnet.model.elements import Values
+from torsionnet.model.operating_values import running_notes
+
+NO_CYCLE = "the shafts have no short common cycle: half ranges of the shafts are added"
+"""Text of the note of a limit check whose orders repeat only after many revolutions, so that half ranges are added."""
+MISFIRING = "a cylinder misfires in this condition"
+"""Text of the note of a limit check in a condition with a misfiring cylinder."""
+
+
+def check_limits(
+    drivetrain: AssembledModel,
+    limits: str | Iterable[str] | None = None,
+    *,
+    speeds: ArrayLike | None = None,
+    excitations: Iterable[str] | None = None,
+    refine: bool | None = None,
+) -> LimitCheck:
+    """Verdicts on the model's limits over speed, and barred ranges.
+
+    Parameters
+    ----------
+    limits : str or iterable of str, optional
+        Names of limits of the model; default: all.
+    speeds, excitations
+        As for :meth:`order_response`.
+    refine : bool, optional
+        Whether speeds between these are examined as well, until the largest value over value allowed and the ends
+        of ranges are known to 0.1 %; the result has them among its speeds. Default: yes, but for a model whose
+        speeds are a list, which is all that is examined then.
+
+    Raises
+    ------
+    UsageError
+        The model has no limits, speeds or excitations, or unknown names.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> elements = [tn.Inertia("rotor", node="a", inertia=2), tn.Inertia("wheel", node="b", inertia=1),
+    ...     tn.Shaft("shaft", nodes=("a", "b"), outer_diameter="20 mm", length=1)]
+    >>> fan = tn.Drivetrain("fan", elements, speeds={"of": "a", "list": ["600 rpm"]},
+    ...     excitations={"blades": {"type": "harmonic", "node": "b", "orders": {2: {"amplitude": "10 N*m"}}}},
+    ...     limits={"shaft": {"rule": "curve", "output": "stress(shaft)", "value": "40 MPa", "source": "maker"}})
+    >>> fan.check_limits().of("shaft").verdict
+    'pass'
+    """
+    chosen = {name: limit.fitted(drivetrain.definition.elements)
+              for name, limit in _chosen(drivetrain.definition.limits, limits).items()}  # fmt: skip
+    subject = limit_subject(drivetrain.definition, drivetrain.exact_values)
+    asked = excitations if excitations is None or isinstance(excitations, str) else tuple(excitations)
+    examined = ExaminedSpeeds.of(drivetrain, speeds, excitations=asked, refine=refine)
+    examination = _Examination(drivetrain, subject, chosen, asked, examined)
+    breaks = np.array([speed for limit in chosen.values() for speed in limit.breaks(subject)])
+    found = examination.at(examined.first(breaks))
+    if examined.refine:
+        found = refine_speeds(found, examination.wanted, examination.with_more)
+    run, evidence = found.run, found.evidence
+    verdicts = tuple(
+        verdict
+        for (name, limit), lines in zip(chosen.items(), found.lines, strict=True)
+        for verdict in limit.verdicts(name, evidence, lines)
+    )
+    notes = [NO_CYCLE] * (run.revolutions is None) + [MISFIRING] * subject.misfiring + [*run.engine_notes]
+    notes += lost_power_notes(drivetrain, float(run.speeds[-1])) if evidence.means else ()
+    notes += [running] if (running := running_engines_text(drivetrain.definition.excitations)) else []
+    notes += (*running_notes(drivetrain.definition), *range_notes(drivetrain.assembly, np.abs(run.frequencies)))
+    return LimitCheck(
+        run.speeds, run.reference, verdicts, tuple(map(str, run.lines)), drivetrain.title, drivetrain.configuration,
+        subject.misfiring, tuple(notes), drivetrain.configurations, drivetrain.other_configurations,
+        _left_out(drivetrain.definition, chosen, excitations),
+    )  # fmt: skip
+
+
+def _left_out(definition: Definition, limits: Iterable[str], excitations: Iterable[str] | None) -> tuple[str, ...]:
+    """Sentences that name the limits and excitations of the model that were not examined."""
+    examined = {
+        "limits": set(limits),
+        "excitations": set(definition.excitations if excitations is None else excitations),
+    }
+    known = {"limits": definition.limits, "excitations": definition.excitations}
+    missing = {what: [name for name in known[what] if name not in examined[what]] for what in known}
+    return tuple(f"{what} not examined: {listed_names(names)}" for what, names in missing.items() if names)
+
+
+@dataclass(frozen=True, eq=False)
+class _Examined:
+    """Order responses and mean values at some speeds in rad/s, and from them each limit's curves over speed."""
+
+    evidence: Evidence
+    lines: tuple[tuple[LimitLine, ...], ...]
+
+    @property
+    def run(self) -> OrderResponse:
+        return self.evidence.run
+
+
+@dataclass(frozen=True, eq=False)
+class _Examination:
+    """Drivetrain with the limits, excitations and speeds of a limit check."""
+
+    drivetrain: AssembledModel
+    subject: LimitSubject
+    limits: Mapping[str, Limit]
+    excitations: Any
+    speeds: ExaminedSpeeds
+
+    def at(self, speeds: FloatArray) -> _Examined:
+        """Order responses, mean values and limit curves over the speeds (n_speeds,) in rad/s of the reference shaft."""
+        run = orders_at_speeds(
+            self.drivetrain, self._sensors, speeds=speeds, speed_of=self.speeds.reference, excitations=self.excitations
+        )
+        means, why = _means(self.drivetrain, self.subject, self._here, run.speeds)
+        evidence = Evidence(run, means, why, self.subject, self._rated)
+        return _Examined(evidence, tuple(tuple(limit.known_lines(evidence)) for limit in self.limits.values()))
+
+    @cached_property
+    def _here(self) -> list[Limit]:
+        """Limits to check whose elements are not switched off in this condition."""
+        return [limit for limit in self.limits.values() if not limit.switched_off(self.subject)]
+
+    @cached_property
+    def _sensors(self) -> list[Sensor]:
+        return _seen(self.subject, self._here)
+
+    @cached_property
+    def _rated(self) -> dict[Sensor, float]:
+        """Mean value in SI units at the rated speed by sensor, empty where that speed is not examined.
+
+        That of all cylinders working, also where one is lost: shares of a rule are of the rated torque.
+        """
+        rated, (low, high) = self.subject.rated, self.speeds.ends
+        if rated is None or not low * (1 - 1e-9) <= rated <= high * (1 + 1e-9):
+            return {}
+        means, _ = _means(self.drivetrain, self.subject, self._here, np.array([rated]), all_working=True)
+        return {sensor: float(values[0]) for sensor, values in means.items()}
+
+    def wanted(self, found: _Examined) -> FloatArray:
+        """Speeds (n,) in rad/s to add where the curves of the limits are not resolved yet."""
+        lines = [line for group in found.lines for line in group if not line.why_not]
+        used = np.stack([line.utilisation for line in lines], axis=1) if lines else np.empty((len(found.run.speeds), 0))
+        tops = [column for line in lines for column in _tops(found.run.speeds, line)]
+        by_level = speeds_to_refine(found.run.speeds, used, 1.0)
+        by_top = speeds_to_refine(found.run.speeds, np.stack(tops, axis=1)) if tops else np.empty(0)
+        return np.unique(np.concatenate([by_level, by_top]))
+
+    def with_more(self, found: _Examined, speeds: FloatArray) -> _Examined:
+        """Responses and limit curves at the speeds known so far and at further ``speeds`` in rad/s, sorted by speed."""
+        more = self.at(speeds)
+        run, order = merged_responses(found.run, more.run)
+        means = {
+            sensor: np.concatenate([values, more.evidence.means[sensor]])[order]
+            for sensor, values in found.evidence.means.items()
+        }
+        evidence = Evidence(run, means, found.evidence.why_no_mean, self.subject, found.evidence.rated_means)
+        lines = tuple(
+            tuple(merged_line(pair, order) for pair in zip(*groups, strict=True))
+            for groups in zip(found.lines, more.lines, strict=True)
+        )
+        return _Examined(evidence, lines)
+
+
+def _tops(speeds: FloatArray, line: LimitLine) -> list[FloatArray]:
+    """Curves (n_speeds,) of a limit, one for each range of speeds above the allowed value, NaN outside that range."""
+    if line.in_passing:
+        return []
+    return [
+        np.where((speeds >= span.low) & (speeds <= span.high), values, np.nan)
+        for values in line.each.T
+        for span in spans_above(speeds, values, line.allowed)
+    ]
+
+
+def _chosen(known: Mapping[str, Limit], names: str | Iterable[str] | None) -> dict[str, Limit]:
+    if not known:
+        rules = ", ".join(limit_rules())
+        raise UsageError(
+            f"the model has no limits; give them in its entry limits: {{name: {{rule: ...}}}}, rules are {rules}"
+        )
+    wanted = list(known) if names is None else [names] if isinstance(names, str) else list(names)
+    for name in wanted:
+        if name not in known:
+            hint = suggestion_or(name, known, f"there are {', '.join(known)}")
+            raise UsageError(f'no limit is named "{name}"{hint}')
+    return {name: known[name] for name in wanted}
+
+
+def _seen(subject: LimitSubject, limits: Sequence[Limit]) -> list[Sensor]:
+    """Sensors of torques, twists and stresses that the limits need, each once."""
+    found = [sensor for limit in limits for sensor in limit.order_sensors(subject)]
+    for limit in limits:
+        for name in limit.power_elements():
+            found += power_sensors(power_flows(subject.active[name], Values(subject.values)))
+    if not found:
+        text = "all elements with limits are switched off in this condition"
+        raise UsageError(f"{text}; check limits in a configuration that has them on")
+    return list(dict.fromkeys(found))
+
+
+def _means(
+    drivetrain: AssembledModel,
+    subject: LimitSubject,
+    limits: Sequence[Limit],
+    speeds: FloatArray,
+    *,
+    all_working: bool = False,
+) -> tuple[dict[Sensor, FloatArray], str]:
+    """Mean values (n_speeds,) in SI units by sensor that the limits need, and why some are unknown ("" if none is)."""
+    sensors = list(dict.fromkeys(sensor for limit in limits for sensor in limit.mean_sensors(subject)))
+    try:
+        values = means_of(drivetrain, sensors, speeds, all_working=all_working).values if sensors else np.empty((0, 0))
+    except UsageError as error:
+        if len(sensors) == 1:
+            return {}, str(error)
+        return _one_by_one(drivetrain, sensors, speeds, all_working=all_working)
+    return dict(zip(sensors, values.T, strict=False)), ""
+
+
+def _one_by_one(
+    drivetrain: AssembledModel, sensors: Sequence[Sensor], speeds: FloatArray, *, all_working: bool
+) -> tuple[dict[Sensor, FloatArray], str]:
+    """Mean values (n_speeds,) in SI units by sensor, and why some are unknown, asked sensor by sensor.
+
+    See :func:`_means`.
+    """
+    found: dict[Sensor, FloatArray] = {}
+    why = ""
+    for sensor in sensors:
+        try:
+            found[sensor] = means_of(drivetrain, sensor, speeds, all_working=all_working).values[:, 0]
+        except UsageError as error:
+            why = str(error)
+    return found, why

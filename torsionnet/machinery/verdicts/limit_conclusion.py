@@ -1,0 +1,264 @@
+"""Conclusion on the limits of a model from checks of its configurations; no pass while one was not examined."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Annotated
+
+from torsionnet.base.conventions import SI, Conventions
+from torsionnet.base.errors import UsageError
+from torsionnet.base.result_rows import Out
+from torsionnet.base.table import Column, Table
+from torsionnet.linear.frequency_response import FloatArray
+from torsionnet.machinery.verdicts.limit_check import (
+    FAIL,
+    INCOMPLETE,
+    OPEN,
+    PASS,
+    VERDICT,
+    LimitCheck,
+    LimitRow,
+    LimitVerdict,
+    gravest,
+    listed_names,
+    starts_sentence,
+    unexamined_sentence,
+)
+from torsionnet.machinery.verdicts.measured_range import MeasuredRangeRow
+from torsionnet.machinery.verdicts.operating_instructions import Instruction, operating_instructions
+from torsionnet.machinery.verdicts.speed_spans import (
+    SpeedSpan,
+    joined_spans,
+    rpm_spans,
+    span_words,
+    whole_rpm,
+)
+
+
+@dataclass(frozen=True, eq=False)
+class ConclusionRecord:
+    """Verdict on the limits of a model from all configurations examined, with barred speeds in rpm and instructions."""
+
+    verdict: Annotated[str, Out(schema=VERDICT)]
+    conclusion: str
+    not_examined: tuple[str, ...]
+    left_out: tuple[str, ...]
+    barred: Annotated[tuple[tuple[float, float], ...], Out(json="barred_rpm")]
+    instructions: tuple[Instruction, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class LimitsRecord:
+    """Verdicts on the limits of one configuration (SI, speeds in rpm), as ``torsionnet limits --json`` prints them."""
+
+    title: str
+    configuration: str
+    reference: Annotated[str, Out(json="speed_of")]
+    misfiring: bool
+    verdict: Annotated[str, Out(schema=VERDICT)]
+    overall: ConclusionRecord
+    barred: Annotated[tuple[tuple[float, float], ...], Out(json="barred_rpm")]
+    speeds: Annotated[FloatArray, Out(json="speeds_rpm")]
+    limits: tuple[LimitRow, ...]
+    notes: tuple[str, ...]
+    measured: Annotated[tuple[MeasuredRangeRow, ...] | None, Out(optional=True)] = None
+
+
+@dataclass(frozen=True, eq=False)
+class WorstLimit:
+    """Criterion of a limit at its largest utilisation in all configurations, and its gravest verdict in any of them."""
+
+    check: LimitCheck
+    verdict: LimitVerdict
+    gravest: str
+
+    @property
+    def rpm(self) -> float | None:
+        """Speed of the reference shaft in r/min at which a limit is used most, None if it was not judged."""
+        return None if self.verdict.worst is None else float(self.check.rpm[self.verdict.worst])
+
+    @property
+    def utilisation(self) -> float | None:
+        """Largest ratio of value to allowed value of a limit over configurations and speeds, None if not judged."""
+        return None if self.verdict.worst is None else float(self.verdict.utilisation[self.verdict.worst])
+
+
+@dataclass(frozen=True, eq=False)
+class LimitConclusion:
+    """Overall verdict on the limits of a model, with barred speeds and worst values, from checks of its configurations.
+
+    Attributes
+    ----------
+    checks : tuple of LimitCheck
+        Checks of one model, one for each configuration that was examined.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> ship = tn.load("two_stroke_ship")
+    >>> found = LimitConclusion((ship.configured("normal").check_limits("tail"),))
+    >>> found.verdict, found.not_examined
+    ('incomplete', ('misfire', 'misfire_2'))
+    """
+
+    checks: tuple[LimitCheck, ...]
+
+    def __post_init__(self) -> None:
+        if not self.checks:
+            raise UsageError("a conclusion on limits needs at least one check of limits; there is none")
+
+    def records(self) -> list[LimitsRecord]:
+        """Verdicts on the limits of every configuration as plain data for JSON, values in SI, speeds in rpm."""
+        overall = ConclusionRecord(
+            self.verdict,
+            self.sentence,
+            self.not_examined,
+            self.left_out,
+            rpm_spans(self.barred),
+            operating_instructions(self.checks),
+        )
+        return [
+            LimitsRecord(
+                one.title, one.configuration, one.reference, one.misfiring, one.verdict, overall,
+                rpm_spans(one.barred), one.rpm, tuple(map(one.row, one.verdicts)), one.notes,
+            )
+            for one in self.checks
+        ]  # fmt: skip
+
+    @property
+    def configurations(self) -> tuple[str, ...]:
+        """Names of all configurations of the model, examined or not."""
+        return self.checks[0].configurations
+
+    @property
+    def not_examined(self) -> tuple[str, ...]:
+        """Names of the configurations of the model for which there is no check of limits."""
+        return tuple(name for name in self.configurations if all(name in one.others for one in self.checks))
+
+    @property
+    def left_out(self) -> tuple[str, ...]:
+        """Texts on the limits and excitations that the checks of limits left out."""
+        return tuple(dict.fromkeys(words for one in self.checks for words in one.left_out))
+
+    @property
+    def verdict(self) -> str:
+        """Name of the gravest of all verdicts on the limits of a model in the configurations examined.
+
+        "incomplete" instead of one that permits operation if not all was examined.
+        """
+        found = [one.verdict for _, one in self._verdicts()]
+        return gravest([*found, *([INCOMPLETE] if self.not_examined or self.left_out else [])])
+
+    @property
+    def barred(self) -> tuple[SpeedSpan, ...]:
+        """Speed ranges in rad/s to be barred in any configuration, joined where they overlap."""
+        return joined_spans([span for one in self.checks for span in one.barred])
+
+    def worst(self) -> tuple[WorstLimit, ...]:
+        """Criteria of all limits, each in the configuration and at the speed of largest utilisation, most used first.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> ship = tn.load("two_stroke_ship")
+        >>> (worst,) = LimitConclusion((ship.configured("misfire").check_limits("intermediate"),)).worst()[:1]
+        >>> worst.verdict.criterion, worst.gravest, round(worst.rpm), round(worst.utilisation, 2)
+        ('tau_C', 'reduced speed', 104, 1.1)
+        """
+        found: dict[tuple[str, str], list[tuple[LimitCheck, LimitVerdict]]] = {}
+        for check, one in self._verdicts():
+            found.setdefault((one.limit, one.criterion), []).append((check, one))
+        worst = [
+            WorstLimit(*max(those, key=lambda pair: _use(pair[1])), gravest(one.verdict for _, one in those))
+            for those in found.values()
+        ]
+        return tuple(sorted(worst, key=lambda one: -(math.inf if one.utilisation is None else one.utilisation)))
+
+    def worst_table(self, conventions: Conventions = SI) -> Table:
+        """Table of limits with a row per criterion, in the configuration and at the speed of largest utilisation."""
+        worst = self.worst()
+        tables = [replace(one.check, verdicts=(one.verdict,)).table(conventions) for one in worst]
+        rows = [(one.check.configuration, *table.rows[0]) for one, table in zip(worst, tables, strict=True)]
+        return Table("worst of all configurations", (Column("configuration"), *tables[0].columns), tuple(rows))
+
+    @property
+    def sentence(self) -> str:
+        """Sentence that concludes from all checks of limits, with what was not examined."""
+        return "; ".join(self.findings)
+
+    @property
+    def findings(self) -> tuple[str, ...]:
+        """Texts that conclude from all checks of limits, one for what was not examined and one for each finding."""
+        if len(self.checks) == 1:
+            return self.checks[0].findings
+        examined = [one.configuration for one in self.checks]
+        missing = unexamined_sentence(self.not_examined, self.configurations, examined)
+        lowest = max(one.rpm[0] for one in self.checks)
+        return (*missing, *self.left_out, starts_sentence(lowest, self._shaft), *self._found())
+
+    def _verdicts(self) -> Iterator[tuple[LimitCheck, LimitVerdict]]:
+        """Yield pairs of check and verdict, none on a switched-off element whose limit another check judges."""
+        judged = {one.limit for check in self.checks for one in check.verdicts if one.verdict != OPEN}
+        for check in self.checks:
+            yield from ((check, one) for one in check.verdicts if not (one.absent and one.limit in judged))
+
+    def _found(self) -> list[str]:
+        failed, unjudged, restricted = self._of(FAIL), self._of(OPEN), self._restrictions()
+        parts = [f"{name} does not hold{where}" for name, where in failed.items()]
+        if restricted:
+            first, *rest = restricted
+            parts += [f"beside that, {first}" if failed else first, *rest]
+        elif not failed and not unjudged:
+            parts.append(self._all_hold())
+        return [*parts, *(f"{name} not judged{where}" for name, where in unjudged.items())]
+
+    def _all_hold(self) -> str:
+        low, high = min(one.rpm[0] for one in self.checks), max(one.rpm[-1] for one in self.checks)
+        those = "the limits examined hold" if self.left_out else "all limits hold"
+        where = self._where([one.configuration for one in self.checks])
+        return f"{those}{where} at the speeds examined, {low:g} to {high:g} rpm of {self._shaft}"
+
+    @property
+    def _shaft(self) -> str:
+        return self.checks[0].reference
+
+    def _of(self, verdict: str) -> dict[str, str]:
+        """Text that names the configurations in which a limit has the given verdict, by name of the limit."""
+        found: dict[str, list[str]] = {}
+        for check, one in self._verdicts():
+            if one.verdict == verdict:
+                found.setdefault(one.limit, []).append(check.configuration)
+        return {name: self._where(list(dict.fromkeys(names))) for name, names in found.items()}
+
+    def _restrictions(self) -> list[str]:
+        """Texts on the barred speeds, and on the highest speed permitted where a cylinder is out, in rpm."""
+        barred = [one for one in self.checks if one.passed]
+        reduced = [one for one in self.checks if one.highest is not None]
+        failed = any(one.verdict == FAIL for _, one in self._verdicts())
+        parts: list[str] = []
+        if barred:
+            spans = span_words(joined_spans([span for one in barred for span in one.passed]))
+            where = self._where([one.configuration for one in barred])
+            lead = "" if failed else "limits hold with "
+            parts.append(f"{lead}{spans} of {self._shaft} barred{where}")
+        if reduced:
+            calm = [one.configuration for one in self.checks if one.verdict == PASS]
+            parts += [f"limits hold{self._where(calm)}"] if calm and not barred and not failed else []
+            highest = min(one.highest for one in reduced if one.highest is not None)
+            where = self._where([one.configuration for one in reduced])
+            parts.append(f"with a cylinder out{where}: at most {whole_rpm(highest, math.floor)} rpm of {self._shaft}")
+        return parts
+
+    def _where(self, names: Sequence[str]) -> str:
+        named = [name for name in names if name]
+        if not named:
+            return ""
+        if len(self.configurations) > 1 and len(named) == len(self.configurations):
+            return f" in all {len(named)} configurations"
+        return f" in {listed_names(named)}"
+
+
+def _use(one: LimitVerdict) -> float:
+    return -1.0 if one.worst is None else float(one.utilisation[one.worst])

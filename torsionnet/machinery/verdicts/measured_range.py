@@ -1,0 +1,165 @@
+"""Measured half ranges beside the calculated ones, the limit curve and the barred ranges of speed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Annotated
+
+import numpy as np
+
+from torsionnet.base.conventions import SI, Conventions
+from torsionnet.base.result_rows import Out
+from torsionnet.base.table import Column, Table
+from torsionnet.base.units import RPM
+from torsionnet.linear.frequency_response import FloatArray
+from torsionnet.machinery.verdicts.limit_check import LimitCheck, LimitVerdict, utilisation_of
+from torsionnet.machinery.verdicts.speed_spans import SpeedSpan, spans_above
+
+KEEPS, EXCEEDS, EXCEEDS_BARRED, NOT_COVERED = "keeps the limit", "exceeds the limit", "only in barred range", "no limit"
+"""Verdicts on a measured half range: below the limit at every measured speed; above it at a speed that may be run;
+above it at barred speeds alone; no measured speed has a limit."""
+JOINED = 1e-9
+"""Relative difference up to which a measured speed belongs to the range of calculated ones."""
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredRangeRow:
+    """Measured, calculated and allowed half range of one criterion in SI over speed in rpm, with a verdict."""
+
+    limit: str
+    criterion: str
+    channel: str
+    speeds: Annotated[FloatArray, Out(json="speeds_rpm")]
+    measured: FloatArray
+    calculated: FloatArray
+    allowed: FloatArray
+    verdict: str
+    sentence: str
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredRange:
+    """Measured half range of a limited quantity in SI over speed in rad/s, beside the calculated and allowed one.
+
+    Attributes
+    ----------
+    limited : LimitVerdict
+        The calculated side.
+    channel : str
+        Channel of the test.
+    speeds : (n,) array
+        rad/s, rising.
+    measured, calculated, allowed : (n,) arrays
+        In the SI unit of the limit; ``allowed`` is NaN where the rule covers no speed.
+    barred : tuple of SpeedSpan
+        Speeds barred by any limit in this condition.
+    """
+
+    limited: LimitVerdict
+    channel: str
+    speeds: FloatArray
+    measured: FloatArray
+    calculated: FloatArray
+    allowed: FloatArray
+    barred: tuple[SpeedSpan, ...] = ()
+
+    @property
+    def utilisation(self) -> FloatArray:
+        """Ratio of the measured value to the value allowed, without unit, shape (n,); NaN where none is allowed."""
+        return utilisation_of(self.measured, self.allowed)
+
+    @property
+    def above(self) -> tuple[SpeedSpan, ...]:
+        """Ranges of speed in rad/s in which the measured value exceeds the value allowed."""
+        return spans_above(self.speeds, self.measured, self.allowed)
+
+    @property
+    def _free(self) -> FloatArray:
+        """Whether each measured speed may be run, as it lies in no barred range."""
+        return np.array([not any(span.holds(speed) for span in self.barred) for speed in self.speeds.tolist()])
+
+    @property
+    def verdict(self) -> str:
+        """Name of the verdict on the measured half range beside the limit."""
+        found = self.utilisation
+        if not np.isfinite(found).any():
+            return NOT_COVERED
+        over = np.where(np.isfinite(found), found > 1, False)
+        if not over.any():
+            return KEEPS
+        return EXCEEDS if (over & self._free).any() else EXCEEDS_BARRED
+
+    @property
+    def sentence(self) -> str:
+        """Sentence on where the measured half range is nearest to the limit, and where it passes it."""
+        found = self.utilisation
+        if not np.isfinite(found).any():
+            return f"the rule covers none of the measured speeds of {self.channel}"
+        shown = np.where(self._free, found, np.nan) if self.verdict == EXCEEDS else found
+        at = int(np.nanargmax(shown))
+        text = f"measured at most {100 * found[at]:.3g} % of the limit, at {self.speeds[at] * RPM:.5g} rpm"
+        if self.verdict == KEEPS:
+            return text
+        spans = ", ".join(map(str, self.above))
+        return f"{text}; above it from {spans}" + ("" if self.verdict == EXCEEDS else ", which is barred")
+
+    @property
+    def peak_difference(self) -> float:
+        """Difference of the largest half ranges, (measured - calculated)/calculated in per cent."""
+        largest = float(self.calculated.max())
+        return 100 * (float(self.measured.max()) / largest - 1) if largest else float("nan")
+
+    def row(self) -> MeasuredRangeRow:
+        """Measured half range as plain data for JSON, values in SI, speeds in rpm."""
+        one = self.limited
+        return MeasuredRangeRow(
+            one.limit, one.criterion, self.channel, self.speeds * RPM, self.measured, self.calculated, self.allowed,
+            self.verdict, self.sentence,
+        )  # fmt: skip
+
+
+def measured_range(
+    check: LimitCheck, limited: LimitVerdict, channel: str, speeds: FloatArray, measured: FloatArray
+) -> MeasuredRange | None:
+    """Measured half range (SI) of a limit at the speeds in rad/s that the check examined; None without such a speed."""
+    low, high = check.speeds[0] * (1 - JOINED), check.speeds[-1] * (1 + JOINED)
+    inside = (speeds >= low) & (speeds <= high) & np.isfinite(measured)
+    if not inside.any():
+        return None
+    at = speeds[inside]
+    values, allowed = (np.interp(at, check.speeds, one) for one in (limited.values, limited.allowed))
+    return MeasuredRange(limited, channel, at, measured[inside], values, allowed, check.barred)
+
+
+def measured_range_table(title: str, ranges: Sequence[MeasuredRange], conventions: Conventions = SI) -> Table:
+    """Table of the largest measured and calculated half ranges beside the limit, with speeds in rpm and a verdict."""
+    columns = (
+        Column("limit"),
+        Column("criterion"),
+        Column("channel"),
+        Column("measured", digits=5),
+        Column("at", "rpm", 5),
+        Column("calculated", digits=5),
+        Column("at", "rpm", 5),
+        Column("unit"),
+        Column("difference of peaks", "%", 4),
+        Column("utilisation", digits=4),
+        Column("verdict"),
+    )
+    rows = []
+    for one in ranges:
+        scale, unit = conventions.scale(one.limited.unit), conventions.unit(one.limited.unit)
+        first, second = int(one.measured.argmax()), int(one.calculated.argmax())
+        known = one.utilisation[np.isfinite(one.utilisation)]
+        peaks = (
+            float(one.measured[first]) * scale, float(one.speeds[first] * RPM),
+            float(one.calculated[second]) * scale, float(one.speeds[second] * RPM), unit,
+        )  # fmt: skip
+        worst = float(known.max()) if known.size else None
+        rows.append(
+            (one.limited.limit, one.limited.criterion, one.channel, *peaks, one.peak_difference, worst, one.verdict)
+        )
+    notes = ["half ranges (max - min)/2; differences are (measured - calculated)/calculated at the measured speeds"]
+    notes += [f"{one.limited.limit}, {one.limited.criterion}: {one.sentence}" for one in ranges]
+    return Table(title, columns, tuple(rows), tuple(notes))

@@ -1,0 +1,113 @@
+"""Separation margins of natural frequencies from the speeds of all shafts and from electrical lines."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from fractions import Fraction
+
+import numpy as np
+
+from torsionnet.base.errors import UsageError
+from torsionnet.linear.assembly.assembled import AssembledModel
+from torsionnet.machinery.criticals.critical_speed_search import CrossingSearch
+from torsionnet.machinery.criticals.critical_speeds import CriticalSpeeds
+from torsionnet.machinery.excitations.electric_machine import ElectricMachine
+from torsionnet.machinery.orders.order_line import OrderLine, near_fraction
+from torsionnet.machinery.verdicts.margin_rules import MarginRule, margin_rule
+from torsionnet.model.speeds import speeds_by_reference
+
+MULTIPLES = (1, 2)
+"""Multiples of shaft speeds and of line frequencies that standards of trains compare with natural frequencies."""
+FREQUENCY_REACH = 2.0
+"""Multiple of the highest compared frequency up to which modes are listed; a mode above it is twice as high as
+anything it is compared with."""
+
+
+def shaft_margins(
+    drivetrain: AssembledModel, margin: str | float | MarginRule, *, lowest: int | None = None
+) -> CriticalSpeeds:
+    """Separation margins of every mode from 1 and 2 times each shaft's speed and each electrical frequency.
+
+    Shafts are those whose mean speeds differ, named by their first node; an electric machine counts with its line
+    frequency, or with that of its inverter, pole pairs times the speed (slip neglected).
+
+    Parameters
+    ----------
+    margin : str, float or MarginRule
+        As for :meth:`critical_speeds`.
+    lowest : int, optional
+        Only the lowest so many modes.
+
+    Returns
+    -------
+    CriticalSpeeds
+        Margins as shares of the excitation frequency, with what the rule requires; without torques.
+
+    Raises
+    ------
+    UsageError
+        The model has no range of speeds.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> found = tn.load("reciprocating_compressor_train").shaft_margins("api684", lowest=1)
+    >>> sorted({one.mode.number for one in found.crossings})
+    [1]
+    """
+    given = drivetrain.definition.speeds
+    if given is None:
+        raise UsageError("separation margins need the speeds of the train: speeds: {of: motor, range: 600..1500 rpm}")
+    speed_range = min(given.values), max(given.values)
+    lines = [*_shaft_lines(drivetrain, given.of), *_electrical_lines(drivetrain, given.of)]
+    search = CrossingSearch(
+        drivetrain, drivetrain.title, given.of, speed_range, lines, margin_rule(margin), 0.0, lowest
+    )
+    highest = max(np.abs(line.frequency(np.array(speed_range))).max() for line in lines)
+    modes = tuple(
+        mode for mode in search.modes if not mode.undamped_frequency > FREQUENCY_REACH * highest or mode.number == 1
+    )
+    return CriticalSpeeds(
+        reference=given.of,
+        speed_range=speed_range,
+        modes=modes,
+        crossings=tuple(search.nearest(mode, line) for mode in modes for line in lines),
+        lines=tuple(lines),
+        nodes=drivetrain.assembly.nodes,
+        rule=search.rule,
+        title=drivetrain.title,
+        condition=drivetrain.configuration,
+        notes=tuple(search.notes()),
+    )
+
+
+def _ratios(drivetrain: AssembledModel, reference: str) -> dict[str, Fraction]:
+    """Speed of every turning node over that of the reference node, without sign."""
+    found = speeds_by_reference(drivetrain.definition, drivetrain.exact_values, reference)
+    return {node: near_fraction(abs(speed / found[reference])) for node, speed in found.items() if speed}
+
+
+def _shaft_lines(drivetrain: AssembledModel, reference: str) -> Iterator[OrderLine]:
+    """Order lines at 1 and 2 times the speed of each shaft, the reference shaft first."""
+    ratios = _ratios(drivetrain, reference)
+    named: dict[Fraction, str] = {}
+    for node in (reference, *ratios):
+        if node in ratios:
+            named.setdefault(ratios[node], node)
+    for ratio, node in named.items():
+        yield from (OrderLine(node, float(times), ratio) for times in MULTIPLES)
+
+
+def _electrical_lines(drivetrain: AssembledModel, reference: str) -> Iterator[OrderLine]:
+    """Lines at 1 and 2 times the electrical frequency of each electric machine."""
+    ratios = _ratios(drivetrain, reference)
+    for name, machine in drivetrain.definition.excitations.items():
+        if not isinstance(machine, ElectricMachine):
+            continue
+        lines = (machine.line, machine.slip, machine.short_circuit)
+        fixed = next((one.frequency for one in lines if one is not None), None)
+        if fixed is not None:
+            yield from (OrderLine(name, 0.0, Fraction(1), times * fixed) for times in MULTIPLES)
+        elif machine.pole_pairs and machine.node in ratios:
+            ratio = ratios[machine.node] * machine.pole_pairs
+            yield from (OrderLine(f"{name}, electrical", float(times), ratio) for times in MULTIPLES)

@@ -1,0 +1,12 @@
+"""Motion over time: laws that are not linear, their operating points, scenarios, contacts and friction."""
+
+from torsionnet.base.packages import lazy_exports
+
+__all__, __getattr__, __dir__ = lazy_exports(
+    __name__,
+    {
+        "EnergyBalance": "torsionnet.signals.energy_balance",
+        "MotionEvent": "torsionnet.signals.motion_event",
+        "MotionStart": "torsionnet.motion.motion_start",
+    },
+)

@@ -1,0 +1,181 @@
+"""States of laws of motion over the rate under a torque: one law inverted, several along one motion bracketed."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.model.element_base.laws import AT_REST, MotionState
+from torsionnet.model.elements import MotionLaw
+from torsionnet.model.law_network import PlacedMotionLaw
+from torsionnet.model.motion_laws.piece_curve import Hold, PieceCurve
+
+FloatArray = NDArray[np.float64]
+
+NEAR = 1e-9
+"""Share of a speed within which two of them are one, but for rounding."""
+SLOWEST, FASTEST, PLACES = 1e-6, 1e5, 240
+"""Rates in rad/s, and how many of them on either side of zero, between which roots of smooth curves are bracketed."""
+BETWEEN = 40
+"""Number of places from one corner of smooth curves to the next: sums of curves have more extremes than these."""
+
+
+@dataclass(frozen=True)
+class LawSpeed:
+    """State of a law over the rate, its torque in N m, and whether that torque acts besides those from outside."""
+
+    state: MotionState
+    torque: float
+    counts: bool = True
+
+
+def sticks(law: MotionLaw) -> bool:
+    """Whether the law is friction, which holds its row still up to some torque."""
+    return law.curve.holds(AT_REST)
+
+
+def torque_at(law: MotionLaw, rate: float) -> float:
+    return float(law.torque(0.0, rate, *([0.0] * len(law.sensed))))
+
+
+def state_at(law: MotionLaw, rate: float, sensed: tuple[float, ...] = ()) -> MotionState:
+    number = law.curve.number_at(0.0, rate) if isinstance(law.curve, PieceCurve) else None
+    return MotionState(0.0, rate, sensed or (0.0,) * len(law.sensed), number)
+
+
+def states_of_rate(law: MotionLaw, torque: float) -> list[MotionState]:
+    """States at which a law over the rate gives a torque in N m, by rising rate; friction may stick and slip alike."""
+    if not law.scale:
+        return [] if torque else [AT_REST]
+    found = law.curve.states_at(torque / law.scale)
+    if found is None:
+        rates = roots_along([law], [1.0], torque)
+        found = tuple(state_at(law, rate) for rate in rates)
+    return list(found)
+
+
+def roots_along(laws: Sequence[MotionLaw], factors: Sequence[float], wanted: float) -> list[float]:
+    """Speeds in rad/s at which torques of laws along one motion add up to the torque wanted, sum_l a_l T_l(a_l w)."""
+    from scipy.optimize import brentq
+
+    def over(speed: float) -> float:
+        return sum(factor * torque_at(law, factor * speed) for law, factor in zip(laws, factors, strict=True)) - wanted
+
+    places = {0.0}
+    for law, factor in zip(laws, factors, strict=True):
+        places |= {float(corner) / factor for corner in law.curve.corners()}
+    if not all(isinstance(law.curve, PieceCurve) for law in laws):
+        for low, high in itertools.pairwise(sorted(places)):
+            places |= set(np.linspace(low, high, BETWEEN).tolist())
+        places |= {sign * one for one in np.geomspace(SLOWEST, FASTEST, PLACES).tolist() for sign in (-1, 1)}
+    ordered = sorted(places)
+    reach = 1e3 * max(1.0, *map(abs, ordered))
+    found: list[float] = []
+    level: list[float] = []
+    for low, high in itertools.pairwise((-reach, *ordered, reach)):
+        inside = 1e-12 * (high - low)
+        start, end = over(low + inside), over(high - inside)
+        if start == 0 and end == 0:
+            level.append(low + inside if low >= 0 else high - inside)
+        elif start == 0:
+            found.append(low + inside)
+        elif start * end < 0:
+            found.append(float(brentq(over, low + inside, high - inside, xtol=1e-300, rtol=1e-14)))
+    for place in ordered:  # at a step the torque takes every value between those beside it
+        low, high = _range_at(laws, factors, place)
+        if low <= wanted <= high and not any(_is_near(place, one) for one in found):
+            found.append(place)
+    return sorted(found) or level  # of a level piece, in balance at any speed, the place next to zero
+
+
+def _is_near(one: float, other: float) -> bool:
+    return abs(one - other) <= NEAR * max(abs(one), abs(other), SLOWEST)
+
+
+def _range_at(laws: Sequence[MotionLaw], factors: Sequence[float], speed: float) -> tuple[float, float]:
+    """Range of torques in N m that laws may take together at a speed in rad/s."""
+    low = high = 0.0
+    for law, factor in zip(laws, factors, strict=True):
+        held = [
+            piece
+            for piece in (law.curve.pieces if isinstance(law.curve, PieceCurve) else ())
+            if isinstance(piece, Hold) and _is_near(float(piece.at), factor * speed)
+        ]
+        if held:
+            ends = sorted(factor * float(law.scale) * float(end) for end in (held[0].low, held[0].high))
+            low, high = low + ends[0], high + ends[1]
+        else:
+            low += factor * torque_at(law, factor * speed)
+            high += factor * torque_at(law, factor * speed)
+    return low, high
+
+
+def states_at_speed(
+    laws: Sequence[PlacedMotionLaw], factors: Sequence[float], wanted: float, speed: float
+) -> dict[PlacedMotionLaw, LawSpeed]:
+    """States of laws at a speed in rad/s; those that stick share what the others leave, each within its range."""
+    found = {
+        one: LawSpeed(state := state_at(one.law, factor * speed), float(one.law.torque(0.0, state.rate)))
+        for one, factor in zip(laws, factors, strict=True)
+    }
+    held = {one: factor for one, factor in zip(laws, factors, strict=True) if one.law.curve.holds(found[one].state)}
+    if held:
+        others = ((one, factor) for one, factor in zip(laws, factors, strict=True) if one not in held)
+        rest = wanted - sum(factor * found[one].torque for one, factor in others)
+        rows = np.array([[factor] for factor in held.values()])
+        torques = shared_by_sticking([one.law for one in held], rows, np.array([rest]))
+        if torques is not None:
+            found |= {one: replace(found[one], torque=torque) for one, torque in zip(held, torques, strict=True)}
+    return found
+
+
+def shared_by_sticking(laws: Sequence[MotionLaw], rows: FloatArray, torques: FloatArray) -> list[float] | None:
+    """Torques in N m (n_laws,) with which friction that sticks holds torques on free motions; None where it slips.
+
+    Of all that are within the ranges of friction they are the least in the sum of squares; ``rows`` are (n_laws, n).
+    """
+    least, *_ = np.linalg.lstsq(rows.T, torques, rcond=None)
+    ranges = np.array([sticking_range(law) for law in laws]).T
+    size = max(float(np.abs(torques).max(initial=0.0)), float(np.abs(ranges).max(initial=0.0)))
+    if (ranges[0] <= least).all() and (least <= ranges[1]).all():
+        found = least
+    else:
+        from scipy.optimize import lsq_linear
+
+        wide = ranges[1] > ranges[0]
+        held = np.where(wide, 0.0, ranges[0])
+        found = held.copy()
+        if wide.any():
+            found[wide] = lsq_linear(
+                rows[wide].T, torques - rows.T @ held, (ranges[0, wide], ranges[1, wide]), tol=NEAR**2
+            ).x
+    enough = np.abs(rows.T @ found - torques).max(initial=0.0) <= NEAR * size
+    return found.tolist() if enough else None
+
+
+def sticking_range(law: MotionLaw) -> tuple[float, float]:
+    """Smallest and largest torque in N m at which friction sticks."""
+    for piece in law.curve.pieces if isinstance(law.curve, PieceCurve) else ():
+        if isinstance(piece, Hold) and piece.at == 0:
+            low, high = sorted(float(law.scale) * float(end) for end in (piece.low, piece.high))
+            return low, high
+    return 0.0, 0.0
+
+
+def beyond_reach(law: MotionLaw, torque: float) -> str:
+    """Message that no rate gives a torque in N m, with the largest and smallest torque of the law."""
+    places = [float(corner) for corner in law.curve.corners()] or [
+        sign * one for one in np.geomspace(SLOWEST, FASTEST, PLACES).tolist() for sign in (-1, 1)
+    ]
+    torques = [torque_at(law, place) for place in places] + [0.0]
+    for piece in law.curve.pieces if isinstance(law.curve, PieceCurve) else ():
+        if isinstance(piece, Hold):
+            torques += [float(law.scale) * float(piece.low), float(law.scale) * float(piece.high)]
+    return (
+        f"the mean torques ask it for {torque:.6g} N*m, and it gives from {min(torques):.6g} to {max(torques):.6g} "
+        "N*m; there is no steady speed: reduce the torque"
+    )

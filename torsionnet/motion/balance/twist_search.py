@@ -1,0 +1,252 @@
+"""Twists at which springs and laws of motion are in balance with the mean torques, by a semismooth Newton's method.
+
+The torque of every law rises with its twist, so that the balance is the minimum of the energy
+E(q) = q^T K q/2 + sum_l E_l(b_l^T q) - f^T q. A step counts if the energy or the residual falls; else the step goes to
+the minimum of the energy along its direction. The pieces found are then solved as the linear system they are, which
+proves them: of a convex energy there is one minimum.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.base.errors import SolveError
+from torsionnet.model.element_base.laws import MotionState
+from torsionnet.model.elements import Law, MotionLaw
+from torsionnet.model.kinematics import exact_row
+from torsionnet.model.law_network import LawNetwork
+from torsionnet.model.motion_laws.piece_curve import Hold, PieceCurve, Slope
+from torsionnet.motion.balance.monotone_graph import MonotoneGraph, monotone_graph
+from torsionnet.motion.balance.twist_matrices import (
+    SMALL_RESIDUAL,
+    bordered,
+    gram,
+    row_matrix,
+    solution,
+)
+
+FloatArray = NDArray[np.float64]
+
+MOST_STEPS = 200
+"""Largest number of steps of the search; random plants with loops took at most 40."""
+LOAD_STEPS = 20
+"""Number of steps in which the load is raised where the search from rest to the whole load fails."""
+RAMPS = (3.0, 1e2, 1e3, 1e4, 1e5)
+"""Stiffnesses of the ramps in place of steps, over the largest stiffness of the curve, one after the other."""
+SETTLED = 1e-12
+"""Change of the twists, over the largest, at which Newton's method on smooth curves ends."""
+SLACK = 1e-9
+"""Share of a bound of a piece by which rounding may carry a solution beyond it."""
+ROUNDED = 4e-15
+"""Rounding of twists over the largest angle, which the stiffest law turns into a residual torque, and of torques over
+the largest at a corner, of which the lines are made: some units of the last digit."""
+LEAST_SLOPE = 1e-9
+"""Stiffness that gives level pieces a direction, over the largest one of the law."""
+CORRECTIONS = 3
+"""Number of solutions with level pieces made so steep; each leaves an error of their steepness of the one before."""
+
+
+@dataclass(frozen=True, eq=False)
+class TwistBalance:
+    """Twists in rad, torques in N m and states of all laws over the twist of a drivetrain, in their order."""
+
+    twists: FloatArray
+    torques: FloatArray
+    states: tuple[MotionState, ...]
+
+
+def twist_balance(network: LawNetwork, external: Mapping[str, float]) -> TwistBalance:
+    """Balance of all laws over the twist under torques in N m on nodes, with free motions held.
+
+    Steps of the curves are ramps at first, which are made steeper until the pieces found hold the solution.
+
+    Raises
+    ------
+    SolveError
+        No balance was found.
+    """
+    q = np.zeros(len(network.coordinates))
+    for ramp in RAMPS:
+        search = _Search.of(network, external, ramp)
+        reached = search.balance(q, 1.0)
+        if reached is None:
+            reached = search.raised(np.zeros(len(q)))
+        if reached is None:
+            break
+        q = reached
+        exact = search.in_pieces(q)
+        if exact is not None:
+            return exact
+    names = ", ".join(dict.fromkeys(one.owner for one in network.over_twist))
+    raise SolveError(f"no balance of the mean torques was found at the laws of motion of {names}")
+
+
+@dataclass(frozen=True, eq=False)
+class _Search:
+    """Linear stiffness, rows and graphs of laws, and torques over the coordinates that springs resist."""
+
+    stiffness: Any
+    rows: Any
+    torques: FloatArray
+    graphs: tuple[MonotoneGraph, ...]
+    floors: FloatArray
+
+    @property
+    def largest(self) -> float:
+        """Largest torque in N m at a corner of a law."""
+        return max((abs(torque) for graph in self.graphs for torque in graph.torques), default=0.0)
+
+    @classmethod
+    def of(cls, network: LawNetwork, external: Mapping[str, float], ramp: float) -> _Search:
+        place = {name: number for number, name in enumerate(network.coordinates)}
+        torques = np.zeros(len(place))
+        for node, torque in external.items():
+            for name, share in network.reduction.in_floats({node: 1}).items():
+                if name in place:
+                    torques[place[name]] += share * torque
+        springs = [law for _, law in network.elastic]
+        rows = row_matrix([network.reduction.in_floats(exact_row(law.row)) for law in springs], place)
+        sizes = np.array([_stiffness_at_rest(law) for law in springs])
+        laws = [one.law for one in network.over_twist]
+        own = row_matrix([network.reduction.in_floats(exact_row(law.row)) for law in laws], place)
+        graphs = tuple(monotone_graph(one.rounded, ramp) for one in network.over_twist)
+        floors = np.array([LEAST_SLOPE * (graph.stiffest or 1.0) for graph in graphs])
+        return cls(gram(rows, sizes), own, torques, graphs, floors)
+
+    def _laws(self, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Torques in N m and slopes in N m/rad of all laws."""
+        pairs = [graph.at(twist) for graph, twist in zip(self.graphs, (self.rows @ q).tolist(), strict=True)]
+        return np.array([one for one, _ in pairs]), np.array([slope for _, slope in pairs])
+
+    def _left(self, q: FloatArray, load: float) -> tuple[FloatArray, FloatArray, float]:
+        """Residual torques on the coordinates, slopes of the laws, and the residual that counts as none."""
+        own, slopes = self._laws(q)
+        inner, outer = self.stiffness @ q, load * self.torques
+        shares = self.rows.T @ own
+        size = float(max(np.abs(part).max(initial=0.0) for part in (outer, inner, shares)))
+        rounded = ROUNDED * (float(slopes.max(initial=0.0)) * float(np.abs(q).max(initial=0.0)) + self.largest)
+        return outer - inner - shares, slopes, SMALL_RESIDUAL * size + rounded
+
+    def balance(self, q: FloatArray, load: float) -> FloatArray | None:
+        """Coordinates in balance with a share of the load, from others, or None where the search fails."""
+        residual, slopes, none = self._left(q, load)
+        for _ in range(MOST_STEPS):
+            if np.abs(residual).max(initial=0.0) <= none:
+                return q
+            step = solution(self.stiffness + gram(self.rows, np.maximum(slopes, self.floors)), residual)
+            if not np.isfinite(step).all():
+                return None
+            after = self._left(q + step, load)
+            falls = step @ after[0] >= 0 or np.linalg.norm(after[0]) < np.linalg.norm(residual) / 2
+            if not falls:
+                step = step * _zero(partial(self._fall, q, step, load))
+                after = self._left(q + step, load)
+            q = q + step
+            residual, slopes, none = after
+        return None
+
+    def _fall(self, q: FloatArray, step: FloatArray, load: float, share: float) -> float:
+        """Fall of the energy per share of a step, after a share of it."""
+        return float(step @ self._left(q + share * step, load)[0])
+
+    def raised(self, q: FloatArray) -> FloatArray | None:
+        """Coordinates in balance, from rest with the load raised in steps, or None where that fails too."""
+        for step in range(1, LOAD_STEPS + 1):
+            reached = self.balance(q, step / LOAD_STEPS)
+            if reached is None:
+                return None
+            q = reached
+        return q
+
+    def in_pieces(self, q: FloatArray) -> TwistBalance | None:
+        """Balance in the pieces in force at some coordinates, or None where these do not hold the solution.
+
+        Straight pieces make a linear system, in which steps are constraints; smooth curves are followed by Newton's
+        method.
+        """
+        n, rows, twists = len(self.torques), self.rows, self.rows @ q
+        numbers = [graph.number_at(twist) for graph, twist in zip(self.graphs, twists.tolist(), strict=True)]
+        pieces = [
+            None if number is None or not isinstance(graph.law.curve, PieceCurve) else graph.law.curve.pieces[number]
+            for graph, number in zip(self.graphs, numbers, strict=True)
+        ]
+        held = [place for place, one in enumerate(pieces) if isinstance(one, Hold)]
+        places = [float(one.at) for one in pieces if isinstance(one, Hold)]
+        torques, found = np.zeros(len(pieces)), np.concatenate([q, np.zeros(len(held))])
+        for _ in range(MOST_STEPS):
+            lines = [_line(*one) for one in zip(self.graphs, pieces, twists.tolist(), strict=True)]
+            begun, slopes = (np.array([line[part] for line in lines]) for part in (0, 1))
+            matrix = bordered(self.stiffness + gram(rows, slopes), rows[held])
+            sloping = bordered(self.stiffness + gram(rows, np.maximum(slopes, self.floors)), rows[held])
+            right = np.concatenate([self.torques - rows.T @ begun, places])
+            for _ in range(CORRECTIONS):  # what level pieces leave open stays where it is
+                found = found + solution(sloping, right - matrix @ found)
+            size = (abs(matrix) @ np.abs(found) + np.abs(right)).max(initial=0.0)
+            if not np.abs(matrix @ found - right).max(initial=0.0) <= SMALL_RESIDUAL * size:
+                return None
+            before, twists = twists, rows @ found[:n]
+            torques = begun + slopes * twists
+            torques[held] = found[n:]
+            twists[held] = places
+            if all(one is not None for one in pieces) or (
+                np.abs(twists - before).max(initial=0.0) <= SETTLED * np.abs(twists).max(initial=0.0)
+            ):
+                break
+        laws = [graph.law for graph in self.graphs]
+        if not all(map(_is_within, laws, pieces, twists.tolist(), torques.tolist())):
+            return None
+        states = [MotionState(twist, piece=number) for twist, number in zip(twists.tolist(), numbers, strict=True)]
+        return TwistBalance(twists, torques, tuple(states))
+
+
+def _line(graph: MonotoneGraph, piece: Slope | Hold | None, twist: float) -> tuple[float, float]:
+    """Torque in N m at twist zero and slope in N m/rad of the line in place of a law; of a step there is none."""
+    if isinstance(piece, Hold):
+        return 0.0, 0.0
+    if piece is not None:
+        return float(graph.law.scale * piece.torque), float(graph.law.scale * piece.stiffness)
+    torque, slope = graph.at(twist)
+    return torque - slope * twist, slope
+
+
+def _is_within(law: MotionLaw, piece: Slope | Hold | None, twist: float, torque: float) -> bool:
+    """Whether a twist in rad, of a step the torque in N m, lies within a piece, but for rounding."""
+    if piece is None:
+        return True
+    if isinstance(piece, Hold):
+        low, high = float(law.scale) * float(piece.low), float(law.scale) * float(piece.high)
+        slack = SLACK * max(abs(low), abs(high))
+        return low - slack <= torque <= high + slack
+    lower, upper = (None if end is None else float(end) for end in (piece.lower, piece.upper))
+    slack = SLACK * max(abs(end) for end in (lower or 0.0, upper or 0.0))
+    outermost = isinstance(law.curve, PieceCurve) and law.curve.pieces[0] is piece
+    last = isinstance(law.curve, PieceCurve) and law.curve.pieces[-1] is piece
+    above = lower is None or outermost or twist >= lower - slack
+    return above and (upper is None or last or twist <= upper + slack)
+
+
+def _stiffness_at_rest(law: Law) -> float:
+    own = float(law.stiffness)
+    return own + (float(law.table.kappa(np.zeros(1))[0].real) if law.table is not None else 0.0)
+
+
+def _zero(slope: Callable[[float], float]) -> float:
+    """Share of a step from 0 to 1 at which the energy along it stops falling, where ``slope`` changes its sign."""
+    low, high = 0.0, 1.0
+    at_low, at_high = slope(low), slope(high)
+    for count in range(200):
+        share = (low + high) / 2 if count % 3 == 2 else low + (high - low) * at_low / (at_low - at_high)
+        value = slope(share)
+        if value > 0:
+            low, at_low = share, value
+        elif value < 0:
+            high, at_high = share, value
+        if value == 0 or high - low <= 1e-15 * high:
+            return share
+    return (low + high) / 2

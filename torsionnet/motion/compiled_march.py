@@ -1,0 +1,135 @@
+"""March of a motion in loops that numba compiles when they are first used and keeps on disk.
+
+The functions are those of :mod:`.marching`, :mod:`.motion_steps` and :mod:`.guard_polynomials`. This module makes
+compiled twins of them that call each other.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+from collections.abc import Callable
+from pathlib import Path
+from types import FunctionType
+from typing import Any
+
+import numpy as np
+
+from torsionnet.base.errors import MissingExtraError
+from torsionnet.motion import guard_polynomials, marching, motion_steps
+from torsionnet.motion.guard_polynomials import DEGREE
+from torsionnet.motion.marching import NEAR
+
+try:
+    import numba
+except ModuleNotFoundError as error:
+    raise MissingExtraError('the compiled march needs numba: pip install "torsionnet[fast]"') from error
+except ImportError as error:
+    raise MissingExtraError(f"the compiled march needs a numba that works with this numpy: {error}") from error
+
+
+def near_zero(values: Any, count: int) -> Any:
+    """Steps in which guards may pass zero, and these guards, see :func:`.marching.near_zero`."""
+    steps, guards = np.empty(count * values.shape[1], dtype=np.int64), np.empty(count * values.shape[1], dtype=np.int64)
+    found, last = 0, values.shape[0] - 1
+    for step in range(count):
+        for guard in range(values.shape[1]):
+            here, there = values[step, guard], values[step + 1, guard]
+            bend = 0.0
+            for place in (max(step, 1), min(step + 1, last - 1)):
+                bent = abs(values[place + 1, guard] - 2 * values[place, guard] + values[place - 1, guard])
+                bend = max(bend, bent)
+            if min(here, there) < NEAR * bend:
+                steps[found], guards[found] = step, guard
+                found += 1
+    return steps[:found], guards[:found]
+
+
+def put(target: Any, values: Any) -> None:
+    """Write values to the beginning of an array."""
+    for k in range(values.shape[0]):
+        target[k] = values[k]
+
+
+def sum_of_products(matrix: Any, vector: Any, other: Any, torques: Any) -> Any:
+    """Sum of two products of matrices and vectors."""
+    found, further = np.dot(matrix, vector), np.dot(other, torques)
+    for k in range(found.shape[0]):
+        found[k] += further[k]
+    return found
+
+
+def size_of(sizes: Any, z: Any) -> float:
+    """Size of the terms of a guard."""
+    found = 0.0
+    for k in range(z.shape[0]):
+        found += sizes[k] * abs(z[k])
+    return found
+
+
+def moved(z: Any, rest: float, n_q: int, taylor: Any) -> Any:
+    """State z at a place between two points of the finer grid, see :func:`.motion_steps.moved`."""
+    n_moving = taylor.shape[0] // DEGREE
+    terms, found, power = np.dot(taylor, z), z.copy(), 1.0
+    for k in range(n_q):
+        found[k] += rest * z[n_q + k]
+    for degree in range(DEGREE):
+        power *= rest
+        first, risen = degree * n_moving, power * rest / (degree + 2)
+        for k in range(n_q):
+            found[k] += risen * terms[first + k]
+        for k in range(n_moving):
+            found[n_q + k] += power * terms[first + k]
+    return found
+
+
+def numbers_of(coefficients: Any) -> Any:
+    """Coefficients of a polynomial as they are."""
+    return coefficients
+
+
+COMPILED = (
+    near_zero,
+    put,
+    sum_of_products,
+    size_of,
+    moved,
+    numbers_of,
+    guard_polynomials.polynomial_at,
+    guard_polynomials.slope_at,
+    guard_polynomials.curvature_at,
+    guard_polynomials.root_between,
+    guard_polynomials.turning_point,
+    guard_polynomials.first_root,
+    motion_steps.product,
+    motion_steps.jumped,
+    motion_steps.passed_points,
+    motion_steps.passed,
+    motion_steps.with_torques,
+    marching.located,
+    marching.noted,
+    marching.march,
+)
+"""Functions to compile, each after those that it calls."""
+
+
+def _compiled() -> Callable[..., tuple[int, float, int]]:
+    files = [Path(str(one.__file__)) for one in (guard_polynomials, motion_steps, marching)] + [Path(__file__)]
+    # numba keeps a function on disk until its own file changes, whatever the functions that it calls
+    version = hashlib.sha256(b"".join(one.read_bytes() for one in files)).hexdigest()[:12]
+    names: dict[str, Any] = {}
+    for function in COMPILED:
+        twin = FunctionType(function.__code__, {**function.__globals__, **names}, function.__name__)
+        twin.__qualname__ = f"{function.__name__}_{version}"
+        names[function.__name__] = numba.njit(cache=True, error_model="numpy")(twin)
+    return names["march"]  # type: ignore[no-any-return]
+
+
+_compiled_march = _compiled()
+
+
+def march(*arguments: Any) -> tuple[int, float, int]:
+    """March of a motion by the compiled twin of :func:`.marching.march`, or by itself where numba cannot compile it."""
+    with contextlib.suppress(numba.core.errors.NumbaError):  # before anything is changed
+        return _compiled_march(*arguments)
+    return marching.march(*arguments)

@@ -1,0 +1,331 @@
+"""Equations of motion in one contact state, z' = A z, with everything that moves by itself in z.
+
+    z = (q, q', controllers, generators of torques, 1, u, u')
+
+q are the coordinates of the plant in every contact state, so that z passes from one to the next. What a contact state
+holds still is eliminated, q = Z y + Y c with the held angles c, and what has no inertia or no inertia and no damper in
+it follows from the rest: the refresh takes z to the nearest one that meets these conditions. Torques u run straight
+between grid points; generators w' = F w add S w to them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from torsionnet.linear.assembly.rows import FloatArray, Rows, RowSystem
+from torsionnet.linear.dynamic_stiffness.action_states import LawStates
+from torsionnet.linear.dynamic_stiffness.row_algebra import unresisted_motions
+from torsionnet.linear.dynamic_stiffness.state_space import (
+    StateSpaceForm,
+    close_loops_in_states,
+    condensed,
+    motion_kinds,
+    reduced_matrices,
+)
+from torsionnet.motion.held_motions import DEPENDENT, Held, held_motions
+from torsionnet.motion.loose_motions import LooseMotionError
+from torsionnet.motion.motion_plant import MotionPlant
+from torsionnet.motion.phases import LawPhases, Phase
+from torsionnet.motion.state_layout import Drive, Layout
+
+NEGLIGIBLE_ENTRY = 1e-12
+"""Size of a row's entry, over its largest, that is rounding of entries which cancel."""
+
+
+@dataclass(frozen=True, eq=False)
+class ContactForm:
+    """Equations of motion in one contact state in SI units, and rows over z of what is read.
+
+    Attributes
+    ----------
+    A, refresh : (N, N) arrays
+        z' = A z for a refreshed z.
+    motion : three (n_q, N) arrays
+        q in rad, q' in rad/s and q'' in rad/s^2 of the coordinates.
+    twists, rates, torques : (n_laws, N) arrays
+        gamma in rad, gamma' in rad/s and T in N m of each law of motion.
+    act : (n_actions, N) array
+        Torques of controllers in N m.
+    inputs : (n_u, N) array
+        Torques and scales from outside.
+    """
+
+    A: FloatArray
+    refresh: FloatArray
+    motion: tuple[FloatArray, FloatArray, FloatArray]
+    twists: FloatArray
+    rates: FloatArray
+    torques: FloatArray
+    act: FloatArray
+    inputs: FloatArray
+
+    @cached_property
+    def largest_rates(self) -> tuple[float, float]:
+        """Largest circular frequency of a vibration, and largest pole, in rad/s."""
+        poles = np.linalg.eigvals(self.A)
+        return float(np.abs(poles.imag).max(initial=0.0)), float(np.abs(poles).max(initial=0.0))
+
+    @property
+    def accelerations(self) -> FloatArray:
+        """Rows of gamma'' in rad/s^2 of each law of motion, shape (n_laws, N)."""
+        return np.asarray(self.rates @ self.A)
+
+
+def contact_form(plant: MotionPlant, laws: Sequence[LawPhases], contact: Sequence[int], drive: Drive) -> ContactForm:
+    """Equations of motion of a plant in one contact state, the number of the phase of each of its laws.
+
+    Raises
+    ------
+    UsageError
+        Rows held in a loop.
+    LooseMotionError
+        No unique motion of what has no inertia.
+    """
+    phases = [one.phases[number] for one, number in zip(laws, contact, strict=True)]
+    system = plant.linear
+    rows = np.array([one.row for one in plant.laws]).reshape(len(phases), system.n_coordinates)
+    holds = [number for number, phase in enumerate(phases) if phase.kind == "hold"]
+    held = held_motions(rows[holds], [laws[number].owner for number in holds])
+    C, K = (_with_laws(matrix, rows, phases, what) for matrix, what in ((system.C, "damping"), (system.K, "stiffness")))
+    M = system.M
+    for one in plant.actions:
+        M, C, K = (
+            matrix - value * np.outer(one.row, one.sensed)
+            for matrix, value in zip((M, C, K), one.at_once[::-1], strict=True)
+        )
+    loads = _loads(plant, rows, phases, laws, drive, K, C, held)
+    form, heavy, basis = _form(plant, holds, _coefficients(plant, phases), held, loads)
+    return _over_z(plant, _Parts(phases, laws, holds, held, form, heavy, basis, (M, C, K), rows, drive))
+
+
+@dataclass(frozen=True, eq=False)
+class _Parts:
+    phases: Sequence[Phase]
+    laws: Sequence[LawPhases]
+    holds: Sequence[int]
+    held: Held
+    form: StateSpaceForm
+    heavy: FloatArray
+    basis: tuple[FloatArray, int, int]
+    matrices: tuple[FloatArray, FloatArray, FloatArray]
+    rows: FloatArray
+    drive: Drive
+
+
+def _coefficients(plant: MotionPlant, phases: Sequence[Phase]) -> FloatArray:
+    """Damping and stiffness (2, n_laws) of all laws, with the slopes of the phases."""
+    found = np.array([plant.linear.damping, plant.linear.stiffness])
+    for one, phase in zip(plant.laws, phases, strict=True):
+        if phase.kind == "slope":
+            found[:, one.number] = phase.damping, phase.stiffness
+    return found
+
+
+def _with_laws(matrix: FloatArray, rows: FloatArray, phases: Sequence[Phase], what: str) -> FloatArray:
+    found = matrix.copy()
+    for row, phase in zip(rows, phases, strict=True):
+        value = getattr(phase, what)
+        if phase.kind == "slope" and value:
+            found += value * np.outer(row, row)
+    return found
+
+
+def _loads(
+    plant: MotionPlant, rows: FloatArray, phases: Sequence[Phase], laws: Sequence[LawPhases], drive: Drive,
+    K: FloatArray, C: FloatArray, held: Held,
+) -> FloatArray:  # fmt: skip
+    """Columns (n_q, n) of torques over u, 1, held angles c and controllers."""
+    n_q, n_torques = drive.columns.shape
+    columns = np.zeros((n_q, drive.n_u + 1))
+    columns[:, :n_torques] = drive.columns
+    for row, phase, scale in zip(rows, phases, drive.scale_of, strict=True):
+        if phase.kind == "slope":
+            columns[:, drive.n_u if scale < 0 else scale] -= phase.torque * row
+    turning = [
+        phase.lower if law.over_rate else 0.0 for law, phase in zip(laws, phases, strict=True) if phase.kind == "hold"
+    ]
+    columns[:, drive.n_u] -= C @ held.Y @ np.array(turning)
+    driven = np.array([one.row for one in plant.actions]).reshape(len(plant.actions), n_q).T
+    return np.hstack([columns, -K @ held.Y, driven])
+
+
+def _form(
+    plant: MotionPlant, holds: Sequence[int], coefficients: FloatArray, held: Held, loads: FloatArray
+) -> tuple[StateSpaceForm, FloatArray, tuple[FloatArray, int, int]]:
+    """State equations with q over the states, the heavy motions, and the basis of y with its counts of a and b."""
+    linear = plant.linear
+    law_rows = plant.remembered(("rows", tuple(holds)), lambda: _rows_free(linear, held))
+    system = RowSystem(law_rows, linear.inertia, coefficients[0].copy(), coefficients[1].copy())
+    key = "kinds", tuple(holds), (coefficients != 0).tobytes()  # whatever their sizes
+    kinds, basis, loose = plant.remembered(key, lambda: _kinds(system))
+    actions: list[LawStates] = [replace(one, row=one.row @ held.Z, sensed=one.sensed @ held.Z) for one in plant.actions]
+    heavy, damped, static = kinds
+    names = tuple("" for _ in range(2 * heavy.shape[1] + damped.shape[1]))
+    try:
+        if loose.shape[1] and not plant.actions:  # which rounding might hide
+            raise np.linalg.LinAlgError
+        reduced = condensed(reduced_matrices(system, actions, kinds), heavy, damped, static, held.Z.T @ loads, names)
+    except np.linalg.LinAlgError:
+        nodes = plant.assembly.kinematics.coordinates
+        motions = held.Z @ loose
+        moving = np.abs(motions if loose.shape[1] else held.Z @ np.hstack([damped, static])).max(axis=1) > DEPENDENT
+        names = tuple(name for name, moves in zip(nodes, moving, strict=True) if moves)
+        text = "have neither inertia nor anything that fixes their motion while parts beside them slip or are open"
+        advice = "give them an inertia, or the parts a damping"
+        raise LooseMotionError(f"{', '.join(names)} {text}; {advice}", motions) from None
+    n_act = len(plant.actions)
+    U = held.Z @ reduced.U
+    n_held = held.Y.shape[1]
+    U[:, U.shape[1] - n_act - n_held : U.shape[1] - n_act] += held.Y
+    form = replace(reduced, X=held.Z @ reduced.X, U=U)
+    if plant.actions:
+        form = close_loops_in_states(form, plant.actions)
+    return form, heavy, (basis, heavy.shape[1], damped.shape[1])
+
+
+def _rows_free(linear: RowSystem, held: Held) -> Rows:
+    """Rows of all laws over the coordinates y that are left where rows are held."""
+    if not held.Y.shape[1]:
+        return linear.law_rows
+    dense = linear.rows @ held.Z
+    dense[np.abs(dense) <= NEGLIGIBLE_ENTRY * np.abs(linear.rows).max(axis=1, keepdims=True)] = 0.0
+    return Rows.of(dense)
+
+
+def _kinds(system: RowSystem) -> tuple[tuple[FloatArray, FloatArray, FloatArray], FloatArray, FloatArray]:
+    """Bases of the motions with inertia, damping and neither, the inverse of all together, and what nothing resists."""
+    kinds = motion_kinds(system)
+    resisted = (system.inertia != 0) | (system.damping != 0) | (system.stiffness != 0)
+    return kinds, np.linalg.inv(np.hstack(kinds)), unresisted_motions(system, resisted).basis()
+
+
+def _over_z(plant: MotionPlant, parts: _Parts) -> ContactForm:
+    form, drive, held, rows = parts.form, parts.drive, parts.held, parts.rows
+    n_q = form.X.shape[0]
+    inverse, n_a, n_b = parts.basis
+    n_x, n_h = len(form.A), len(parts.holds)
+    n_own = 2 * n_a + n_b
+    at = Layout(n_q, n_x - n_own, len(drive.F), drive.n_u)
+    # x_e = (x, c, w, 1, u, u'), over which the inputs are u + S w, 1 and c
+    c, w = slice(n_x, n_x + n_h), slice(n_x + n_h, n_x + n_h + at.n_w)
+    one = w.stop
+    u, slope = slice(one + 1, one + 1 + at.n_u), slice(one + 1 + at.n_u, one + 1 + 2 * at.n_u)
+    inputs = np.zeros((at.n_u + 1 + n_h, slope.stop))
+    inputs[: at.n_u, u], inputs[: at.n_u, w] = np.eye(at.n_u), drive.S
+    inputs[at.n_u, one] = 1.0
+    inputs[at.n_u + 1 :, c] = np.eye(n_h)
+    A = np.zeros((slope.stop, slope.stop))
+    A[:n_x, :n_x] = form.A
+    A[:n_x] += form.B @ inputs
+    A[w, w], A[u, slope] = drive.F, np.eye(at.n_u)
+    R = np.zeros((slope.stop, at.size))
+    for place, number in enumerate(parts.holds):
+        phase, over_rate = parts.phases[number], parts.laws[number].over_rate
+        if over_rate:
+            A[n_x + place, one] = phase.lower
+            R[n_x + place, at.q] = rows[number]
+        else:
+            R[n_x + place, at.one] = phase.lower
+    q = np.hstack([form.X, np.zeros((n_q, slope.stop - n_x))]) + form.U @ inputs
+    E = np.zeros((at.size, slope.stop))
+    E[at.q], E[at.v] = q, q @ A
+    E[at.controllers, n_own:n_x] = np.eye(at.n_c)
+    E[at.w, w], E[at.one, one] = np.eye(at.n_w), 1.0
+    E[at.u, u], E[at.slope, slope] = np.eye(at.n_u), np.eye(at.n_u)
+    free = list(held.free)
+    R[:n_a, free] = inverse[:n_a]
+    R[n_a : 2 * n_a, at.v] = _velocities(plant, parts, inverse[:n_a])
+    R[2 * n_a : n_own, free] = inverse[n_a : n_a + n_b]
+    R[n_own:n_x, at.controllers] = np.eye(at.n_c)
+    R[w, at.w], R[one, at.one] = np.eye(at.n_w), 1.0
+    R[u, at.u], R[slope, at.slope] = np.eye(at.n_u), np.eye(at.n_u)
+    whole, refresh, outside = E @ A @ R, E @ R, np.zeros((at.n_u, at.size))
+    outside[:, at.u], outside[:, at.w] = np.eye(at.n_u), drive.S
+    motion = refresh[at.q], refresh[at.v], whole[at.v]
+    act = _action_torques(plant, at, *motion)
+    found = ContactForm(
+        whole, refresh, motion, rows @ motion[0], rows @ motion[1], np.zeros((len(rows), at.size)), act, outside
+    )
+    return replace(found, torques=_law_torques(plant, parts, at, found, motion))
+
+
+def _velocities(plant: MotionPlant, parts: _Parts, plain: FloatArray) -> FloatArray:
+    """Rows (n_a, n_q) of the rates of the heavy motions from q', which keep the momentum where rows are caught.
+
+    What has no inertia has none: its rate, which jumps as friction beside it begins to stick, moves no inertia.
+    """
+    held, M = parts.held, plant.assembly.system.M
+    turning = any(parts.laws[number].over_rate and parts.phases[number].lower for number in parts.holds)
+    if parts.holds and parts.heavy.shape[1] and not turning:
+        moved = held.Z @ parts.heavy
+        return np.asarray(np.linalg.solve(moved.T @ M @ moved, moved.T @ M))
+    found = np.zeros((len(plain), len(held.Z)))
+    found[:, list(held.free)] = plain
+    return found
+
+
+def _action_torques(
+    plant: MotionPlant, at: Layout, position: FloatArray, speed: FloatArray, acceleration: FloatArray
+) -> FloatArray:
+    found = np.zeros((len(plant.actions), at.size))
+    place = at.controllers.start
+    for number, one in enumerate(plant.actions):
+        for value, motion in zip(one.at_once, (position, speed, acceleration), strict=True):
+            found[number] += value * (one.sensed @ motion)
+        found[number, place : place + len(one.H)] += one.H
+        place += len(one.H)
+    return found
+
+
+def _law_torques(
+    plant: MotionPlant, parts: _Parts, at: Layout, form: ContactForm, motion: tuple[FloatArray, FloatArray, FloatArray]
+) -> FloatArray:
+    """Rows (n_laws, N) of the torques of the laws of motion, of held rows the multipliers of their constraints."""
+    found = form.torques.copy()
+    for number, (phase, scale) in enumerate(zip(parts.phases, parts.drive.scale_of, strict=True)):
+        if phase.kind == "slope":
+            found[number] = phase.stiffness * form.twists[number] + phase.damping * form.rates[number]
+            if scale < 0:
+                found[number, at.one] += phase.torque
+            else:
+                found[number] += phase.torque * form.inputs[scale]
+    M, C, K = parts.matrices
+    position, speed, acceleration = motion
+    n_torques = parts.drive.columns.shape[1]
+    left = parts.drive.columns @ form.inputs[:n_torques] - M @ acceleration - C @ speed - K @ position
+    for number, (phase, scale) in enumerate(zip(parts.phases, parts.drive.scale_of, strict=True)):
+        if phase.kind == "slope" and phase.torque:
+            constant = form.inputs[scale] if scale >= 0 else np.eye(at.size)[at.one]
+            left -= phase.torque * np.outer(parts.rows[number], constant)
+    for one, torque in zip(plant.actions, form.act, strict=True):
+        at_once = sum(
+            value * (one.sensed @ part) for value, part in zip(one.at_once, motion, strict=True)
+        )  # stands in M, C and K
+        left += np.outer(one.row, torque - at_once)
+    found[list(parts.holds)] = parts.held.Y.T @ left
+    return found
+
+
+def relative_form(plant: MotionPlant, at: Layout, form: ContactForm) -> ContactForm:
+    """Form over coordinates relative to the rotation of the whole, which grows without bounds and moves nothing."""
+    S, back = np.eye(at.size), np.eye(at.size)
+    for pivot, column in plant.turning:
+        for place in (at.q, at.v):
+            S[place, place.start + pivot] = column
+            back[place, place.start + pivot] = np.where(np.arange(at.n_q) == pivot, 1.0, -column)
+    turned = [at.q.start + pivot for pivot, _ in plant.turning]
+    A, refresh = back @ form.A @ S, back @ form.refresh @ S
+    twists, rates, torques, act = (rows @ S for rows in (form.twists, form.rates, form.torques, form.act))
+    position, speed, acceleration = (rows @ S for rows in form.motion)
+    refresh[:, turned] = np.eye(at.size)[:, turned]
+    for rows in (A, speed, acceleration, rates, torques, act):
+        rows[:, turned] = 0.0
+    for place, pivot in zip(turned, (pivot for pivot, _ in plant.turning), strict=True):
+        position[:, place] = S[at.q, at.q.start + pivot]
+    bound = np.abs(twists[:, turned]) <= NEGLIGIBLE_ENTRY * np.abs(form.twists).max(axis=1, initial=1.0, keepdims=True)
+    twists[:, turned] = np.where(bound, 0.0, twists[:, turned])
+    return ContactForm(A, refresh, (position, speed, acceleration), twists, rates, torques, act, form.inputs)

@@ -1,0 +1,162 @@
+"""Tables of contact states for the march: matrices of steps, of guards at many grid points, and of parts of a step."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from torsionnet.linear.assembly.rows import FloatArray
+from torsionnet.motion.contact_form import ContactForm
+from torsionnet.motion.guard_polynomials import DEGREE
+from torsionnet.motion.phases import LawPhases
+from torsionnet.motion.state_layout import Layout
+from torsionnet.motion.step_matrices import BLOCK, StepMatrices, pushes_of, rows_of_guards, step_matrices
+
+GUARDS_PER_LAW = 3
+"""Number of guards of a law: lower bound, upper bound, and sign of the torque of a contact."""
+LOWER, UPPER, PUSH = 0, 1, 2
+MOST_TURN = 0.25
+"""Angle in rad that the fastest motion may turn between two points of the finer grid, see ``DEGREE``."""
+HOLD_TOLERANCE = 1e-12
+"""Share of the torque of a hold by which rounding may carry it over its limit. A row lets go at twice as much, so that
+what has just come to stand at the limit, as friction behind a spring does, stays."""
+MOST_BYTES = 300_000_000
+"""Most memory in bytes of all tables, beyond which those of contact states left behind are made again."""
+
+
+@dataclass(frozen=True, eq=False)
+class MarchTable:
+    """Tables of one contact state, with time in steps: see :func:`.marching.march` for the arrays in their order.
+
+    Those over guards hold the guards that a motion changes, and zeros after them; ``numbers`` (1 + n_g,) are the count
+    and the numbers of these guards.
+    """
+
+    ahead: FloatArray
+    pushed: FloatArray
+    powers: FloatArray
+    pushes: FloatArray
+    finer: FloatArray
+    courses: FloatArray
+    sizes: FloatArray
+    halves: FloatArray
+    taylor: FloatArray
+    refresh: FloatArray
+    numbers: NDArray[np.int64]
+
+    @property
+    def arrays(self) -> tuple[NDArray[Any], ...]:
+        return tuple(getattr(self, one.name) for one in fields(self))
+
+
+FIELDS = tuple(one.name for one in fields(MarchTable))
+"""Names of the tables in the order in which the march takes them."""
+
+
+def in_steps(at: Layout, h: float) -> FloatArray:
+    """Units (N,) of the state z where time counts in steps of h seconds: rates are angles per step."""
+    units = np.ones(at.size)
+    units[at.v] = units[at.slope] = 1 / h
+    return units
+
+
+def guard_count(n_laws: int) -> int:
+    """Number of guards of so many laws, at least one."""
+    return max(1, GUARDS_PER_LAW * n_laws)
+
+
+def guard_rows(form: ContactForm, laws: Sequence[LawPhases], contact: Sequence[int], at: Layout,
+               scales: Sequence[int]) -> FloatArray:  # fmt: skip
+    """Rows (n_g, N) over z in SI units that stay above zero as long as the contact state holds.
+
+    A guard that a law has not is 1.
+    """
+    one = np.eye(at.size)[at.one]
+    found = np.tile(one, (guard_count(len(laws)), 1))
+    for number, (law, place) in enumerate(zip(laws, contact, strict=True)):
+        phase = law.phases[place]
+        own = found[GUARDS_PER_LAW * number : GUARDS_PER_LAW * (number + 1)]
+        if phase.kind == "hold":
+            scale = one if scales[number] < 0 else form.inputs[scales[number]]
+            slack = 2 * HOLD_TOLERANCE * max(abs(phase.low), abs(phase.high))
+            own[LOWER] = form.torques[number] - (phase.low - slack) * scale
+            own[UPPER] = (phase.high + slack) * scale - form.torques[number]
+            continue
+        motion = form.rates[number] if law.over_rate else form.twists[number]
+        if math.isfinite(phase.lower):
+            own[LOWER] = motion - phase.lower * one
+        if math.isfinite(phase.upper):
+            own[UPPER] = phase.upper * one - motion
+        if phase.side and phase.damping:
+            line = phase.torque * one + phase.stiffness * form.twists[number] + phase.damping * form.rates[number]
+            own[PUSH] = line * (phase.side if phase.kind == "slope" else -phase.side)
+    return found
+
+
+def march_table(form: ContactForm, guards: FloatArray, at: Layout, h: float, n_sub: int) -> MarchTable:
+    """Tables of a contact state with guards (n_g, N) over z in SI units, for steps of h seconds."""
+    units = in_steps(at, h)
+    A = h * form.A * units / units[:, None]
+    refresh = form.refresh * units / units[:, None]
+    own_guards = changing_guards(guards, at)
+    rows = guards[own_guards] * units
+    finest = np.asarray(scipy.linalg.expm(A / n_sub))
+    parts = [finest]
+    while len(parts) < round(math.log2(n_sub)):
+        parts.insert(0, parts[0] @ parts[0])
+    finer = [rows]
+    for _ in range(n_sub):
+        finer.append(finer[-1] @ finest)
+    steps = step_matrices(parts[0] @ parts[0], at)
+    ahead, pushed = rows_of_guards(rows, steps, at)
+    taylor = taylor_rows(np.vstack([rows, np.eye(at.size)[at.n_q : at.one]]), A)
+    size, n_g = np.abs(A), len(guards)
+    changed = np.abs(rows) @ size
+    return MarchTable(
+        _padded(ahead.reshape(-1, at.n_p), (BLOCK + 1) * n_g),
+        _padded(pushed.reshape(len(rows) * (BLOCK + 1), -1), (BLOCK + 1) * n_g),
+        steps.powers,
+        pushes_of(steps),
+        _padded(np.concatenate(finer), (n_sub + 1) * n_g),
+        _padded(taylor[:, : len(rows)].transpose(1, 0, 2).reshape(-1, at.size), (DEGREE + 1) * n_g),
+        _padded(np.abs(rows) + changed + changed @ size / 2, n_g),
+        np.array(parts),
+        taylor[1:, len(rows) :].reshape(-1, at.size),
+        np.ascontiguousarray(refresh[: at.n_p]),
+        np.array([len(rows), *own_guards, *[0] * (n_g - len(rows))]),
+    )
+
+
+def table_steps(tables: Sequence[NDArray[Any]], number: int, at: Layout) -> StepMatrices:
+    """Matrices of steps out of the stacked tables of contact states, of the one with a number."""
+    powers, pushes = (tables[FIELDS.index(name)][number] for name in ("powers", "pushes"))
+    first, last = np.split(pushes[: 2 * at.n_p * at.n_u].reshape(at.n_p, 2 * at.n_u), 2, axis=1)
+    return StepMatrices(powers, first, last)
+
+
+def changing_guards(guards: FloatArray, at: Layout) -> NDArray[np.int64]:
+    """Numbers of the guards that a motion changes, at least one."""
+    one = np.eye(at.size)[at.one]
+    found = np.flatnonzero((guards != one).any(axis=1))
+    return found if len(found) else np.zeros(1, dtype=np.int64)
+
+
+def taylor_rows(rows: FloatArray, A: FloatArray) -> FloatArray:
+    """Rows (DEGREE + 1, n_rows, N) of the Taylor coefficients of rows (n_rows, N) over z."""
+    terms = [rows]
+    for k in range(1, DEGREE + 1):
+        terms.append(terms[-1] @ A / k)
+    return np.array(terms)
+
+
+def _padded(rows: FloatArray, count: int) -> FloatArray:
+    """Rows with zeros below, ``count`` in all, so that the tables of all contact states are of one size."""
+    found = np.zeros((count, rows.shape[1]))
+    found[: len(rows)] = rows
+    return found

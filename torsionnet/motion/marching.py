@@ -1,0 +1,178 @@
+"""March of a motion from grid point to grid point, with events located to rounding.
+
+A motion in one contact state is linear, z(t + tau) = exp(A tau) z(t). Time counts in steps of the grid. Guards are
+linear forms g z that stay above zero as long as the contact state holds; an event is where the first falls below zero.
+Guards are evaluated at many grid points at once. A step is examined where a guard may fall below zero in it, even if it
+does so between two grid points alone: at a turning point it lies below the smaller value at the ends by at most a
+fraction of its second differences.
+
+These functions are plain Python with few numpy calls a block; :mod:`.compiled_march` compiles them where numba is
+installed. All arrays of contact states are stacked in :class:`.MarchTables`.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from torsionnet.motion.guard_polynomials import DEGREE, first_root, numbers_of
+from torsionnet.motion.motion_steps import (
+    jumped,
+    moved,
+    passed,
+    passed_points,
+    product,
+    put,
+    sum_of_products,
+    with_torques,
+)  # fmt: skip
+
+NEAR = 0.5
+"""Share of its second differences by which a guard is taken to dip between two points. A parabola dips by 1/8."""
+ROUNDING = 2e-15
+"""Size, over the sizes of its terms and of what they change in a step, up to which a guard counts as zero, that is ten
+roundings of 2.2e-16."""
+DONE, ASK, FULL, STORM = 0, 1, 2, 3
+"""Reasons for which a march stops, at its end, at an event whose next contact state is not known, at full lists, or in
+too many events within a window of time."""
+
+
+def near_zero(values: Any, count: int) -> Any:
+    """Steps between rows of guard values (count + 1, n_g) in which guards may pass zero, and these guards, in pairs."""
+    bend = np.empty_like(values)
+    bend[1:-1] = np.abs(values[2:] - 2 * values[1:-1] + values[:-2])
+    bend[0], bend[-1] = bend[1], bend[-2]
+    lowest = np.minimum(values[1:], values[:-1])
+    return np.nonzero((lowest < NEAR * np.maximum(bend[1:], bend[:-1]))[:count])
+
+
+def size_of(sizes: Any, z: Any) -> float:
+    """Size of the terms of a guard, whose sizes are over those of the entries of z."""
+    return np.dot(sizes, np.abs(z))  # type: ignore[no-any-return]
+
+
+def located(
+    z: Any, length: float, n_sub: int, n_q: int, n_g: int, finer: Any, courses: Any, sizes: Any, halves: Any,
+    taylor: Any,
+) -> tuple[float, int, Any]:  # fmt: skip
+    """Time of the first event within a part of a step, the place of its guard, and z there; (-1, -1, z) without one.
+
+    The torques in z need not be those there.
+
+    ``finer`` gives the guards at the points of the finer grid, ``courses`` their Taylor coefficients, ``sizes`` the
+    sizes of their terms.
+    """
+    values = product(finer[: (n_sub + 1) * n_g], z).reshape(n_sub + 1, n_g)
+    places, guards = near_zero(values, n_sub)
+    here, place, which, found = z, -1, -1, 2.0
+    for pair in range(places.shape[0]):
+        start = places[pair] / n_sub
+        if start >= length or (which >= 0 and places[pair] != place):
+            break
+        if places[pair] != place:
+            place = places[pair]
+            here = passed_points(z, place, n_sub, halves)
+        guard = guards[pair]
+        course = product(courses[guard * (DEGREE + 1) : (guard + 1) * (DEGREE + 1)], here)
+        rounding = ROUNDING * size_of(sizes[guard], here)
+        root = first_root(numbers_of(course), min(1.0 / n_sub, length - start), rounding)
+        if 0 <= root < found:
+            found, which = root, guard
+    if which >= 0:
+        return place / n_sub + found, which, moved(here, found, n_q, taylor)
+    return -1.0, -1, z
+
+
+def noted(pieces: Any, n: int, c: int, i: int, steps: int, start: float, part: float, p: Any) -> int:
+    """Number of the stretches of motion listed after one more."""
+    numbers, times, states = pieces
+    numbers[n, 0], numbers[n, 1], numbers[n, 2] = c, i, steps
+    times[n, 0], times[n, 1] = start, part
+    put(states[n], p)
+    return n + 1
+
+
+def march(
+    state: Any, f: float, p: Any, drive: Any, n_u: int, n_sub: int, n_q: int, tables: Any, guards: Any, following: Any,
+    offsets: Any, pieces: Any, event_numbers: Any, event_times: Any, storm: Any,
+) -> tuple[int, float, int]:  # fmt: skip
+    """March in contact states until the end, an event that has to be asked about, or full lists.
+
+    ``state`` holds the contact state, the grid point, the last grid point, and how many pieces and events are listed;
+    ``f`` is the part of the step that has passed and ``p`` the state, which changes in place. ``guards`` are the count
+    and the numbers of the guards of each contact state that change. Pieces are stretches of motion in one contact state
+    (contact state, grid point, whole steps; part of the step at the beginning, part passed; state at the beginning),
+    events (contact state, guard, grid point, next contact state or -1; part of the step). ``storm`` holds the length of
+    a window of time, its beginning, and the most events and the events in it.
+
+    Returns the reason for which the march stops, the part of the step there, and the number of the guard.
+    """
+    ahead, pushed, powers, pushes, finer, courses, sizes, halves, taylors, refreshes = tables
+    most = ahead.shape[1] // sizes.shape[1] - 1
+    c, i, last = state[0], state[1], state[2]
+    n_pieces, n_events, reason, which = state[3], state[4], DONE, -1
+    while i < last:
+        if n_pieces + 2 > pieces[0].shape[0] or n_events + 1 > event_numbers.shape[0]:
+            reason = FULL
+            break
+        which, part, start, n_g = -1, 0.0, f, guards[c, 0]
+        if f > 0:
+            z = with_torques(p, i, f, n_u, drive)
+            part, which, z = located(z, 1 - f, n_sub, n_q, n_g, finer[c], courses[c], sizes[c], halves[c], taylors[c])
+            if which < 0:
+                part = 1 - f
+                z = passed(z, part, n_sub, n_q, halves[c], taylors[c])
+        else:
+            count, rows = min(most, last - i), (most + 1) * n_g
+            values = sum_of_products(ahead[c, :rows], p, pushed[c, :rows], drive[i * n_u : (i + most + 1) * n_u])
+            there, steps, looked, z = p, 0, -1, p
+            for step in near_zero(values.reshape(most + 1, n_g), count)[0]:
+                if step == looked:
+                    continue
+                there = jumped(there, i + steps, step - steps, n_u, drive, offsets, powers[c], pushes[c])
+                steps = looked = step
+                z = with_torques(there, i + step, 0.0, n_u, drive)
+                part, which, z = located(z, 1.0, n_sub, n_q, n_g, finer[c], courses[c], sizes[c], halves[c], taylors[c])
+                if which >= 0:
+                    break
+            if which < 0:
+                there = jumped(there, i + steps, count - steps, n_u, drive, offsets, powers[c], pushes[c])
+                steps = count
+            if steps:
+                n_pieces = noted(pieces, n_pieces, c, i, steps, 0.0, 0.0, p)
+                put(p, there)
+                i += steps
+            if which < 0:
+                continue
+            start = 0.0
+        if part > 0:
+            n_pieces = noted(pieces, n_pieces, c, i, 0, start, part, p)
+        if which < 0 or start + part >= 1.0:
+            i += 1
+            f = 0.0
+        else:
+            f = start + part
+        put(p, z[: p.shape[0]])
+        if which < 0:
+            continue
+        which = guards[c, 1 + which]
+        event_numbers[n_events, 0], event_numbers[n_events, 1], event_numbers[n_events, 2] = c, which, i
+        event_numbers[n_events, 3] = following[c, which]
+        event_times[n_events] = f
+        n_events += 1
+        if i - storm[1] > storm[0]:
+            storm[1], storm[3] = i, 0
+        storm[3] += 1
+        if storm[3] > storm[2]:
+            reason = STORM
+            break
+        if following[c, which] < 0:
+            reason = ASK
+            break
+        # z meets the conditions before the event but for the rounding of many steps: a slip begins at zero
+        for contact in (c, following[c, which]):
+            put(p, product(refreshes[contact], with_torques(p, i, f, n_u, drive)))
+        c = following[c, which]
+    state[0], state[1], state[3], state[4] = c, i, n_pieces, n_events
+    return reason, f, which

@@ -1,0 +1,140 @@
+"""Record of a motion: its stretches in one contact state each, and the readings at samples."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.linear.assembly.law_stiffness import Functional
+from torsionnet.linear.assembly.rows import FloatArray
+from torsionnet.model.channels import Input
+from torsionnet.motion.contact_states import Contact, ContactStates
+from torsionnet.motion.march_tables import in_steps
+from torsionnet.motion.read_rows import reading_plan, reading_rows
+from torsionnet.motion.step_matrices import BLOCK, rows_along
+
+COLUMNS = 256
+"""Number of stretches worked on at once, enough for products of matrices at full speed."""
+MOST_KEPT = 64
+"""Most contact states whose rows are kept, which take some MB each for large drivetrains."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stretches:
+    """Stretches of motion in one contact state each.
+
+    Attributes
+    ----------
+    contacts : list of tuple
+        Contact states by number.
+    numbers : (n, 3) array
+        Contact state, grid point, and whole steps; 0 steps for a part of a step.
+    times : (n, 2) array
+        Part of the step at the beginning, and part passed.
+    starts : (n, n_p) array
+        States p at the beginning.
+    """
+
+    contacts: list[Contact]
+    numbers: NDArray[np.int64]
+    times: FloatArray
+    starts: FloatArray
+
+    @property
+    def nbytes(self) -> int:
+        return self.numbers.nbytes + self.times.nbytes + self.starts.nbytes
+
+    def groups(self, keys: NDArray[np.int64], among: NDArray[np.int64]) -> Iterator[Stretches]:
+        """Stretches of the numbers ``among`` of one key each, a few hundred at a time."""
+        order = among[np.argsort(keys[among], kind="stable")]
+        for own in np.split(order, np.flatnonzero(np.diff(keys[order])) + 1):
+            for first in range(0, len(own), COLUMNS):
+                yield self.chosen(own[first : first + COLUMNS])
+
+    def chosen(self, which: NDArray[np.int64]) -> Stretches:
+        """Stretches of some numbers."""
+        return Stretches(self.contacts, self.numbers[which], self.times[which], self.starts[which])
+
+    @property
+    def is_whole(self) -> NDArray[np.bool_]:
+        """Whether stretches are of whole steps, not of parts of steps."""
+        return np.asarray(self.numbers[:, 2] > 0)
+
+    @property
+    def kinds(self) -> NDArray[np.int64]:
+        """Numbers that differ where the contact state does, or whole steps from parts of steps."""
+        return 2 * self.numbers[:, 0] + self.is_whole
+
+    def alike(self) -> Iterator[tuple[Contact, bool, Stretches]]:
+        """Stretches by contact state, whole steps (True) apart from parts of steps, a few hundred at a time."""
+        for few in self.groups(self.kinds, np.arange(len(self.numbers))):
+            yield self.contacts[few.numbers[0, 0]], bool(few.is_whole[0]), few
+
+    def along(self, rows: tuple[FloatArray, FloatArray], drive: FloatArray) -> FloatArray:
+        """Values (n, n_points, n_rows) at grid points or between along whole steps, see :func:`.rows_along`."""
+        ahead, pushed = rows
+        driven = drive[self.numbers[:, 1, None] + np.arange(BLOCK + 1)].reshape(len(self.starts), -1)
+        found = self.starts @ ahead.reshape(-1, ahead.shape[2]).T + driven @ pushed.reshape(-1, pushed.shape[2]).T
+        return np.asarray(found.reshape(-1, *ahead.shape[:2]))
+
+    def whole_states(self, drive: FloatArray) -> FloatArray:
+        """States z (N, n) at the beginning."""
+        i, f = self.numbers[:, 1], self.times[:, 0]
+        before, after = drive[i], drive[i + 1]
+        return np.vstack([self.starts.T, (before + f[:, None] * (after - before)).T, (after - before).T])
+
+
+class MotionRecord:
+    """Record of readings (n_out, n) at samples, filled with stretches of motion.
+
+    ``refinement`` is the number of steps between samples, ``drive`` (n_points, n_u) the torques at the grid points.
+    """
+
+    def __init__(
+        self, states: ContactStates, readings: Sequence[Functional], inputs: Sequence[Input], n: int, refinement: int,
+        drive: FloatArray,
+    ) -> None:  # fmt: skip
+        self.states, self.readings, self.inputs = states, readings, inputs
+        self.refinement, self.drive = refinement, drive
+        self.plan = reading_plan(states.plant, readings, inputs)
+        self.by_sample = np.zeros((n, len(readings)))
+        self._rows: dict[Contact, tuple[FloatArray, tuple[FloatArray, FloatArray]]] = {}
+
+    @property
+    def values(self) -> FloatArray:
+        """Readings (n_out, n) at samples."""
+        return self.by_sample.T
+
+    def add(self, stretches: Stretches) -> None:
+        """Read stretches of motion at the samples from their beginnings on, without their ends."""
+        n, k = stretches.numbers, self.refinement
+        first = -n[:, 1] % k  # steps to the first sample
+        inside = np.where(stretches.is_whole, first < n[:, 2], (first == 0) & (stretches.times[:, 0] == 0))
+        for few in stretches.groups(k * stretches.kinds + first, np.flatnonzero(inside)):
+            at_once, (ahead, pushed) = self._rows_of(few.contacts[few.numbers[0, 0]])
+            begin = int(-few.numbers[0, 1] % k)
+            samples = (few.numbers[:, 1] + begin) // k
+            if few.is_whole[0]:
+                read = few.along((ahead[begin::k], pushed[begin::k]), self.drive)
+                reached = np.arange(begin, BLOCK, k) < few.numbers[:, 2, None]
+                which, further = np.nonzero(reached)
+                self.by_sample[samples[which] + further] = read[reached]
+            else:
+                self.by_sample[samples] = (at_once @ few.whole_states(self.drive)).T
+
+    def add_last(self, contact: Contact, z: FloatArray) -> None:
+        """Read the state z at the last sample."""
+        self.by_sample[-1] = self._rows_of(contact)[0] @ z
+
+    def _rows_of(self, contact: Contact) -> tuple[FloatArray, tuple[FloatArray, FloatArray]]:
+        if contact not in self._rows:
+            if len(self._rows) >= MOST_KEPT:
+                self._rows.clear()
+            states, at = self.states, self.states.at
+            form = states.form(contact)
+            rows = reading_rows(states.plant, self.readings, self.inputs, form, at, self.plan) * in_steps(at, states.h)
+            self._rows[contact] = rows, rows_along(rows, states.steps(contact), at)
+        return self._rows[contact]

@@ -1,0 +1,194 @@
+"""Scenario of torques over time on nodes, and of what scales the torques of elements."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from torsionnet.base.entries.composite import Named
+from torsionnet.base.entries.scalars import Value
+from torsionnet.base.entries.spec import Json, Schema, Spec, entry, name_fault
+from torsionnet.base.errors import Fault, Path, TorsionnetError, unfit_word, unknown_name
+from torsionnet.base.expressions import Expression
+from torsionnet.model.element_base.element_entries import ElementName
+from torsionnet.model.elements import GROUND, Element, MotionLaw, Values
+from torsionnet.model.operating_point import TorqueInput, place_fault, torque_place
+from torsionnet.motion.scenarios.history_entry import Course, HistoryEntry
+from torsionnet.motion.scenarios.scenario import DrivingCourse, Scenario, ScenarioSubject, register_scenario
+from torsionnet.motion.scenarios.time_history import TimeHistory
+
+_TORQUE = HistoryEntry("torque over time", "torque")
+_TORQUES = Named(
+    "torque over time by node",
+    _TORQUE,
+    refused=place_fault,
+    form="{node: {0 s: 20 N*m, 50 ms: 250 N*m}}",
+    keys=TorqueInput("a node, two nodes, or an input"),
+)
+_SCALE = HistoryEntry("what scales the torque of the element, over time")
+_SCALES = Named(
+    "what scales the torques of elements, over time, by element",
+    Named("over time, by name", _SCALE, form="{clamp: {0 s: 0 N*m, 0.5 s: 300 N*m}}", fewest=1),
+    refused=name_fault,
+    form="{clutch: {clamp: {0 s: 0 N*m, 0.5 s: 300 N*m}}}",
+    keys=ElementName("an element"),
+)
+
+NOTHING_SCALES = "nothing scales its torque; a clutch with state: slipping, friction and clamp_torque follows its clamp"
+_SCALE_WORDS = {"clamp": "clamp of "}
+"""Words before the name of an element for what scales its torque, as reports in other languages know them."""
+
+
+@register_scenario
+@dataclass(frozen=True, kw_only=True)
+class TorqueScenario(Scenario):
+    """Torques over time on nodes, in place of the mean torques that act there, and what scales torques of elements.
+
+    A torque is a constant, runs straight between rows ``{0 s: 20 N*m, 50 ms: 250 N*m}``, or is
+    mean + amplitude cos(2 pi frequency t + phase). Mean torques of the operating point on other nodes go on acting
+    where the scenario starts there; from rest only its own torques act. ``clutch: {clamp: {0 s: 0 N*m,
+    0.5 s: 300 N*m}}`` gives what scales the torque of an element over time, as the clamp torque of a clutch.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> car = tn.Drivetrain("car", [tn.Inertia("engine", node="crank", inertia=0.25)])
+    >>> tip_in = tn.TorqueScenario(duration="2 s", torque={"crank": {"0 s": "20 N*m", "50 ms": "250 N*m"}})
+    >>> record = car.simulate("crank", scenario=tip_in, sampling_rate=40)
+    >>> record["torque on crank"].values[:3].round(6).tolist()
+    [20.0, 135.0, 250.0]
+    """
+
+    kind: ClassVar[str] = "torques"
+    form: ClassVar[str] = "{type: torques, duration: 2 s, torque: {crank: {0 s: 20 N*m, 50 ms: 250 N*m}}}"
+
+    duration: float = entry(Value("time that is simulated", "time", exclusive=True))
+    torque: Mapping[str, Course] = entry(_TORQUES, None)
+    elements: Mapping[str, Mapping[str, Course]] = entry(_SCALES, None)
+
+    @classmethod
+    def _own_keys(cls, raw: Mapping[Any, Any]) -> dict[Any, Any]:
+        known = dict(cls.specs())
+        return {key: one for key, one in raw.items() if key in known or not isinstance(one, Mapping)}
+
+    @classmethod
+    def read_entries(cls, raw: Mapping[Any, Any]) -> tuple[dict[str, Any], list[Fault]]:
+        """Values of the entries that could be read, by name, and every fault; other tables are those of elements."""
+        own = cls._own_keys(raw)
+        values, faults = super().read_entries(own)
+        scaled, found = _SCALES.read({key: one for key, one in raw.items() if key not in own})
+        if scaled or values.get("elements"):
+            values["elements"] = {**(values.get("elements") or {}), **scaled}
+        return values, [*faults, *found]
+
+    @classmethod
+    def entry_specs(cls, raw: Mapping[Any, Any]) -> Mapping[Any, Spec[Any]]:
+        scaled = {key: _SCALES.of for key in raw if key not in cls._own_keys(raw)}
+        return {**super().entry_specs(raw), **scaled}
+
+    @classmethod
+    def key_names(cls, raw: Mapping[Any, Any]) -> Mapping[Any, Spec[Any]]:
+        own = cls._own_keys(raw)
+        return _SCALES.key_names({key: one for key, one in raw.items() if key not in own})
+
+    def contradictions(self) -> list[Fault]:
+        if self.torque or self.elements:
+            return []
+        return [Fault("a scenario of torques needs torque: {crank: {0 s: 20 N*m, 50 ms: 250 N*m}}", on_key=True)]
+
+    @property
+    def length(self) -> float:
+        return self.duration
+
+    @property
+    def words(self) -> str:
+        torques = [f"torque on {', '.join(self.torque)}"] if self.torque else []
+        scales = [
+            f"{_SCALE_WORDS.get(what, f'{what} of ')}{element}"
+            for element, one in self.elements.items()
+            for what in one
+        ]
+        return f"{' and '.join([*torques, *scales])} over {self.duration:g} s"
+
+    @property
+    def places(self) -> tuple[str, ...]:
+        return tuple(node for place in self.torque for node in torque_place(place).nodes)
+
+    @property
+    def needed(self) -> tuple[str, ...]:
+        return tuple(self.elements)
+
+    def expressions(self) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
+        for place, one in self.torque.items():
+            for path, expression, dimension in _TORQUE.expressions(one):
+                yield ("torque", place, *path), _TORQUE.of, expression, dimension
+        for element, table in self.elements.items():
+            for what, one in table.items():
+                for path, expression, dimension in _SCALE.expressions(one):
+                    yield (element, what, *path), _SCALE.of, expression, dimension
+
+    def name_faults(self, model: ScenarioSubject) -> list[Fault]:
+        faults = []
+        for place in self.torque:
+            if place in model.inputs:
+                if model.inputs[place].quantity != "torque":
+                    text = f"{place} imposes an {model.inputs[place].quantity}; a scenario gives torques"
+                    faults.append(Fault(text, ("torque", place), on_key=True))
+                continue
+            named = torque_place(place).nodes
+            for node in named:
+                if node == GROUND and len(named) == 1:
+                    faults.append(Fault("ground does not move; name a node", ("torque", place), on_key=True))
+                elif node not in model.nodes and node != GROUND:
+                    known = [*model.nodes, *model.inputs]
+                    faults.append(unknown_name("node", node, known, ("torque", place), on_key=True))
+        for name, table in self.elements.items():
+            element = model.elements.get(name)
+            if element is None:
+                known = [*model.elements, *(one for one, _ in self.specs())]
+                faults.append(unknown_name("element", name, known, (name,), on_key=True))
+                continue
+            scales = scaled_names(element, model.value)
+            for what in table:
+                if what not in scales:
+                    rest = f"{name} is scaled by {', '.join(scales)}" if scales else NOTHING_SCALES
+                    text = f'the torque of {name} does not follow "{what}"'
+                    faults.append(unfit_word(text, what, scales, (name, what), rest, on_key=True))
+        return faults
+
+    def histories(self, value: Values) -> dict[str, TimeHistory]:
+        """Torques over time by node, with values of the parameters."""
+        return {place: one.at(value) for place, one in self.torque.items()}
+
+    def course(self, model: ScenarioSubject) -> DrivingCourse:
+        scales = {
+            (element, what): one.at(model.value)
+            for element, table in self.elements.items()
+            for what, one in table.items()
+        }
+        return DrivingCourse(torques=self.histories(model.value), scales=scales)
+
+    def to_data(self) -> Json:
+        """Plain data that describe the scenario in a file, with tables of elements under their names."""
+        data = dict(self.written_entries())
+        scaled = data.pop("elements", None) or {}
+        keys = dict(self.specs())
+        if isinstance(scaled, Mapping) and any(name in keys for name in scaled):
+            return {**data, "elements": scaled}
+        return {**data, **scaled} if isinstance(scaled, Mapping) else data
+
+    @classmethod
+    def schema(cls, *, type_key: str = "") -> Schema:
+        """JSON Schema of the scenario, in which any other key is an element with what scales its torque."""
+        found = super().schema(type_key=type_key)
+        return {**found, "additionalProperties": _SCALES.of.schema()}
+
+
+def scaled_names(element: Element, value: Values) -> tuple[str, ...]:
+    """Names of what scales the torques of an element's laws of motion, as ``clamp``."""
+    try:
+        parts = element.whole_parts(value)
+    except (ArithmeticError, KeyError, TorsionnetError):  # other checks say what its values lack
+        return ()
+    return tuple(dict.fromkeys(one.scaled_by for one in parts if isinstance(one, MotionLaw) and one.scaled_by))

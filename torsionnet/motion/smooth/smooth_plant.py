@@ -1,0 +1,238 @@
+"""Plant with smooth laws under torques over time: its states y, their rates of change, and the whole states z.
+
+y are the states of the contact state, as few as there are, followed by the torques of laws that lag behind their curve.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from torsionnet.linear.assembly.law_stiffness import Functional
+from torsionnet.linear.assembly.rows import FloatArray
+from torsionnet.model.channels import Input
+from torsionnet.motion.contact_states import Contact, ContactStates
+from torsionnet.motion.driving import Driving, Stretch
+from torsionnet.motion.march_tables import in_steps
+from torsionnet.motion.motion_plant import PlacedLaw
+from torsionnet.motion.phases import Phase
+from torsionnet.motion.smooth.smooth_contact import SmoothContact, smooth_contact
+from torsionnet.motion.smooth_laws import SmoothLaw, SplitPlant
+from torsionnet.motion.start_state import relative_state
+from torsionnet.motion.state_layout import Drive, Layout
+
+MOST_CONTACTS = 256
+"""Most contact states whose equations are kept."""
+
+
+class SmoothPlant:
+    """Plant with smooth laws, read and driven: u are the torques of inputs, those of the laws, and the scales."""
+
+    def __init__(
+        self, split: SplitPlant, readings: Sequence[Functional], inputs: Sequence[Input], driving: Driving
+    ) -> None:
+        plant = split.plant
+        self.split, self.readings, self.inputs, self.driving = split, readings, inputs, driving
+        columns = np.array([plant.assembly.rows_of(channel.row)[0] for channel in inputs]).reshape(len(inputs), -1).T
+        n_q = len(columns)
+        n_in = columns.shape[1]
+        own = -np.array([one.row for one in split.smooth]).reshape(-1, n_q).T
+        self.first_scale = n_in + len(split.smooth)
+        scale_of = tuple(-1 if one < 0 else self.first_scale + one for one in split.scale_of)
+        n_u = self.first_scale + len(split.scales)
+        drive = Drive(np.hstack([columns, own]), scale_of, len(split.scales), np.zeros((0, 0)), np.zeros((n_u, 0)))
+        self.at = Layout(n_q, sum(len(one.F) for one in plant.actions), 0, n_u)
+        self.states = ContactStates(plant, split.phases, drive, self.at, relative=True)
+        self.outside = np.array([*range(n_in), *range(self.first_scale, n_u)], dtype=int)
+        self.places = list(range(n_in, self.first_scale))
+        self.lagging = [number for number, one in enumerate(split.smooth) if one.lag > 0]
+        self._known: dict[Contact, SmoothContact] = {}
+        self._forces: dict[Contact, tuple[SmoothLaw, ...]] = {}
+
+    def contact(self, contact: Contact) -> SmoothContact:
+        """Contact state with its equations and rows, made when first asked for."""
+        if contact not in self._known:
+            if len(self._known) >= MOST_CONTACTS:
+                self._known.clear()
+            self._known[contact] = smooth_contact(
+                self.states, contact, self.split.smooth, self.places, self.readings, self.inputs
+            )
+        return self._known[contact]
+
+    def first_contact(self, z: FloatArray) -> Contact:
+        """Contact state of a motion that begins at z."""
+        rows = np.array([one.row for one in self.split.plant.laws]).reshape(-1, self.at.n_q)
+        scales = np.array([1.0 if one < 0 else z[self.at.u][one] for one in self.states.drive.scale_of])
+        first = self.states.at_start(rows @ z[self.at.q], rows @ z[self.at.v], scales)
+        begun = relative_state(self.split.plant, self.at, z) / in_steps(self.at, self.states.h)
+        return self.states.fixed(first, begun)
+
+    def states_of(self, now: SmoothContact, z: FloatArray, lags: FloatArray) -> FloatArray:
+        """States y from z, and from the torques (n_lags,) in N m of laws that lag."""
+        return np.concatenate([now.form.take @ z, lags])
+
+    def settled(self, now: SmoothContact, z: FloatArray) -> FloatArray:
+        """Torques (n_lags,) in N m of laws that lag, after a long time at the motion z."""
+        u = np.zeros(self.at.n_u)
+        u[self.outside] = self.driving.first
+        return self._targets([rows @ z for rows in now.form.motions], u)
+
+    def lags_in(self, y: FloatArray) -> FloatArray:
+        """Torques (n_lags,) in N m of laws that lag, in states y."""
+        return y[len(y) - len(self.lagging) :]
+
+    def outside_at(self, time: float, stretch: Stretch | None) -> tuple[FloatArray, FloatArray]:
+        """Entries u (n_u,) and their rates of change without the laws, at a time in s of a stretch or at the start."""
+        u, slopes = np.zeros(self.at.n_u), np.zeros(self.at.n_u)
+        if stretch is None:
+            u[self.outside] = self.driving.first
+        else:
+            value, slope = stretch.at(np.array([time]))
+            u[self.outside], slopes[self.outside] = value[:, 0], slope[:, 0]
+        return u, slopes
+
+    def whole(self, now: SmoothContact, time: float, y: FloatArray, stretch: Stretch | None) -> FloatArray:
+        """State z at a time in s, with the torques of the smooth laws and their rates of change in it."""
+        u, slopes = self.outside_at(time, stretch)
+        own = y[: len(now.form.A)]
+        motions = self._torques(now, y, u, slopes)
+        z = now.form.whole(own, u, slopes)
+        if now.needs_slopes:
+            self._bend(now, y, u, slopes, motions, now.form.form.motion[2] @ z)
+            z = now.form.whole(own, u, slopes)
+        return z
+
+    def whole_states(
+        self, now: SmoothContact, course: Callable[[FloatArray], FloatArray], times: FloatArray, stretch: Stretch
+    ) -> FloatArray:
+        """States z (N, n) at times (n,) in s of a course of y."""
+        Y = course(times)
+        if not self.split.smooth or now.needs_slopes:
+            pairs = zip(times.tolist(), Y.T, strict=True)
+            return np.array([self.whole(now, time, y, stretch) for time, y in pairs]).T
+        u, slopes = np.zeros((self.at.n_u, len(times))), np.zeros((self.at.n_u, len(times)))
+        u[self.outside], slopes[self.outside] = stretch.at(times)
+        for number in range(len(times)):
+            self._torques(now, Y[:, number], u[:, number], slopes[:, number])
+        return now.form.whole(Y[: len(now.form.A)], u, slopes)
+
+    def right_side(self, now: SmoothContact, stretch: Stretch) -> Callable[[float, FloatArray], FloatArray]:
+        """Rates of change of y over the time in s and y, in one contact state and stretch."""
+        form = now.form
+        A, n = form.A, len(form.A)
+        active = [
+            (place, one, rows @ form.over_y, rows @ form.over_u, rows @ form.over_s)
+            for place, one, rows in zip(self.places, self._in_force(now.contact), form.motions, strict=True)
+            if self._active(one, now.contact)
+        ]
+        at_once = [row for row in active if not row[1].lag]
+        late = [row for row in active if row[1].lag]
+        steady = not stretch.waves and not stretch.slopes.any()
+        u0, none = self.outside_at(stretch.start, stretch)
+
+        def rates(time: float, y: FloatArray) -> FloatArray:
+            u, slopes = (u0.copy(), none) if steady else self.outside_at(time, stretch)
+            own = y[:n]
+            for row, torque in zip(late, y[n:].tolist(), strict=True):
+                u[row[0]] = torque
+            try:
+                for place, one, over_y, over_u, over_s in at_once:
+                    u[place] = self._torque(one, over_y @ own + over_u @ u + over_s @ slopes, u)
+                changes = [
+                    (self._torque(one, over_y @ own + over_u @ u + over_s @ slopes, u) - u[place]) / one.lag
+                    for place, one, over_y, over_u, over_s in late
+                ]
+            except OverflowError:
+                # Where a torque begins the first trial step may be far too long: the method shortens what has no error.
+                return np.full(len(y), np.nan)
+            return np.concatenate([A @ own + form.U @ u + form.S @ slopes, changes])
+
+        return rates
+
+    def stored_energy(self, now: SmoothContact, z: FloatArray) -> float:
+        """Kinetic energy and energy stored in springs in J."""
+        plant = self.split.plant
+        system = plant.assembly.system
+        q, v = (rows @ z for rows in now.form.form.motion[:2])
+        twists, rates = system.rows @ q, system.rows @ v
+        linear = np.array([not isinstance(law, PlacedLaw) for law in plant.assembly.laws], dtype=bool)
+        found = 0.5 * float(system.inertia @ rates**2 + system.stiffness[linear] @ twists[linear] ** 2)
+        laws = [(one.law, one.row) for one in plant.laws]
+        laws += [(one.law, one.row) for one in self.split.smooth if one.held < 0]
+        return found + sum(float(law.energy(float(row @ q))) for law, row in laws)
+
+    def rows_left(self, now: SmoothContact, z: FloatArray) -> tuple[str, str]:
+        """Element whose motion at z lies beyond an end of its curve, and the message; both empty without one."""
+        for one, rows in zip(self.split.smooth, now.form.motions, strict=True):
+            motion = rows @ z
+            message = one.left(float(motion[0]), motion[1:])
+            if message:
+                return one.owner, message
+        return "", ""
+
+    def quickest(self, now: SmoothContact, z: FloatArray) -> str:
+        """Element of the smooth law whose motion at z is quickest."""
+        sizes = [
+            (float(np.abs(rows @ z).max()), one.owner)
+            for one, rows in zip(self.split.smooth, now.form.motions, strict=True)
+        ]
+        return max(sizes)[1] if sizes else "the drivetrain"
+
+    def _in_force(self, contact: Contact) -> tuple[SmoothLaw, ...]:
+        """Smooth laws of a contact state, those with steps on the piece of their curve that is in force there."""
+        if contact not in self._forces:
+            if len(self._forces) >= MOST_CONTACTS:
+                self._forces.clear()
+            places = [None if one.held < 0 else self._phase(one, contact).place for one in self.split.smooth]
+            self._forces[contact] = tuple(
+                one.on_piece(place) if place is not None and self._active(one, contact) else one
+                for one, place in zip(self.split.smooth, places, strict=True)
+            )
+        return self._forces[contact]
+
+    def _phase(self, one: SmoothLaw, contact: Contact) -> Phase:
+        return self.states.laws[one.held].phases[contact[one.held]]
+
+    def _active(self, one: SmoothLaw, contact: Contact) -> bool:
+        return one.held < 0 or self._phase(one, contact).kind == "slope"
+
+    def _scale(self, one: SmoothLaw, u: FloatArray) -> float:
+        return 1.0 if one.scale < 0 else float(u[self.first_scale + one.scale])
+
+    def _torque(self, one: SmoothLaw, motion: FloatArray, u: FloatArray) -> float:
+        return one.torque(float(motion[0]), motion[1:], self._scale(one, u))
+
+    def _targets(self, motions: Sequence[FloatArray], u: FloatArray) -> FloatArray:
+        return np.array([self._torque(self.split.smooth[number], motions[number], u) for number in self.lagging])
+
+    def _torques(self, now: SmoothContact, y: FloatArray, u: FloatArray, slopes: FloatArray) -> list[FloatArray]:
+        """Write the torques of the smooth laws into u (n_u,); twist and rates of each."""
+        form, own = now.form, y[: len(now.form.A)]
+        for number, torque in zip(self.lagging, self.lags_in(y).tolist(), strict=True):
+            u[self.places[number]] = torque
+        motions = []
+        for place, one, rows in zip(self.places, self._in_force(now.contact), form.motions, strict=True):
+            motion = rows @ (form.over_y @ own + form.over_u @ u + form.over_s @ slopes)
+            motions.append(motion)
+            if not one.lag and self._active(one, now.contact):
+                u[place] = self._torque(one, motion, u)
+        return motions
+
+    def _bend(
+        self, now: SmoothContact, y: FloatArray, u: FloatArray, slopes: FloatArray, motions: Sequence[FloatArray],
+        bent: Any,
+    ) -> None:  # fmt: skip
+        """Write the rates of change of the torques of the smooth laws, at accelerations (n_q,), into slopes (n_u,)."""
+        late = iter(zip(self._targets(motions, u), self.lags_in(y), strict=True))
+        for place, one, motion in zip(self.places, self._in_force(now.contact), motions, strict=True):
+            if one.lag:
+                target, torque = next(late)
+                slopes[place] = (target - torque) / one.lag
+            elif self._active(one, now.contact):
+                rows = np.vstack([one.row, one.sensed])
+                slopes[place] = one.slope(float(motion[0]), motion[1:], rows @ bent, self._scale(one, u))
+                if one.scale >= 0:
+                    changed = float(slopes[self.first_scale + one.scale])
+                    slopes[place] += one.torque(float(motion[0]), motion[1:], changed)

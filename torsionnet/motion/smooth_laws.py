@@ -1,0 +1,183 @@
+"""Laws of motion of a plant that do not follow straight pieces, apart from those that do."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from torsionnet.base.errors import UsageError
+from torsionnet.base.expressions import FLOAT
+from torsionnet.linear.assembly.assembled import AssembledModel
+from torsionnet.linear.assembly.rows import FloatArray
+from torsionnet.model.element_base.laws import MotionState, TorqueCurve
+from torsionnet.model.elements import MotionLaw, Values
+from torsionnet.model.motion_laws.piece_curve import PieceCurve, Slope
+from torsionnet.motion.motion_plant import LawRow, MotionPlant, PlacedLaw
+from torsionnet.motion.phases import LawPhases, law_phases
+from torsionnet.motion.scenarios.grid_tie import GridTie
+
+Scale = tuple[str, str]
+"""Element, and the name of what scales its torque, as ``("clutch", "clamp")``."""
+
+
+@dataclass(frozen=True, eq=False)
+class SmoothLaw:
+    """Law of motion whose torque is worked out at every time, over the coordinates.
+
+    Attributes
+    ----------
+    owner : str
+    law : MotionLaw
+        With floats as coefficients.
+    number : int
+        Number of the placed law in the assembly, -1 for one that supplies power from outside, as that of a grid.
+    row : (n_q,) array
+        Weights of the coordinates in gamma.
+    sensed : (n_sensed, n_q) array
+        Those of the rows whose rates the curve follows.
+    scale : int
+        Number of the entry among the scales that scales the torque, -1 for none.
+    held : int
+        Number of the law of straight pieces that holds the row still where this one sticks, -1 for none.
+    lag : float
+        Time constant in s with which the torque follows the curve, 0 for none.
+    """
+
+    owner: str
+    law: MotionLaw
+    number: int
+    row: FloatArray
+    sensed: FloatArray
+    scale: int = -1
+    held: int = -1
+    lag: float = 0.0
+
+    @property
+    def over_rate(self) -> bool:
+        """Whether the torque follows the rate."""
+        return self.law.curve.over == "rate"
+
+    def torque(self, twist: float, rates: FloatArray, scale: float) -> float:
+        """Torque in N m against the motion from the twist in rad and the rates of the row and of the sensed rows."""
+        return scale * float(self.law.curve.torque(twist, *rates.tolist()))
+
+    def slope(self, twist: float, rates: FloatArray, bends: FloatArray, scale: float) -> float:
+        """Rate of change in N m/s of the torque under a constant scale, with the rates of change of ``rates``."""
+        rate, *sensed = rates.tolist()
+        over_twist, *others = self.law.curve.slopes(MotionState(twist, rate, tuple(sensed)))
+        own = float(over_twist) * float(rate)
+        rest = sum(float(one) * float(bend) for one, bend in zip(others, bends, strict=False))
+        return scale * (own + rest)
+
+    def on_piece(self, place: int) -> SmoothLaw:
+        """Law with the straight line of one piece of its curve throughout, so that no stage of a step meets a jump."""
+        curve = self.law.curve
+        assert isinstance(curve, PieceCurve)
+        piece = curve.pieces[place]
+        assert isinstance(piece, Slope)
+        line = replace(piece, lower=None, upper=None)
+        return replace(self, law=replace(self.law, curve=PieceCurve(curve.over, (line,))))
+
+    def left(self, twist: float, rates: FloatArray) -> str:
+        """Message that the motion lies beyond an end of the curve; else empty."""
+        return self.law.curve.left(twist, *rates.tolist())
+
+
+@dataclass(frozen=True, eq=False)
+class SplitPlant:
+    """Plant with its laws of straight pieces, their phases, and its smooth laws.
+
+    ``scale_of`` is for each law of straight pieces the number of its scale among ``scales``, -1 for none.
+    """
+
+    plant: MotionPlant
+    phases: tuple[LawPhases, ...]
+    scale_of: tuple[int, ...]
+    smooth: tuple[SmoothLaw, ...]
+    scales: tuple[Scale, ...]
+
+
+def split_plant(drivetrain: AssembledModel, plant: MotionPlant, scales: tuple[Scale, ...] = ()) -> SplitPlant:
+    """Plant of a drivetrain with its laws of straight pieces apart from its smooth ones.
+
+    ``scales`` are what is given over time: a law that grows with its motion and is scaled over time counts as smooth.
+
+    Raises
+    ------
+    UsageError
+        Nothing that the model has is scaled so.
+    """
+    floats = _float_laws(drivetrain, plant)
+    named = {(one.owner, floats[one.number].scaled_by) for one in plant.laws if floats[one.number].scaled_by}
+    for owner, what in scales:
+        if (owner, what) not in named:
+            own = ", ".join(name for element, name in sorted(named) if element == owner) or "nothing"
+            raise UsageError(f'the torque of {owner} does not follow "{what}" over time; {own} scales it')
+    pieces: list[LawRow] = []
+    phases: list[LawPhases] = []
+    scale_of: list[int] = []
+    smooth: list[SmoothLaw] = []
+    for one in plant.laws:
+        law = floats[one.number]
+        key = (one.owner, law.scaled_by)
+        scale = scales.index(key) if key in scales else -1
+        straight = isinstance(law.curve, PieceCurve)
+        grows = isinstance(law.curve, PieceCurve) and _grows(law.curve)
+        if scale >= 0 and law.curve.over == "twist":
+            raise UsageError(f"{one.owner}: a torque over the twist cannot be scaled over time")
+        if straight and not (scale >= 0 and grows):
+            pieces.append(replace(one, law=law))
+            phases.append(law_phases(one.owner, law, scaled=scale >= 0))
+            scale_of.append(scale)
+            continue
+        sensed = np.array([plant.assembly.rows_of(row)[0] for row in law.sensed]).reshape(-1, len(one.row))
+        held = -1
+        if straight:
+            held = len(pieces)
+            pieces.append(replace(one, law=law))
+            phases.append(_steps_alone(one.owner, law))
+            scale_of.append(scale)
+        smooth.append(SmoothLaw(one.owner, law, one.number, one.row, sensed, scale, held, float(law.lag)))
+    return SplitPlant(replace(plant, laws=tuple(pieces)), tuple(phases), tuple(scale_of), tuple(smooth), scales)
+
+
+def tied_plant(split: SplitPlant, tie: GridTie, laws: Sequence[TorqueCurve], row: FloatArray) -> SplitPlant:
+    """Plant with curves of a grid over a row of the coordinates, each scaled by an entry after the other scales."""
+    count = len(split.scales)
+    added = tuple(
+        SmoothLaw(tie.machine, MotionLaw({}, curve), -1, row, np.zeros((0, len(row))), count + number)
+        for number, curve in enumerate(laws)
+    )
+    scales = tuple((tie.machine, f"grid {number}") for number in range(len(laws)))
+    return replace(split, smooth=(*split.smooth, *added), scales=(*split.scales, *scales))
+
+
+def _float_laws(drivetrain: AssembledModel, plant: MotionPlant) -> Mapping[int, MotionLaw]:
+    """Laws of motion with floats as coefficients, by the number of their placed laws."""
+    value = Values(drivetrain.exact_values, FLOAT)
+    own: dict[str, list[Any]] = {
+        element.name: [part for part in element.whole_parts(value) if isinstance(part, MotionLaw)]
+        for element in drivetrain.definition.switched_on
+    }
+    found: dict[int, MotionLaw] = {}
+    for number, (owner, law) in enumerate(zip(plant.assembly.owners, plant.assembly.laws, strict=True)):
+        if isinstance(law, PlacedLaw):
+            found[number] = own[owner].pop(0)
+    return found
+
+
+def _grows(curve: PieceCurve) -> bool:
+    return any(isinstance(part, Slope) and bool(part.stiffness or part.damping) for part in curve.pieces)
+
+
+def _steps_alone(owner: str, law: MotionLaw) -> LawPhases:
+    """Phases of a law of straight pieces with its steps, and without torque on its pieces."""
+    assert isinstance(law.curve, PieceCurve)
+    bare = tuple(
+        replace(piece, torque=0.0, stiffness=0.0, damping=0.0) if isinstance(piece, Slope) else piece
+        for piece in law.curve.pieces
+    )
+    return law_phases(owner, replace(law, curve=replace(law.curve, pieces=bare)), scaled=True)

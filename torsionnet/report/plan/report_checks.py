@@ -1,0 +1,77 @@
+"""Checks that a report plan fits its model: names of sensors, inputs and configurations."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from torsionnet.base.errors import Fault, Path, UsageError, unknown_name
+from torsionnet.base.units import RPM
+from torsionnet.model.channels import parse_sensor
+from torsionnet.model.checks.names import declared, pair_faults
+from torsionnet.model.configurations import parse_choice
+from torsionnet.report.plan.report_plan import ReportPlan
+
+SPEED_ROUNDING = 1e-9
+"""Share of a speed by which rounding of its unit may carry it out of a range."""
+
+if TYPE_CHECKING:
+    from torsionnet.model.definition import Definition
+
+
+OVER_SPEED = {"orders": "orders over speed", "measure": "measurements over speed"}
+"""Name in messages of what an entry of the plan shows over speed, by the entry."""
+
+
+def unfit_report(definition: Definition) -> list[Fault]:
+    """Faults of the section of a report in a model that names what the model does not have."""
+    return [] if definition.report is None else check_report(definition.report, definition)
+
+
+def check_report(plan: ReportPlan, definition: Definition, path: Path = ("report",)) -> list[Fault]:
+    """Faults of a report plan for this model; sensors written out in full are left to the solver."""
+    faults = [
+        fault.under("transfer_functions", index)
+        for index, pair in enumerate(plan.transfer_functions)
+        for fault in pair_faults(pair, definition)
+    ]
+    faults += _over_speed("orders", plan.orders, definition)
+    faults += _over_speed("measure", plan.measure, definition)
+    faults += _configurations(plan, definition)
+    faults += _idling(plan, definition)
+    return [fault.under(*path) for fault in faults]
+
+
+def _over_speed(key: str, names: tuple[str, ...], definition: Definition) -> Iterator[Fault]:
+    """Faults of outputs that are shown over speed, or measured there, in the entry ``key`` of the plan."""
+    if names and (definition.speeds is None or not definition.excitations):
+        text = f"{OVER_SPEED[key]} need the entries speeds: and excitations: of the model"
+        yield Fault(text, (key,), on_key=True)
+    nodes = {node for element in definition.elements.values() for node in element.ports.values()}
+    for index, name in enumerate(names):
+        if name not in definition.sensors and name not in nodes and parse_sensor(name) is None:
+            known = [*definition.sensors, *nodes]
+            yield unknown_name("sensor or node", name, known, (key, index), rest=declared(definition, "sensor"))
+
+
+def _idling(plan: ReportPlan, definition: Definition) -> Iterator[Fault]:
+    """Faults of speeds of idling without a shaft they belong to, and of those that are not calculated."""
+    speeds = definition.speeds
+    if speeds is None:
+        text = "speeds of idling are those of the shaft of the entry speeds:, which the model lacks"
+        yield from [Fault(text, ("idling",), on_key=True)] if plan.idling else []
+        return
+    for index, speed in enumerate(plan.idling):
+        low, high = speeds.values[0], speeds.values[-1]
+        if not low * (1 - SPEED_ROUNDING) <= speed <= high * (1 + SPEED_ROUNDING):
+            text = f"{speeds.of} idles at {speed * RPM:.6g} rpm, but speeds: go from {low * RPM:.6g} to"
+            yield Fault(f"{text} {high * RPM:.6g} rpm; let them begin at the speed of idling", ("idling", index))
+
+
+def _configurations(plan: ReportPlan, definition: Definition) -> Iterator[Fault]:
+    for index, name in enumerate(plan.configurations):
+        try:
+            parse_choice(name, definition.configurations)
+        except UsageError as error:
+            yield replace(error.fault, path=("configurations", index))

@@ -1,0 +1,163 @@
+"""Plan of the report on a model, from the ``report:`` section of its file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from torsionnet.base.entries.composite import Listed, Named
+from torsionnet.base.entries.declared import Declared
+from torsionnet.base.entries.scalars import Band, Value
+from torsionnet.base.entries.spec import (
+    Count,
+    EntryError,
+    Flag,
+    OneOf,
+    Schema,
+    Spec,
+    Text,
+    entry,
+)
+from torsionnet.base.errors import Fault, unfit_word
+from torsionnet.model.channels import ChannelName
+from torsionnet.model.configurations import ConfigurationName
+from torsionnet.model.response_pair import PAIR, Pair
+from torsionnet.report.plan.title_block import KINDS, SECTIONS, TITLE_BLOCK, TitleBlock
+
+ANGLES = ("rad", "deg")
+"""Names of the units of angle that a report may use."""
+SOCIETY_NAMES = ("m68", "kr", "lr")
+"""Short names of the societies whose words a report can have, as rows of data on them stand in the room of limits."""
+LANGUAGES = ("en", "de")
+"""Codes of the languages in which a report can be written: English and German."""
+
+
+def unknown_section(name: Any) -> Fault | None:
+    """Fault that there is no section of that name in a report, or None."""
+    rest = f"known: {', '.join(SECTIONS)}"
+    return None if name in SECTIONS else unfit_word(f'no section is named "{name}"', str(name), SECTIONS, rest=rest)
+
+
+class SectionName(Spec[str]):
+    """Entry of the name of a section of the report."""
+
+    def coerce(self, raw: object) -> str:
+        name = ConfigurationName("").coerce(raw)
+        if reason := unknown_section(name):
+            raise EntryError(reason)
+        return name
+
+    def schema(self) -> Schema:
+        return {"oneOf": [{"const": name, "description": content.description} for name, content in SECTIONS.items()]}
+
+
+SIMPLIFY = Value("how far leaving elements out may move the modes in the band, as 1 %", "1", exclusive=True, below=1)
+"""Specification of the report's entry for the largest change of modes in simplified transfer functions."""
+_KIND = OneOf("; ".join(f"{name}: {text}" for name, text in KINDS.items()) + "; default: by the model", tuple(KINDS))
+_SECTIONS = Listed(
+    "sections of the report; default: those of its kind that apply", SectionName(""), form="a list of names"
+)
+_PAIRS = Listed("OUTPUT/INPUT, in this order", PAIR, form="a list such as [theta_1/T_T]")
+_ORDERS = Listed(
+    "sensors or nodes shown over speed; default: the sensors of torque",
+    ChannelName("sensor or node"),
+    form="a list such as [T_C]",
+)
+_RULES = OneOf(
+    "society whose words and list of particulars the document has, or standard of the separation margins of a train",
+    (*SOCIETY_NAMES, "api610", "api617", "api618", "api684"),
+)
+_NOT_EXAMINED = Named(
+    "conditions that no configuration stands for -> why they were not examined",
+    Text("the reason", "the reason in words"),
+    form='conditions with the reason in words, {"PTO engaged": no generator is fitted}',
+)
+_IDLING = Listed(
+    "speeds of longer idling, of the shaft of speeds:",
+    Value("a speed", "speed", exclusive=True),
+    form="a list such as [300 rpm]",
+)
+_PASSAGE = Listed(
+    "times in which barred ranges of speed are passed; default: 10 s and 60 s",
+    Value("from one end of a range to the other", "time", exclusive=True),
+    form="a list such as [10 s, 60 s]",
+)
+_MEASURE = Listed(
+    "sensors of the measurement plan; default: free end of the engine and the shaft used most",
+    ChannelName("sensor or node"),
+    form="a list such as [phi_1, T_int]",
+)
+_NAMES = Listed("configurations to report; default: all", ConfigurationName(""), form="a list of names")
+
+
+@dataclass(frozen=True)
+class ReportPlan(Declared):
+    """Plan of a report: what it holds beside the model itself; empty entries have their default.
+
+    Attributes
+    ----------
+    kind : {"rig", "approval"}, optional
+        Kind of document; default: approval for a model with speeds, excitations and limits.
+    title, author, notes : str
+    sections : tuple of str
+        Names out of :data:`torsionnet.report.plan.SECTIONS`.
+    transfer_functions : tuple of Pair
+    orders : tuple of str
+        Outputs whose response to the model's excitations is shown over speed.
+    measure : tuple of str
+        Outputs that are to be measured on board; default: free end of the engine, and the shaft used most.
+    configurations : tuple of str
+    band : (float, float), optional
+        Hz; frequencies of the Bode plots.
+    angle : {"rad", "deg"}
+    language : {"en", "de"}
+        Language of the report's own texts; names and texts of the model stay as they are.
+    simplify : float, optional
+        Largest relative change of the modes in the band by which transfer functions may be simplified.
+    passage : tuple of float
+        Times in s in which the passage of barred ranges is shown.
+    template : str
+        Folder, as seen from the file.
+    rules : str, optional
+        Short name of a classification society out of ``SOCIETIES``, or of a rule of separation margins.
+    appendix : bool
+        Whether the sections of the other kind follow in an appendix.
+    title_block : TitleBlock, optional
+        A document for approval has one in any case, with blank fields.
+    not_examined : mapping of str to str
+        Conditions that the calculation leaves out, with the reasons.
+    idling : tuple of float
+        Speeds of longer idling in rad/s, of the shaft of the model's speeds.
+    holzer : int, optional
+        Number of modes, from the lowest on, whose Holzer tables the calculation for approval prints.
+    """
+
+    article: ClassVar[str] = "a report"
+    kind: str | None = entry(_KIND, None)  # type: ignore[assignment, misc]  # here an entry, elsewhere the name of a class
+
+    title: str = entry(Text("title of the report; default: name of the model"), "")
+    author: str = entry(Text("who signs it"), "")
+    sections: tuple[str, ...] = entry(_SECTIONS, ())
+    transfer_functions: tuple[Pair, ...] = entry(_PAIRS, ())
+    orders: tuple[str, ...] = entry(_ORDERS, ())
+    measure: tuple[str, ...] = entry(_MEASURE, ())
+    configurations: tuple[str, ...] = entry(_NAMES, ())
+    band: tuple[float, float] | None = entry(Band("frequencies of the plots"), None)
+    angle: str = entry(OneOf("unit of angles", ANGLES), "rad")
+    language: str = entry(OneOf("language of the report's own texts", LANGUAGES), "en")
+    simplify: float | None = entry(SIMPLIFY, None)
+    passage: tuple[float, ...] = entry(_PASSAGE, ())
+    notes: str = entry(Text("remarks of the author, printed under the title"), "")
+    template: str = entry(Text("folder with letterhead, style and wording, as seen from this file"), "")
+    rules: str | None = entry(_RULES, None)
+    appendix: bool = entry(Flag("true: the sections of the other kind of document follow in an appendix"), False)
+    title_block: TitleBlock | None = entry(TITLE_BLOCK, None)
+    not_examined: Mapping[str, str] = entry(_NOT_EXAMINED, None)
+    idling: tuple[float, ...] = entry(_IDLING, ())
+    holzer: int | None = entry(
+        Count("modes with a Holzer table in the document for approval; default: those excited, at most 3", 0, 99), None
+    )
+
+
+ReportPlan.form = f"the entries {', '.join(name for name, _ in ReportPlan.specs())}"

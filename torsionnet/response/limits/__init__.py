@@ -1,1 +1,0 @@
-"""Verdicts on limits over speed, ranges of speed to be barred, and operating instructions."""

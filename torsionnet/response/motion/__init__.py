@@ -1,1 +1,0 @@
-"""Events and energies of motion over time."""

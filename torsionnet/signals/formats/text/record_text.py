@@ -1,0 +1,240 @@
+"""Recordings in CSV and other text files of columns, whose separator, decimal sign, names and units are detected."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from functools import partial
+from itertools import islice
+from pathlib import Path
+
+from torsionnet.base.delimited.dialect import Dialect, data_start, detect_dialect, detect_encoding
+from torsionnet.base.delimited.headings import Headings, headings
+from torsionnet.base.delimited.number_rows import NumberRows
+from torsionnet.base.delimited.stamp_formats import stamp_columns
+from torsionnet.base.delimited.time_stamps import StampReader
+from torsionnet.base.errors import Fault, ModelError, Position, UsageError
+from torsionnet.base.notes import NoteOrText
+from torsionnet.base.remedies import remedy
+from torsionnet.signals.formats.text.channel_lengths import EmptyCells, check_lengths
+from torsionnet.signals.formats.text.csv_columns import description_in, write_columns
+from torsionnet.signals.formats.text.labview_lines import is_labview
+from torsionnet.signals.formats.text.labview_text import labview_source
+from torsionnet.signals.formats.text.oscilloscopes import ScopeHeading, scope_heading
+from torsionnet.signals.recording import FloatArray, Recording
+from torsionnet.signals.records.recording_description import (
+    KEY,
+    TIME,
+    check_names,
+    plain_keys,
+    recording_json,
+    with_description,
+)
+from torsionnet.signals.records.source import FileChannel, Source, is_time
+from torsionnet.signals.records.table_clocks import with_table_clocks
+
+SNIFFED_LINES = 400
+"""Number of lines at the beginning from which the format of a text file is detected."""
+STAMP_UNIT = "s"
+"""Unit in which columns of time stamps are read."""
+READ_ONLY_ENDING = ".lvm"
+"""Ending of LabVIEW's measurement files, which are read but not written."""
+
+
+@contextlib.contextmanager
+def open_source(path: Path, separator: str | None = None, decimal: str | None = None) -> Iterator[Source]:
+    """Yield the channels of a text file of columns.
+
+    ``separator`` and ``decimal`` are detected where they are not given.
+    """
+    encoding = detect_encoding(path)
+    with path.open(encoding=encoding, newline=None) as file:
+        lines = list(islice(file, SNIFFED_LINES))
+        if is_labview(lines):
+            yield labview_source(file, path.name, path.stem, lines, separator, decimal)
+            return
+        comments = [line for line in lines if line.startswith(("#", "%"))]
+        skipped = next((at for at, line in enumerate(lines) if not line.startswith(("#", "%")) and line.strip()), 0)
+        body = lines[skipped:]
+        dialect = detect_dialect(
+            body if len(body) < SNIFFED_LINES - skipped else body[:-1], separator, decimal, stamps=True
+        )
+        first = data_start(dialect, body)
+        if first == len(body):
+            raise ModelError([_no_data(path, lines)], path.name)
+        row = dialect.cells(body[first])
+        stamped = stamp_columns(row)
+        above = body[: first - next((at for at in range(first) if any(dialect.cells(body[first - 1 - at]))), first)]
+        scope = scope_heading(dialect, above, len(row))
+        heading = scope.headings if scope else _headings(dialect, above, len(row), stamped)
+        file.seek(0)
+        for _ in range(skipped + first):
+            file.readline()
+        described = description_in(comments, KEY)
+        place = Position(path.name, skipped + len(above), 1, 1, above[-1].rstrip()[:200]) if heading.lines else None
+        source = _source(
+            path, file, dialect, heading, (skipped + first, place), lines, stamped, own=described is not None
+        )
+        notes = _notes(dialect, encoding, len(above) - heading.lines, heading)
+        if scope:
+            source = _with_stated_clock(source, scope)
+        stamps = {columns[0] for columns in stamped}
+        yield (
+            with_description(source, described) if described is not None else _with_notes(source, notes, scope, stamps)
+        )
+
+
+def _with_stated_clock(source: Source, scope: ScopeHeading) -> Source:
+    """Source of an oscilloscope's file without its counts of samples, with the clock of its heading."""
+    if not scope.interval > 0:
+        raise ValueError(f"the heading says {scope.interval:g} s between samples; the time between two is positive")
+    channels = tuple(one for one in source.channels[scope.skipped :] if one.name)
+    return replace(source, channels=channels, rate=1 / scope.interval, start=scope.start)
+
+
+def _with_notes(source: Source, notes: tuple[str, ...], scope: ScopeHeading | None, stamps: set[int]) -> Source:
+    """Source with the clocks of its columns; those of time stamps that hold for none, being equal, are left out."""
+    found = source if scope else with_table_clocks(source.with_time_channel(), stamps)
+    source.discovered[:0] = notes
+    equal = [one for one in found.channels if one.column in stamps]
+    kept = tuple(one for one in found.channels if one not in equal)
+    return replace(found, channels=kept, notes=(*found.notes, *(_left_out(one.name) for one in equal)))
+
+
+def _headings(dialect: Dialect, above: Sequence[str], width: int, stamped: Sequence[tuple[int, ...]]) -> Headings:
+    """Headings of columns, where one heading may stand over a date and a time in two columns."""
+    found = headings(dialect, above, width)
+    pair = next((columns for columns in stamped if len(columns) > 1), None)
+    shorter = headings(dialect, above, width - 1) if pair and not found.lines else found
+    if pair is None or shorter.lines == found.lines:
+        return found
+    names, units = ([*parts[: pair[1]], "", *parts[pair[1] :]] for parts in (shorter.names, shorter.units))
+    return replace(shorter, names=tuple(names), units=tuple(units))
+
+
+def _notes(dialect: Dialect, encoding: str, preamble: int, heading: Headings) -> tuple[str, ...]:
+    notes = [f"assumed: {dialect}", *heading.notes]
+    if preamble > 0:
+        notes.append(f"{preamble} line{'s' if preamble > 1 else ''} above the heading passed over")
+    if encoding != "utf-8-sig":
+        notes.append(f"characters read as {encoding}")
+    return tuple(notes)
+
+
+def _no_data(path: Path, lines: Sequence[str]) -> Fault:
+    if not any(line.strip() for line in lines):
+        return Fault("the file is empty", position=Position(path.name, 1, 1, 1))
+    given = f"{remedy('separator=')} and {remedy('decimal=')}"
+    text = f"found no rows of numbers in the first {len(lines)} lines; {given} may be given"
+    return Fault(text, position=Position(path.name, 1, 1, 1, lines[0].rstrip()[:200]))
+
+
+def _source(
+    path: Path,
+    file: io.TextIOWrapper,
+    dialect: Dialect,
+    heading: Headings,
+    begin: tuple[int, Position | None],
+    lines: Sequence[str],
+    stamped: Sequence[tuple[int, ...]],
+    *,
+    own: bool,
+) -> Source:
+    discovered: list[NoteOrText] = []
+    empty_cells = EmptyCells(discovered)
+    width, start = len(heading.names), file.tell()
+    first, place = begin
+    channels = [
+        FileChannel(name, column, unit, position=place)
+        for column, (name, unit) in enumerate(zip(heading.names, heading.units, strict=True))
+    ]
+    if len(channels) > 1 and all(not dialect.cells(line)[-1] for line in lines[first:] if line.strip()):
+        channels.pop()  # every row ends with a separator
+    channels, clocks, notes = _with_clocks(channels, stamped)
+    every = {column for columns in stamped for column in columns}
+    known = {channel.column: channel for channel in channels}
+    late = _later(dialect, lines[first:], clocks)
+    no_number = partial(_no_number, names=heading.names)
+
+    def blocks(columns: Sequence[int], count: int) -> Iterator[list[FloatArray]]:
+        file.seek(start)
+        clock = next((one for one in clocks if one[0] in columns), clocks[0] if clocks else ())
+        unread = frozenset(every - {*clock})
+        rows = NumberRows(
+            file, path.name, dialect, width, first + 1, heading.names, own, no_number=no_number, unread=unread,
+            stamped=clock,
+        )  # fmt: skip
+        for read in rows.blocks(columns, count):
+            # Each column of stamps counts from its own first one.
+            block = [values + late[clock] if at in clock else values for at, values in zip(columns, read, strict=True)]
+            if not count:
+                check_lengths(rows, [known[column] for column in columns], path.name)
+            empty_cells.count(rows, columns)
+            if clocks and clock == clocks[0] and rows.stamps.first and not rows.faults:
+                zero_note = f"time counts from the first stamp, {rows.stamps.first}"
+                discovered[:] = [*(note for note in discovered if note != zero_note), zero_note]
+            yield block
+
+    return Source(
+        tuple(channels),
+        blocks,
+        title=path.stem,
+        notes=notes,
+        discovered=discovered,
+        place=lambda row: Position(path.name, first + 1 + row, 1, 1),
+    )
+
+
+def _no_number(cell: str, names: Sequence[str]) -> str:
+    again = "is the heading again, of another record or segment: save each in a file of its own"
+    return f'"{cell}" {again if cell in names else "is not a number"}'
+
+
+def _with_clocks(
+    channels: Sequence[FileChannel], stamped: Sequence[tuple[int, ...]]
+) -> tuple[list[FileChannel], list[tuple[int, ...]], tuple[str, ...]]:
+    """Channels of a text file with its columns of time stamps, unless a column of numbers holds the time.
+
+    Also returned: the columns of these stamps, the first of each run of them, and notes on others, which are left out.
+    """
+    every = {column for columns in stamped for column in columns}
+    numbers = [channel for channel in channels if channel.column not in every]
+    is_needed = not any(is_time(channel) for channel in numbers)
+    clocks = [columns for columns in stamped if is_needed and columns[0] - 1 not in every]
+    clocks = [columns for columns in clocks if columns == clocks[0] or numbers[-1].column > columns[0]]
+    by_column = {channel.column: channel for channel in channels}
+    named = {columns: " ".join(filter(None, (by_column[at].name for at in columns))) for columns in stamped}
+    notes = tuple(_left_out(name) for columns, name in named.items() if columns not in clocks)
+    times = [replace(by_column[columns[0]], name=named[columns], unit=STAMP_UNIT) for columns in clocks]
+    return sorted([*numbers, *times], key=lambda channel: channel.column), clocks, notes
+
+
+def _left_out(name: str) -> str:
+    return f'"{name}" holds dates and times of day, and was left out'
+
+
+def _later(dialect: Dialect, lines: Sequence[str], clocks: Sequence[tuple[int, ...]]) -> dict[tuple[int, ...], float]:
+    """Time in s by which the first stamp in columns of time stamps is later than that in the first of them."""
+    rows = [dialect.cells(line) for line in lines if line.strip()] if len(clocks) > 1 else []
+    texts = [
+        next((text for row in rows if (text := " ".join(row[at] for at in clock if at < len(row)).strip())), "")
+        for clock in clocks
+    ]
+    found, wrong = StampReader().seconds(texts)
+    if wrong and rows:
+        raise ValueError(f"columns of time stamps are not written alike: {wrong[0][1]}")
+    return {clock: float(late) if rows else 0.0 for clock, late in zip(clocks, found, strict=True)}
+
+
+def write(recording: Recording, path: Path) -> None:
+    """Write a CSV file of a recording in SI, with a description, headings with units, a column of time, all digits."""
+    if path.suffix.lower() == READ_ONLY_ENDING:
+        words = f"{READ_ONLY_ENDING} files of LabVIEW are read only; write .tdms, which LabVIEW reads, or .csv"
+        raise UsageError(f'"{path.name}": {words}')
+    check_names(recording)
+    keys = plain_keys(recording.names, r"[^\w .:+-]| in ")
+    units = [f"{key} [{signal.unit}]" if signal.unit else key for key, signal in zip(keys, recording, strict=True)]
+    columns = [recording.time, *(signal.values for signal in recording)]
+    write_columns(path, KEY, recording_json(recording, keys, with_time=True), [f"{TIME} [s]", *units], columns)

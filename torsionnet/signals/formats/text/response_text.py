@@ -1,0 +1,172 @@
+"""Frequency responses in CSV files, those written here to the last digit, and tables of magnitude and phase."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import chain, islice
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from torsionnet.base.conventions import FREQUENCIES
+from torsionnet.base.delimited.dialect import Dialect
+from torsionnet.base.delimited.number_rows import NumberRows
+from torsionnet.base.errors import Fault, ModelError, Position
+from torsionnet.linear.frequency_response import SIGN_NOTE, FloatArray, FrequencyResponse
+from torsionnet.signals.formats.text.csv_columns import description_in, write_columns
+from torsionnet.signals.formats.text.response_headings import ColumnHeading, headings
+from torsionnet.signals.responses.response_description import (
+    KEY,
+    description,
+    estimation_in,
+    parse_description,
+    response_from,
+    usable_limit_in,
+)
+from torsionnet.signals.responses.response_matrix import ResponseMatrix, SingleResponse, resolve_units
+
+_DECIMAL_COMMA = re.compile(r"-?\d+,\d+")
+SEPARATORS = (";", "\t", ",")
+"""Separators of cells that a table of frequency responses may have."""
+CONFIGURATION = "configuration"
+"""Heading of the first column of a table of frequency responses that ``torsionnet frf --csv`` writes."""
+
+
+def write(response: FrequencyResponse, path: Path) -> None:
+    """Write a CSV file of a frequency response in SI, with a description, headings, real and imaginary parts."""
+    columns: list[tuple[str, FloatArray]] = [("frequency [Hz]", response.frequencies)]
+    for o, out in enumerate(response.outputs):
+        for i, into in enumerate(response.inputs):
+            label, unit = f"{out.name}/{into.name}", response.unit(o, i)
+            values = response.values[:, o, i]
+            columns += [(f"re {label} [{unit}]", values.real), (f"im {label} [{unit}]", values.imag)]
+            if response.coherence is not None:
+                columns.append((f"coherence {label} [1]", response.coherence[:, o, i]))
+    if response.conditioning is not None:
+        columns.append(("conditioning [1]", response.conditioning))
+    names, numbers = zip(*columns, strict=True)
+    write_columns(path, KEY, description(response), [_quoted(name) for name in names], numbers)
+
+
+def _quoted(name: str) -> str:
+    name = " ".join(name.split())
+    return '"' + name.replace('"', '""') + '"' if any(mark in name for mark in ',;"\t') else name
+
+
+def read(path: Path) -> FrequencyResponse:
+    """Frequency response in SI from a CSV file; ModelError lists every fault with its line."""
+    comments: list[str] = []
+    with path.open(encoding="utf-8-sig") as file:
+        configurations: dict[str, None] = {}
+        lines = _without_configuration(configurations, _apart_from(comments, file))
+        filled = list(islice(((number, line) for number, line in enumerate(lines, 1) if line.strip()), 2))
+        if len(filled) < 2:
+            place = Position(path.name, 1, 1, 1, next(iter([*comments, *(line for _, line in filled)]), "")[:200])
+            raise ModelError([Fault("there are no rows of numbers below a heading", position=place)], path.name)
+        (number, heading), (start, first) = filled
+        heading = heading.rstrip("\n")
+        stored = description_in(comments, KEY)
+        separator = "," if stored is not None else max(SEPARATORS, key=heading.count)
+        place = Position(path.name, number, 1, 1, heading[:200])
+        columns = headings(heading, separator, place) if stored is None else []
+        names = next(csv.reader([heading], delimiter=separator))
+        rows = NumberRows(
+            chain([first], lines), path.name, Dialect(separator), len(names), start, names, own=stored is not None,
+            other_width=_other_width, no_number=_no_number,
+        )  # fmt: skip
+        numbers = next(rows.blocks(range(len(names)), 0))
+    if len(configurations) > 1:
+        text = f"the table holds the configurations {', '.join(configurations)}; keep the rows of one of them"
+        raise ModelError([Fault(text, position=place)], path.name)
+    if stored is not None:  # the description has the names, whatever characters are in them
+        return _own(stored, [name.split(" ")[0] for name in names], np.column_stack(numbers))
+    return _foreign(columns, numbers, [comment[1:].strip() for comment in comments], path)
+
+
+def _apart_from(comments: list[str], lines: Iterable[str]) -> Iterator[str]:
+    """Yield the lines of a file with empty ones in place of comments, which are collected in ``comments``."""
+    for line in lines:
+        if line.startswith("#"):
+            comments.append(line.rstrip("\n"))
+        yield "\n" if line.startswith("#") else line
+
+
+def _without_configuration(found: dict[str, None], lines: Iterable[str]) -> Iterator[str]:
+    """Yield the lines of a table without a first column of configurations, whose names are collected in ``found``."""
+    beginning = ""
+    for line in lines:
+        if not beginning and line.strip():
+            beginning = next((sign for sign in SEPARATORS if line.startswith(f"{CONFIGURATION}{sign}")), "none")
+            yield line.removeprefix(f"{CONFIGURATION}{beginning}")
+        elif beginning in ("", "none") or not line.strip():
+            yield line
+        else:
+            name, *cells = next(csv.reader([line.rstrip("\n")], delimiter=beginning))
+            found[name] = None
+            yield beginning.join(cells) + "\n" * line.endswith("\n")
+
+
+def _other_width(cells: int, width: int) -> str:
+    return f"{cells} cells under {width} headings"
+
+
+def _no_number(cell: str) -> str:
+    comma = "; write numbers with a decimal point" if _DECIMAL_COMMA.fullmatch(cell) else ""
+    return f'expected a number, got "{cell}"{comma}'
+
+
+def _own(text: str, kinds: list[str], numbers: FloatArray) -> FrequencyResponse:
+    found = {kind: numbers[:, [at for at, other in enumerate(kinds) if other == kind]] for kind in dict.fromkeys(kinds)}
+    said = parse_description(text)
+    shape = (len(numbers), len(said["outputs"]), len(said["inputs"]))
+    values = np.empty(shape, dtype=complex)
+    values.real, values.imag = found["re"].reshape(shape), found["im"].reshape(shape)
+    whole: dict[str, Any] = {"frequencies": found["frequency"][:, 0], "values": values}
+    if "coherence" in found:
+        whole["coherence"] = found["coherence"].reshape(shape)
+    if "conditioning" in found:
+        whole["conditioning"] = found["conditioning"][:, 0]
+    return response_from(text, whole)
+
+
+def _foreign(
+    columns: Sequence[ColumnHeading], numbers: Sequence[FloatArray], comments: Sequence[str], path: Path
+) -> FrequencyResponse:
+    matrix = ResponseMatrix(numbers[0] / FREQUENCIES[columns[0].unit])
+    parts: dict[tuple[str, str], dict[str, tuple[ColumnHeading, FloatArray]]] = {}
+    for at, column in enumerate(columns):
+        if column.pair is not None:
+            parts.setdefault(column.pair, {})[column.kind] = (column, numbers[at])
+    for pair, found in parts.items():
+        matrix.pairs[pair] = _single(found)
+    notes = resolve_units(matrix.pairs)
+    kept = [
+        comment for comment in comments[1:] if comment not in ("", SIGN_NOTE) and usable_limit_in([comment]) is None
+    ]
+    conditioning = [numbers[at] for at, column in enumerate(columns) if column.kind == "conditioning"]
+    more = {
+        "conditioning": conditioning[0] if conditioning else None,
+        "usable_up_to": usable_limit_in(comments),
+        "estimation": estimation_in(comments),
+        "has_phase": not any("phase" not in found and "re" not in found for found in parts.values()),
+    }
+    return matrix.response(path.name, comments[0] if comments else path.stem, (*kept, *notes), **more)
+
+
+def _single(found: dict[str, tuple[ColumnHeading, FloatArray]]) -> SingleResponse:
+    if "re" in found:
+        heading, real = found["re"]
+        values = np.empty(len(real), dtype=complex)
+        values.real, values.imag = real, found["im"][1]
+    else:
+        heading, magnitude = found["magnitude"]
+        phase = found["phase"][1] if "phase" in found else 0.0  # has_phase says which it is
+        with np.errstate(invalid="ignore"):  # an infinite magnitude has no real part
+            values = magnitude * np.exp(1j * np.radians(phase))
+    coherence = found["coherence"][1] if "coherence" in found else None
+    with np.errstate(invalid="ignore"):
+        scaled = np.asarray(values / heading.scale, dtype=complex)
+    return SingleResponse(scaled, heading.above, heading.below, coherence)

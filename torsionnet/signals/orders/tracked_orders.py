@@ -1,0 +1,200 @@
+"""Complex orders of a measured signal over speed and time, with intervals."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
+
+import numpy as np
+
+from torsionnet.base.conventions import SI, Conventions
+from torsionnet.base.errors import UsageError
+from torsionnet.base.notes import NoteOrText
+from torsionnet.base.packages import NotebookResult
+from torsionnet.base.result_rows import NUMBER_ROWS, NUMBERS, Out
+from torsionnet.base.table import Column, Table
+from torsionnet.base.units import RPM
+from torsionnet.linear.frequency_response import ComplexArray, FloatArray
+from torsionnet.signals.orders.tracking_kernel import UNKNOWN_TRACKING, TrackingKernel
+from torsionnet.signals.recording import QUANTITY_UNITS
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredOrder:
+    """Measured peak amplitudes of one order in SI units over speed in rad/s.
+
+    Attributes
+    ----------
+    order : float
+        Vibrations per revolution of the reference shaft.
+    speeds : (n,) array
+        Speeds in rad/s, rising.
+    amplitude : (n,) array
+        Peak amplitudes, SI.
+    values : (n,) complex array, optional
+        Complex peak amplitudes X of Re X exp(j o phi), SI; None where phases are not known.
+    half_widths : (n,) array, optional
+        Half width of the 95 % interval of real and of imaginary part, SI.
+    """
+
+    order: float
+    speeds: FloatArray
+    amplitude: FloatArray
+    values: ComplexArray | None = None
+    half_widths: FloatArray | None = None
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class TrackedOrders(NotebookResult):
+    """Complex peak amplitudes of the orders of one measured signal in SI, shape (n_orders, n_times).
+
+    The signal is Re sum_o X_o exp(j o phi) with phi the mean angle of rotation of the reference shaft, 0 where
+    ``reference`` says: the convention of calculated order responses.
+
+    Attributes
+    ----------
+    name : str
+        Channel.
+    quantity : str
+        A key of ``QUANTITY_UNITS``.
+    orders : (n_orders,) array
+        Vibrations per revolution of the reference shaft, rising.
+    times : (n_times,) array
+        s, the middle of what each value is taken from.
+    speeds : (n_times,) array
+        Mean speed of the reference shaft, rad/s.
+    values : (n_orders, n_times) complex array
+        Peak amplitudes, SI.
+    half_widths : (n_orders, n_times) array
+        Half width of the 95 % interval of real and of imaginary part, SI; NaN where it is not known.
+    half_range : (n_times,) array, optional
+        (max - min)/2 of the signal over a cycle, SI.
+    reference : str
+        Where phi is 0, in words; empty where phases have no reference and only amplitudes can be compared.
+    title : str
+    notes : tuple of str or Note
+        Method, bandwidth, repairs.
+    undecided : tuple of float
+        Orders whose sign is not known, since which turn of a cycle begins at the reference is not: their values are
+        amplitudes, without a phase.
+    related_within : tuple of float
+        For each order the time in s within which values share data: the noise of two values dt apart has about the
+        correlation 1 - dt/related_within. Empty where values are independent, as averages over blocks are.
+    tracking : TrackingKernel
+        Filter or blocks by which the orders were tracked, as far as known.
+
+    Examples
+    --------
+    >>> one = TrackedOrders(
+    ...     "T", "torque", np.array([6.0]), np.array([0.0, 1.0]), np.array([10.0, 20.0]),
+    ...     np.array([[3j, 4]]), np.zeros((1, 2)), reference="top dead centre of cylinder 1",
+    ... )
+    >>> one.along(6).tolist(), one.measured()[0].amplitude.tolist()
+    ([3j, (4+0j)], [3.0, 4.0])
+    """
+
+    picture: ClassVar[str] = "tracked_orders"
+
+    name: str
+    quantity: str
+    orders: FloatArray
+    times: FloatArray
+    speeds: FloatArray
+    values: ComplexArray
+    half_widths: FloatArray
+    half_range: FloatArray | None = None
+    reference: str = ""
+    title: str = ""
+    notes: tuple[NoteOrText, ...] = ()
+    undecided: tuple[float, ...] = ()
+    related_within: tuple[float, ...] = ()
+    tracking: TrackingKernel = UNKNOWN_TRACKING
+
+    @property
+    def unit(self) -> str:
+        """SI unit of the amplitudes of tracked orders."""
+        return QUANTITY_UNITS.get(self.quantity, "")
+
+    @property
+    def rpm(self) -> FloatArray:
+        """Speeds of the reference shaft in r/min, shape (n_times,)."""
+        return np.asarray(self.speeds * RPM)
+
+    def along(self, order: float) -> ComplexArray:
+        """Complex peak amplitudes of one order in SI units over time, shape (n_times,).
+
+        Raises
+        ------
+        UsageError
+            The order was not tracked.
+        """
+        place = int(np.abs(self.orders - order).argmin())
+        if abs(self.orders[place] - order) > 1e-6:
+            raise UsageError(f"order {order:g} was not tracked; there are {', '.join(f'{o:g}' for o in self.orders)}")
+        return np.asarray(self.values[place])
+
+    def measured(self) -> tuple[MeasuredOrder, ...]:
+        """Orders of the signal over rising speed, to lay beside calculated ones; without phases that are not known."""
+        rising = np.argsort(self.speeds, kind="stable")
+        rising = rising[np.r_[True, np.diff(self.speeds[rising]) > 0]]
+        values = self.values[:, rising] if self.reference else None
+        return tuple(
+            MeasuredOrder(
+                float(order),
+                self.speeds[rising],
+                np.abs(self.values[place, rising]),
+                None if values is None or float(order) in self.undecided else values[place],
+                self.half_widths[place, rising],
+            )
+            for place, order in enumerate(self.orders)
+        )
+
+    def table(self, conventions: Conventions = SI) -> Table:
+        """Table of the largest amplitude of each order, with its speed, phase and interval."""
+        scale, unit = conventions.scale(self.unit), conventions.unit(self.unit)
+        rows = []
+        for place, order in enumerate(self.orders.tolist()):
+            at = int(np.abs(self.values[place]).argmax())
+            value, width = complex(self.values[place, at]), float(self.half_widths[place, at])
+            known = bool(self.reference) and order not in self.undecided
+            rows.append((
+                order, float(self.rpm[at]), abs(value) * scale, None if np.isnan(width) else width * scale,
+                float(np.degrees(np.angle(value))) if known else None,
+                float(np.degrees(np.arctan2(width, abs(value)))) if known and not np.isnan(width) else None,
+            ))  # fmt: skip
+        columns = (
+            Column("order"), Column("speed", "rpm", 5), Column("largest amplitude", unit, 4), Column("+-", unit, 2),
+            Column("phase", "deg", 5, 2), Column("+-", "deg", 2),
+        )  # fmt: skip
+        where = f"phases from {self.reference}" if self.reference else "no phases: the record has no reference for them"
+        half = () if self.half_range is None else (
+            f"largest half range {self.half_range.max() * scale:.4g} {unit} at "
+            f"{self.rpm[int(self.half_range.argmax())]:.5g} rpm",
+        )  # fmt: skip
+        title = f"{self.title}: {self.name}" if self.title else self.name
+        return Table(f"{title}, {len(self.times)} speeds", columns, tuple(rows), (*half, where, *map(str, self.notes)))
+
+    def record(self) -> TrackedOrdersRecord:
+        """Tracked orders of the channel as plain data for JSON, amplitudes in SI units, speeds in rpm."""
+        return TrackedOrdersRecord(
+            self.name, self.unit, self.reference, self.undecided, self.notes, self.orders, self.times, self.rpm,
+            self.values.real, self.values.imag, self.half_widths, self.half_range,
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class TrackedOrdersRecord:
+    """Tracked orders of one channel as ``torsionnet track --json`` prints them, a row for each order over time."""
+
+    name: Annotated[str, Out(json="channel")]
+    unit: str
+    reference: str
+    undecided: Annotated[tuple[float, ...], Out(schema={**NUMBERS, "description": "orders without a phase"})]
+    notes: tuple[NoteOrText, ...]
+    orders: FloatArray
+    times: Annotated[FloatArray, Out(json="times_s")]
+    speeds: Annotated[FloatArray, Out(json="speeds_rpm")]
+    real: Annotated[FloatArray, Out(schema=NUMBER_ROWS)]
+    imag: Annotated[FloatArray, Out(schema=NUMBER_ROWS)]
+    half_widths: Annotated[FloatArray, Out(schema=NUMBER_ROWS)]
+    half_range: Annotated[FloatArray | None, Out(schema={"type": ["array", "null"], "items": NUMBERS["items"]})]

@@ -1,0 +1,199 @@
+"""Channels of an open file that are read in blocks, before their units are looked at."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import TypeVar
+
+from torsionnet.base.delimited.headings import plain_unit
+from torsionnet.base.errors import Position
+from torsionnet.base.notes import NoteOrText
+from torsionnet.base.units import DIMENSIONS, UnitError, parse_unit
+from torsionnet.linear.between_samples import Between
+from torsionnet.signals.foreign.content import Blocks
+from torsionnet.signals.rotation.pulse_reading import PulseReading
+
+TIME_NAMES = frozenset({"time", "times", "zeit", "tid", "temps", "timestamp", "timestamps", "time stamp", "x-time"})
+"""Names of channels that are taken for time stamps in several languages, in lower case."""
+CLOCK_NAMES = {
+    "rate": frozenset({"fs", "sampling_rate", "sample_rate", "samplerate", "samplingrate", "abtastrate"}),
+    "interval": frozenset({
+        "dt", "ts", "tinterval", "delta_t", "deltat", "sampling_interval", "sample_interval", "samplinginterval",
+        "sampleinterval", "sampling_time", "sample_time", "sampletime", "tsample", "tinc", "xincrement",
+        "abtastintervall",
+    }),
+    "start": frozenset({"tstart", "t0", "start_time", "starttime", "startzeit", "xorigin"}),
+}  # fmt: skip
+"""Names of single numbers in a file that are taken for the sampling rate in Hz, or sampling interval or start in s, in
+lower case."""
+
+T = TypeVar("T")
+NOWHERE = -1
+"""Column of a channel without values, for which a file has no array."""
+
+
+@dataclass(frozen=True)
+class FileChannel:
+    """Channel of a recording as the file has it, with its name, unit and number (``column``) for ``Source.blocks``.
+
+    ``quantity`` is None where the file says nothing, empty where it says that none is known. ``rate`` (Hz) and
+    ``start`` (s) are those of the channel alone, where the file has them for each, or ``clock`` is the channel of its
+    time stamps; ``over`` is the unit or name of its axis where that is no time, ``scale`` the channel of its axis where
+    nothing tells what that is. ``group`` is where it stands in the file. ``implied`` has the factor to SI by
+    quantity where the file has units for all channels, for those without one of their own. Time stamps count from
+    ``zero``. ``between`` and ``course_rate`` are those of a :class:`~torsionnet.signals.recording.Signal`.
+    """
+
+    name: str
+    column: int
+    unit: str = ""
+    quantity: str | None = None
+    length: int | None = None
+    position: Position | None = None
+    notes: tuple[NoteOrText, ...] = ()
+    rate: float | None = None
+    start: float | None = None
+    clock: FileChannel | None = None
+    over: str = ""
+    scale: FileChannel | None = None
+    group: str = ""
+    implied: Mapping[str, float] = field(default_factory=dict)
+    zero: float = 0.0
+    between: Between = "band_limited"
+    course_rate: float | None = None
+
+    def shares_axis(self, stamps: FileChannel) -> bool:
+        """Whether a channel may have these time stamps, going over no other dimension scale than they do."""
+        return self.scale is None or self.scale.name in (stamps.name, stamps.scale.name if stamps.scale else "")
+
+
+@dataclass(frozen=True)
+class StoredPulses:
+    """Channel of a file with pulses: times in s with the step of their counter in s, or what ``reading`` says."""
+
+    channel: FileChannel
+    tick: float
+    reading: PulseReading | None = None
+
+
+@dataclass(frozen=True)
+class StatedInterval:
+    """Sampling interval in s that an entry of a file gives besides the time stamps."""
+
+    name: str
+    seconds: float
+    position: Position
+
+
+@dataclass(frozen=True)
+class Source:
+    """Channels, sampling rate in Hz and notes of an open file.
+
+    ``blocks(columns, count)`` reads so many samples at a time, everything at once where ``count`` is 0.
+    ``discovered`` grows while blocks are read: what was assumed about the values. ``hint`` is added to what is wrong.
+    ``seams`` grows with them: first sample and start in s of each block that does not follow the one before.
+    """
+
+    channels: tuple[FileChannel, ...]
+    blocks: Blocks
+    time: FileChannel | None = None
+    rate: float | None = None
+    start: float = 0.0
+    stamped: bool = False
+    title: str = ""
+    notes: tuple[NoteOrText, ...] = ()
+    discovered: list[NoteOrText] = field(default_factory=list)
+    place: Callable[[int], Position | None] = lambda _row: None
+    stated: StatedInterval | None = None
+    pulses: tuple[StoredPulses, ...] = ()
+    hint: str = ""
+    seams: list[tuple[int, float]] = field(default_factory=list)
+
+    @property
+    def every(self) -> dict[str, FileChannel]:
+        """Channels by name, those of time stamps among them."""
+        clocks = [channel.clock for channel in self.channels if channel.clock]
+        stamps = [self.time] if self.time else []
+        return {channel.name: channel for channel in (*reversed(clocks), *stamps, *self.channels)}
+
+    def with_time_channel(self) -> Source:
+        """Source with the channel of time stamps, known by its name or unit, taken out of the others.
+
+        Where structures or groups have time stamps each, channels have those of the nearest.
+        """
+        named = {structure_of(one.name): one for one in reversed(self.channels) if is_time(one) and _has_time_name(one)}
+        if len(named) > 1 or any(channel.rate or channel.clock for channel in self.channels):
+            clocks = {
+                *(one.column for one in named.values()),
+                *(one.clock.column for one in self.channels if one.clock),
+            }
+            rest = [channel for channel in self.channels if channel.column not in clocks]
+            own = [one if one.clock or one.over else _timed(one, named) for one in rest]
+            return replace(self, channels=tuple(own))
+        for channel in self.channels:
+            if is_time(channel):
+                others = tuple(other for other in self.channels if other is not channel)
+                return replace(self, channels=others, time=channel, notes=(*self.notes, time_note(channel)))
+        return self
+
+
+def _timed(channel: FileChannel, named: Mapping[str, FileChannel]) -> FileChannel:
+    """Channel with the time stamps of the nearest structure; one with a rate has those of its own, which say more."""
+    stamps = named.get(structure_of(channel.name)) if channel.rate else nearest(channel.name, named)
+    if channel.rate and (stamps is None or channel.start or stamps.length != channel.length):
+        return channel
+    if stamps and not channel.shares_axis(stamps):
+        return channel
+    return replace(channel, rate=None, start=None, clock=stamps)
+
+
+def group_of(channel: FileChannel) -> str:
+    """Group or structure of a file that a channel is in, empty for none."""
+    return channel.group or structure_of(channel.name)
+
+
+def structure_of(name: str) -> str:
+    """Structure that a field of a file is in, empty for one in none."""
+    return name.rpartition(".")[0]
+
+
+def nearest(name: str, clocks: Mapping[str, T]) -> T | None:
+    """Clock of the structure that a channel is in, or of the nearest around it; None where none has any."""
+    inside = structure_of(name)
+    while inside and inside not in clocks:
+        inside = structure_of(inside)
+    return clocks.get(inside)
+
+
+def time_note(channel: FileChannel) -> str:
+    """Note on a recording that a channel was taken for the time stamps."""
+    return f'"{channel.name}" was taken for the time stamps'
+
+
+def is_time(channel: FileChannel) -> bool:
+    """Whether a channel holds time stamps, having a unit of time, or none and a name for time."""
+    if not channel.unit:
+        return _has_time_name(channel)
+    try:
+        return parse_unit(plain_unit(channel.unit)).dimension == DIMENSIONS["time"]
+    except UnitError:
+        return False
+
+
+def _has_time_name(channel: FileChannel) -> bool:
+    name = channel.name.rpartition(".")[2].strip()  # the field of a structure
+    return name == "t" or name.casefold() in TIME_NAMES  # T is a torque
+
+
+def clock_entry(name: str) -> str:
+    """Entry of the clock that a single number of this name is, ``rate``, ``interval`` or ``start``, empty for none.
+
+    >>> clock_entry("fs"), clock_entry("d.Time_Sample_Rate"), clock_entry("Tinterval"), clock_entry("Length")
+    ('rate', 'rate', 'interval', '')
+    """
+    folded = name.rpartition(".")[2].casefold()
+    for kind, names in CLOCK_NAMES.items():
+        if folded in names or any(folded.endswith(f"_{known}") for known in names if len(known) > 2):
+            return kind
+    return ""

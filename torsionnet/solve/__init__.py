@@ -1,1 +1,0 @@
-"""Frequency responses, modes and state space from an assembled drivetrain."""

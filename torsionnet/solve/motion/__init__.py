@@ -1,1 +1,0 @@
-"""Motion over time of drivetrains with laws of motion: contacts, stages and friction."""

@@ -1,1 +1,0 @@
-"""Vibration of running machinery, as motion over time, orders over speed, critical speeds and limits."""
