@@ -36,6 +36,7 @@ sys.path.append(str(Path(__file__).parents[1] / "tests"))
 
 from structure.floors import FLOORS, LAYERS, Layer  # noqa: E402
 from structure.modules import modules_below  # noqa: E402
+from structure.rules import SECTION_TYPES  # noqa: E402
 
 WAY: tuple[tuple[object, str, type | str], ...] = (
     (compose, "takes the text apart", LocatedDocument),
@@ -99,6 +100,8 @@ def _imports() -> set[tuple[str, str]]:
     for module in modules_below(PACKAGE):
         for one in module.imports:
             package, *rest = one.name.split(".")
+            if one.for_types and module.relative in SECTION_TYPES:
+                continue
             if module.layer_name and package == PACKAGE.name and rest and rest[0] != module.layer_name:
                 found.add((module.layer_name, rest[0]))
     return found

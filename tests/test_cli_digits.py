@@ -76,7 +76,7 @@ def test_a_table_with_other_digits():
 
 
 def test_the_page_for_a_browser_has_the_same_limits():
-    script = (Path(tn.__file__).parent / "explore" / "static" / "numbers.js").read_text(encoding="utf-8")
+    script = (Path(tn.__file__).parent / "app" / "explore" / "static" / "numbers.js").read_text(encoding="utf-8")
     largest, smallest = re.search(r"size >= (\S+) \|\| size < (\S+) \?", script).groups()
     assert (float(smallest), float(largest)) == (number_text.SMALLEST_PLAIN, number_text.LARGEST_PLAIN)
     assert f'"{number_text.MISSING_TYPESET}"' in script

@@ -285,7 +285,7 @@ def test_saved_file_gives_the_same_numbers(lone, tmp_path):
         lone.page.fill("#parameter-tau", "3.3")
         lone.page.keyboard.press("Enter")
     lone.page.get_by_role("button", name="Write values into text").click()
-    lone.until(lambda: "c_O: {value: 360" in lone.page.evaluate("torsionnet.app.text()"), "the values in the text")
+    lone.until(lambda: "c_O: {value: 360" in lone.page.evaluate("torsionnet.text()"), "the values in the text")
     with lone.page.expect_download() as download:
         lone.page.click("#save")
     assert download.value.suggested_filename == "amt_rig.yaml"

@@ -45,7 +45,7 @@ ROOT = Path(__file__).parents[1]
 def a_module(tmp_path, name, source):
     path = tmp_path / "torsionnet" / name
     path.parent.mkdir(parents=True, exist_ok=True)
-    (tmp_path / "torsionnet" / "solve").mkdir(exist_ok=True)
+    (tmp_path / "torsionnet" / "linear").mkdir(exist_ok=True)
     path.write_text(source, encoding="utf-8")
     return Module(path, tmp_path / "torsionnet")
 
@@ -53,22 +53,22 @@ def a_module(tmp_path, name, source):
 @pytest.mark.parametrize(
     ("name", "source"),
     [
-        ("model/gear.py", "from torsionnet.solve import modes"),
+        ("model/gear.py", "from torsionnet.linear import modes"),
         ("model/gear.py", "from torsionnet.linear.modes.natural_modes import modes"),
         ("model/gear.py", "import torsionnet.linear.modes.natural_modes"),
-        ("model/gear.py", "from torsionnet import solve"),
+        ("model/gear.py", "from torsionnet import linear"),
         ("model/gear.py", "from torsionnet import load"),
-        ("model/gear.py", "from .. import solve"),
-        ("model/gear.py", "from ..solve.modes import modes"),
-        ("model/__init__.py", "from ..solve import modes"),
-        ("model/gear.py", "def f():\n    from torsionnet.solve import modes"),
-        ("model/gear.py", "try:\n    from torsionnet.solve import modes\nexcept ImportError:\n    pass"),
+        ("model/gear.py", "from .. import linear"),
+        ("model/gear.py", "from ..linear.modes import modes"),
+        ("model/__init__.py", "from ..linear import modes"),
+        ("model/gear.py", "def f():\n    from torsionnet.linear import modes"),
+        ("model/gear.py", "try:\n    from torsionnet.linear import modes\nexcept ImportError:\n    pass"),
         ("base/units.py", "from ..model import Gear"),
         ("base/units.py", "from torsionnet.nowhere import x"),
-        ("model/model.py", "class D:\n    def modes(self):\n        from torsionnet.solve import modes"),
-        ("model/gear.py", "if TYPE_CHECKING:\n    from torsionnet.solve import Modes"),
-        ("model/reader.py", "def f():\n    from torsionnet.solve import modes"),
-        ("model/gear.py", "if TYPE_CHECKING:\n    pass\nelse:\n    from torsionnet.solve import modes"),
+        ("model/model.py", "class D:\n    def modes(self):\n        from torsionnet.linear import modes"),
+        ("model/gear.py", "if TYPE_CHECKING:\n    from torsionnet.linear import Modes"),
+        ("model/reader.py", "def f():\n    from torsionnet.linear import modes"),
+        ("model/gear.py", "if TYPE_CHECKING:\n    pass\nelse:\n    from torsionnet.linear import modes"),
     ],
 )
 def test_upward_import_is_found(tmp_path, name, source):
@@ -80,10 +80,10 @@ def test_upward_import_is_found(tmp_path, name, source):
     [
         (
             "linear/modes/natural_modes.py",
-            "from torsionnet.model.elements import Gear\nfrom . import time\nfrom ..core import SolveError",
+            "from torsionnet.model.elements import Gear\nfrom . import time\nfrom ..base import SolveError",
         ),
         ("model/gear.py", "from .base import Element\nimport math\nfrom collections import abc"),
-        ("drivetrain.py", "class D:\n    def modes(self):\n        from torsionnet.solve import modes"),
+        ("drivetrain.py", "class D:\n    def modes(self):\n        from torsionnet.linear import modes"),
         ("io/tors.py", "from torsionnet.drivetrain import Drivetrain"),
         ("__init__.py", "from torsionnet.app.cli import main"),
     ],
@@ -95,11 +95,11 @@ def test_other_imports_are_allowed(tmp_path, name, source):
 @pytest.mark.parametrize(
     ("name", "source", "allowed"),
     [
-        ("linear/modes/natural_modes.py", "from torsionnet.solve.running.orders import x", False),
+        ("linear/modes/natural_modes.py", "from torsionnet.linear.batch.variants import x", False),
         ("linear/modes/natural_modes.py", "def f():\n    from torsionnet.linear.responses.grid import x", False),
         ("linear/modes/natural_modes.py", "from torsionnet.linear.dynamic_stiffness.tape import x", True),
         ("linear/modes/natural_modes.py", "from torsionnet.linear.modes.eigen import x", True),
-        ("solve/__init__.py", "from torsionnet.machinery.design.damper import x", True),
+        ("linear/__init__.py", "from torsionnet.linear.batch.variants import x", True),
         ("plot/bode.py", "from torsionnet.plot.study.axes import x", False),
         ("plot/bode.py", "from torsionnet.plot.schematic.texts import x", True),
         ("plot/schematic/texts.py", "from torsionnet.plot.bode import x", False),
@@ -145,10 +145,10 @@ def test_forbidden_thing_is_found(tmp_path, rule, source):
     ("place", "rule", "source"),
     [
         ("plot/bode.py", plotting, "import matplotlib.pyplot as plt"),
-        ("solve/grid.py", plotting, "if TYPE_CHECKING:\n    from matplotlib.figure import Figure"),
+        ("linear/grid.py", plotting, "if TYPE_CHECKING:\n    from matplotlib.figure import Figure"),
         ("app/cli/app.py", printing, "print('x')"),
-        ("text/fixes/names.py", data_from_prose, "written.text, fault.kind"),
-        ("solve/grid.py", idle_dataclasses, "@dataclass(eq=False, repr=False)\nclass A(B):\n    x: int = 1"),
+        ("app/text/fixes/names.py", data_from_prose, "written.text, fault.kind"),
+        ("linear/grid.py", idle_dataclasses, "@dataclass(eq=False, repr=False)\nclass A(B):\n    x: int = 1"),
     ],
 )
 def test_its_allowed_neighbour_is_not(tmp_path, place, rule, source):
@@ -157,20 +157,20 @@ def test_its_allowed_neighbour_is_not(tmp_path, place, rule, source):
 
 @pytest.mark.parametrize("source", ["'not used' in fault.message", "re.match('x', place.fault.text)"])
 def test_a_quick_fix_that_reads_a_message_is_found(tmp_path, source):
-    assert len(list(data_from_prose(a_module(tmp_path, "text/fixes/names.py", source)))) == 1
+    assert len(list(data_from_prose(a_module(tmp_path, "app/text/fixes/names.py", source)))) == 1
 
 
 def test_class_names_twice_are_found_and_file_names_are_not(tmp_path):
-    modules = [a_module(tmp_path, f"{folder}/grid.py", "class Grid:\n    pass\n") for folder in ("solve", "plot")]
-    assert [fault.place for fault in names_twice(modules)] == ["torsionnet/solve/grid.py:1"]
-    allowed = [a_module(tmp_path, f"{folder}/modes.py", "x = 1\n") for folder in ("solve", "plot")]
+    modules = [a_module(tmp_path, f"{folder}/grid.py", "class Grid:\n    pass\n") for folder in ("linear", "plot")]
+    assert [fault.place for fault in names_twice(modules)] == ["torsionnet/linear/grid.py:1"]
+    allowed = [a_module(tmp_path, f"{folder}/modes.py", "x = 1\n") for folder in ("linear", "plot")]
     assert list(names_twice(allowed)) == []
 
 
 def test_all_rules_on_modules_are_applied(tmp_path):
     source = '"""Of all laws."""\nimport matplotlib\nprint(eval("1"))\n'
-    modules = [a_module(tmp_path, f"{folder}/grid.py", source) for folder in ("solve", "assembly")]
-    told = sorted(fault.what for fault in package_faults(modules) if "solve" in fault.place)
+    modules = [a_module(tmp_path, f"{folder}/grid.py", source) for folder in ("linear", "model")]
+    told = sorted(fault.what for fault in package_faults(modules) if "linear" in fault.place)
     assert [what.split()[0] for what in told] == ["calls", "calls", "imports", "the"]
 
 
@@ -189,13 +189,16 @@ def test_faults_of_the_theory_manual_are_found(tmp_path):
     theory.mkdir(parents=True)
     (theory / "index.md").write_text("```{toctree}\n:maxdepth: 1\n\nlaws\n```\n", encoding="utf-8")
     (theory / "laws.md").write_text(
-        "\\tag{1.1}\n\\tag{1.3}\n`modes/eigen.py`, `solve/modes/`, `tests/test_modes.py`, `solve/grid.py`\n",
+        "\\tag{1.1}\n\\tag{1.3}\n`modes/eigen.py`, `linear/modes/`, `tests/test_modes.py`, `linear/grid.py`\n",
         encoding="utf-8",
     )
+    (theory.parent / "page.md").write_text("`linear/eigen.py`, `model/rig.py`, `rig.py`, `out/`\n", encoding="utf-8")
     modules = [a_module(tmp_path, "linear/modes/eigen.py", "")]
-    assert [f"{fault.place} {fault.what}" for fault in faults_of_theory(theory, modules)] == [
+    assert [f"{fault.place} {fault.what}" for fault in faults_of_theory(theory.parent, modules)] == [
         "docs/theory/laws.md:2 equation 1.3 should be 1.2",
-        "docs/theory/laws.md:3 there is no solve/grid.py",
+        f"{tmp_path.name}/docs/page.md:1 there is no linear/eigen.py",
+        f"{tmp_path.name}/docs/page.md:1 there is no model/rig.py",
+        "docs/theory/laws.md:3 there is no linear/grid.py",
     ]
 
 
@@ -313,7 +316,7 @@ Text
 ```python
 import torsionnet as tn
 tn.plot.bode(tn.plot._inner)
-from torsionnet.solve import batch
+from torsionnet.linear import batch
 ```
 ```python
 for name in tn.units.convert, tn.frob:
@@ -325,7 +328,7 @@ for name in tn.units.convert, tn.frob:
 def test_uses_of_inner_names_are_found():
     packages = {"torsionnet", "torsionnet.plot"}
     assert [f"{fault.place} {fault.what}" for fault in public.inner_uses(PAGE, Path("docs/page.md"), packages)] == [
-        "docs/page.md:5 torsionnet.solve is not public",
+        "docs/page.md:5 torsionnet.linear is not public",
         "docs/page.md:4 torsionnet.plot._inner is not public",
         "docs/page.md:9 takes units from torsionnet.base.units",
         "docs/page.md:8 torsionnet.frob is not public",
@@ -414,9 +417,9 @@ def test_types_are_asked_of_what_changed(tmp_path, monkeypatch):
                 a_module(tmp_path, f"{name}.py", "x = 1\n")
         subprocess.run(["git", *command], cwd=tmp_path, check=True)
     a_module(tmp_path, "old.py", "x = 2\n")
-    a_module(tmp_path, "solve/new.py", "x = 3\n")
+    a_module(tmp_path, "linear/new.py", "x = 3\n")
     monkeypatch.setattr(precheck, "ROOT", tmp_path)
-    assert precheck.changed_modules("HEAD") == ["torsionnet/old.py", "torsionnet/solve/new.py"]
+    assert sorted(precheck.changed_modules("HEAD")) == ["torsionnet/linear/new.py", "torsionnet/old.py"]
     assert precheck.git("merge-base", "HEAD", "@{upstream}") == "", "there is no branch to merge into"
 
 

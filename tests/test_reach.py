@@ -14,9 +14,9 @@ from reach.recording import WITHOUT_NUMBERS
 
 ROOT = Path(__file__).parents[1]
 NOTES = {
-    "tests/test_a.py::test_cheap": (0.1, False, ["torsionnet/solve/a.py:f", "torsionnet/base/b.py:B.g"]),
-    "tests/test_a.py::test_dear": (3.0, False, ["torsionnet/solve/a.py:f"]),
-    "tests/test_a.py::test_slow": (9.0, True, ["torsionnet/solve/a.py:f"]),
+    "tests/test_a.py::test_cheap": (0.1, False, ["torsionnet/linear/a.py:f", "torsionnet/base/b.py:B.g"]),
+    "tests/test_a.py::test_dear": (3.0, False, ["torsionnet/linear/a.py:f"]),
+    "tests/test_a.py::test_slow": (9.0, True, ["torsionnet/linear/a.py:f"]),
     "tests/test_b.py::test_text": (0.2, False, ["library/rig.yaml", "torsionnet/base/b.py:B.g"]),
 }
 
@@ -43,7 +43,7 @@ def test_without_a_map_make_reach_is_named(tmp_path):
 
 
 def test_tests_of_a_function_the_cheapest_first(reach):
-    assert names(reach, "torsionnet/solve/a.py:f") == ["test_cheap", "test_dear", "test_slow"]
+    assert names(reach, "torsionnet/linear/a.py:f") == ["test_cheap", "test_dear", "test_slow"]
     assert names(reach, "library/rig.yaml") == ["test_text"]
 
 
@@ -60,7 +60,7 @@ class TestNumbers:
     @pytest.mark.parametrize(
         ("numerical", "names"),
         [
-            ("torsionnet/solve/a.py:f", ["tests/test_b.py"]),
+            ("torsionnet/linear/a.py:f", ["tests/test_b.py"]),
             ("library/rig.yaml", ["tests/test_a.py"]),
             ("torsionnet/base/b.py:B.g", ["tests/test_a.py::test_dear", "tests/test_a.py::test_slow"]),
             ("torsionnet/base/c.py:f", ["tests/test_a.py", "tests/test_b.py"]),
@@ -92,10 +92,10 @@ class TestChange:
         return [name.partition("::")[2] for name in tests], number
 
     def test_slow_tests_are_left_out(self, reach):
-        assert self.chosen(reach, 100.0, "torsionnet/solve/a.py:f") == (["test_cheap", "test_dear"], 2)
+        assert self.chosen(reach, 100.0, "torsionnet/linear/a.py:f") == (["test_cheap", "test_dear"], 2)
 
     def test_every_file_has_a_turn_within_the_time(self, reach):
-        places = ("torsionnet/solve/a.py:f", "torsionnet/base/b.py:B.g")
+        places = ("torsionnet/linear/a.py:f", "torsionnet/base/b.py:B.g")
         # Half a second for each of both files, and 0.1 + 0.2 s: the dear one has no more time.
         assert self.chosen(reach, 1.4, *places) == (["test_cheap", "test_text"], 3)
         assert self.chosen(reach, 1.2, *places) == (["test_cheap"], 3)

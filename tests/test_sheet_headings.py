@@ -217,7 +217,7 @@ class TestRemarks:
 def test_gears_put_between_branches_listed_in_sequence_are_in_the_report():
     read = sheet(GEARED + "5;Engine 2;90;4;1\n6;Clutch;3;;1\n")
     assert [(gear.first, gear.second, gear.ratio, gear.has_shaft) for gear in read.gears] == [
-        ("Pinion", "Wheel", 4, False), ("Propeller", "Engine_2", tn.core.units.Fraction(1, 4), False)
+        ("Pinion", "Wheel", 4, False), ("Propeller", "Engine_2", tn.units.Fraction(1, 4), False)
     ]  # fmt: skip
     assert any("between Propeller and Engine_2 a gear of ratio 0.25 was put" in note for note in read.report().notes)
 

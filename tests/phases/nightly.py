@@ -24,11 +24,20 @@ TODAY = date.today().toordinal()  # noqa: DTZ011
 NUMBERS = tuple(
     f"torsionnet/{room}/*"
     for room in (
-        "assembly", "bench", "campaign", "identification", "modal", "response", "signals", "solve", "study", "symbolic",
+        "bench", "identification", "linear", "machinery", "modal", "motion", "signals", "study", "symbolic",
     )
 )  # fmt: skip
-READERS = ("torsionnet/io/*", "torsionnet/model/*", "torsionnet/base/*", "torsionnet/loading.py", "library/*")
-ADAPTERS = tuple(f"torsionnet/{room}/*" for room in ("io", "language_server", "plot", "report", "study", "symbolic"))
+READERS = (
+    "torsionnet/io/*",
+    "torsionnet/signals/*",
+    "torsionnet/model/*",
+    "torsionnet/base/*",
+    "torsionnet/loading.py",
+    "library/*",
+)
+ADAPTERS = tuple(
+    f"torsionnet/{room}/*" for room in ("app/language_server", "io", "plot", "signals", "report", "study", "symbolic")
+)
 
 
 @dataclass(frozen=True)

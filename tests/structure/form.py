@@ -24,7 +24,7 @@ def form_faults() -> Iterator[Fault]:
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as made_files:
         modules = modules_below(ROOT / "torsionnet")
         yield from package_faults(modules)
-        yield from faults_of_theory(ROOT / "docs" / "theory", modules)
+        yield from faults_of_theory(ROOT / "docs", modules)
         for folder in ("tests", "docs", "benchmarks"):
             for path in sorted((ROOT / folder).rglob("*.py")):
                 yield from imports_of_tests(path)

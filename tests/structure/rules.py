@@ -100,7 +100,7 @@ def printing(module: Module) -> Iterator[Fault]:
 def evaluation(module: Module) -> Iterator[Fault]:
     for name, line in module.calls:
         if name.split(".")[-1] in FORBIDDEN_CALLS or name in {"sympy.S", "sp.S"}:
-            remedy = "texts become numbers by core/expressions alone"
+            remedy = "texts become numbers by base/expressions alone"
             yield Fault(f"{module.relative}:{line}", f"calls {name}", remedy)
 
 
@@ -237,8 +237,9 @@ def imports_of_tests(path: Path) -> Iterator[Fault]:
             yield Fault(f"{path.parent.name}/{path.name}:{number}", f"imports {match[1]}", remedy)
 
 
-def faults_of_theory(theory: Path, modules: list[Module]) -> Iterator[Fault]:
-    """Equations of the theory manual that are not numbered in order, and modules it names that there are not."""
+def faults_of_theory(docs: Path, modules: list[Module]) -> Iterator[Fault]:
+    """Equations of the theory manual that are not numbered in order, and modules that pages name and there are not."""
+    theory = docs / "theory"
     chapters = re.search(r":maxdepth: 1\n\n(.*?)```", (theory / "index.md").read_text(encoding="utf-8"), re.DOTALL)
     for chapter, name in enumerate(chapters[1].split() if chapters else (), 1):
         tags = _matches(theory / f"{name}.md", r"\\tag\{(\d+\.\d+)\}")
@@ -247,8 +248,11 @@ def faults_of_theory(theory: Path, modules: list[Module]) -> Iterator[Fault]:
                 yield Fault(place, f"equation {tag} should be {chapter}.{number}", "number them in order")
     files = {module.path.relative_to(module.root) for module in modules}
     known = {part for path in files for part in _endings(path)}
-    for page in sorted(theory.glob("*.md")):
-        for place, name in _matches(page, r"`([\w/]+(?:\.py|/))`"):
+    rooms = "|".join(HEIGHT)
+    for page in sorted(docs.rglob("*.md")):
+        # Other pages also name files of users.
+        pattern = r"`([\w/]+(?:\.py|/))`" if page.parent == theory else rf"`((?:{rooms})/[\w/]*(?:\.py|/))`"
+        for place, name in _matches(page, pattern):
             if not name.startswith("tests/") and name not in known:
                 yield Fault(place, f"there is no {name}", "name the module as it is now")
 

@@ -43,7 +43,7 @@ class Writing:
 
     @property
     def text(self):
-        return self.page.evaluate("torsionnet.app.text()")
+        return self.page.evaluate("torsionnet.text()")
 
     def checked(self):
         """Faults, results and outline belong to the text that stands there."""

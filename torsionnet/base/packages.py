@@ -191,7 +191,7 @@ DOTS_PER_INCH = 100
 
 
 class NotebookTable(Protocol):
-    """Interface of a table that a notebook shows, as :class:`torsionnet.response.Table`."""
+    """Interface of a table that a notebook shows, as :class:`torsionnet.base.table.Table`."""
 
     __dataclass_fields__: ClassVar[dict[str, Any]]
 

@@ -172,7 +172,7 @@ def plot_option(what: str) -> Any:
 
 SIMPLIFY = option(
     "--simplify",
-    type=EntryOption("SHARE", "model.report.report_plan:SIMPLIFY"),
+    type=EntryOption("SHARE", "report.plan.report_plan:SIMPLIFY"),
     help="Leave out elements that move natural frequency and damping ratio of no mode in the band by more, as 1%.",
 )
 SETTINGS = option(

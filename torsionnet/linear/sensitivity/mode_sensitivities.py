@@ -82,7 +82,7 @@ class ModeSensitivities(NotebookResult):
         d lambda / dp; nan where two poles meet at critical damping, and move with the root of a change.
     title : str
     numbers : tuple of int or None
-        Of the modes, as :class:`~torsionnet.response.Modes` has them; real poles have none.
+        Of the modes, as :class:`~torsionnet.Modes` has them; real poles have none.
     notes : tuple of str
         On the operating point at which they hold.
     """

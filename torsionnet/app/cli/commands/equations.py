@@ -54,7 +54,7 @@ class EquationsCommand(ModelCommand):
 
     pairs: tuple[Any, ...] = option(
         "--tf",
-        type=EntryOption("OUTPUT/INPUT", "model.report.report_plan:PAIR"),
+        type=EntryOption("OUTPUT/INPUT", "model.response_pair:PAIR"),
         help='A transfer function, "theta_1/T_T". Repeatable.',
     )
     form: str | None = option("--form", type=click.Choice(FORMS), help="How it is written.  [default: mechanical]")

@@ -32,13 +32,13 @@ class HolzerCommand(ModelCommand):
     mode: int | None = option("--mode", type=click.IntRange(min=1), metavar="N", help="Number of the mode.")
     at: float | None = option(
         "--at",
-        type=EntryOption("FREQUENCY", "response.holzer_table:FREQUENCY"),
+        type=EntryOption("FREQUENCY", "machinery.holzer.holzer_table:FREQUENCY"),
         help="Instead, a trial frequency: 12 Hz.",
     )
     first: str | None = option("--first", metavar="NODE", help="Station to begin with.  [default: the first free end]")
     amplitude: float = option(
         "--amplitude",
-        type=EntryOption("ANGLE", "response.holzer_table:AMPLITUDE"),
+        type=EntryOption("ANGLE", "machinery.holzer.holzer_table:AMPLITUDE"),
         default="1 rad",
         show_default=True,
         help="Angle of the first station.",

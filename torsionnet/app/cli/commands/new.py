@@ -15,7 +15,7 @@ from torsionnet.app.cli.options import OutputFile
 from torsionnet.base.errors import readable_text
 
 KINDS = ("ship", "genset", "rig", "train", "turbine")
-"""Kinds of starting models; each is a file of that name in the folder ``cli/starting_models``."""
+"""Kinds of starting models; each is a file of that name in the folder ``app/cli/starting_models``."""
 
 ENDINGS = (".yaml", ".yml")
 STDOUT = "-"

@@ -40,7 +40,7 @@ class SimulateCommand(ModelCommand):
     )
     rate: float | None = option(
         "--rate",
-        type=EntryOption("RATE", "model.scenarios.scenario:RATE"),
+        type=EntryOption("RATE", "motion.scenarios.scenario:RATE"),
         help='Samples a second instead of those of the scenario, as "20 kHz".',
     )
     check: bool = option(

@@ -29,7 +29,7 @@ class StaticCommand(ModelCommand):
 
     speed: float | None = option(
         "--speed",
-        type=EntryOption("SPEED", "model.excitations.speed_range:SPEED"),
+        type=EntryOption("SPEED", "machinery.excitations.speed_range:SPEED"),
         help='Another speed of the node of the entry speeds:, as "500 rpm".',
     )
     angle: str = ANGLE
