@@ -169,7 +169,7 @@ $(VENV)/.group-%: $(VENV)/.installed
 	$(PIP) install --quiet --group $*
 	@touch $@
 
-# The lower bounds of pyproject.toml as constraints; tests/test_release_files.py compares them.
+# The lower bounds of pyproject.toml as constraints; tests/project/test_release_files.py compares them.
 $(OLDEST)/.installed: pyproject.toml tests/oldest.txt
 	rm -rf $(OLDEST)
 	"$(PYTHON)" -m venv $(OLDEST)

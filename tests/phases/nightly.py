@@ -55,7 +55,7 @@ PARTS = {
             ((make("test-kernel", 1250, "MARKED=not nightly", name="next kernel"),),),
             ((make("test-kernel", 450, "KERNEL=lowest", name="lowest kernel"),),),
         ),
-        (*NUMBERS, "torsionnet/base/*", "tests/support/kernel*", "tests/test_kernels.py"),
+        (*NUMBERS, "torsionnet/base/*", "tests/support/kernel*", "tests/project/test_kernels.py"),
     ),
     "packages": Part(
         (((make("test-oldest", 600),),), ((make("test-newest", 600),),)),
@@ -63,7 +63,7 @@ PARTS = {
     ),
     "mutation": Part(
         (((make("reach", 1700, "MARKED=not nightly"),),), ((make("mutation", 1300, "ARGS=-n 60 --seed commit"),),)),
-        ("torsionnet/*.py", "tests/test_*.py", "tests/support/*", "tests/mutation/*", "tests/reach/*"),
+        ("torsionnet/*.py", "tests/*test_*.py", "tests/support/*", "tests/mutation/*", "tests/reach/*"),
     ),
     # Each keeps one core busy for 20 minutes.
     "fuzz": Part(
@@ -75,7 +75,7 @@ PARTS = {
             ((make("test-campaigns", 2500),),),
             ((make("compare", 250, f"ARGS=--seed {TODAY}"),), (make("compare-parts", 250, f"ARGS=--seed {TODAY}"),)),
         ),
-        (*NUMBERS, "torsionnet/app/text/*", "torsionnet/model/*", "torsionnet/base/*", "tests/test_*.py", "tests/support/*"),
+        (*NUMBERS, "torsionnet/app/text/*", "torsionnet/model/*", "torsionnet/base/*", "tests/*test_*.py", "tests/support/*"),
     ),
     "release": Part(
         (((make("bench-short", 300),), (make("manuals", 100), make("release-files", 200))),),
