@@ -118,3 +118,12 @@ def test_without_trusted_eigenvectors_the_triangular_form_gives_the_same(monkeyp
 def test_questions_that_make_no_sense(outputs, inputs, message):
     with pytest.raises(tn.UsageError, match=message):
         tn.load("dmf_rig").simulate(outputs, inputs, RATE)
+
+
+@pytest.mark.parametrize("between", ["held", "straight", "band_limited"])
+@pytest.mark.filterwarnings("error")
+def test_a_free_plant_with_a_law_over_frequency_is_refused_without_a_warning_of_numpy(between):
+    plant = free(tn.HystereticSpring("rubber", nodes=("a", "b"), stiffness=20, loss_factor=0.1))
+    torque = tn.signals.Signal("T", "torque", np.ones(50), between=between)
+    with pytest.raises(tn.UsageError, match="lock it to simulate it"):
+        plant.simulate(["a"], {"a": torque}, RATE)

@@ -38,14 +38,14 @@ def by_spectrum(
     courses = {way: Folding(BetweenSamples(way, sampling_rate), frequencies) for way in between}
     asked = next((one.frequencies for way, one in courses.items() if way != "band_limited"), frequencies)
     found = responses([drivetrain], request, asked, "graph").values[0]
+    if not np.isfinite(found).all():
+        raise UsageError(
+            f"{drivetrain.title} has frequency-dependent laws and no finite static response: lock it to simulate it"
+        )
     H = np.array(found[: len(frequencies)])
     for number, way in enumerate(between):
         if way != "band_limited":
             H[:, :, number] = courses[way].folded(found[:, :, number])
-    if not np.isfinite(H).all():
-        raise UsageError(
-            f"{drivetrain.title} has frequency-dependent laws and no finite static response: lock it to simulate it"
-        )
     spectra = np.fft.rfft(torques, size, axis=1)
     H[0] = H[0].real
     motion = np.fft.irfft(np.einsum("foi,if->of", H, spectra), size, axis=1)
