@@ -27,7 +27,7 @@ from torsionnet.signals import (
     estimate,
 )
 from torsionnet.signals.harmonics import sweep_harmonics
-from torsionnet.signals.resolution import resolution, step_of
+from torsionnet.signals.sensor_resolution import resolution, step_of
 
 RATE = 2000.0
 CHIRP = LinearChirp(start=1, stop=50, duration=40, amplitude=15)

@@ -19,7 +19,7 @@ from torsionnet.signals import (
     check_recording,
 )
 from torsionnet.signals.repeated_blocks import repeated_blocks
-from torsionnet.signals.resolution import step_of
+from torsionnet.signals.sensor_resolution import step_of
 from torsionnet.signals.spikes import spikes
 from torsionnet.signals.standstill import frozen_stretches
 

@@ -12,8 +12,8 @@ from torsionnet.base.entries.scalars import PhysicalQuantity
 from torsionnet.base.entries.spec import entry
 from torsionnet.base.errors import UsageError
 from torsionnet.base.expressions import Expression
-from torsionnet.linear.sensitivity.mode_sensitivities import mode_sensitivities
 from torsionnet.linear.sensitivity.parametric import parametric_response
+from torsionnet.linear.sensitivity.sensitivities_of_modes import mode_sensitivities
 from torsionnet.model.element_base.dynamic_stiffness import ScaledStiffness
 from torsionnet.model.element_base.element import Element
 from torsionnet.model.element_base.element_entries import NodePair

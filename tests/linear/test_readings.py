@@ -14,8 +14,8 @@ import torsionnet as tn
 from torsionnet.base.errors import UsageError
 from torsionnet.base.registers import Groups
 from torsionnet.linear.modes.natural_modes import modes
-from torsionnet.linear.sensitivity.mode_sensitivities import mode_sensitivities
 from torsionnet.linear.sensitivity.parametric import parametric_response
+from torsionnet.linear.sensitivity.sensitivities_of_modes import mode_sensitivities
 from torsionnet.model.elements import GROUND, Constraint, Values
 
 F = np.array([0.37, 5.3])

@@ -596,7 +596,7 @@ class TestPictures:
         """7 points outwards; where the sum lies over the vector, 9 points below it."""
         from matplotlib.figure import Figure
 
-        from torsionnet.plot.star_diagrams import draw_star
+        from torsionnet.plot.star_diagram_plot import draw_star
 
         found = {}
         for vectors in ([1, 1j, -1, -1j], [1, 1, 0, 0]):

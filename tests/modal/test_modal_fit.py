@@ -21,7 +21,7 @@ from torsionnet.modal.refinement import factors_of, roots_of
 from torsionnet.modal.schwarz_criterion import significant_poles
 from torsionnet.modal.selection import clusters
 from torsionnet.modal.spectral_lines import lines_of, power
-from torsionnet.modal.stabilisation import Order, Stabilisation, _same
+from torsionnet.modal.stabilisation_chart import Order, Stabilisation, _same
 
 LINES = np.arange(0.5, 30.01, 0.1)
 CUT = {  # Hz, %; of the rigs cut at the torque meter

@@ -15,7 +15,7 @@ from torsionnet.modal.remarks import line_spacing
 from torsionnet.modal.residues import expand
 from torsionnet.modal.schwarz_criterion import BicCriterion, line_correlation, significant_poles
 from torsionnet.modal.spectral_lines import Lines, lines_of
-from torsionnet.modal.stabilisation import Order, _same
+from torsionnet.modal.stabilisation_chart import Order, _same
 
 LINES = np.arange(1.0, 20.01, 0.5)
 POLES = np.array([pole(4, 0.03), -40.0 + 0j, pole(9, 0.05), -70.0 + 0j])

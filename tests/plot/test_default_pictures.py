@@ -212,7 +212,7 @@ def test_the_speed_of_a_shaft_that_turns_on_is_drawn_in_rpm(lowest, unit):
 
 @pytest.mark.parametrize(("time", "side"), [(2.0, "left"), (8.0, "right")])
 def test_the_name_of_an_event_has_its_room_inside_the_panel(time, side):
-    from torsionnet.plot.scenario_motion import scenario_motion
+    from torsionnet.plot.scenario_motion_plot import scenario_motion
 
     signals = (Signal("T", "torque", np.sin(np.arange(1001.0))),)
     record = Recording(signals, 100.0, events=(MotionEvent(time, "clutch", "sticks"),))
@@ -257,7 +257,7 @@ def test_fitted_orders_are_drawn_over_speed_in_rpm(step):
 
 
 def test_the_worst_condition_of_a_family_has_the_largest_use_of_any_criterion():
-    from torsionnet.plot.limit_families import LimitFamily
+    from torsionnet.plot.limit_family_plot import LimitFamily
 
     def used(*shares):
         return None, tuple(SimpleNamespace(worst=0, utilisation=np.array([share])) for share in shares)

@@ -5,8 +5,8 @@ import pytest
 import torsionnet as tn
 from torsionnet import plot
 from torsionnet.plot.drawing.pieces import Piece
-from torsionnet.plot.schematic.arrangement import arranged, page_width
-from torsionnet.plot.schematic.drawing_parts import cut_heights
+from torsionnet.plot.schematics.arrangement import arranged, page_width
+from torsionnet.plot.schematics.drawing_parts import cut_heights
 from torsionnet.report import make_report
 
 MM = 25.4
@@ -65,7 +65,7 @@ def test_the_line_of_a_sensor_keeps_four_points_free_on_either_side():
 
 
 def test_parts_hold_every_text_once_and_are_legible():
-    from torsionnet.plot.schematic.schematic import schematic_parts
+    from torsionnet.plot.schematics.schematic import schematic_parts
 
     rig = tn.load("wind_turbine_3mw").configured("free")
     parts = schematic_parts(rig, 135)

@@ -22,9 +22,9 @@ from torsionnet.base.errors import UsageError
 from torsionnet.plot.drawing.pieces import ROLES, is_math, text_width
 from torsionnet.plot.drawing.symbol_runs import X_HEIGHT, symbol_runs, symbols_width
 from torsionnet.plot.drawing.text_widths import font_widths
-from torsionnet.plot.schematic import wiring
-from torsionnet.plot.schematic.svg_drawing import schematic_svg
-from torsionnet.plot.schematic.svg_groups import _id
+from torsionnet.plot.schematics import wiring
+from torsionnet.plot.schematics.svg_drawing import schematic_svg
+from torsionnet.plot.schematics.svg_groups import _id
 
 SVG = "{http://www.w3.org/2000/svg}"
 # Attributes that Content-Security-Policy `style-src 'self'` lets pass: presentation attributes, no style.
@@ -192,7 +192,7 @@ class TestWidths:
     def test_widths_are_those_of_matplotlib(self, role):
         from matplotlib.textpath import text_to_path
 
-        from torsionnet.plot.schematic.canvas import _font
+        from torsionnet.plot.schematics.canvas import _font
 
         for text in self.TEXTS:
             if text and not (is_math(text, role) and role == "node"):
@@ -217,7 +217,7 @@ class TestWidths:
     def test_matplotlib_is_not_loaded(self):
         code = (
             "import sys, torsionnet as tn\n"
-            "from torsionnet.plot.schematic.svg_drawing import schematic_svg\n"
+            "from torsionnet.plot.schematics.svg_drawing import schematic_svg\n"
             "schematic_svg(tn.load('amt_rig'))\n"
             "sys.exit(any(name in sys.modules for name in ('matplotlib', 'sympy', 'scipy')))"
         )

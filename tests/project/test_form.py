@@ -100,9 +100,9 @@ def test_other_imports_are_allowed(tmp_path, name, source):
         ("linear/modes/natural_modes.py", "from torsionnet.linear.dynamic_stiffness.tape import x", True),
         ("linear/modes/natural_modes.py", "from torsionnet.linear.modes.eigen import x", True),
         ("linear/__init__.py", "from torsionnet.linear.batch.variants import x", True),
-        ("plot/bode.py", "from torsionnet.plot.study.axes import x", False),
-        ("plot/bode.py", "from torsionnet.plot.schematic.texts import x", True),
-        ("plot/schematic/texts.py", "from torsionnet.plot.bode import x", False),
+        ("plot/bode_plot.py", "from torsionnet.plot.study.axes import x", False),
+        ("plot/bode_plot.py", "from torsionnet.plot.schematics.texts import x", True),
+        ("plot/schematics/texts.py", "from torsionnet.plot.bode_plot import x", False),
         ("model/element_base/laws.py", "from torsionnet.model.elements.rigid import x", False),
         ("model/element_base/laws.py", "from torsionnet.model.checks.names import x", True),
     ],
@@ -144,7 +144,7 @@ def test_forbidden_thing_is_found(tmp_path, rule, source):
 @pytest.mark.parametrize(
     ("place", "rule", "source"),
     [
-        ("plot/bode.py", plotting, "import matplotlib.pyplot as plt"),
+        ("plot/bode_plot.py", plotting, "import matplotlib.pyplot as plt"),
         ("linear/grid.py", plotting, "if TYPE_CHECKING:\n    from matplotlib.figure import Figure"),
         ("app/cli/app.py", printing, "print('x')"),
         ("app/text/fixes/names.py", data_from_prose, "written.text, fault.kind"),

@@ -15,7 +15,7 @@ from torsionnet.signals.detrending import detrend
 from torsionnet.signals.harmonics import sweep_harmonics
 from torsionnet.signals.order_tracking import order_map
 from torsionnet.signals.recording import QUANTITY_UNITS, Recording, Signal
-from torsionnet.signals.spectrogram import spectrogram
+from torsionnet.signals.spectrograms import spectrogram
 from torsionnet.signals.welch import Welch
 
 

@@ -42,7 +42,7 @@ LAYERS = (  # top to bottom
 CORE = ("base", "model", "linear", "symbolic")
 FLOORS = {  # bottom to top: the folders of a layer, "" its files that are in none
     "app": ("text", "language_server", "explore", "cli"),
-    "plot": ("drawing", "schematic", "", "study"),
+    "plot": ("drawing", "schematics", "", "study"),
     "identification": ("residuals", ""),
     "study": ("space", "quantities", "reductions", "answers", "design", "", "run"),
     "symbolic": ("algebra", ""),

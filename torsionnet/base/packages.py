@@ -133,17 +133,6 @@ TABLES: dict[str, dict[str, str]] = {}
 """Place of each public name, ``module:name`` or a module, by package and name."""
 
 
-class LazyPackage(ModuleType):
-    """Package that keeps a public name for its function where a module beside it has the same name.
-
-    Importing the module plot.bode would otherwise put it in the place of the function plot.bode.
-    """
-
-    def __setattr__(self, name: str, value: object) -> None:
-        if not (isinstance(value, ModuleType) and ":" in TABLES[self.__name__].get(name, "")):
-            super().__setattr__(name, value)
-
-
 def lazy_exports(
     package: str, homes: Mapping[str, str], modules: Iterable[str] = ()
 ) -> tuple[list[str], Callable[[str], object], Callable[[], list[str]]]:
@@ -157,6 +146,10 @@ def lazy_exports(
         Public name -> module that it comes from.
     modules : iterable of str
         Modules offered under the last part of their name.
+
+    Notes
+    -----
+    No public name is that of a module in the package, whose import would put the module in its place.
 
     Examples
     --------
@@ -180,7 +173,6 @@ def lazy_exports(
         value = there[name] = getattr(found, inside) if inside else found
         return value
 
-    sys.modules[package].__class__ = LazyPackage
     return list(table), attribute, lambda: sorted(table)
 
 

@@ -21,7 +21,7 @@ from torsionnet.identification.fit_search import LeastSquaresSolution
 from torsionnet.identification.lack_of_fit import Explanation, misfits
 from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.signals.recording import Recording
-from torsionnet.signals.resolution import ENOUGH_STEPS, resolution
+from torsionnet.signals.sensor_resolution import ENOUGH_STEPS, resolution
 
 CAUSES_FITTED_FIRST = 6
 """Number of causes of a misfit that are fitted first, those that would reduce it most by a linear estimate, to save

@@ -11,7 +11,7 @@ from torsionnet.linear.frequency_response import FrequencyResponse
 from torsionnet.modal.schwarz_criterion import BicCriterion, pole_count, weighted_residuals
 from torsionnet.modal.selection import SelectedPoles, Selection, select
 from torsionnet.modal.settings import DEFAULT_HIGHEST_ORDER, Method, Settings
-from torsionnet.modal.stabilisation import Stabilisation, diagram
+from torsionnet.modal.stabilisation_chart import Stabilisation, diagram
 
 NAMES: Mapping[Method, str] = {"rational": "rational fraction", "lscf": "LSCF"}
 """Name of each identification method in the sentence that explains the choice of the method."""

@@ -13,7 +13,7 @@ from torsionnet.linear.frequency_response import FrequencyResponse
 from torsionnet.modal.poles import damping_ratios, natural_frequencies
 from torsionnet.modal.schwarz_criterion import best_order, significant_poles
 from torsionnet.modal.spectral_lines import ComplexArray
-from torsionnet.modal.stabilisation import Stabilisation
+from torsionnet.modal.stabilisation_chart import Stabilisation
 
 Selection: TypeAlias = Literal["order", "clusters"] | int | Sequence[tuple[int, float]]
 

@@ -1,31 +1,31 @@
 # Written by `make generate`.
-from torsionnet.plot.bode import bode as bode
-from torsionnet.plot.circle import circle as circle
-from torsionnet.plot.coherence import coherence as coherence
-from torsionnet.plot.comparison import comparison as comparison
+from torsionnet.plot.bode_plot import bode as bode
+from torsionnet.plot.circle_plot import circle as circle
+from torsionnet.plot.coherence_plot import coherence as coherence
+from torsionnet.plot.comparison_plot import comparison as comparison
 from torsionnet.plot.damper_curves import damper_design as damper_design
 from torsionnet.plot.drawing.save import save as save
 from torsionnet.plot.drawing.style import STYLE as STYLE
 from torsionnet.plot.fits import correlation as correlation
 from torsionnet.plot.fits import fit as fit
 from torsionnet.plot.histories import time_histories as time_histories
-from torsionnet.plot.interference_diagram import interference_diagram as interference_diagram
-from torsionnet.plot.limit_check import limit_check as limit_check
-from torsionnet.plot.limit_families import limit_families as limit_families
+from torsionnet.plot.interference_plot import interference_diagram as interference_diagram
+from torsionnet.plot.limit_family_plot import limit_families as limit_families
+from torsionnet.plot.limit_plot import limit_check as limit_check
 from torsionnet.plot.mac import mac_matrix as mac_matrix
-from torsionnet.plot.nyquist import nyquist as nyquist
-from torsionnet.plot.operational_modes import operational_modes as operational_modes
-from torsionnet.plot.order_overlay import order_overlay as order_overlay
-from torsionnet.plot.order_response import half_ranges as half_ranges
-from torsionnet.plot.order_response import order_response as order_response
-from torsionnet.plot.order_response import waveform as waveform
-from torsionnet.plot.passage_response import passage_response as passage_response
+from torsionnet.plot.nyquist_plot import nyquist as nyquist
+from torsionnet.plot.operational_mode_plot import operational_modes as operational_modes
+from torsionnet.plot.order_overlay_plot import order_overlay as order_overlay
+from torsionnet.plot.order_response_plot import half_ranges as half_ranges
+from torsionnet.plot.order_response_plot import order_response as order_response
+from torsionnet.plot.order_response_plot import waveform as waveform
+from torsionnet.plot.passage_plot import passage_response as passage_response
 from torsionnet.plot.pitch_pattern import wheel_pattern as wheel_pattern
-from torsionnet.plot.scenario_motion import scenario_motion as scenario_motion
-from torsionnet.plot.schematic.schematic import schematic as schematic
+from torsionnet.plot.scenario_motion_plot import scenario_motion as scenario_motion
+from torsionnet.plot.schematics.schematic import schematic as schematic
 from torsionnet.plot.shapes import mode_shapes as mode_shapes
-from torsionnet.plot.stabilisation import stabilisation as stabilisation
-from torsionnet.plot.star_diagrams import star_diagrams as star_diagrams
+from torsionnet.plot.stabilisation_plot import stabilisation as stabilisation
+from torsionnet.plot.star_diagram_plot import star_diagrams as star_diagrams
 from torsionnet.plot.study.contour_map import contour_map as contour_map
 from torsionnet.plot.study.designs import damper_over_conditions as damper_over_conditions
 from torsionnet.plot.study.designs import design_optimum as design_optimum
@@ -42,10 +42,10 @@ from torsionnet.plot.study.worst_variants import worst_variants as worst_variant
 from torsionnet.plot.time_frequency import order_map as order_map
 from torsionnet.plot.time_frequency import spectrogram as spectrogram
 from torsionnet.plot.time_frequency import sweep_harmonics as sweep_harmonics
-from torsionnet.plot.tornado import tornado as tornado
-from torsionnet.plot.tracked_orders import tracked_orders as tracked_orders
-from torsionnet.plot.waterfall import waterfall as waterfall
-from torsionnet.plot.wheel_rotations import wheel_rotations as wheel_rotations
+from torsionnet.plot.tornado_plot import tornado as tornado
+from torsionnet.plot.tracked_order_plot import tracked_orders as tracked_orders
+from torsionnet.plot.waterfall_plot import waterfall as waterfall
+from torsionnet.plot.wheel_rotation_plot import wheel_rotations as wheel_rotations
 
 __all__ = [
     "STYLE",

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
 from torsionnet.machinery.phasors.vector_sums import VectorSums, order_names
-from torsionnet.plot.star_diagrams import draw_star
+from torsionnet.plot.star_diagram_plot import draw_star
 
 PANEL = 1.05
 """Height in inches of the panel of one phase star."""

@@ -16,7 +16,7 @@ import torsionnet.plot.drawing.style as style
 from torsionnet.base.conventions import SI, Conventions, index_of_mode
 from torsionnet.base.errors import UsageError, comma_list, did_you_mean
 from torsionnet.linear.modes.modes import OSCILLATORY, Modes
-from torsionnet.plot.schematic.stations import Axis, idle_nodes, node_axis, plain_axis, ratios
+from torsionnet.plot.schematics.stations import Axis, idle_nodes, node_axis, plain_axis, ratios
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain

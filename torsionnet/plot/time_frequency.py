@@ -14,7 +14,7 @@ from torsionnet.base.number_text import typeset_unit
 from torsionnet.signals.harmonics import Harmonics
 from torsionnet.signals.order_tracking import OrderMap
 from torsionnet.signals.recording import FloatArray
-from torsionnet.signals.spectrogram import Spectrogram
+from torsionnet.signals.spectrograms import Spectrogram
 
 COLOURS = "viridis"
 HEADROOM = 1.1

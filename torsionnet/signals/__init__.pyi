@@ -51,8 +51,6 @@ from torsionnet.signals.records.recording_files import read_recording as read_re
 from torsionnet.signals.records.recording_files import write_recording as write_recording
 from torsionnet.signals.resampling import interpolated_at as interpolated_at
 from torsionnet.signals.resampling import resampled as resampled
-from torsionnet.signals.resolution import Resolution as Resolution
-from torsionnet.signals.resolution import resolution as resolution
 from torsionnet.signals.rotation.angle_record import angle_record as angle_record
 from torsionnet.signals.rotation.calculated_orders import CalculatedOrders as CalculatedOrders
 from torsionnet.signals.rotation.calibration_result import WheelCalibration as WheelCalibration
@@ -77,10 +75,12 @@ from torsionnet.signals.rotation.wheel_channel import wheel_pulses as wheel_puls
 from torsionnet.signals.rotation.wheel_pattern import WheelPattern as WheelPattern
 from torsionnet.signals.rotation.wheel_rotation import WheelRotation as WheelRotation
 from torsionnet.signals.rotation.wheel_rotation import wheel_rotation as wheel_rotation
+from torsionnet.signals.sensor_resolution import Resolution as Resolution
+from torsionnet.signals.sensor_resolution import resolution as resolution
 from torsionnet.signals.spectra import cross_spectra as cross_spectra
 from torsionnet.signals.spectral_matrix import CrossSpectra as CrossSpectra
-from torsionnet.signals.spectrogram import Spectrogram as Spectrogram
-from torsionnet.signals.spectrogram import spectrogram as spectrogram
+from torsionnet.signals.spectrograms import Spectrogram as Spectrogram
+from torsionnet.signals.spectrograms import spectrogram as spectrogram
 from torsionnet.signals.unaveraged_estimates import Step as Step
 from torsionnet.signals.unaveraged_estimates import full_record as full_record
 from torsionnet.signals.unaveraged_estimates import stepped_sine as stepped_sine

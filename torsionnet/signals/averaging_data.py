@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from torsionnet.linear.estimation import Estimation
 from torsionnet.signals.recording import Recording
-from torsionnet.signals.resolution import step_of, sweep_amplitudes
+from torsionnet.signals.sensor_resolution import step_of, sweep_amplitudes
 from torsionnet.signals.spectral_matrix import CrossSpectra
 
 MOST_KEPT_VALUES = 2**22

@@ -20,7 +20,7 @@ from torsionnet.signals.averaging_data import averaging_data, with_record
 from torsionnet.signals.decimation import decimate
 from torsionnet.signals.record_blocks import Recordings
 from torsionnet.signals.recording import FloatArray, Recording
-from torsionnet.signals.resolution import ResolutionWatch, with_resolution_limit
+from torsionnet.signals.sensor_resolution import ResolutionWatch, with_resolution_limit
 from torsionnet.signals.spectra import cross_spectra
 from torsionnet.signals.spectral_matrix import ComplexArray, CrossSpectra
 from torsionnet.signals.welch import Welch

@@ -13,8 +13,8 @@ from torsionnet.base.remedies import remedy
 from torsionnet.signals.pulses import repaired_pulses
 from torsionnet.signals.recording import QUANTITY_UNITS, FloatArray, Recording, Signal
 from torsionnet.signals.repeated_blocks import repeated_blocks
-from torsionnet.signals.resolution import step_of
 from torsionnet.signals.rotation.turn_pattern import turn_pattern
+from torsionnet.signals.sensor_resolution import step_of
 from torsionnet.signals.spikes import spikes
 from torsionnet.signals.standstill import frozen_stretches
 from torsionnet.signals.timing import gaps, jitter

@@ -42,7 +42,7 @@ def motion_answer(session: Session, state: State) -> dict[str, Any]:
 
 
 def _schematic(session: Session, state: State) -> dict[str, Any]:
-    from torsionnet.plot.schematic.svg_drawing import schematic_svg  # what draws is loaded by pages that show it
+    from torsionnet.plot.schematics.svg_drawing import schematic_svg  # what draws is loaded by pages that show it
 
     drawing = schematic_svg(session.model_for(state))
     return {

@@ -19,7 +19,7 @@ from torsionnet.bench.campaign.kept_files import file_name, kept_path, record_ke
 from torsionnet.bench.campaign.tracking_records import record_rotations
 from torsionnet.signals.recording import Recording
 from torsionnet.signals.records.large_records import record_or_blocks
-from torsionnet.signals.resolution import step_of
+from torsionnet.signals.sensor_resolution import step_of
 from torsionnet.signals.standstill import frozen_stretches
 from torsionnet.signals.value_faults import flat_tops
 

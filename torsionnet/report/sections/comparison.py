@@ -36,7 +36,7 @@ def _case(subject: ReportData, test: Measured) -> Case:
 
 
 def _test(subject: ReportData, test: Measured, number: int) -> list[Block]:
-    from torsionnet.plot.comparison import comparison
+    from torsionnet.plot.comparison_plot import comparison
 
     case, measured = _case(subject, test), test.response
     model = calculated(case, measured, test.excitation)

@@ -116,7 +116,7 @@ def _split(found: CriticalSpeeds, conditions: int) -> tuple[CriticalSpeeds, Crit
 
 
 def _diagram(found: CriticalSpeeds, number: int, where: str) -> Picture:
-    from torsionnet.plot.interference_diagram import interference_diagram
+    from torsionnet.plot.interference_plot import interference_diagram
 
     caption = (f"Interference diagram{where}: natural frequencies and orders over speed.",)
     alt = f"Interference diagram{where}: {len(found.modes)} modes, {len(found.crossings)} crossings"

@@ -69,7 +69,7 @@ def forced_response_section(subject: ReportData) -> Section | None:
 
 def _families(subject: ReportData, found: LimitConclusion) -> list[Picture]:
     """Pictures of all components with limits on vibration, over speed in every condition."""
-    from torsionnet.plot.limit_families import families_of, limit_families
+    from torsionnet.plot.limit_family_plot import families_of, limit_families
 
     names = list(dict.fromkeys(family.members[0][1][0].limit for family in families_of(found.checks)))
     parts = [names[start : start + MOST_PANELS] for start in range(0, len(names), MOST_PANELS)]
@@ -131,7 +131,7 @@ def _worst_row(subject: ReportData, check: LimitCheck, one: LimitVerdict) -> tup
 
 def _free_end(subject: ReportData) -> Picture:
     """Picture of the amplitude at the free end of the engine over speed, as a torsiograph there measures it."""
-    from torsionnet.plot.order_response import order_response
+    from torsionnet.plot.order_response_plot import order_response
 
     run, condition = subject.free_end_response, condition_words(subject.judged_cases[0].configuration)
     node = run.outputs[0].name

@@ -134,7 +134,7 @@ def _numbers(subject: ReportData, check: LimitCheck, one: LimitVerdict) -> tuple
 
 def _picture(subject: ReportData, judged: LimitConclusion, name: str, number: int) -> list[Picture]:
     """Figures of a limit over speed in the condition in which the limit is used most."""
-    from torsionnet.plot.limit_check import limit_check
+    from torsionnet.plot.limit_plot import limit_check
 
     use = [_most_used(check, name) for check in judged.checks]
     if not np.isfinite(use).any():

@@ -172,7 +172,7 @@ def _beside_limits(subject: ReportData, case: Case, files: Sequence[MeasuredFile
 
 def limit_picture(check: LimitCheck, name: str, conventions: Conventions, measured: Sequence[MeasuredRange]) -> Figure:
     """Figure of one limit over speed with the half ranges of a test."""
-    from torsionnet.plot.limit_check import limit_check
+    from torsionnet.plot.limit_plot import limit_check
 
     return limit_check(replace(check, title=""), name, conventions=conventions, title="", measured=measured)
 

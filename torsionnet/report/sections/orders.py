@@ -45,7 +45,7 @@ def _output(subject: ReportData, name: str, number: int) -> list[Block]:
 
     Half ranges of all configurations, orders of the worst one, and the largest values.
     """
-    from torsionnet.plot.order_response import half_ranges, order_response
+    from torsionnet.plot.order_response_plot import half_ranges, order_response
 
     runs = subject.order_responses
     place = runs[0].output(name)

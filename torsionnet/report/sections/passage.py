@@ -97,7 +97,7 @@ def _drawn(passages: Sequence[RangePassage]) -> list[RangePassage]:
 
 def _picture(subject: ReportData, passages: Sequence[RangePassage], what: str, number: int) -> Picture:
     """Figure of passages over time with the values allowed, the quick one beside the slow one."""
-    from torsionnet.plot.passage_response import passage_response
+    from torsionnet.plot.passage_plot import passage_response
 
     verdict = passages[0].verdict
     channel = Channel(as_words(verdict.limit), verdict.unit)

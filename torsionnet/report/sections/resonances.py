@@ -181,7 +181,7 @@ def _without_limits(case: Case) -> tuple[list[CriticalSpeed], TableBlock]:
 
 def _diagram(case: Case, lines: list[str] | None) -> Picture:
     """Interference diagram of one condition with some order lines, or with all."""
-    from torsionnet.plot.interference_diagram import interference_diagram
+    from torsionnet.plot.interference_plot import interference_diagram
 
     found = case.drivetrain.critical_speeds(lines=lines)
     where = f", {condition_words(case.configuration)}" if case.configuration else ""

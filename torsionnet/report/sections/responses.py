@@ -66,7 +66,7 @@ def left_out(subject: ReportData, pair: Pair) -> Iterator[Block]:
 
 
 def _picture(subject: ReportData, pair: Pair, found: tuple[FrequencyResponse, ...], number: int) -> Picture:
-    from torsionnet.plot.bode import bode
+    from torsionnet.plot.bode_plot import bode
 
     shown = found[:MOST_CURVES]
     labels = [case.configuration for case in subject.cases[:MOST_CURVES]] if len(shown) > 1 else None

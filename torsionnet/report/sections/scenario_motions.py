@@ -28,7 +28,7 @@ def scenarios_section(subject: ReportData) -> Section | None:
 
 def _scenario(subject: ReportData, case: Case, name: str) -> Iterator[Block]:
     """Blocks of the report on one scenario: what happens, peaks, events and energies, and the signals drawn."""
-    from torsionnet.plot.scenario_motion import scenario_motion
+    from torsionnet.plot.scenario_motion_plot import scenario_motion
 
     several = case.configuration and len(subject.cases) > 1
     where = f" in configuration {case.configuration}" if several else ""

@@ -15,7 +15,7 @@ def schematic_section(subject: ReportData) -> Section:
 
     A tall one is cut into parts. Others differ in values or switched elements.
     """
-    from torsionnet.plot.schematic.schematic import schematic_parts
+    from torsionnet.plot.schematics.schematic import schematic_parts
 
     case = subject.cases[0]
     rig = case.drivetrain

@@ -10,8 +10,8 @@ import numpy as np
 
 from torsionnet.base.errors import SolveError
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
-from torsionnet.linear.sensitivity.mode_sensitivities import ModeSensitivities, mode_sensitivities
 from torsionnet.linear.sensitivity.parametric import ParametricResponse, parametric_response
+from torsionnet.linear.sensitivity.sensitivities_of_modes import ModeSensitivities, mode_sensitivities
 from torsionnet.study.quantities.evaluator import Evaluator
 from torsionnet.study.quantities.natural_frequency import UNDAMPED, DampingRatio, ModeQuantity, NaturalFrequency
 from torsionnet.study.quantities.quantity import StudyQuantity

@@ -13,7 +13,7 @@ from torsionnet.app.cli.record_options import Averaging, RecordCommand
 if TYPE_CHECKING:
     from torsionnet.base.table import Table
     from torsionnet.signals.recording import Recording
-    from torsionnet.signals.spectrogram import Spectrogram
+    from torsionnet.signals.spectrograms import Spectrogram
 
 
 class SpectrogramCommand(RecordCommand):
@@ -56,7 +56,7 @@ class SpectrogramCommand(RecordCommand):
         from torsionnet.app.cli.records import load_record
         from torsionnet.signals.decimation import decimated
         from torsionnet.signals.recording import Recording
-        from torsionnet.signals.spectrogram import spectrogram
+        from torsionnet.signals.spectrograms import spectrogram
 
         settings = self.averaging.settings()
         with progress("transforming", None) as advance:

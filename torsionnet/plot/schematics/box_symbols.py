@@ -7,10 +7,10 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from torsionnet.plot.drawing.pieces import Stroke, arc
-from torsionnet.plot.schematic.outlines import BODY, WHEEL, rectangle
+from torsionnet.plot.schematics.outlines import BODY, WHEEL, rectangle
 
 if TYPE_CHECKING:
-    from torsionnet.plot.schematic.epicyclic import BoxElement
+    from torsionnet.plot.schematics.epicyclic import BoxElement
 
 HALF_SIZE = 24.0
 """Half the width and height in points of a symbol inside a box of the schematic."""

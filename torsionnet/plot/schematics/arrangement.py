@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 from torsionnet.base.errors import UsageError
 from torsionnet.plot.drawing.pieces import LEADING, ROLES, Box, Label, Piece, text_width
-from torsionnet.plot.schematic.drawing_plan import MOST_NAMED_NODES
-from torsionnet.plot.schematic.layout import layout_bands
-from torsionnet.plot.schematic.pens import POINTS_PER_INCH
-from torsionnet.plot.schematic.texts import wrap_text
-from torsionnet.plot.schematic.wiring import draw_loops
+from torsionnet.plot.schematics.drawing_plan import MOST_NAMED_NODES
+from torsionnet.plot.schematics.layout import layout_bands
+from torsionnet.plot.schematics.pens import POINTS_PER_INCH
+from torsionnet.plot.schematics.texts import wrap_text
+from torsionnet.plot.schematics.wiring import draw_loops
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 
 from torsionnet.model.elements import GROUND, Element
 from torsionnet.plot.drawing.pieces import LEADING, ROLES, Piece, Stroke, Texts, label_width
-from torsionnet.plot.schematic import outlines
-from torsionnet.plot.schematic.spring_chains import far_end
+from torsionnet.plot.schematics import outlines
+from torsionnet.plot.schematics.spring_chains import far_end
 
 if TYPE_CHECKING:
-    from torsionnet.plot.schematic.planned_row import PlannedRow
+    from torsionnet.plot.schematics.planned_row import PlannedRow
 
 WALL, LEADER = 18.0, 14.0  # points: half height of a wall or disc at the end of a line, length of a mark's leader
 

@@ -19,7 +19,7 @@ from torsionnet.machinery.verdicts.limit_check import LimitCheck, LimitVerdict
 from torsionnet.machinery.verdicts.order_peaks import vibratory_verdicts
 from torsionnet.plot.drawing.labels import symbol
 from torsionnet.plot.drawing.torque_units import axis_label, axis_unit, speed_label
-from torsionnet.plot.limit_check import quantity_label
+from torsionnet.plot.limit_plot import quantity_label
 
 PANEL_HEIGHT = 2.1
 """Height in inches of the panel of one limited quantity: three rows of panels leave room for another picture on the

@@ -13,13 +13,13 @@ from torsionnet.model.channels import Input
 from torsionnet.model.elements import GROUND, Element, Law, Values
 from torsionnet.plot.drawing.labels import value_lines
 from torsionnet.plot.drawing.pieces import Box, Piece, Texts
-from torsionnet.plot.schematic.epicyclic import BoxElement, EpicyclicSet
-from torsionnet.plot.schematic.glyphs import inline_glyph
-from torsionnet.plot.schematic.outlines import DRAGS, Glyph
-from torsionnet.plot.schematic.part_boxes import PartBox
-from torsionnet.plot.schematic.taps import Tap, is_on_link
-from torsionnet.plot.schematic.texts import break_lines, planetary_set_lines
-from torsionnet.plot.schematic.topology import Connections, Link, Tree, Vertex, connections, trees
+from torsionnet.plot.schematics.epicyclic import BoxElement, EpicyclicSet
+from torsionnet.plot.schematics.glyphs import inline_glyph
+from torsionnet.plot.schematics.outlines import DRAGS, Glyph
+from torsionnet.plot.schematics.part_boxes import PartBox
+from torsionnet.plot.schematics.taps import Tap, is_on_link
+from torsionnet.plot.schematics.texts import break_lines, planetary_set_lines
+from torsionnet.plot.schematics.topology import Connections, Link, Tree, Vertex, connections, trees
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain

@@ -11,7 +11,7 @@ from matplotlib.path import Path
 from torsionnet.plot.drawing.palette import PAPER
 from torsionnet.plot.drawing.pieces import ROLES, Box, Label, Piece, Stroke, is_math
 from torsionnet.plot.drawing.style import bare_figure
-from torsionnet.plot.schematic.pens import DASHES, PENS, POINTS_PER_INCH, is_behind
+from torsionnet.plot.schematics.pens import DASHES, PENS, POINTS_PER_INCH, is_behind
 
 TALLEST_FIGURE = 24.0
 """Height in inches above which a drawing is scaled down, its texts with it."""

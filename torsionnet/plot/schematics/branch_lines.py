@@ -10,8 +10,8 @@ import numpy as np
 
 from torsionnet.model.elements import GROUND, Element
 from torsionnet.plot.drawing.pieces import Owner, Piece, Stroke, arc, box_array, overlap
-from torsionnet.plot.schematic import outlines
-from torsionnet.plot.schematic.topology import Vertex
+from torsionnet.plot.schematics import outlines
+from torsionnet.plot.schematics.topology import Vertex
 
 STEP, FARTHEST = 4.0, 3000.0
 SMALLEST_WHEELS, LARGEST_WHEELS, FARTHEST_WHEELS, SHORTEST_WIRE = 50.0, 110.0, 170.0, 36.0

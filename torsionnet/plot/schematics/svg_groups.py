@@ -10,7 +10,7 @@ from torsionnet.model.elements import GROUND, Element
 from torsionnet.plot.drawing.labels import value_lines
 from torsionnet.plot.drawing.pieces import Label, Owner, Piece, Stroke
 from torsionnet.plot.drawing.symbol_runs import symbol_runs
-from torsionnet.plot.schematic.epicyclic import epicyclic_sets
+from torsionnet.plot.schematics.epicyclic import epicyclic_sets
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain

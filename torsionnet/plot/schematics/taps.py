@@ -10,8 +10,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from torsionnet.plot.drawing.labels import symbol
-from torsionnet.plot.schematic.marks import Mark
-from torsionnet.plot.schematic.topology import Link
+from torsionnet.plot.schematics.marks import Mark
+from torsionnet.plot.schematics.topology import Link
 
 
 @dataclass(frozen=True)

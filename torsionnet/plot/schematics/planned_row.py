@@ -6,13 +6,13 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from torsionnet.plot.drawing.pieces import Box, LooseEnd, Piece, Stroke, Texts, label_width, shifted_box, text_width
-from torsionnet.plot.schematic.branch_lines import BranchStart
-from torsionnet.plot.schematic.marks import Mark
-from torsionnet.plot.schematic.taps import marks_beside
-from torsionnet.plot.schematic.topology import Link, Vertex
+from torsionnet.plot.schematics.branch_lines import BranchStart
+from torsionnet.plot.schematics.marks import Mark
+from torsionnet.plot.schematics.taps import marks_beside
+from torsionnet.plot.schematics.topology import Link, Vertex
 
 if TYPE_CHECKING:
-    from torsionnet.plot.schematic.drawing_plan import DrawingPlan
+    from torsionnet.plot.schematics.drawing_plan import DrawingPlan
 
 
 MANY_MARKS, MARK_LIFT = 4, 22.0

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from torsionnet.model.elements import GROUND, Element
 from torsionnet.plot.drawing.pieces import Owner
-from torsionnet.plot.schematic.epicyclic import BoxElement, epicyclic_sets
-from torsionnet.plot.schematic.outlines import DRAGS
+from torsionnet.plot.schematics.epicyclic import BoxElement, epicyclic_sets
+from torsionnet.plot.schematics.outlines import DRAGS
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain

@@ -8,7 +8,7 @@ from typing import Any
 from torsionnet.model.elements import Element
 from torsionnet.plot.drawing.labels import value_lines
 from torsionnet.plot.drawing.pieces import Texts, is_math, text_width
-from torsionnet.plot.schematic.epicyclic import EpicyclicSet
+from torsionnet.plot.schematics.epicyclic import EpicyclicSet
 
 WIDEST = {"input": 64.0, "sensor": 64.0, "what": 70.0}
 """Greatest width in points of a line of a label, by role of its text, a name in ``ROLES``; marks stand closer to each

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.elements import GROUND, Gear
 from torsionnet.model.speeds import speeds_by_reference
-from torsionnet.plot.schematic.line_routes import LineRoute, line_routes
-from torsionnet.plot.schematic.outlines import DRAGS
-from torsionnet.plot.schematic.topology import Connections, Link, Vertex, connections, trees
+from torsionnet.plot.schematics.line_routes import LineRoute, line_routes
+from torsionnet.plot.schematics.outlines import DRAGS
+from torsionnet.plot.schematics.topology import Connections, Link, Vertex, connections, trees
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain

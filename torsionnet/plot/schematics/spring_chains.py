@@ -10,7 +10,7 @@ from torsionnet.model.damping import LossFactor
 from torsionnet.model.element_base.stiffness_rows import TableEntry
 from torsionnet.model.elements import GROUND, Action, Element, Law, Part, Values
 from torsionnet.plot.drawing.pieces import Stroke
-from torsionnet.plot.schematic.outlines import Glyph, dashpot, rectangle, zigzag
+from torsionnet.plot.schematics.outlines import Glyph, dashpot, rectangle, zigzag
 
 LENGTH, DASHPOT_LENGTH = 48.0, 40.0  # points, of a symbol with a spring, and of one without
 RAIL, BETWEEN = 6.0, 20.0

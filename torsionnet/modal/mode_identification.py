@@ -20,7 +20,7 @@ from torsionnet.modal.residues import expand
 from torsionnet.modal.selection import CLOSE_MODES, SelectedPoles, Selection, merged, select
 from torsionnet.modal.settings import Settings
 from torsionnet.modal.spectral_lines import ComplexArray, Lines, band_notes, lines_of
-from torsionnet.modal.stabilisation import Stabilisation
+from torsionnet.modal.stabilisation_chart import Stabilisation
 
 UNSETTLED = warning("the refinement did not settle; fewer poles or a narrower band may help")
 """Warning about poles whose least squares were not reached."""

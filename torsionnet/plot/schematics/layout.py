@@ -13,9 +13,9 @@ from itertools import pairwise, zip_longest
 from typing import TYPE_CHECKING
 
 from torsionnet.plot.drawing.pieces import Piece, Stroke, text_width
-from torsionnet.plot.schematic.branch_lines import UP_IF, Branch, BranchStart
-from torsionnet.plot.schematic.drawing_plan import DrawingPlan, make_plan
-from torsionnet.plot.schematic.line_routes import (
+from torsionnet.plot.schematics.branch_lines import UP_IF, Branch, BranchStart
+from torsionnet.plot.schematics.drawing_plan import DrawingPlan, make_plan
+from torsionnet.plot.schematics.line_routes import (
     BranchWidth,
     LineRoute,
     RouteStep,
@@ -23,8 +23,8 @@ from torsionnet.plot.schematic.line_routes import (
     line_width,
     piece_starts,
 )
-from torsionnet.plot.schematic.shaft_lines import ShaftLine
-from torsionnet.plot.schematic.topology import Link, Tree, Vertex
+from torsionnet.plot.schematics.shaft_lines import ShaftLine
+from torsionnet.plot.schematics.topology import Link, Tree, Vertex
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain

@@ -10,8 +10,8 @@ from xml.sax.saxutils import escape
 from torsionnet.plot.drawing.palette import INK, PAPER
 from torsionnet.plot.drawing.pieces import ROLES, Label, Stroke, is_math
 from torsionnet.plot.drawing.symbol_runs import INDEX_SIZE, symbol_runs
-from torsionnet.plot.schematic.outlines import BODY, BOX, WHEEL
-from torsionnet.plot.schematic.pens import DASHES, PENS, is_behind
+from torsionnet.plot.schematics.outlines import BODY, BOX, WHEEL
+from torsionnet.plot.schematics.pens import DASHES, PENS, is_behind
 
 FILLS = {BODY: "body", WHEEL: "wheel", BOX: "box", PAPER: "paper", "#d9d9d9": "pad", INK: "ink"}
 """Names of the colours with which symbols are filled, by the colour on white paper."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from torsionnet.model.elements import Element
 from torsionnet.plot.drawing.pieces import Stroke
-from torsionnet.plot.schematic.outlines import BODY, Glyph, rectangle, zigzag
+from torsionnet.plot.schematics.outlines import BODY, Glyph, rectangle, zigzag
 
 _HALF = 10.0  # points, half height of both symbols
 

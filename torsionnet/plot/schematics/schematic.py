@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from matplotlib.figure import Figure
 
-from torsionnet.plot.schematic.arrangement import (
+from torsionnet.plot.schematics.arrangement import (
     MILLIMETRES_PER_INCH,
     PAPER_WIDTH,
     arranged,
@@ -15,10 +15,10 @@ from torsionnet.plot.schematic.arrangement import (
     page_width,
     titled,
 )
-from torsionnet.plot.schematic.canvas import figure_of_drawing
-from torsionnet.plot.schematic.drawing_parts import cut_heights, part_between
-from torsionnet.plot.schematic.part_boxes import with_part_boxes
-from torsionnet.plot.schematic.pens import POINTS_PER_INCH
+from torsionnet.plot.schematics.canvas import figure_of_drawing
+from torsionnet.plot.schematics.drawing_parts import cut_heights, part_between
+from torsionnet.plot.schematics.part_boxes import with_part_boxes
+from torsionnet.plot.schematics.pens import POINTS_PER_INCH
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain

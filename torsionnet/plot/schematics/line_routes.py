@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import zip_longest
 from typing import NamedTuple
 
-from torsionnet.plot.schematic.topology import Link, Tree, Vertex, heights
+from torsionnet.plot.schematics.topology import Link, Tree, Vertex, heights
 
 PIECE, MISPLACED, LATE = 2e4, 1e6, 30.0
 """Costs in squared points of a cut shaft line, of each piece, of each branch that would fit elsewhere, and of each

@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from torsionnet.plot.drawing.labels import symbol
 from torsionnet.plot.drawing.pieces import LEADING, ROLES, Box, Piece, Texts, label_width
-from torsionnet.plot.schematic.bodies import draw_body, draw_line_end
-from torsionnet.plot.schematic.boxes import draw_box
-from torsionnet.plot.schematic.branch_lines import ELBOW, Branch, BranchStart, GearPair, place_branches, wheel_ratio
-from torsionnet.plot.schematic.marks import Mark
-from torsionnet.plot.schematic.outlines import Glyph
-from torsionnet.plot.schematic.planned_row import PlannedRow
-from torsionnet.plot.schematic.topology import Link, Vertex
+from torsionnet.plot.schematics.bodies import draw_body, draw_line_end
+from torsionnet.plot.schematics.boxes import draw_box
+from torsionnet.plot.schematics.branch_lines import ELBOW, Branch, BranchStart, GearPair, place_branches, wheel_ratio
+from torsionnet.plot.schematics.marks import Mark
+from torsionnet.plot.schematics.outlines import Glyph
+from torsionnet.plot.schematics.planned_row import PlannedRow
+from torsionnet.plot.schematics.topology import Link, Vertex
 
 if TYPE_CHECKING:
     from torsionnet.model.elements import Element
-    from torsionnet.plot.schematic.drawing_plan import DrawingPlan
+    from torsionnet.plot.schematics.drawing_plan import DrawingPlan
 
 
 GAP = 9.0

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from torsionnet.plot.drawing.pieces import Piece, Stroke, Texts
-from torsionnet.plot.schematic import outlines
-from torsionnet.plot.schematic.texts import break_lines
+from torsionnet.plot.schematics import outlines
+from torsionnet.plot.schematics.texts import break_lines
 
 TOPS = {"input": 19.0, "reaction": 19.0, "motion": 20.0, "torque": 20.0}
 """Heights in points above the shaft at which the name of a mark begins, by kind of mark."""

@@ -14,7 +14,7 @@ from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.number_text import typeset_unit
 from torsionnet.linear.frequency_response import FloatArray, FrequencyResponse
 from torsionnet.linear.phase import unwrapped_phase
-from torsionnet.plot.bode import AXIS_BEYOND_COHERENCE
+from torsionnet.plot.bode_plot import AXIS_BEYOND_COHERENCE
 from torsionnet.signals.advice import LEAST_COHERENCE
 from torsionnet.signals.comparison import difference
 

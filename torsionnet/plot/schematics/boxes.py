@@ -5,15 +5,15 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from torsionnet.plot.drawing.pieces import Owner, Piece, Stroke, label_width, text_width
-from torsionnet.plot.schematic import box_symbols, outlines
-from torsionnet.plot.schematic.branch_lines import BranchStart
-from torsionnet.plot.schematic.topology import Link, Vertex
+from torsionnet.plot.schematics import box_symbols, outlines
+from torsionnet.plot.schematics.branch_lines import BranchStart
+from torsionnet.plot.schematics.topology import Link, Vertex
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from torsionnet.plot.schematic.epicyclic import BoxElement
-    from torsionnet.plot.schematic.planned_row import PlannedRow
+    from torsionnet.plot.schematics.epicyclic import BoxElement
+    from torsionnet.plot.schematics.planned_row import PlannedRow
 
 HALF_HEIGHT = 35.0
 """Half the height in points of a box of the schematic: room for a symbol and the names of the ports below it."""

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from torsionnet.plot.drawing.pieces import Owner, Piece
-from torsionnet.plot.schematic.arrangement import PAPER_WIDTH, arranged, framed, page_width, titled
-from torsionnet.plot.schematic.svg_groups import SvgGroup, drawn_groups
-from torsionnet.plot.schematic.svg_marks import attribute_text, content_text, labels_svg, number, strokes_svg
+from torsionnet.plot.schematics.arrangement import PAPER_WIDTH, arranged, framed, page_width, titled
+from torsionnet.plot.schematics.svg_groups import SvgGroup, drawn_groups
+from torsionnet.plot.schematics.svg_marks import attribute_text, content_text, labels_svg, number, strokes_svg
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
