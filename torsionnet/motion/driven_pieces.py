@@ -26,7 +26,7 @@ from torsionnet.motion.smooth_laws import SplitPlant
 from torsionnet.motion.state_layout import Drive, Layout
 from torsionnet.motion.step_length import first_rates, steps_of
 from torsionnet.motion.step_matrices import BLOCK
-from torsionnet.signals.energy_balance import DeferredBalance, EnergyBalance
+from torsionnet.signals.energy_balance import AnyBalance, DeferredBalance, EnergyBalance
 
 
 @dataclass(frozen=True, eq=False)
@@ -192,7 +192,7 @@ class _DrivenMarch:
         return np.ascontiguousarray((lines + self.driving.sampled(times)).T)
 
 
-def added_up(balances: Sequence[EnergyBalance]) -> EnergyBalance:
+def added_up(balances: Sequence[AnyBalance]) -> EnergyBalance:
     """Energy balance of motions that follow each other."""
     lost: dict[str, float] = {}
     for one in balances:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from torsionnet.linear.assembly.rows import FloatArray
-from torsionnet.signals.energy_balance import EnergyBalance
+from torsionnet.signals.energy_balance import AnyBalance
 from torsionnet.signals.motion_event import MotionEvent
 
 
@@ -15,4 +15,4 @@ class MotionOverTime:
 
     values: FloatArray
     events: tuple[MotionEvent, ...]
-    energy: EnergyBalance
+    energy: AnyBalance

@@ -14,7 +14,7 @@ from torsionnet.base.notes import NoteOrText
 from torsionnet.base.packages import NotebookResult
 from torsionnet.base.table import Column, Table
 from torsionnet.linear.between_samples import Between, BetweenSamples, check_between
-from torsionnet.signals.energy_balance import EnergyBalance
+from torsionnet.signals.energy_balance import AnyBalance
 from torsionnet.signals.motion_event import MotionEvent
 from torsionnet.signals.rotation.pulse_channel import PulseChannel
 
@@ -122,7 +122,7 @@ class Recording(NotebookResult):
     notes: tuple[NoteOrText, ...] = ()
     pulses: tuple[PulseChannel, ...] = ()
     events: tuple[MotionEvent, ...] = ()
-    energy: EnergyBalance | None = None
+    energy: AnyBalance | None = None
 
     def __post_init__(self) -> None:
         lengths = {len(signal.values) for signal in self.signals}

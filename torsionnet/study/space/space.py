@@ -70,7 +70,8 @@ class Space:
         bound, faults = bound_space(entries.vary, entries.correlation, entries.sampling, model)
         if bound is None:
             raise ModelError(faults, "the space of variants")
-        self.__setstate__((entries, bound, tuple(faults)))
+        self.entries, self._bound, self.remarks = entries, bound, tuple(faults)
+        """Entries of the space, distributions and axes in SI, and warnings about the entries."""
 
     @classmethod
     def read(cls, raw: object, model: Model) -> tuple[Self | None, list[Fault]]:
@@ -87,19 +88,11 @@ class Space:
     @classmethod
     def of(cls, entries: SpaceEntries, model: Model) -> tuple[Self | None, list[Fault]]:
         """Space of variants made from entries that were read, None with an error, and all faults found."""
-        bound, faults = bound_space(entries.vary, entries.correlation, entries.sampling, model)
-        if bound is None:
-            return None, faults
-        new = cls.__new__(cls)
-        new.__setstate__((entries, bound, tuple(faults)))
-        return new, faults
-
-    def __getstate__(self) -> tuple[SpaceEntries, BoundSpace, tuple[Fault, ...]]:
-        return self.entries, self._bound, self.remarks
-
-    def __setstate__(self, state: tuple[SpaceEntries, BoundSpace, tuple[Fault, ...]]) -> None:
-        self.entries, self._bound, self.remarks = state
-        """Entries of the space, distributions and axes in SI, and warnings about the entries."""
+        try:
+            space = cls(model, entries.vary, entries.correlation, entries.sampling)
+        except ModelError as error:
+            return None, list(error.faults)
+        return space, list(space.remarks)
 
     def at(self, model: Model) -> Self:
         """Space of the same variants for another model or configuration, relative to its values."""
