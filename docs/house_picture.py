@@ -121,8 +121,11 @@ class Lane(NamedTuple):
 
 @cache
 def lanes() -> list[Lane]:
-    """Routes of all arrows that lead past a layer, on sides where they cross as few others as possible."""
-    long = sorted(((first, last) for first, last in arrows() if last > first + 1), key=lambda ends: ends[1] - ends[0])
+    """Routes of all arrows that lead past a layer, on sides where they cross as few others as possible.
+
+    The longest is outermost, so that a box leaves room for the arrows that pass it, and touches those that begin there.
+    """
+    long = sorted(((first, last) for first, last in arrows() if last > first + 1), key=lambda ends: ends[0] - ends[1])
 
     def crossings(sides: tuple[int, ...]) -> int:
         pairs = combinations(zip(long, sides, strict=True), 2)
