@@ -3,6 +3,7 @@
 import re
 from dataclasses import replace
 from fractions import Fraction
+from importlib.util import find_spec
 
 import numpy as np
 import pytest
@@ -150,3 +151,10 @@ def test_compliance_is_inverted_where_a_stiffness_is_wanted():
 def test_a_bore_is_smaller_than_its_shaft(kind):
     with pytest.raises(tn.ModelError, match="the inner diameter must be smaller than the outer diameter"):
         replace(EVERY_ELEMENT[kind], outer_diameter="50 mm", inner_diameter="50 mm")
+
+
+def test_every_family_of_types_is_a_file_so_that_an_unknown_kind_is_told():
+    """The register goes through the families before it looks at all files: one that is missing ended in its own name."""
+    assert all(find_spec(f"torsionnet.model.elements.{family}") for family in ELEMENT_TYPES.families)
+    with pytest.raises(KeyError, match="nonsense"):
+        ELEMENT_TYPES["nonsense"]

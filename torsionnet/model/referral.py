@@ -34,7 +34,7 @@ def at_own_speeds(elements: Sequence[Element], values: Mapping[str, Any]) -> tup
 
 
 def _path(element: Element, paths: SpeedPaths) -> SpeedPath | None:
-    if element.referred_to is None:
+    if element.referred_to is None or element.is_at_own_speed:
         return None
     return paths.between(own_node(element.ports), element.referred_to)
 

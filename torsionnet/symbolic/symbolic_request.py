@@ -137,7 +137,9 @@ def _of_cut(
         return whole
     node, sign = port_of(drivetrain.elements[sensor.of], sensor.at)
     rest = drivetrain.with_definition(cut_definition(drivetrain.definition, kept))
-    if not (output.of in rest.elements if output.is_on_element else set(rest.nodes).issuperset(output.nodes)):
+    nodes = set(rest.nodes)
+    is_left = output.of in rest.elements if output.is_on_element else nodes.issuperset(output.nodes)
+    if not is_left or (output.referred_to is not None and output.referred_to not in nodes):
         return whole
     rested = _mechanism(rest, [output], referred_to)
     removed = ", ".join(name for name in drivetrain.elements if name not in kept)

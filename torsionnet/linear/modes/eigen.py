@@ -1,7 +1,5 @@
 """Eigenvalues in rad/s and mode shapes of a drivetrain, complex with damping, natural frequencies without.
 
-Complex eigenvalues with damping, natural frequencies without.
-
     (s^2 M + s C + K) q = 0,    lambda = -zeta omega_0 +- j omega_0 sqrt(1 - zeta^2)
 
 >>> import numpy as np

@@ -59,6 +59,11 @@ def poles_against_measured(
 ) -> ModesAndWarnings:
     """Modes of a drivetrain cut at its measured input, and texts of warnings about uncertain modes.
 
+    Under the same excitation theta = N_theta/det D and T = N_T/det D, so that theta/T = N_theta/N_T: its poles are the
+    zeros of the measured torque. A meter that separates the drivetrain has N_T = n_before det D_beyond, with D_beyond
+    of the side without excitation. For outputs at the meter and beyond, n_before stands in N_theta as well and
+    cancels, which leaves the modes of that side; for outputs before the meter its roots may be poles, too.
+
     Raises
     ------
     UsageError
@@ -107,8 +112,12 @@ def elements_beyond_cut(drivetrain: AssembledModel, request: TransferRequest) ->
 
 
 def cut_definition(definition: Definition, kept: Sequence[str]) -> Definition:
-    """Definition with only the elements ``kept``, and the inputs and sensors whose nodes and elements are left."""
-    elements: dict[str, Element] = {name: definition.elements[name] for name in kept}
+    """Definition with only the elements ``kept``, and the inputs and sensors whose nodes and elements are left.
+
+    Values that are quoted at another shaft are converted to their own before the way there is cut.
+    """
+    own = {element.name: element for element in definition.switched_on}
+    elements: dict[str, Element] = {name: own.get(name, definition.elements[name]) for name in kept}
     nodes = set(all_nodes(elements.values()))
     inputs = {
         name: channel

@@ -141,7 +141,7 @@ class ModeSensitivities(NotebookResult):
         return self.numbers[index] if self.numbers else index + 1
 
     def name(self, index: int) -> str:
-        """Name of the mode at this index, such as "mode 1", or "real pole". "mode 1", or "real pole".
+        """Name of the mode at this index, such as "mode 1", or "real pole".
 
         >>> import torsionnet as tn
         >>> mode_sensitivities(tn.load("dmf_rig"), ["k_2"]).name(0)

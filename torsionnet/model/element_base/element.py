@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     from torsionnet.model.catalogues.catalogue import CatalogueRow
     from torsionnet.model.element_base.speed_path import SpeedPath
 
-ELEMENT_TYPES: TypeRegister[type[Element]] = TypeRegister("torsionnet.model.elements", ("springs", "rigid", "gears"))
+ELEMENT_TYPES: TypeRegister[type[Element]] = TypeRegister("torsionnet.model.elements", ("springs", "rigid"))
 """Class of every element type, by the word in ``type:``, in alphabetical order; a module is imported when its kind is
 first used."""
 
@@ -295,7 +295,8 @@ class Element(Declared):
         found = self.with_laws(path.parts_at_own_shaft(self))
         if self.has_motion_laws:
             whole, tangents = path.laws_at_own_shaft(self)
-            found.__dict__.update(whole_parts=whole, tangent_parts=tangents, is_at_own_speed=True)
+            found.__dict__.update(whole_parts=whole, tangent_parts=tangents)
+        found.__dict__["is_at_own_speed"] = True
         return found
 
     def with_laws(self, parts: Callable[[Values], tuple[Part, ...]]) -> Self:

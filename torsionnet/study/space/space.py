@@ -17,7 +17,7 @@ from torsionnet.model.model import Model
 from torsionnet.study.space.correlation import Correlation
 from torsionnet.study.space.samples import Samples
 from torsionnet.study.space.space_entries import SpaceEntries
-from torsionnet.study.space.space_reading import BoundSpace, bound_space
+from torsionnet.study.space.space_reading import bound_space
 from torsionnet.study.space.variations.variation import GridAxis, Marginal, Variation
 
 COVERAGE = 0.9973
