@@ -402,6 +402,7 @@ class TestKills:
             assert running.wait(PATIENCE) == 0, running.said()
         assert is_whole(study_folder, 200)
 
+    @pytest.mark.nightly
     def test_scheduler(self, tmp_path, study_folder):
         with scheduler(tmp_path) as (file, started), workers(file, 2), client(file, study_folder, 150) as running:
             wait_for(lambda: chunks_there(study_folder) > 20)
