@@ -132,7 +132,7 @@ class TestGeneratedPages:
         assert all(f"| `{name}` |" in units for name in _BASE)
         assert all(f"| `{name}` |" in damping for name in MEASURES)
 
-    @pytest.mark.slow
+    @pytest.mark.nightly
     @pytest.mark.usefixtures("generate")
     def test_arrows_of_the_house_lead_to_all_that_is_imported_and_to_nothing_twice(self):
         import networkx

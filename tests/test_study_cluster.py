@@ -322,6 +322,7 @@ class TestOtherWorkers:
                 list(DaskExecutor(cluster, study_folder).map(NoiseWork(str(study_folder)), range(3)))
             assert not list(study_folder.iterdir())
 
+    @pytest.mark.nightly
     def test_another_version_joins(self, tmp_path, study_folder, old):
         with scheduler(tmp_path) as (file, _), workers(file), connected(str(file)) as cluster:
             cluster.wait_for_workers(1, timeout=PATIENCE)
