@@ -62,6 +62,7 @@ def pytest_addoption(parser):
     parser.addoption(
         "--numbers", action="store_true", help="only files that pass rooms that calculate (make test-kernel)"
     )
+    parser.addoption("--cases-of-each", metavar="N", type=int, help="of a test with more cases only N, evenly spread")
 
 
 def pytest_configure(config):
@@ -91,7 +92,7 @@ def pytest_ignore_collect(collection_path, config):
     return named or None
 
 
-@pytest.hookimpl(tryfirst=True)
+@pytest.hookimpl(wrapper=True, tryfirst=True)
 def pytest_collection_modifyitems(items, config):
     """Mark what a run tries with fewer examples, and what one without slow tests leaves out."""
     campaigns.leave_to_the_night(items)
@@ -102,6 +103,10 @@ def pytest_collection_modifyitems(items, config):
         gone = [item for item in items if item.nodeid.partition("[")[0] in left_out]
         config.hook.pytest_deselected(items=gone)
         items[:] = [item for item in items if item.nodeid.partition("[")[0] not in left_out]
+    yield  # marks that were not asked for leave out tests here
+    if most := config.getoption("--cases-of-each"):
+        items[:], gone = campaigns.most_of_each(items, most)
+        config.hook.pytest_deselected(items=gone)
 
 
 def pytest_terminal_summary(terminalreporter):

@@ -102,7 +102,7 @@ def test_the_ship_has_to_pass_its_first_critical_speed_quickly():
 
 
 @pytest.mark.slow
-@each_kind(campaigns.by_day(KINDS, "rig", "ship"))
+@each_kind(campaigns.by_day(KINDS, "rig"))
 def test_report(written):
     run("report", written, "-o", "plant.html")
     assert "<h1" in Path("plant.html").read_text(encoding="utf-8")

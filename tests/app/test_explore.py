@@ -72,7 +72,7 @@ class TestAnswers:
         assert not found["is_motion"]
         assert found["kind"] == "torque ratio"
 
-    @pytest.mark.few(5)
+    @pytest.mark.few(5, 6)
     @pytest.mark.parametrize("name", library_cases())
     def test_every_library_model_has_a_page(self, name):
         session = open_session(name)
@@ -242,7 +242,7 @@ class TestRequests:
 class TestSaving:
     """The saved file gives the numbers of the page, and keeps what its author wrote."""
 
-    @pytest.mark.few(3)
+    @pytest.mark.few(3, 6)
     @pytest.mark.parametrize("name", library_cases())
     def test_every_library_model_comes_back_with_the_same_numbers(self, name):
         session = open_session(name)

@@ -178,7 +178,7 @@ class TestOutputs:
         assert groups["torques in elements"] == ["torque(shaft)"]
         assert session.describe()["runs"] is True
 
-    @pytest.mark.few(4)
+    @pytest.mark.few(4, 6)
     @pytest.mark.parametrize("name", library_cases())
     def test_every_library_model_opens_over_speed_or_looks_as_before(self, name):
         session = open_session(name)

@@ -668,7 +668,7 @@ BROKEN = {
 }
 
 
-@pytest.mark.few(4)
+@pytest.mark.few(4, 3)
 @pytest.mark.parametrize("broken", BROKEN)
 def test_no_message_ends_the_server(broken):
     found, done = answers(START + BROKEN[broken] + request(7, "textDocument/hover", {

@@ -130,8 +130,8 @@ CALLS = {
     "track": ["track turning.csv --reference n --channel T --orders 3"],
     "campaign": ["campaign fan/campaign.yaml"],
     "identify-modes": [
-        "identify-modes run_soft.npz --output phi --input M",
-        "identify-modes run_soft.npz --output phi --input M --against rig.yaml -c soft",
+        "identify-modes run_soft.npz --output phi --input M --to 60 --order 4",
+        "identify-modes run_soft.npz --output phi --input T_set --to 15 --against rig.yaml -c soft",
     ],
 }
 

@@ -207,7 +207,7 @@ def test_renaming_anything_leaves_the_same_plant():
 
 
 QUICK = ("geared_branch", "oil_engine")
-SLOW = pytest.param("two_stroke_ship", marks=pytest.mark.slow)
+SLOW = pytest.param("two_stroke_ship", marks=pytest.mark.nightly)
 MODELS = [*QUICK, SLOW, *campaigns.by_day(sorted({*library_models()} - {*QUICK, *SLOW.values}))]
 
 

@@ -39,7 +39,7 @@ responses:
   band: 4..60 Hz
   settings: {window: hann, seconds: 2 s, overlap: 50 %}
 """
-RATE, SECONDS = 500.0, 100.0
+RATE, SECONDS = 500.0, 40.0
 
 
 def responses(frequencies, stiffness=20e3):
@@ -160,6 +160,7 @@ def test_command_prints_json_and_writes_every_line_as_csv(folder, monkeypatch):
 @pytest.mark.slow
 def test_command_writes_pictures_and_a_report_of_every_response(folder, monkeypatch):
     monkeypatch.chdir(folder)
+    (folder / "test.yaml").write_text(f"{CAMPAIGN}report: {{sections: [test]}}\n", encoding="utf-8")
     found = CliRunner().invoke(app, ["campaign", "test.yaml", "--plot", "test.png", "-o", "test.html"])
     assert found.exit_code == 0, found.output
     assert len(list(folder.glob("test_*.png"))) == 4

@@ -89,3 +89,24 @@ def test_of_many_cases_few_stay():
     campaigns.leave_cases_out([*long, *many, *fewer, *others])
     assert [case.nodeid[-2] for case in many if "slow" not in case.marks] == ["0", "3", "5"]
     assert not any("slow" in case.marks for case in fewer + others)
+
+
+def test_of_each_test_as_many_cases_as_wanted():
+    many = [Case(f"a.py::test_many[{case}]") for case in range(6)]
+    kept, left_out = campaigns.most_of_each([Case("a.py::test_one"), *many, Case("b.py::test_many[0]")], 2)
+    assert [case.nodeid for case in kept] == [
+        "a.py::test_one",
+        "a.py::test_many[0]",
+        "a.py::test_many[3]",
+        "b.py::test_many[0]",
+    ]
+    assert [case.nodeid[-2] for case in left_out] == ["1", "2", "4", "5"]
+
+
+def test_of_many_slow_cases_some_wait_for_the_night():
+    many = [Case(f"a.py::test_many[{case}]", few=(2, 3)) for case in range(9)]
+    campaigns.leave_cases_out(many)
+    by_day = [case for case in many if "nightly" not in case.marks]
+    assert [case.nodeid[-2] for case in by_day if "slow" not in case.marks] == ["0", "5"]
+    assert [case.nodeid[-2] for case in by_day if "slow" in case.marks] == ["1", "4", "7"]
+    assert all("slow" in case.marks for case in many if "nightly" in case.marks)

@@ -326,7 +326,7 @@ def test_close_points_of_a_filter_count_as_fewer(tmp_path):
 
 @pytest.mark.slow
 def test_intervals_from_close_points_cover_the_true_values():
-    rig, inside, seeds = engine_model(), {"k_cpl": 0, ENGINE: 0}, campaigns.examples(20, 40)
+    rig, inside, seeds = engine_model(), {"k_cpl": 0, ENGINE: 0}, campaigns.examples(12, 40)
     for seed in range(seeds):
         fit = identify(rig, Measurement(close_points(seed, related=(5.0,) * len(HARMONICS))), list(inside))
         for name, true in (("k_cpl", 5.6e3), (ENGINE, 0.3)):

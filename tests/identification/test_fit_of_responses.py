@@ -253,8 +253,15 @@ def test_magnitudes_of_unknown_noise():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("noise", ["constant", "relative"])
-@pytest.mark.parametrize("lines", ["400 lines", "40 lines"])
+@pytest.mark.parametrize(
+    ("lines", "noise"),
+    [
+        ("400 lines", "relative"),
+        ("40 lines", "constant"),
+        pytest.param("400 lines", "constant", marks=pytest.mark.nightly),
+        pytest.param("40 lines", "relative", marks=pytest.mark.nightly),
+    ],
+)
 def test_intervals_of_responses_without_coherence_hold_the_truth(lines, noise):
     """The benchmark does it for more seeds and levels; exact intervals give 0.88 to 1 with 60 seeds by chance."""
     from benchmarks.interval_coverage import response_fits

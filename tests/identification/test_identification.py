@@ -294,7 +294,7 @@ def test_fifth_gear_with_more_drag_is_found_and_named(route):
 
 
 @pytest.mark.slow
-@ROUTES
+@pytest.mark.parametrize("route", ["response", pytest.param("record", marks=pytest.mark.nightly)])
 def test_hysteretic_damping_is_recognised(route):
     test = observed(route, hysteretic(0.4), name="sweep", band=(0.5, 20))
     start = hysteretic(0.2, 2.0)

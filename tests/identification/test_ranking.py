@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from support import campaigns
 from support.command_line import run
 
 import torsionnet as tn
@@ -305,11 +306,11 @@ def test_causes_are_weighed_where_each_configuration_stands():
 
 @pytest.mark.slow
 def test_verdict_of_a_fit_and_ranking_agree():
-    model, tests = gears(60)
+    model, tests = gears(36)
     fit = tn.identify(model, tests, ["c_O"])
     (named,) = re.findall(r"; (c_B = 1\.49\d instead of 0\.001) would explain it: c_O would be 170", fit.verdicts[0])
-    assert rank_causes(fit).verdict == f"only {named} explains the misfit"
-    assert rank_causes(model, tests, ["c_O"]).verdict == f"only {named} explains the misfit"
+    for ranked in ((fit,), (model, tests, ["c_O"]))[: campaigns.examples(1, 2)]:
+        assert rank_causes(*ranked).verdict == f"only {named} explains the misfit"
 
 
 @pytest.mark.parametrize(

@@ -86,7 +86,7 @@ def parametrised(element):
     return in_place(element, data, parameters)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(2, 20)
 @pytest.mark.parametrize("which", ELEMENTS)
 def test_every_element_as_in_single_models(which):
     model, rng = parametrised(ELEMENTS[which]), np.random.default_rng(len(which))
@@ -106,7 +106,7 @@ def test_the_elements_are_all_there():
     assert set(EVERY_ELEMENT) == set(ELEMENT_TYPES)
 
 
-@pytest.mark.few(1)
+@pytest.mark.few(1, 6)
 @pytest.mark.parametrize("name", library_cases())
 def test_library_models_as_in_single_models(name):
     rng = np.random.default_rng(len(name))

@@ -60,7 +60,7 @@ class TestMargins:
         assert found.phase.frequency == pytest.approx(at_phases[real][nearest] / (2 * math.pi), rel=1e-6)
         assert found.modulus.value == pytest.approx(min(distances), rel=1e-3)
 
-    @pytest.mark.few(1)
+    @pytest.mark.few(1, 4)
     @pytest.mark.parametrize("seed", range(10))
     def test_the_loop_is_that_of_dense_matrices_with_all_others_closed(self, seed):
         plant = Plant(seed, delay=True, forms=("polynomials",))

@@ -271,7 +271,7 @@ class TestRandom:
     @pytest.mark.parametrize("part", campaigns.by_day(range(8), 0))
     def test_and_as_many(self, part):
         """By the argument principle in fifty digits, within the circle of which it is said that all poles are here."""
-        for seed in range(25 * part, 25 * part + campaigns.examples(4, 25)):
+        for seed in range(25 * part, 25 * part + campaigns.examples(3, 25)):
             plant = FreePlant(seed)
             poles = self.compare(plant)
             radius = 1.001 * np.abs(poles).max()

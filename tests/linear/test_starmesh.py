@@ -108,7 +108,7 @@ def free_drivetrain(seed, n, loops):
     return system, kappa, np.array([exact(system, at, unit_load(n)[:, 0]) for at in kappa])
 
 
-@pytest.mark.few(1)
+@pytest.mark.few(1, 6)
 @both_ways
 @pytest.mark.parametrize("loops", [0, 3])
 @pytest.mark.parametrize("n", [2, 8, 30])

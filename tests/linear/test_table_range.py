@@ -135,7 +135,7 @@ ANSWERS = {
     "best_damper": {"output": "tq", "design": {"c": ["1 N*m*s/rad", "100 N*m*s/rad"]}},
     "optimum": {"minimise": "p", "design": {"k": ["30 kN*m/rad", "50 kN*m/rad"]}},
     "tornado": {},
-    "worst_case": {"quantity": "p"},
+    "worst_case": {"quantity": "p", "tried": 20},
 }
 
 

@@ -423,6 +423,6 @@ def test_random_chains(seed):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(100, 100 + campaigns.examples(20, 300)))
+@pytest.mark.parametrize("seed", range(100, 100 + campaigns.examples(8, 300)))
 def test_more_random_chains(seed):
     require_all_crossings(DrawnChain(seed))

@@ -52,7 +52,7 @@ def test_modes_of_noise_and_an_order_among_them():
 @pytest.mark.slow
 def test_intervals_of_ambient_modes_hold_the_truth():
     pytest.importorskip("pyoma2")
-    hits, seeds = np.zeros(4), campaigns.examples(20, 60)
+    hits, seeds = np.zeros(4), campaigns.examples(12, 60)
     for seed in range(seeds):
         found = modes_from_ambient(ambient(seed), ["T"], highest=30)
         near = [int(np.abs(found.natural_frequencies - f).argmin()) for f in (8, 20)]

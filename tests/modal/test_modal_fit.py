@@ -73,7 +73,7 @@ MEASURED = [
 
 
 class TestKnownPoles:
-    @pytest.mark.few(1)
+    @pytest.mark.few(1, 12)
     @pytest.mark.parametrize(("name", "output", "outputs"), MEASURED)
     def test_come_back_from_responses_without_noise(self, name, outputs, output):
         poles = SYSTEMS[name]
@@ -153,7 +153,7 @@ class TestKnownPoles:
         assert np.all(np.diag(tn.modal.mac(found.shapes, shapes)) > 0.999)
 
 
-FEW_SEEDS = [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(1, 5))]
+FEW_SEEDS = [0, 1, *(pytest.param(seed, marks=pytest.mark.nightly) for seed in range(2, 5))]
 
 
 class TestNoise:
@@ -199,7 +199,7 @@ class TestNoise:
         assert errors[1] > 2 * errors[0]
 
     @pytest.mark.slow
-    @pytest.mark.parametrize("runs", [3, pytest.param(10, marks=pytest.mark.slow)])
+    @pytest.mark.parametrize("runs", [3, pytest.param(10, marks=pytest.mark.nightly)])
     def test_one_line_of_noise_is_no_mode(self, runs):
         counts = []
         for seed in range(runs):
@@ -489,7 +489,7 @@ class TestWorth:
 
 
 class TestRefinement:
-    @pytest.mark.parametrize("runs", [3, pytest.param(10, marks=pytest.mark.slow)])
+    @pytest.mark.parametrize("runs", [3, pytest.param(10, marks=pytest.mark.nightly)])
     @pytest.mark.slow
     def test_a_noisy_sensor_weighs_less(self, runs):
         """Against fitting the clean sensor alone: a second one with much noise must not spoil the poles."""

@@ -256,7 +256,7 @@ def test_integrators_start_from_zero_and_say_so():
     assert np.abs(record["angle(a)"].values).max() < 1e-12
 
 
-@pytest.mark.parametrize("law", ["friction", pytest.param("softening", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("law", ["friction", pytest.param("softening", marks=pytest.mark.nightly)])
 def test_motion_that_grows_beyond_all_numbers_is_told(law):
     more = {"friction": tn.Friction("rub", nodes=("a", "ground"), torque=1),
             "softening": tn.Spring("soft", nodes=("a", "ground"), stiffness=1, cubic=-50)}[law]  # fmt: skip

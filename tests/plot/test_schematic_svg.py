@@ -77,7 +77,7 @@ EXAMPLES = {**{name: lambda name=name: tn.load(name) for name in tn.library_mode
 
 
 class TestGroups:
-    @pytest.mark.few(4)
+    @pytest.mark.few(4, 14)
     @pytest.mark.parametrize("example", EXAMPLES)
     def test_each_part_has_its_group_and_texts_are_those_of_the_report(self, example):
         model = EXAMPLES[example]()

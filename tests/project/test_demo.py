@@ -38,7 +38,7 @@ def printed(main, folder):
 
 @pytest.fixture(scope="module")
 def shown(tmp_path_factory):
-    """The whole demo."""
+    """The whole demo, for the night; by day .ci/run makes it, and tests look at its parts."""
     folder = tmp_path_factory.mktemp("demo") / "out"
     return printed(lambda folder: run_all.main([str(folder)]), folder)
 
@@ -55,7 +55,7 @@ def row(text, case, quantity):
     return re.split(r"  +", line)[3:]
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_writes_the_figures_schematics_and_curves(shown):
     text, folder = shown
     names = {path.name for path in folder.iterdir()}
@@ -144,7 +144,7 @@ def test_curves_are_in_degrees_over_the_papers_range(models):
     assert max(float(entry["|theta_1/T_T| [deg/(N*m)]"]) for entry in rows) == pytest.approx(0.8661, abs=1e-3)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("case", "limit", "peak"),
     [("DMF", 10.5, 8.0), ("AMT II", 8.2, 3.7), ("AMT III", 8.9, 5.0), ("AMT IV", 9.6, 6.0), ("AMT V", 10.0, 6.7)],
@@ -160,7 +160,7 @@ def test_virtual_bench_agrees_with_the_model_where_the_encoder_resolves_it(shown
     assert degrees < 6
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_identification_finds_the_true_values(shown):
     text, _ = shown
     for name, true in (("c_2", 4), ("c_O", 170), ("c_B", 1.5)):

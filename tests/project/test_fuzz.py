@@ -46,7 +46,7 @@ def test_once_failed(path, folder):
     assert trial.outcome in {"result", "error"}, trial.signature
 
 
-@pytest.mark.few(1)
+@pytest.mark.few(1, 13)
 @pytest.mark.parametrize("kind", KINDS.values(), ids=list(KINDS))
 def test_what_is_damaged_was_sound(kind, folder):
     path = folder / f"input{kind.ending}"

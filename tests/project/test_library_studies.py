@@ -13,7 +13,8 @@ from torsionnet.model.files import library_studies
 from torsionnet.study import load_study, run_study
 from torsionnet.study.space.space import Space
 
-LONG = {"inline_six_damper", "marine_yield"}
+LONGEST = "inline_six_damper"
+LONG = {LONGEST, "marine_yield"}
 """Running speeds are calculated one variant after the other."""
 
 
@@ -38,7 +39,11 @@ def test_editors_find_nothing_wrong_in_any_study(name):
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name in LONG)) for name in library_studies()]
+    "name",
+    [
+        pytest.param(name, marks=[pytest.mark.slow] * (name in LONG) + [pytest.mark.nightly] * (name == LONGEST))
+        for name in library_studies()
+    ],
 )
 def test_every_study_answers_with_a_few_variants(name):
     study = few(load_study(name), 2 if name in LONG else 12)

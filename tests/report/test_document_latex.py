@@ -236,7 +236,7 @@ def headings_alone(text):
 @needs_latex
 class TestCompiled:
     @pytest.mark.slow
-    @pytest.mark.parametrize("model", campaigns.by_day(tn.library_models(), *SHORT_MODELS))
+    @pytest.mark.parametrize("model", campaigns.by_day(tn.library_models(), *SHORT_MODELS[::2]))
     def test_models_of_the_library(self, tmp_path, model):
         tn.write_report(model, tmp_path / "r.tex", date=DATE)
         log, text = compiled(tmp_path, "r")

@@ -250,7 +250,7 @@ class TestLatex:
         [
             ("md", ["equations", "responses"]),
             ("tex", ["modes"]),
-            *(pytest.param(ending, (), marks=pytest.mark.slow) for ending in ("md", "tex")),
+            *(pytest.param(ending, (), marks=pytest.mark.nightly) for ending in ("md", "tex")),
         ],
     )
     def test_same_bytes(self, tmp_path, ending, sections):

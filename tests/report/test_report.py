@@ -413,7 +413,7 @@ class TestModeShapes:
 
 
 class TestSchematic:
-    @pytest.mark.few(1)
+    @pytest.mark.few(1, 25)
     @each_example
     def test_texts_meet_no_texts_and_no_lines_and_lie_inside(self, example):
         figure = drawn(example)

@@ -210,7 +210,7 @@ def distances(fit):
     return [(fit.values[name] - value) / fit.standard_errors[name] for name, value in TRUE.items()]
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(3, 5)
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("output", ["a", "w"])
 @pytest.mark.parametrize("seed", [0, 1, 2])

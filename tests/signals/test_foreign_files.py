@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from support import campaigns
 from support.foreign_files import (
     CHILD_ENDINGS,
     COUNT,
@@ -221,7 +222,7 @@ class TestDamagedFiles:
             self.assert_well_behaved(tmp_path / f"damaged{ending}", damaged(raw, seed))
 
     @pytest.mark.slow
-    @pytest.mark.parametrize("block", range(4))
+    @pytest.mark.parametrize("block", campaigns.by_day(range(4), 0))
     def test_hdf5_and_mat(self, tmp_path, block):
         pytest.importorskip("h5py")
         sources = [written(tmp_path, ".h5"), written(tmp_path, ".mat"), matlab_73(tmp_path / "new.mat")]

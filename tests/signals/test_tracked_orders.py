@@ -497,10 +497,10 @@ def test_pulses_that_go_on_after_the_last_block_are_refused_by_name(method):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("what", "seconds", "most"), [("average", 180, 200), pytest.param("filter", 360, 350, marks=pytest.mark.nightly)]
+    ("what", "seconds", "most"), [("average", 90, 165), pytest.param("filter", 360, 350, marks=pytest.mark.nightly)]
 )
 def test_an_hour_of_eight_channels_fits_into_memory(tmp_path, what, seconds, most):
-    """Minutes of 8 channels at 10 kHz, 115 and 230 MB, read in blocks: far below the 400 MB of issue 32."""
+    """Minutes of 8 channels at 10 kHz, 58 and 230 MB, read in blocks: far below the 400 MB of issue 32."""
     program = """
 import sys
 from pathlib import Path

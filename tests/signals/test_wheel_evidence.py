@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import scipy
+from support import campaigns
 from support.turned_wheels import crossing_angles, position_amplitude, run_up, steady
 from support.wheel_tests import DEGREE, ORDERS, RPM, VALUES, Z, record, teeth
 
@@ -256,9 +257,9 @@ class TestIntervals:
         assert variance == pytest.approx([0.01, 0, 0, 0.045])
 
     def test_intervals_of_orders_and_teeth_cover_95_percent(self):
-        """40 wheels, 10 orders, real and imaginary part; two pickups at two speeds, jitter of 5 microseconds."""
+        """Wheels, 10 orders, real and imaginary part; two pickups at two speeds, jitter of 5 microseconds."""
         inside, of_teeth = [], []
-        for seed in range(40):
+        for seed in range(campaigns.examples(20, 40)):
             positions = teeth(seed)
             tests = [
                 record(positions, speed, angle=100 * DEGREE, jitter=5e-6, seed=100 * seed + place, turns=50)
@@ -275,7 +276,7 @@ class TestIntervals:
     def test_steps_of_a_counter_that_return_with_every_turn_are_in_the_interval(self):
         """At 1200 rpm a turn takes 50 000 steps of 1 us: all windows are wrong alike, and their scatter is nothing."""
         inside, widths = [], []
-        for seed in range(40):
+        for seed in range(campaigns.examples(20, 40)):
             positions = teeth(seed)
             values = VALUES * np.exp(1j * np.random.default_rng(seed).uniform(0, 2 * np.pi, len(VALUES)))
             test = record(positions, 40 * np.pi, values=values, angle=100 * DEGREE, turns=50)

@@ -133,7 +133,7 @@ class TestLog:
 
 class TestSameResult:
     @pytest.mark.slow
-    @pytest.mark.parametrize("answers", [FEW, pytest.param((), marks=pytest.mark.slow)], ids=["few", "all"])
+    @pytest.mark.parametrize("answers", [FEW, pytest.param((), marks=pytest.mark.nightly)], ids=["few", "all"])
     def test_with_a_folder_and_again(self, answers, request, tmp_path, monkeypatch):
         expected = request.getfixturevalue("few" if answers else "expected")
         assert answers_as_text(study_of_answers(answers), tmp_path / "study") == expected

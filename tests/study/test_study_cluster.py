@@ -322,6 +322,7 @@ class TestOtherWorkers:
                 list(DaskExecutor(cluster, study_folder).map(NoiseWork(str(study_folder)), range(3)))
             assert not list(study_folder.iterdir())
 
+    @pytest.mark.nightly
     def test_another_version_joins(self, tmp_path, study_folder, old):
         with scheduler(tmp_path) as (file, _), workers(file), connected(str(file)) as cluster:
             cluster.wait_for_workers(1, timeout=PATIENCE)
@@ -402,6 +403,7 @@ class TestKills:
             assert running.wait(PATIENCE) == 0, running.said()
         assert is_whole(study_folder, 200)
 
+    @pytest.mark.nightly
     def test_scheduler(self, tmp_path, study_folder):
         with scheduler(tmp_path) as (file, started), workers(file, 2), client(file, study_folder, 150) as running:
             wait_for(lambda: chunks_there(study_folder) > 20)

@@ -292,7 +292,7 @@ def test_every_kind_of_quantity_is_among_them() -> None:
     assert {kind for _, _, kind, _ in ASKED} == set(QUANTITIES)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(2, 9)
 @pytest.mark.parametrize(("model", "names", "kind", "entries"), ASKED, indirect=["model"])
 def test_variants_solved_together_have_the_values_they_have_alone(
     model: tn.Drivetrain, names: tuple[str, ...], kind: str, entries: dict[str, object]
@@ -307,7 +307,7 @@ def test_variants_solved_together_have_the_values_they_have_alone(
     assert found == pytest.approx(alone, rel=rel, abs=1e-9 * np.abs(alone).max())
 
 
-@pytest.mark.few(1)
+@pytest.mark.few(1, 9)
 @pytest.mark.parametrize(("model", "names", "kind", "entries"), ASKED, indirect=["model"])
 def test_values_do_not_depend_on_who_is_solved_along(
     model: tn.Drivetrain, names: tuple[str, ...], kind: str, entries: dict[str, object]

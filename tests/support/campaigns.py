@@ -39,15 +39,36 @@ def leave_to_the_night(items):
 
 
 def leave_cases_out(items):
-    """Mark as slow all cases of a test but as many, evenly spread, as its mark ``few`` says; slow ones do not count."""
+    """Mark as slow all cases of a test but as many, evenly spread, as its mark ``few`` says; slow ones do not count.
+
+    Of those, a second number says how many are not for the night.
+    """
     families = defaultdict(list)
     for item in items:
         if (mark := item.get_closest_marker("few")) is not None and item.get_closest_marker("slow") is None:
-            families[item.nodeid.split("[")[0], mark.args[0]].append(item)
-    for (_, few), cases in families.items():
-        for index, item in enumerate(cases):
-            if index * few // len(cases) == (index - 1) * few // len(cases):
-                item.add_marker("slow")
+            families[item.nodeid.split("[")[0], tuple(mark.args)].append(item)
+    for (_, counts), cases in families.items():
+        slow = spread(cases, counts[0])[1]
+        nightly = spread(slow, counts[1])[1] if counts[1:] else []
+        for name, left_out in (("slow", slow), ("nightly", nightly)):
+            for item in left_out:
+                item.add_marker(name)
+
+
+def spread(cases, count):
+    """As many of some cases, evenly spread, and the others."""
+    taken = [index * count // len(cases) > (index - 1) * count // len(cases) for index in range(len(cases))]
+    return [[case for case, one in zip(cases, taken, strict=True) if one is wanted] for wanted in (True, False)]
+
+
+def most_of_each(items, count):
+    """Tests with at most so many cases of each, evenly spread, and what is left out."""
+    families = defaultdict(list)
+    for item in items:
+        families[item.nodeid.partition("[")[0]].append(item)
+    left_out = [item for cases in families.values() for item in spread(cases, count)[1]]
+    gone = set(map(id, left_out))
+    return [item for item in items if id(item) not in gone], left_out
 
 
 def mark_sized(items):

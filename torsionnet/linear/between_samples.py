@@ -79,6 +79,32 @@ class BetweenSamples:
 
 
 @dataclass(frozen=True, eq=False)
+class _Weights:
+    """Factors of the terms of a response between samples at the lines up to half the rate.
+
+    Attributes
+    ----------
+    images : tuple of (n_nodes, n_images, 1) array
+        1/(pi (x + k))^m of near and of far images.
+    negative : tuple of (n_nodes, n_images, 1) array
+        Whether an image is of a negative frequency.
+    far : tuple of (n, 1) array
+        Sums over all images further off, for each term of the asymptote.
+    share, numerator : (n, 1) array
+        S(x) and s(x).
+    step : (n, 1) array or None
+        Share of twice the constant of the asymptote that is read after a step, where the torque is held.
+    """
+
+    images: tuple[FloatArray, ...]
+    negative: tuple[NDArray[np.bool_], ...]
+    far: tuple[FloatArray, ...]
+    share: ComplexArray
+    numerator: NDArray[Any]
+    step: ComplexArray | None
+
+
+@dataclass(frozen=True, eq=False)
 class Folding:
     """Map from a response in continuous time, (n_f, ...), to that between samples, (n_lines, ...).
 
@@ -123,32 +149,44 @@ class Folding:
         images = [np.abs(nodes[:, None] + k * self.course.rate).ravel() for nodes, k in self._images]
         return np.concatenate([self.lines, *images, np.array(ASYMPTOTE_RATES) * self.course.rate])
 
+    @cached_property
+    def _weights(self) -> _Weights:
+        """Factors of the terms of the sum, which depend on no response."""
+        held, rate = self.course.between == "held", self.course.rate
+        lines, power = self.lines[self._below], 1 if held else 2
+        x = lines / rate
+        numerator = np.sin(np.pi * x) * np.exp(-1j * np.pi * x) if held else np.sin(np.pi * x) ** 2
+        return _Weights(
+            images=tuple(((np.pi * (nodes[:, None] / rate + k)) ** -power)[:, :, None] for nodes, k in self._images),
+            negative=tuple((nodes[:, None] + k * rate < 0)[:, :, None] for nodes, k in self._images),
+            far=tuple((_far_sum(each, x, FAR_IMAGES[1]) / np.pi**power)[:, None] for each in range(power, power + 3)),
+            share=self.course.share(lines)[:, None],
+            numerator=numerator[:, None],
+            # The sum is the mean of what is read just before and just after a step; a sample is read after it.
+            step=(1 - np.exp(-2j * np.pi * x))[:, None] if held else None,
+        )
+
     def folded(self, values: NDArray[Any]) -> ComplexArray:
         """Response between samples, (n_lines, ...), from that in continuous time at ``frequencies``, (n_f, ...)."""
         if self.course.is_band_limited:
             return np.asarray(values, dtype=complex)
-        held, rate = self.course.between == "held", self.course.rate
-        G = np.asarray(values).reshape(len(values), -1)
+        G, weights = np.asarray(values).reshape(len(values), -1), self._weights
         lines, G_lines = self.lines[self._below], G[: len(self.lines)]
-        x, power = lines / rate, 1 if held else 2
-        rest, done = np.zeros((len(x), G.shape[1]), dtype=complex), len(G_lines)
-        for nodes, k in self._images:
+        rest, done = np.zeros((len(lines), G.shape[1]), dtype=complex), len(G_lines)
+        for (nodes, k), factors, negative in zip(self._images, weights.images, weights.negative, strict=True):
             count = len(nodes) * len(k)
             image = G[done : done + count].reshape(len(nodes), len(k), -1)
             # G(-f) is the conjugate of G(f)
-            image = np.where((nodes[:, None] + k * rate < 0)[:, :, None], image.conj(), image)
-            weights = (np.pi * (nodes[:, None] / rate + k)) ** -power
-            rest += _interpolated(nodes, (weights[:, :, None] * image).sum(axis=1), lines)
+            image = np.where(negative, image.conj(), image)
+            rest += _interpolated(nodes, (factors * image).sum(axis=1), lines)
             done += count
         constant, terms = self._asymptote(G[-2:])
-        for order, term in enumerate(terms):
-            rest += term * (_far_sum(power + order, x, FAR_IMAGES[1]) / np.pi**power)[:, None]
-        numerator = np.sin(np.pi * x) * np.exp(-1j * np.pi * x) if held else np.sin(np.pi * x) ** 2
+        for term, far in zip(terms, weights.far, strict=True):
+            rest += term * far
         found = G_lines.astype(complex)
-        found[self._below] = self.course.share(lines)[:, None] * G_lines[self._below] + numerator[:, None] * rest
-        if held:
-            # The sum is the mean of what is read just before and just after a step; a sample is read after it.
-            found[self._below] += constant * (1 - np.exp(-2j * np.pi * x))[:, None] / 2
+        found[self._below] = weights.share * G_lines[self._below] + weights.numerator * rest
+        if weights.step is not None:
+            found[self._below] += constant * weights.step / 2
         return found.reshape(len(found), *values.shape[1:])
 
     def _asymptote(self, far: ComplexArray) -> tuple[FloatArray, tuple[NDArray[Any], ...]]:

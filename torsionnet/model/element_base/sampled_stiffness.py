@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from torsionnet.model.element_base.stiffness_table import StiffnessTable
@@ -43,13 +44,20 @@ class SampledStiffness(StiffnessTable):
         """Complex stiffness k' + j k'' in N m/rad at omega >= 0 in rad/s, in the shape of ``omega``."""
         import numpy as np
 
-        omega = np.asarray(omega, dtype=float)
-        at = np.log(np.maximum(omega / math.tau, self.frequencies[0]))
-        f, k, c = (np.array(column) for column in (self.frequencies, self.stiffness, self.damping))
-        storage = np.exp(np.interp(at, np.log(f), np.log(k)))
-        loss = np.exp(np.interp(at, np.log(f), np.log(math.tau * f * c)))
-        loss = loss * np.minimum(omega / (math.tau * f[0]), 1.0)
+        omega, first = np.asarray(omega, dtype=float), self.frequencies[0]
+        at = np.log(np.maximum(omega / math.tau, first))
+        f, k, c = self._logarithms
+        storage, loss = np.exp(np.interp(at, f, k)), np.exp(np.interp(at, f, c))
+        loss = loss * np.minimum(omega / (math.tau * first), 1.0)
         return np.asarray(storage + 1j * loss)
+
+    @cached_property
+    def _logarithms(self) -> tuple[NDArray[np.float64], ...]:
+        """Logarithms of frequencies in Hz, and of storage and loss parts in N m/rad, of all rows; modes ask often."""
+        import numpy as np
+
+        f, k, c = (np.array(column) for column in (self.frequencies, self.stiffness, self.damping))
+        return np.log(f), np.log(k), np.log(math.tau * f * c)
 
     def frozen(self, omega: NDArray[np.float64]) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
         """Stiffness in N m/rad and, where the loss is viscous, damping in N m s/rad, at omega >= 0 in rad/s."""
