@@ -112,13 +112,12 @@ class Quantity:
     text: str
 
 
-def _dimension(kg: int = 0, m: int = 0, s: int = 0, cycle: int = 0, K: int = 0) -> Dimension:
-    return Dimension(Fraction(kg), Fraction(m), Fraction(s), Fraction(cycle), Fraction(K))
-
-
 _Atom = tuple[Real, Dimension]
-_NUMBER, _MASS, _LENGTH, _TIME = _dimension(), _dimension(kg=1), _dimension(m=1), _dimension(s=1)
-_FORCE, _PRESSURE, _POWER = _dimension(1, 1, -2), _dimension(1, -1, -2), _dimension(1, 2, -3)
+_NUMBER = Dimension()
+_MASS, _LENGTH, _TIME = Dimension(kg=Fraction(1)), Dimension(m=Fraction(1)), Dimension(s=Fraction(1))
+_CYCLE, _RATE = Dimension(cycle=Fraction(1)), _NUMBER / _TIME
+_FORCE = _MASS * _LENGTH / _TIME**2
+_PRESSURE, _ENERGY = _FORCE / _LENGTH**2, _FORCE * _LENGTH
 _LB, _G0, _INCH = Fraction("0.45359237"), Fraction("9.80665"), Fraction("0.0254")
 _PREFIXES = {"G": Fraction(10**9), "M": Fraction(10**6), "k": Fraction(1000), "": Fraction(1),
              "c": Fraction(1, 100), "m": Fraction(1, 1000), "u": Fraction(1, 10**6),
@@ -133,17 +132,17 @@ _BASE: dict[str, tuple[Real, Dimension, str]] = {
     "d": (Fraction(86400), _TIME, ""),
     "N": (Fraction(1), _FORCE, "GMkm"), "daN": (Fraction(10), _FORCE, ""), "kgf": (_G0, _FORCE, ""),
     "kp": (_G0, _FORCE, ""), "lbf": (_LB * _G0, _FORCE, ""), "ozf": (_LB * _G0 / 16, _FORCE, ""),
-    "kip": (1000 * _LB * _G0, _FORCE, ""), "J": (Fraction(1), _dimension(1, 2, -2), "Mk"),
+    "kip": (1000 * _LB * _G0, _FORCE, ""), "J": (Fraction(1), _ENERGY, "Mk"),
     "Pa": (Fraction(1), _PRESSURE, "GMk"), "psi": (_LB * _G0 / _INCH**2, _PRESSURE, ""),
     "ksi": (1000 * _LB * _G0 / _INCH**2, _PRESSURE, ""), "bar": (Fraction(10**5), _PRESSURE, ""),
-    "W": (Fraction(1), _POWER, "GMk"),
+    "W": (Fraction(1), _ENERGY / _TIME, "GMk"),
     "rad": (Fraction(1), _NUMBER, "mu"), "deg": (math.pi / 180, _NUMBER, ""), "rev": (2 * math.pi, _NUMBER, ""),
     "gon": (math.pi / 200, _NUMBER, ""), "arcmin": (math.pi / 10800, _NUMBER, ""), "%": (Fraction(1, 100), _NUMBER, ""),
     "ppm": (Fraction(1, 10**6), _NUMBER, ""),
-    "rpm": (math.pi / 30, _dimension(s=-1), ""), "r/min": (math.pi / 30, _dimension(s=-1), ""),
-    "rps": (2 * math.pi, _dimension(s=-1), ""), "Hz": (Fraction(1), _dimension(s=-1, cycle=1), "Mkm"),
-    "cpm": (Fraction(1, 60), _dimension(s=-1, cycle=1), ""), "cycle": (Fraction(1), _dimension(cycle=1), ""),
-    "K": (Fraction(1), _dimension(K=1), ""),
+    "rpm": (math.pi / 30, _RATE, ""), "r/min": (math.pi / 30, _RATE, ""),
+    "rps": (2 * math.pi, _RATE, ""), "Hz": (Fraction(1), _CYCLE / _TIME, "Mkm"),
+    "cpm": (Fraction(1, 60), _CYCLE / _TIME, ""), "cycle": (Fraction(1), _CYCLE, ""),
+    "K": (Fraction(1), Dimension(K=Fraction(1)), ""),
 }  # fmt: skip
 _ATOMS: dict[str, _Atom] = {
     prefix + name: (_PREFIXES[prefix] * factor, dimension)
@@ -160,15 +159,12 @@ ANGLES = frozenset(name for name, (_, dimension) in _ATOMS.items() if dimension 
 _ANGULAR = {*ANGLES, "rpm", "r/min", "rps", *(name for name, (_, dimension) in _ATOMS.items() if dimension.cycle)}
 
 
-def _product(names: str) -> _Atom:
-    factor, dimension = Fraction(1), _NUMBER
-    for name in names.split():
-        atom = _ATOMS[name]
-        factor, dimension = factor * Fraction(atom[0]), dimension * atom[1]
-    return factor, dimension
-
-
-_ATOMS |= {name: _product(names) for name, names in _JOINED.items()}
+for _joined, _factors in _JOINED.items():
+    _joined_factor, _joined_dimension = Fraction(1), _NUMBER
+    for _name in _factors.split():
+        _joined_factor *= Fraction(_ATOMS[_name][0])
+        _joined_dimension *= _ATOMS[_name][1]
+    _ATOMS[_joined] = _joined_factor, _joined_dimension
 KNOWN_UNITS = tuple(_ATOMS)
 """Names of all units that stand alone, with their prefixes, in the order of the table."""
 _LEAST_SUGGESTED = 3
@@ -197,80 +193,74 @@ def _plain(text: str) -> str:
     return re.sub("[⁰¹²³⁴⁵⁶⁷⁸⁹⁻]+", lambda raised: "^" + raised[0].translate(_RAISED), text).strip()
 
 
-class _Parser:
-    """Recursive-descent parser of units: ``product := power (("*" | "/" | nothing) power)*``."""
+def _tokens(text: str, written: str) -> list[re.Match[str]]:
+    """Atoms, ones, signs, parentheses and powers of a unit, in their order; ``written`` is for messages."""
+    tokens: list[re.Match[str]] = []
+    position = 0
+    while position < len(text):
+        token = _TOKEN.match(text, position)
+        if token is None:
+            hint = _hint(text[position:], written)[0]
+            raise _refusal(written, f'cannot be read from "{text[position:].strip()}" on{hint}')
+        tokens.append(token)
+        position = token.end()
+    return tokens
 
-    def __init__(self, text: str, written: str) -> None:
-        self.written, self.tokens, self.at, self.powers, self.angular = written, list[re.Match[str]](), 0, 0, False
-        position = 0
-        while position < len(text):
-            token = _TOKEN.match(text, position)
-            if token is None:
-                raise self.error(
-                    f'cannot be read from "{text[position:].strip()}" on{_hint(text[position:], written)[0]}'
-                )
-            self.tokens.append(token)
-            position = token.end()
 
-    def error(self, what: str) -> UnitError:
-        return UnitError(f'the unit "{self.written}" {what}')
+def _refusal(written: str, what: str) -> UnitError:
+    return UnitError(f'the unit "{written}" {what}')
 
-    def peek(self) -> str:
-        return self.tokens[self.at][0].strip() if self.at < len(self.tokens) else ""
 
-    def product(self, depth: int = 0) -> _Atom:
-        factor, dimension = self.power(depth)
-        while self.peek() not in ("", ")"):
-            sign = self.peek()
-            if sign in ("*", "/"):
-                self.at += 1
-            other, second = self.power(depth)
-            factor, dimension = (factor / other, dimension / second) if sign == "/" else (
-                factor * other, dimension * second)  # fmt: skip
-        return factor, dimension
+def _product(tokens: list[re.Match[str]], written: str, depth: int = 0) -> tuple[Real, Dimension, bool]:
+    """Factor and dimension of a product of units up to its closing parenthesis, and whether a power is in it.
 
-    def power(self, depth: int) -> _Atom:
-        powers_before = self.powers
-        factor, dimension = self.operand(depth)
-        if self.at >= len(self.tokens) or not self.tokens[self.at]["power"]:
-            return factor, dimension
-        name = self.tokens[self.at - 1]["atom"]
-        if self.powers > powers_before or name in _JOINED:
-            raise self.error("leaves open what the power belongs to; write products with * and one power per unit")
-        exponent = self.exponent()
-        self.at, self.powers = self.at + 1, self.powers + 1
-        return factor ** (int(exponent) if exponent.denominator == 1 else exponent), dimension**exponent
-
-    def exponent(self) -> Fraction:
-        text = self.tokens[self.at]["exponent"].strip("()")
-        if len(text) > len("-6/6") or text.endswith("/0") or abs(Fraction(text)) > _MAX_EXPONENT:
-            raise self.error(f"has the exponent {text}; at most {_MAX_EXPONENT} is allowed")
-        return Fraction(text)
-
-    def operand(self, depth: int) -> _Atom:
-        token = self.tokens[self.at] if self.at < len(self.tokens) else None
+    ``product := power (("*" | "/" | nothing) power)*``. Tokens, the next one last, are taken out as they are read.
+    """
+    factor: Real = Fraction(1)
+    dimension, sign, has_power = _NUMBER, "*", False
+    while True:
+        # operand := atom | "1" | "(" product ")"
+        token = tokens.pop() if tokens else None
         if token is None or token["power"] or token[0].strip() in ("*", "/", ")"):
-            raise self.error("has an empty part: a unit is missing before or after an operator or parenthesis")
-        self.at += 1
-        if token["atom"]:
-            return self.atom(token["atom"].replace("**", "^"))
-        return (Fraction(1), _NUMBER) if token["one"] else self.group(depth + 1)
-
-    def group(self, depth: int) -> _Atom:
-        if depth > _MAX_DEPTH:
-            raise self.error(f"has more than {_MAX_DEPTH} nested parentheses")
-        inner = self.product(depth)
-        if self.peek() != ")":
-            raise self.error('lacks a ")"')
-        self.at += 1
-        return inner
-
-    def atom(self, name: str) -> _Atom:
-        self.angular |= name in _ANGULAR
-        if name not in _ATOMS:
-            hint, meant = _hint(name)
-            raise UnitError(Fault(f'"{name}" is not a known unit{hint}', kind=UNKNOWN_UNIT, about=name, meant=meant))
-        return _ATOMS[name]
+            raise _refusal(written, "has an empty part: a unit is missing before or after an operator or parenthesis")
+        name, is_raised = token["atom"], False
+        if name:
+            known = name.replace("**", "^")
+            if known not in _ATOMS:
+                hint, meant = _hint(known)
+                text = f'"{known}" is not a known unit{hint}'
+                raise UnitError(Fault(text, kind=UNKNOWN_UNIT, about=known, meant=meant))
+            other, second = _ATOMS[known]
+        elif token["one"]:
+            other, second = Fraction(1), _NUMBER
+        else:
+            if depth == _MAX_DEPTH:
+                raise _refusal(written, f"has more than {_MAX_DEPTH} nested parentheses")
+            other, second, is_raised = _product(tokens, written, depth + 1)
+            if not tokens:
+                raise _refusal(written, 'lacks a ")"')
+            tokens.pop()
+        # power := operand ("^" exponent)?
+        if tokens and tokens[-1]["power"]:
+            if is_raised or name in _JOINED:
+                raise _refusal(
+                    written, "leaves open what the power belongs to; write products with * and one power per unit"
+                )
+            text = tokens.pop()["exponent"].strip("()")
+            if len(text) > len("-6/6") or text.endswith("/0") or abs(Fraction(text)) > _MAX_EXPONENT:
+                raise _refusal(written, f"has the exponent {text}; at most {_MAX_EXPONENT} is allowed")
+            exponent, is_raised = Fraction(text), True
+            other = other ** (int(exponent) if exponent.denominator == 1 else exponent)
+            second = second**exponent
+        # "/" divides by the next power only
+        factor = factor / other if sign == "/" else factor * other
+        dimension = dimension / second if sign == "/" else dimension * second
+        has_power |= is_raised
+        sign = tokens[-1][0].strip() if tokens else ")"
+        if sign == ")":
+            return factor, dimension, has_power
+        if sign in ("*", "/"):
+            tokens.pop()
 
 
 def _hint(name: str, written: str = "") -> tuple[str, str]:
@@ -324,14 +314,17 @@ def parse_unit(text: str) -> Unit:
     plain = _plain(text)
     disc = _DISC.match(plain)
     # GD² in kgf*m² is, by the custom of its catalogues, a mass in kg: G is read from scales, it is no force.
-    parser = _Parser(re.sub(r"\b(kg|lb)f(?=m?\b)", r"\1", disc[1]) if disc else plain, text)
-    factor, dimension = parser.product()
-    if parser.at < len(parser.tokens):
-        raise parser.error('has a ")" too many')
+    tokens = _tokens(re.sub(r"\b(kg|lb)f(?=m?\b)", r"\1", disc[1]) if disc else plain, text)
+    is_angular = any(token["atom"] in _ANGULAR for token in tokens)
+    tokens.reverse()
+    factor, dimension, _ = _product(tokens, text)
+    if tokens:
+        raise _refusal(text, 'has a ")" too many')
     if disc and dimension != DIMENSIONS["inertia"]:
-        raise parser.error(f"has {disc[2]}2 after something that is no inertia; write for example kg*m^2 {disc[2]}2")
-    if dimension == _dimension(s=-1) and not parser.angular:
-        raise parser.error("leaves open what turns or repeats; write rad/s, rpm, rev/s or Hz")
+        what = f"has {disc[2]}2 after something that is no inertia; write for example kg*m^2 {disc[2]}2"
+        raise _refusal(text, what)
+    if dimension == _RATE and not is_angular:
+        raise _refusal(text, "leaves open what turns or repeats; write rad/s, rpm, rev/s or Hz")
     return Unit(factor / 4 if disc and disc[2] == "GD" else factor, dimension, text)
 
 
@@ -341,7 +334,7 @@ def has_angle(text: str) -> bool:
     >>> has_angle("kN*m/rad"), has_angle("N*m"), has_angle("deg"), has_angle("")
     (True, False, True, False)
     """
-    return any(token[0].strip() in ANGLES for token in _Parser(_plain(text), text).tokens)
+    return any(token[0].strip() in ANGLES for token in _tokens(_plain(text), text))
 
 
 NUMERAL = re.compile(r"([+-]?)([0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE]([+-]?[0-9]+))?")
@@ -396,7 +389,17 @@ def parse_quantity(text: str) -> Quantity:
     if rest and _plain(rest) == CELSIUS:
         return _celsius(numeral, written)
     unit = parse_unit(rest.strip()) if rest else None
-    value = _times(_ratio(numeral), unit.factor if unit else 1)
+    above, below = _ratio(numeral)
+    factor: Real = unit.factor if unit else 1
+    # Fraction * Fraction would take most of the time of reading a model.
+    value: Real
+    if isinstance(factor, float):
+        try:
+            value = above / below * factor
+        except OverflowError:
+            value = math.inf  # which is out of range
+    else:
+        value = Fraction(above * factor.numerator, below * factor.denominator)
     if numeral[3] or len(written) > _SAFE_LENGTH:
         _check_range(value, written)
     return Quantity(value, unit.dimension if unit else None, written)
@@ -408,16 +411,6 @@ def _celsius(numeral: re.Match[str], written: str) -> Quantity:
     if value < 0:
         raise UnitError(f'"{written}" is below absolute zero')
     return Quantity(value, DIMENSIONS["temperature"], written)
-
-
-def _times(ratio: tuple[int, int], factor: Real) -> Real:
-    # Fraction * Fraction would take most of the time of reading a model.
-    if isinstance(factor, float):
-        try:
-            return ratio[0] / ratio[1] * factor
-        except OverflowError:
-            return math.inf  # which is out of range
-    return Fraction(ratio[0] * factor.numerator, ratio[1] * factor.denominator)
 
 
 _STRAY = re.compile(r"[,:;.'’_]|\s*(?!1\s*/)[0-9]")
@@ -506,7 +499,7 @@ _EXPECTED = {"inertia": "kg*m^2", "cubic stiffness": "N*m/rad^3", "stiffness": "
              "power": "W", "heat flux": "W/m^2", "heat transfer": "W/K", "area": "m^2", "temperature": "K",
              "force": "N", "linear stiffness": "N/m", "velocity": "m/s", "per velocity": "s/m", "1": "1"}  # fmt: skip
 _SI_TEXT: dict[Dimension, str] = {}
-DIMENSIONS: dict[str, Dimension] = {"inertia": _dimension(1, 2)}
+DIMENSIONS: dict[str, Dimension] = {"inertia": _MASS * _LENGTH**2}
 """Dimension of each physical quantity of a model, by the name of the quantity."""
 DIMENSIONS |= {name: parse_unit(text).dimension for name, text in _EXPECTED.items()}
 _SI_TEXT |= {DIMENSIONS[name]: text for name, text in _EXPECTED.items()}
@@ -536,7 +529,7 @@ def convert(value: float, unit: str, to: str) -> float:
     if source.dimension == target.dimension:
         return float(value * float(source.factor / target.factor))
     apart = source.dimension / target.dimension
-    hint = "; a cycle is 2*pi rad: 1 Hz is 60 rpm" if apart == _dimension(cycle=int(apart.cycle)) else ""
+    hint = "; a cycle is 2*pi rad: 1 Hz is 60 rpm" if apart == _CYCLE ** int(apart.cycle) else ""
     raise UnitError(f'"{unit}" ({source.dimension}) cannot be converted to "{to}" ({target.dimension}){hint}')
 
 
