@@ -54,16 +54,14 @@ def check_name(name: str) -> str | None:
     """
     if not _NAME.fullmatch(name):
         return f'"{name}" is not a valid name: a letter comes first, then letters, digits and _ (no accents)'
-    return next((fault for fault in map(_word_fault, name.split(".")) if fault), None)
-
-
-def _word_fault(word: str) -> str | None:
-    if word.lower() in ("nan", "inf", "infinity"):
-        return f'"{word}" is no finite number'
-    if keyword.iskeyword(word):
-        return f'"{word}" is a word of the Python language; choose another name'
-    meaning = RESERVED.get(word)
-    return f'"{word}" is reserved: it stands for {meaning}; choose another name' if meaning else None
+    for word in name.split("."):
+        if word.lower() in ("nan", "inf", "infinity"):
+            return f'"{word}" is no finite number'
+        if keyword.iskeyword(word):
+            return f'"{word}" is a word of the Python language; choose another name'
+        if word in RESERVED:
+            return f'"{word}" is reserved: it stands for {RESERVED[word]}; choose another name'
+    return None
 
 
 @lru_cache(maxsize=4096)
@@ -102,14 +100,14 @@ class _Reader:
         blanks = len(text) - len(text.lstrip())
         self.source, self.nodes = text.strip().replace("^", "**"), 0
         self.columns = [blanks + i for i, sign in enumerate(text[blanks:]) for _ in range(1 + (sign == "^"))]
-        self.check_pieces()
 
     def fault(self, message: str | Fault, node: ast.expr | int) -> ExpressionError:
         column = node if isinstance(node, int) else node.col_offset
         return ExpressionError(message, self.columns[min(column, len(self.columns) - 1)])
 
-    def check_pieces(self) -> None:
-        """Refuse an expression with characters or words that ``ast`` would miss or only call a syntax error."""
+    def expression(self) -> Expression:
+        """Tree of the whole expression."""
+        # Characters and words that ast would miss, or only call a syntax error, are refused first.
         good = _CHARACTERS.match(self.source)
         if good and good.end() < len(self.source):
             raise self.fault(f'"{self.source[good.end()]}" is not allowed in an expression', good.end())
@@ -126,20 +124,18 @@ class _Reader:
             if found == ".":
                 raise self.fault('"." stands only in decimal numbers and names', start)
             operand = bool(kind) or found == ")" or (operand and found == " ")
-
-    def number(self, numeral: str, start: int) -> Number:
-        try:
-            return Number(units.parse_number(numeral))
-        except UnitError as error:
-            raise self.fault(error.fault, start) from None
-
-    def expression(self) -> Expression:
         try:
             return self.read(ast.parse(self.source, mode="eval").body, 0)
         except SyntaxError as error:
             raise self.fault("the expression is incomplete here", (error.offset or len(self.source)) - 1) from None
         except (RecursionError, MemoryError):
             raise ExpressionError("the expression is too deeply nested") from None
+
+    def number(self, numeral: str, start: int) -> Number:
+        try:
+            return Number(units.parse_number(numeral))
+        except UnitError as error:
+            raise self.fault(error.fault, start) from None
 
     def read(self, node: ast.expr, depth: int) -> Expression:
         self.nodes += 1
@@ -208,18 +204,32 @@ def scalar(value: object) -> Expression:
     if isinstance(value, Expression):
         return value
     try:
-        return _from_text(value) if isinstance(value, str) else _from_object(value)
+        if isinstance(value, str):
+            written = value.strip()
+            numeral = NUMERAL.match(written)
+            if numeral is None or _OPERATION.match(written, numeral.end()):
+                return parse_expression(value)
+            given = units.parse_quantity(written)
+        elif isinstance(value, numbers.Real) and not isinstance(value, bool):
+            return Number(value)
+        elif hasattr(value, "magnitude") and hasattr(value, "units"):
+            given = _of_pint(value)
+        else:
+            got = str(value).lower() if isinstance(value, bool) else _short(repr(value))
+            raise ExpressionError(Fault(f"expected a number, got {got}", kind=NO_NUMBER))
+        return Number(given.value, given.dimension, given.text)
     except UnitError as error:
-        raise ExpressionError(error.fault) from None
+        raise ExpressionError(_or_product(error.fault, value)) from None
 
 
-def _from_object(value: Any) -> Expression:
-    if isinstance(value, numbers.Real) and not isinstance(value, bool):
-        return Number(value)
-    if hasattr(value, "magnitude") and hasattr(value, "units"):
-        return _from_quantity(_of_pint(value))
-    got = str(value).lower() if isinstance(value, bool) else _short(repr(value))
-    raise ExpressionError(Fault(f"expected a number, got {got}", kind=NO_NUMBER))
+def _or_product(fault: Fault, value: object) -> Fault:
+    """Fault of a scalar, with the question whether a product of a number and a parameter was meant, as 2*k_1."""
+    written = value.strip() if isinstance(value, str) else ""
+    numeral = NUMERAL.match(written)
+    rest = written[numeral.end() :].strip() if numeral else ""
+    if numeral is None or not _NAME.fullmatch(rest) or check_name(rest) or fault.meant or rest in units.AMBIGUOUS:
+        return fault
+    return replace(fault, message=f"{fault.message}; if it is a parameter, write {numeral[0]}*{rest}")
 
 
 def _of_pint(quantity: Any) -> units.Quantity:
@@ -239,22 +249,3 @@ def _read_given(quantity: Any) -> units.Quantity:
     if not isinstance(quantity.magnitude, numbers.Real):
         raise UnitError(Fault(f"expected one real number, got {quantity.magnitude}", kind=NO_NUMBER))
     return units.parse_quantity(f"{float(units.exact(quantity.magnitude))!r} {quantity.units:~}")
-
-
-def _from_text(text: str) -> Expression:
-    written = text.strip()
-    numeral = NUMERAL.match(written)
-    if numeral is None or _OPERATION.match(written, numeral.end()):
-        return parse_expression(text)
-    rest = written[numeral.end() :].strip()
-    try:
-        return _from_quantity(units.parse_quantity(written))
-    except UnitError as error:
-        if not _NAME.fullmatch(rest) or check_name(rest) or error.fault.meant or rest in units.AMBIGUOUS:
-            raise
-        text = f"{error}; if it is a parameter, write {numeral[0]}*{rest}"
-        raise ExpressionError(replace(error.fault, message=text)) from None
-
-
-def _from_quantity(given: units.Quantity) -> Expression:
-    return Number(given.value, given.dimension, given.text)

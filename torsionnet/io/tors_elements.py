@@ -9,7 +9,7 @@ does a gear with a parent, on the shaft it drives. Meaning as in ``opentorsion.P
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import Field, dataclass
+from dataclasses import dataclass
 from math import inf
 from typing import Any, ClassVar
 
@@ -77,9 +77,7 @@ class TorsElement(TorsPart):
     node: object = entry(AsWritten("name of the node at its end, by torsionnet"), None)
     excitation: object = entry(AsWritten("torque on it"), None)
 
-    @classmethod
-    def _is_common(cls, declared: Field[Any]) -> bool:
-        return declared.name in ("node", "excitation")
+    common: ClassVar[tuple[str, ...]] = ("node", "excitation")
 
     def to_data(self) -> Json:
         return {"name": self.name, "type": self.kind, **self.written_entries()}

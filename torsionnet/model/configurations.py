@@ -5,10 +5,10 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any, cast
+from typing import Any, ClassVar, cast
 
 from torsionnet.base.entries.composite import Listed, Named
-from torsionnet.base.entries.scalars import AnyQuantity, plain_scalar, read_value
+from torsionnet.base.entries.scalars import AnyQuantity, plain_scalar, read_scalar
 from torsionnet.base.entries.spec import EntryError, Json, Plural, Renaming, Schema, Spec, Text, reference
 from torsionnet.base.errors import Fault, ModelError, UsageError, comma_list, did_you_mean, unfit_word, unknown_name
 from torsionnet.base.expressions import Expression
@@ -93,9 +93,7 @@ class AlternativeEntry(Plural[Overlay]):
     def key_names(self, raw: object) -> Mapping[Any, Spec[Any]]:
         return {key: _CHANGED for key in raw if key not in _KNOWN} if isinstance(raw, Mapping) else {}
 
-    @property
-    def absent(self) -> Overlay:
-        return Overlay()
+    absent: ClassVar[Any] = Overlay()
 
     def read(self, raw: object) -> tuple[Overlay, list[Fault]]:
         if isinstance(raw, Overlay):
@@ -164,9 +162,7 @@ class AxesEntry(Plural[dict[str, dict[str, Overlay]]]):
     ``{gear: {II: {tau: 7.96}}}``, or ``{II: {tau: 7.96}}`` for a single axis.
     """
 
-    @property
-    def absent(self) -> dict[str, dict[str, Overlay]]:
-        return {}
+    absent: ClassVar[Any] = {}
 
     @property
     def may_be_empty(self) -> bool:
@@ -326,7 +322,7 @@ def read_overrides(
             axis = f'; configurations are chosen by text: configured("{name}={raw}")' if name in axes else ""
             raise UsageError(f'no parameter is named "{name}"{axis or did_you_mean(name, parameters)}')
         try:
-            values[name] = read_value(raw)
+            values[name] = read_scalar(raw)
         except EntryError as error:
             raise ModelError([error.fault.under("parameters", name)]) from None
     return values

@@ -13,7 +13,7 @@ from typing import Any, ClassVar
 
 from torsionnet.base.entries.composite import Nested, superfluous
 from torsionnet.base.entries.declared import Declared
-from torsionnet.base.entries.scalars import AnyQuantity, plain_scalar, read_value
+from torsionnet.base.entries.scalars import AnyQuantity, plain_scalar, read_scalar
 from torsionnet.base.entries.spec import (
     EntryError,
     Json,
@@ -40,9 +40,7 @@ class LookupTable(Plural[Rows]):
 
     is_read_off: ClassVar[bool] = True
 
-    @property
-    def absent(self) -> Rows:
-        return ()
+    absent: ClassVar[Any] = ()
 
     @property
     def example(self) -> str:
@@ -97,7 +95,7 @@ class LookupTable(Plural[Rows]):
 
 
 def _number(raw: object) -> Number:
-    value = read_value(raw)
+    value = read_scalar(raw)
     if not isinstance(value, Number):
         raise EntryError(f'expected a number with unit; "{raw}" is an expression of parameters')
     return value
@@ -167,7 +165,7 @@ class Bound(Spec[Number]):
     """Entry for one bound of a parameter: a number with or without unit."""
 
     def coerce(self, raw: object) -> Number:
-        value = read_value(raw)
+        value = read_scalar(raw)
         if not isinstance(value, Number):
             raise EntryError("a bound must be a number or a quantity, not an expression")
         return value

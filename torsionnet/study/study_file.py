@@ -28,9 +28,7 @@ _NAMES = Listed("configurations of the model", ConfigurationName(""), form="all,
 class SomeConfigurations(Composite[tuple[str, ...]], Plural[tuple[str, ...]]):
     """Entry for configurations of a study, ``all``, one name, or a list of names."""
 
-    @property
-    def absent(self) -> tuple[str, ...]:
-        return ()
+    absent: ClassVar[Any] = ()
 
     def read(self, raw: object) -> tuple[tuple[str, ...], list[Fault]]:
         found: tuple[tuple[str, ...], list[Fault]] = _NAMES.read(raw if isinstance(raw, list | tuple) else [raw])

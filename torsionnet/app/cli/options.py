@@ -61,12 +61,12 @@ class SettingOption(PairOption):
         super().__init__("NAME", "VALUE", "c_O=360 N*m*s/rad")
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        from torsionnet.base.entries.scalars import read_value
+        from torsionnet.base.entries.scalars import read_scalar
         from torsionnet.base.entries.spec import EntryError
 
         name, text = super().convert(value, param, ctx)
         try:
-            read_value(text)
+            read_scalar(text)
         except EntryError as error:
             self.fail(f"{name}: {error}", param, ctx)
         return name, text

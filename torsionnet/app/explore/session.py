@@ -14,7 +14,7 @@ from torsionnet.app.explore.over_speed import runs
 from torsionnet.app.explore.overlay import overlay_data
 from torsionnet.app.explore.point_sliders import all_point_rows, point_rows, point_settings, with_balance
 from torsionnet.app.explore.state import State
-from torsionnet.base.entries.scalars import read_value
+from torsionnet.base.entries.scalars import read_scalar
 from torsionnet.base.errors import TorsionnetError, UsageError
 from torsionnet.base.registers import RecentResults
 from torsionnet.drivetrain import Drivetrain
@@ -106,7 +106,11 @@ class Session:
         changed = plain.configured(**values) if values else plain
         settings = point_settings(values, plain)
         for name in values:
-            if read_value(settings[name]).names if name in settings else changed.parameter_definitions[name].is_derived:
+            if (
+                read_scalar(settings[name]).names
+                if name in settings
+                else changed.parameter_definitions[name].is_derived
+            ):
                 raise UsageError(
                     f"{name}: expected a number with its unit; expressions of parameters belong in the model file"
                 )
@@ -166,7 +170,7 @@ class Session:
         changes = {
             place_of(self.base.definition, state.choice, name): changed[name].value
             if name in changed
-            else read_value(value)
+            else read_scalar(value)
             for name, value in self.given_values(state).items()
         }
         return changed_text(self.text, self.base.definition, changes, self.file, self.folder)

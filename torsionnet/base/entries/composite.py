@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, TypeAlias, TypeVar, cast
+from typing import Any, ClassVar, TypeAlias, TypeVar, cast
 
 from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.spec import (
@@ -187,9 +187,7 @@ class Named(Composite[Mapping[str, Stored_co]], Plural[Mapping[str, Stored_co]])
     keys: Spec[str] | None = None
     """Specification of the names in the table where these are names of other things, as of nodes."""
 
-    @property
-    def absent(self) -> Mapping[str, Stored_co]:
-        return {}
+    absent: ClassVar[Any] = {}
 
     @property
     def may_be_empty(self) -> bool:
@@ -252,9 +250,7 @@ class Listed(Composite[tuple[Stored_co, ...]], Plural[tuple[Stored_co, ...]]):
     of: Spec[Stored_co]
     form: str = "a list"
 
-    @property
-    def absent(self) -> tuple[Stored_co, ...]:
-        return ()
+    absent: ClassVar[Any] = ()
 
     def read(self, raw: object) -> tuple[tuple[Stored_co, ...], list[Fault]]:
         if not isinstance(raw, list | tuple):

@@ -62,6 +62,8 @@ class Declared:
     """Name of the kind of object with its article, for messages that need one."""
     head: ClassVar[tuple[str, ...]] = ()
     """Keys of a file that identify its kind and are no entries, as the format version."""
+    common: ClassVar[tuple[str, ...]] = ()
+    """Names of the entries that belong to all kinds of object in a register, and so stand last."""
     form: ClassVar[str] = "{name: value, ...}"
     """Example of how the object is written in a file."""
 
@@ -73,10 +75,9 @@ class Declared:
     def coerced(self) -> list[Fault]:
         """Faults of the fields that cannot be stored, while all others are brought to their stored form."""
         faults: list[Fault] = []
-        defaults = self._defaults()
-        for name, spec in self.specs():
-            raw = getattr(self, name)
-            default, stored = defaults[name]
+        defaults = self.defaults()
+        for declared, (name, spec) in zip(self.declared(), self.specs(), strict=True):
+            raw, default, stored = getattr(self, name), declared.default, defaults[name]
             if raw is default or (raw is stored and default is not MISSING):
                 object.__setattr__(self, name, stored)
                 continue
@@ -93,15 +94,12 @@ class Declared:
     @classmethod
     @cache
     def declared(cls) -> tuple[Field[Any], ...]:
-        """Dataclass fields that carry a specification, in the order of the class; those common to all kinds last."""
-        own = [declared for declared in fields(cls) if "spec" in declared.metadata]  # type: ignore[arg-type]
-        return tuple(sorted(own, key=cls._is_common))
+        """Dataclass fields that carry a specification, in the order of the class; those common to all kinds last.
 
-    @classmethod
-    def _is_common(cls, declared: Field[Any]) -> bool:
-        """Whether an entry belongs to all kinds of object in a register and so stands last."""
-        del declared
-        return False
+        These are given by name alone, or stand in ``common``.
+        """
+        own = [declared for declared in fields(cls) if "spec" in declared.metadata]  # type: ignore[arg-type]
+        return tuple(sorted(own, key=lambda declared: (declared.kw_only is True, declared.name in cls.common)))
 
     @classmethod
     @cache
@@ -119,17 +117,11 @@ class Declared:
     @cache
     def defaults(cls) -> Mapping[str, Any]:
         """Default of every entry in its stored form, by name."""
-        return {name: stored for name, (_, stored) in cls._defaults().items()}
-
-    @classmethod
-    @cache
-    def _defaults(cls) -> Mapping[str, tuple[Any, Any]]:
-        """Default of every entry as it is declared and in its stored form, by name."""
-        found = {}
-        for declared in cls.declared():
-            spec, default = spec_of(declared), declared.default
-            found[declared.name] = (default, spec.absent if default in (MISSING, None) else spec.coerce(default))
-        return found
+        declared = zip(cls.declared(), cls.specs(), strict=True)
+        return {
+            name: spec.absent if one.default in (MISSING, None) else spec.coerce(one.default)
+            for one, (name, spec) in declared
+        }
 
     @classmethod
     def read(cls, raw: object) -> tuple[Self | None, list[Fault]]:

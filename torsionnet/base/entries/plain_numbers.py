@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any, ClassVar
+
 from torsionnet.base.entries.spec import EntryError, Json, Plural, Schema, Spec
 from torsionnet.base.errors import BRACKET, Fault, Remedy
 
@@ -28,9 +30,7 @@ class PlainNumber(Spec[float]):
 class PlainNumbers(Plural[tuple[float, ...]]):
     """Entry of a list of numbers without units, each of which may be infinite (``.inf``) or missing (``.nan``)."""
 
-    @property
-    def absent(self) -> tuple[float, ...]:
-        return ()
+    absent: ClassVar[Any] = ()
 
     def coerce(self, raw: object) -> tuple[float, ...]:
         raw = raw.tolist() if hasattr(raw, "tolist") else raw

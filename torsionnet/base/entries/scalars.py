@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 from torsionnet.base.entries.spec import EntryError, Json, Plural, Schema, Spec, Stored_co, coerce_part
 from torsionnet.base.errors import IN_UNIT, NO_NUMBER, WRITE, Fault, FaultyValueError, Path, Remedy
@@ -22,48 +22,34 @@ from torsionnet.base.units import DIMENSIONS, expected_unit, parse_quantity, wit
 SCALAR_SCHEMA: Schema = {"type": ["number", "string"]}
 
 
-def read_scalar(raw: object, dimension: str) -> Expression:
+def read_scalar(raw: object, dimension: str | None = None) -> Expression:
     """Expression in SI units, read from a number, a text with unit or an expression of parameters.
 
-    Its written unit must fit ``dimension``.
+    Its written unit must fit ``dimension``, if there is one.
     """
-    if raw is None:
-        raise EntryError(f"a value is missing; expected {_wanted(dimension)}")
-    if isinstance(raw, (Mapping, list, tuple)):
-        raise EntryError(f"expected {_wanted(dimension)}, got {'a mapping' if isinstance(raw, Mapping) else 'a list'}")
-    try:
-        value = _scalar(raw)
-    except EntryError as error:
-        if dimension == "1" or error.fault.kind == NO_NUMBER:
-            raise
-        raise EntryError(replace(error.fault, message=f"{error}; expected {_wanted(dimension)}")) from None
-    return check_unit(_within_range(value), dimension)
-
-
-def _scalar(raw: object) -> Expression:
-    """Expression from a number or a text, or an EntryError with the fault in it."""
-    try:
-        return scalar(raw)
-    except FaultyValueError as error:
-        raise EntryError(error.fault) from None
-    except (TypeError, ValueError) as error:
-        raise EntryError(str(error)) from None
-
-
-def read_value(raw: object) -> Expression:
-    """Expression of any dimension in SI units, read from a number or a text."""
     if raw is None or isinstance(raw, (Mapping, list, tuple)):
-        raise EntryError(
-            f"expected a number, a quantity with unit or an expression, got {'nothing' if raw is None else repr(raw)}"
-        )
-    return _within_range(_scalar(raw))
-
-
-def _within_range(value: Expression) -> Expression:
-    """Expression unchanged, or an EntryError that refuses a number of which not even squares can be calculated."""
+        raise EntryError(_no_scalar(raw, dimension))
+    try:
+        value = scalar(raw)
+    except (TypeError, ValueError) as error:
+        fault = error.fault if isinstance(error, FaultyValueError) else Fault(str(error))
+        if dimension not in (None, "1") and fault.kind != NO_NUMBER:
+            fault = replace(fault, message=f"{fault.message}; expected {_wanted(dimension)}")
+        raise EntryError(fault) from None
+    # Not even squares of some numbers can be calculated.
     if isinstance(value, Number) and is_beyond_range(value.value):
         raise EntryError(f"{value} is far outside the sizes of drivetrains and their tests; check its unit")
-    return value
+    return value if dimension is None else check_unit(value, dimension)
+
+
+def _no_scalar(raw: object, dimension: str | None) -> str:
+    """Message that an entry holds no single value."""
+    if dimension is None:
+        got = "nothing" if raw is None else repr(raw)
+        return f"expected a number, a quantity with unit or an expression, got {got}"
+    if raw is None:
+        return f"a value is missing; expected {_wanted(dimension)}"
+    return f"expected {_wanted(dimension)}, got {'a mapping' if isinstance(raw, Mapping) else 'a list'}"
 
 
 def check_unit(value: Expression, dimension: str) -> Expression:
@@ -125,7 +111,7 @@ class AnyQuantity(Spec[Expression]):
         return "a number with unit, as 0.46 kN*m/rad"
 
     def coerce(self, raw: object) -> Expression:
-        return raw if isinstance(raw, Expression) else read_value(raw)
+        return raw if isinstance(raw, Expression) else read_scalar(raw)
 
     def plain(self, value: Any) -> Json:
         return plain_scalar(value)
@@ -193,7 +179,10 @@ class Value(Spec[float]):
     below: float | None = None
 
     def coerce(self, raw: object) -> float:
-        number = _finite(_number(read_scalar(raw, self.dimension)))
+        value = read_scalar(raw, self.dimension)
+        if not isinstance(value, Number):
+            raise EntryError(f'expected a number with unit; "{value}" is an expression of parameters')
+        number = float(value.value)
         if self.below is not None and number >= self.below:
             share = f" ({100 * self.below:g} %)" if self.dimension == "1" else ""
             raise EntryError(f"must be less than {self.below:g}{share}, got {raw!r}")
@@ -225,9 +214,13 @@ class ValueInUnitOfUse(Spec[Number]):
     def coerce(self, raw: object) -> Number:
         if isinstance(raw, Number):
             return raw
-        number = _scalar(raw)
-        Value(self.description, "1", self.lower, self.exclusive).coerce(_number(number))
-        assert isinstance(number, Number)
+        try:
+            number = scalar(raw)
+        except (TypeError, ValueError) as error:
+            raise EntryError(error.fault if isinstance(error, FaultyValueError) else str(error)) from None
+        if not isinstance(number, Number):
+            raise EntryError(f'expected a number with unit; "{number}" is an expression of parameters')
+        Value(self.description, "1", self.lower, self.exclusive).coerce(Fraction(number.value))
         return number
 
     def plain(self, value: Number) -> int | float | str:
@@ -245,7 +238,7 @@ class AnyNumber(Spec[float]):
     """Entry of a number with unit, of any dimension; stored in SI."""
 
     def coerce(self, raw: object) -> float:
-        value = read_value(raw)
+        value = read_scalar(raw)
         if not isinstance(value, Number):
             raise EntryError(f"expected a number with unit, got {raw!r}")
         return float(value.value)
@@ -259,19 +252,6 @@ class AnyNumber(Spec[float]):
     @property
     def accepted(self) -> str:
         return "Scalar"
-
-
-def _number(value: Expression) -> Fraction:
-    if not isinstance(value, Number):
-        raise EntryError(f'expected a number with unit; "{value}" is an expression of parameters')
-    return Fraction(value.value)
-
-
-def _finite(value: Fraction) -> float:
-    number = float(value)
-    if not float("-inf") < number < float("inf"):
-        raise EntryError(f"expected a finite number, got {value!r}")
-    return number
 
 
 _BAND = re.compile(r"\s*([-+\d.eE]+?)\s*([A-Za-z/]*)\s*\.\.\s*([-+\d.eE]+)\s*([A-Za-z/]*)\s*")
@@ -312,7 +292,15 @@ def parse_band(raw: object, *, from_zero: bool = False) -> tuple[float, float]:
     >>> parse_band("18..2400 cpm"), parse_band(["0.3 Hz", 40])
     ((0.3, 40.0), (0.3, 40.0))
     """
-    low, high = (_FREQUENCY.coerce(edge) for edge in _edges(raw))
+    if isinstance(raw, (list, tuple)) and len(raw) == 2:
+        edges: tuple[object, object] = (raw[0], raw[1])
+    else:
+        match = _BAND.fullmatch(raw) if isinstance(raw, str) else None
+        if match is None:
+            raise EntryError(f"expected a band such as {BAND_FORMS}, got {raw!r}")
+        unit = match[4] or "Hz"  # that of the upper frequency holds for both
+        edges = f"{match[1]} {match[2] or unit}", f"{match[3]} {unit}"
+    low, high = (_FREQUENCY.coerce(edge) for edge in edges)
     is_at_zero = from_zero and low == 0
     if not (0 < low < high or (is_at_zero and high > 0)):
         above = "" if from_zero else ", both above 0"
@@ -322,22 +310,10 @@ def parse_band(raw: object, *, from_zero: bool = False) -> tuple[float, float]:
     return low, high
 
 
-def _edges(raw: object) -> tuple[object, object]:
-    if isinstance(raw, (list, tuple)) and len(raw) == 2:
-        return raw[0], raw[1]
-    match = _BAND.fullmatch(raw) if isinstance(raw, str) else None
-    if match is None:
-        raise EntryError(f"expected a band such as {BAND_FORMS}, got {raw!r}")
-    unit = match[4] or "Hz"
-    return f"{match[1]} {match[2] or unit}", f"{match[3]} {unit}"
-
-
 class Bands(Plural[tuple[tuple[float, float], ...]]):
     """Entry of a list of frequency bands, or of one band alone."""
 
-    @property
-    def absent(self) -> tuple[tuple[float, float], ...]:
-        return ()
+    absent: ClassVar[Any] = ()
 
     def coerce(self, raw: object) -> tuple[tuple[float, float], ...]:
         one = Band(self.description, from_zero=True)

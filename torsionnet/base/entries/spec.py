@@ -6,6 +6,7 @@ words, whole numbers, yes or no.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import MISSING, Field, dataclass, field, fields, is_dataclass, replace
 from numbers import Integral
@@ -148,6 +149,8 @@ class Spec(Generic[Stored_co]):
     """
 
     description: str
+    absent: ClassVar[Any] = None
+    """Value that is stored where the entry is not given."""
     is_read_off: ClassVar[bool] = False
     """Whether the entry holds rows, and another entry beside it the value at which they are interpolated."""
 
@@ -177,11 +180,6 @@ class Spec(Generic[Stored_co]):
     def label(self) -> str:
         """Name of the entry in a sentence, which is its description up to a comma."""
         return self.description.partition(",")[0]
-
-    @property
-    def absent(self) -> Stored_co | None:
-        """Value that is stored where the entry is not given."""
-        return None
 
     @property
     def may_be_empty(self) -> bool:
@@ -242,12 +240,8 @@ def reference(name: str) -> Schema:
 class Plural(Spec[Stored_co]):
     """Base of specifications of entries that hold several values.
 
-    An entry that is not given is stored as an empty one.
+    An entry that is not given is stored as an empty one, ``absent``.
     """
-
-    @property
-    def absent(self) -> Stored_co:
-        raise NotImplementedError
 
 
 def not_none(value: T | None) -> T:
@@ -302,7 +296,8 @@ def list_annotation(accepted: str) -> str:
 
 MODEL_NAME = "the name of a library model or the path of a model file"
 """Description of the name of a model, for entries and messages."""
-NAME_SCHEMA: Schema = {"pattern": r"^[A-Za-z][A-Za-z0-9_]*(\.[A-Za-z][A-Za-z0-9_]*)*$"}
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*(\.[A-Za-z][A-Za-z0-9_]*)*")
+NAME_SCHEMA: Schema = {"pattern": f"^{_NAME.pattern}$"}
 """JSON Schema of the name of a node, an element, an input or a sensor."""
 _TRUTH = {**dict.fromkeys(("yes", "on", "y"), "true"), **dict.fromkeys(("no", "off", "n"), "false")}
 """True or false by the words that stand for it in other programs."""
@@ -316,22 +311,17 @@ def name_fault(name: str) -> Fault | None:
     >>> name_fault("hub"), name_fault("left.hub")
     (None, None)
     """
-    return None if all(is_single_word(piece) for piece in name.split(".")) else _no_name(name)
+    return None if _NAME.fullmatch(name) else _no_name(name)
 
 
 def single_name_fault(name: str) -> Fault | None:
     """Fault that a name is not one word without a dot, or None, as for a use or a part."""
-    return None if is_single_word(name) else _no_name(name)
+    return _no_name(name) if "." in name else name_fault(name)
 
 
 def _no_name(name: str) -> Fault:
     text = f'"{name}" is not a valid name; use letters, digits and _, beginning with a letter'
     return Fault(text, kind=INVALID_NAME, about=name)
-
-
-def is_single_word(name: str) -> bool:
-    """Whether a name is one word, without a dot."""
-    return name.isascii() and name.isidentifier() and not name.startswith("_")
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -9,7 +9,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from torsionnet.base.entries.scalars import read_value
+from torsionnet.base.entries.scalars import read_scalar
 from torsionnet.base.entries.spec import EntryError
 from torsionnet.base.errors import UsageError
 from torsionnet.base.expressions import Number
@@ -199,7 +199,7 @@ def _pair(name: str, written: Sequence[Any], unit: str) -> tuple[float, float]:
 
 def _number(name: str, written: Any, unit: str) -> float:
     try:
-        value = read_value(written)
+        value = read_scalar(written)
     except EntryError as error:
         raise UsageError(f"{name}: {error}") from None
     if not isinstance(value, Number):

@@ -75,9 +75,7 @@ class TableByOrder(Plural[Mapping[float, D]]):
     key_name: str = "order"
     fewest: int = 1
 
-    @property
-    def absent(self) -> dict[float, D]:
-        return {}
+    absent: ClassVar[Any] = {}
 
     @property
     def example(self) -> str:

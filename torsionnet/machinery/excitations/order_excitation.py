@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import Field, dataclass
-from typing import Any, ClassVar, Self, TypeVar
+from dataclasses import dataclass
+from typing import ClassVar, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -91,9 +91,7 @@ class OrderExcitation(Declared):
 
     enabled: bool = entry(Flag("whether it acts before a configuration says otherwise"), True)
 
-    @classmethod
-    def _is_common(cls, declared: Field[Any]) -> bool:
-        return declared.name == "enabled"
+    common: ClassVar[tuple[str, ...]] = ("enabled",)
 
     @property
     def shaft(self) -> str:

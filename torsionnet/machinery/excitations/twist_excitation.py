@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import Field, dataclass, replace
-from typing import Any, ClassVar, Self
+from dataclasses import dataclass, replace
+from typing import ClassVar, Self
 
 from torsionnet.base.entries.spec import entry
 from torsionnet.base.errors import Path
@@ -28,9 +28,7 @@ class TwistExcitation(OrderExcitation):
         None,
     )
 
-    @classmethod
-    def _is_common(cls, declared: Field[Any]) -> bool:
-        return declared.name == "speed_of" or super()._is_common(declared)
+    common: ClassVar[tuple[str, ...]] = ("enabled", "speed_of")
 
     @property
     def shaft(self) -> str:

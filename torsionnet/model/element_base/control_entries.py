@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from torsionnet.base.entries.scalars import SCALAR_SCHEMA, plain_scalar, read_value
+from torsionnet.base.entries.scalars import SCALAR_SCHEMA, plain_scalar, read_scalar
 from torsionnet.base.entries.spec import EntryError, Json, Renaming, Schema, Spec, coerce_part, full_name
 from torsionnet.base.errors import BRACKET, Fault, Path, Remedy, did_you_mean, unfit_word
 from torsionnet.base.expressions import Expression, Number
@@ -212,7 +212,7 @@ def _at(key: str | int, read: Any, raw: object) -> Any:
 
 
 def _scalar(raw: object) -> Expression:
-    value = raw if isinstance(raw, Expression) else read_value(raw)
+    value = raw if isinstance(raw, Expression) else read_scalar(raw)
     if isinstance(value, Number) and not abs(value.value) < _LARGEST_COEFFICIENT:
         raise EntryError(f"{raw!r} is too large for a coefficient of a law; give a number below 1e40")
     return value

@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 from fractions import Fraction
 from typing import Any
 
-from torsionnet.base.entries.scalars import PhysicalQuantity, QuantityKind, check_unit, read_scalar, read_value
+from torsionnet.base.entries.scalars import PhysicalQuantity, QuantityKind, check_unit, read_scalar
 from torsionnet.base.entries.spec import EntryError, Schema, Spec
 from torsionnet.base.errors import Fault, Path
 from torsionnet.base.expressions import Expression, Number, Rows
@@ -44,7 +44,7 @@ class LookupCurve(LookupTable):
         return self.shown
 
     def key(self, raw: object) -> Number:
-        key = self._number(read_value(raw), raw)
+        key = self._number(read_scalar(raw), raw)
         if self.over == "temperature" and key.unit_dimension is None:
             raise EntryError(f"a temperature has its unit: write {raw} degC, or {raw} K")
         if not (self.over == "torque" and is_share(key)):

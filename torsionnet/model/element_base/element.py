@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
-from dataclasses import Field, dataclass, replace
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
@@ -185,10 +185,6 @@ class Element(Declared):
     def from_entries(cls, name: str, **entries: Any) -> Self:
         """Element made from entries as a file gives them: numbers, and texts with units."""
         return cls(name, **entries)
-
-    @classmethod
-    def _is_common(cls, declared: Field[Any]) -> bool:
-        return declared.kw_only is True
 
     @classmethod
     @cache

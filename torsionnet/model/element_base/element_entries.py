@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from numbers import Integral
-from typing import Any, Generic, TypeVar
+from typing import Any, ClassVar, Generic, TypeVar
 
 from torsionnet.base.entries.spec import EntryError, Json, Plural, Renaming, Schema, Spec, Stored_co, Text, name_fault
 from torsionnet.base.errors import NO_NODE, NO_NODES, Fault, Path
@@ -136,9 +136,7 @@ class MultipleValues(Plural[tuple[Stored_co, ...]], Generic[Stored_co, One_co]):
     """Example of the entry for messages that it is missing or wrong."""
     fewest: int = 2
 
-    @property
-    def absent(self) -> tuple[Stored_co, ...]:
-        return ()
+    absent: ClassVar[Any] = ()
 
     @property
     def example(self) -> str:

@@ -21,7 +21,6 @@ from torsionnet.base.entries.scalars import (
     RowColumn,
     plain_scalar,
     read_scalar,
-    read_value,
 )
 from torsionnet.base.entries.spec import EntryError, Json, Plural, Renaming, Schema, Spec, entry
 from torsionnet.base.errors import Fault, Path
@@ -38,7 +37,7 @@ class StageEnd(Spec[Number]):
     """Entry for the torque or angle at which a stage of a spring ends; the unit tells them apart."""
 
     def coerce(self, raw: object) -> Number:
-        end = read_value(raw)
+        end = read_scalar(raw)
         if not isinstance(end, Number):
             text = f"a stage ends at a torque or an angle with its unit, as 120 N*m or 30 deg; give {end}"
             raise EntryError(f"{text} as to_torque or to_twist, which take expressions of parameters")
@@ -240,9 +239,7 @@ class SpringStages(
 
     is_read_off: ClassVar[bool] = True
 
-    @property
-    def absent(self) -> tuple[SpringStage, ...]:
-        return ()
+    absent: ClassVar[Any] = ()
 
     @property
     def _listed(self) -> Listed[SpringStage]:

@@ -30,9 +30,7 @@ LARGEST_RATIO_TERM = 10**6
 class Stations(Plural[tuple[tuple[str, str], ...]]):
     """Entry that puts masses of a sheet on nodes of the model: ``{flywheel: fly}``."""
 
-    @property
-    def absent(self) -> tuple[tuple[str, str], ...]:
-        return ()
+    absent: ClassVar[Any] = ()
 
     def coerce(self, raw: object) -> tuple[tuple[str, str], ...]:
         if isinstance(raw, tuple):

@@ -25,9 +25,7 @@ class TorqueOverSpeed(Plural[tuple[tuple[float, float], ...]]):
     A file has ``{300 rpm: 30 kN*m}``; the pairs rise with the speed.
     """
 
-    @property
-    def absent(self) -> tuple[tuple[float, float], ...]:
-        return ()
+    absent: ClassVar[Any] = ()
 
     def read(self, raw: object) -> tuple[tuple[tuple[float, float], ...], list[Fault]]:
         if isinstance(raw, tuple):

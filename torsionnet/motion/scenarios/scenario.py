@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import Field, dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, ClassVar, TypeVar
 
 from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.scalars import Value
@@ -92,9 +92,7 @@ class Scenario(Declared):
     rate: float | None = entry(RATE, None)
     start: str | None = entry(OneOf("state in which it begins", STARTS), None)
 
-    @classmethod
-    def _is_common(cls, declared: Field[Any]) -> bool:
-        return declared.name in ("duration", "rate", "start")
+    common: ClassVar[tuple[str, ...]] = ("duration", "rate", "start")
 
     @property
     def begins(self) -> str:

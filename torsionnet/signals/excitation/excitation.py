@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import Field, dataclass, fields
-from typing import Any, ClassVar
+from dataclasses import dataclass, fields
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,10 +51,7 @@ class Excitation(ABC, Declared):
         if faults:
             raise UsageError(f"{self.kind}: {'; '.join(faults)}")
 
-    @classmethod
-    def _is_common(cls, declared: Field[Any]) -> bool:
-        return declared.name in ("amplitude", "mean")
-
+    common: ClassVar[tuple[str, ...]] = ("amplitude", "mean")
     _may_be_zero: ClassVar[tuple[str, ...]] = ("seed",)
 
     def _contradictions(self) -> list[str]:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.base.entries.declared import Declared
-from torsionnet.base.entries.scalars import AnyNumber, read_value
+from torsionnet.base.entries.scalars import AnyNumber, read_scalar
 from torsionnet.base.entries.spec import entry
 from torsionnet.base.errors import Fault, Path
 from torsionnet.base.expressions import Number
@@ -32,7 +32,7 @@ class QuantityValue(AnyNumber):
         if isinstance(raw, ValueInUnit):
             return raw
         found = ValueInUnit(super().coerce(raw))
-        value = read_value(raw)
+        value = read_scalar(raw)
         if isinstance(value, Number):
             found.dimension = value.unit_dimension
             found.unit = "" if value.unit_written == CELSIUS else value.unit_written

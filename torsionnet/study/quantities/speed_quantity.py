@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import Field, dataclass
-from typing import Any, ClassVar
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -31,9 +31,7 @@ class SpeedQuantity(StudyQuantity):
     speeds: tuple[float, float] | None = entry(SpeedBand("part of the model's speeds"), None)
     every: int = entry(Count("only every n-th of them, and the last, to save time", upper=10_000), 1)
 
-    @classmethod
-    def _is_common(cls, declared: Field[Any]) -> bool:
-        return declared.name in OWN
+    common: ClassVar[tuple[str, ...]] = OWN
 
     def at(self, model: Drivetrain) -> FloatArray:
         """Speeds (n_speeds,) in rad/s at which the quantity is calculated; empty where the model has no speeds."""

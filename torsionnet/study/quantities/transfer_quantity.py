@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import Field, dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
 
 from torsionnet.base.entries.spec import Text, entry
 from torsionnet.base.errors import Fault, UsageError
@@ -28,9 +28,7 @@ class TransferQuantity(StudyQuantity):
     input: str = entry(Text("input or node that is driven, or a sensor: a measured input"))
     excitation: str | None = entry(Text("what drives where the input is measured; default: the only input"), None)
 
-    @classmethod
-    def _is_common(cls, declared: Field[Any]) -> bool:
-        return declared.name == "excitation"
+    common: ClassVar[tuple[str, ...]] = ("excitation",)
 
     def model_faults(self, model: Drivetrain, quantities: Mapping[str, StudyQuantity]) -> Iterator[Fault]:
         del quantities

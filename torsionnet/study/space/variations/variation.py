@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from torsionnet.base.entries.declared import Declared
-from torsionnet.base.entries.scalars import SCALAR_SCHEMA, plain_number, read_value
+from torsionnet.base.entries.scalars import SCALAR_SCHEMA, plain_number, read_scalar
 from torsionnet.base.entries.spec import EntryError, Json, Schema, Spec
 from torsionnet.base.expressions import Number
 from torsionnet.base.registers import TypeRegister
@@ -106,7 +106,7 @@ class ParameterValue(Spec[Number]):
     """Entry for a value of a parameter, with unit, in SI, or in percent of the value in the model."""
 
     def coerce(self, raw: object) -> Number:
-        value = raw if isinstance(raw, Number) else read_value(raw)
+        value = raw if isinstance(raw, Number) else read_scalar(raw)
         if not isinstance(value, Number):
             raise EntryError(f'expected a number with unit or in percent; "{value}" is an expression of parameters')
         return value
