@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, TypeAlias, TypeVar, cast
+from typing import Any, ClassVar, TypeAlias, TypeVar, cast
 
 from torsionnet.base.entries.composite import Listed
 from torsionnet.base.entries.spec import EntryError, Json, Renaming, Schema, Spec, Text, reference
@@ -36,8 +36,38 @@ UNITS = {
 }
 
 
+class ModelChannel:
+    """Base class of sensors and inputs, whose ``quantity`` is that of a node, between two nodes, or of an element."""
+
+    quantity: str
+    of: str
+    against: str | None
+    quantities_of_elements: ClassVar[tuple[str, ...]] = ()
+    """Names of the quantities that are those of an element."""
+
+    @property
+    def is_on_element(self) -> bool:
+        """Whether the sensor or input is on an element and not on a node."""
+        return self.quantity in self.quantities_of_elements
+
+    @property
+    def nodes(self) -> tuple[str, ...]:
+        """Node of the sensor or input, and the node that it is taken against, if any; empty on an element."""
+        if self.is_on_element:
+            return ()
+        return (self.of,) if self.against is None else (self.of, self.against)
+
+    @property
+    def row(self) -> dict[str, int]:
+        """Coefficients by node of the motion that is measured or imposed, or with which a torque acts.
+
+        1 at the first node, -1 at the second.
+        """
+        return dict(zip(self.nodes, PAIR_COEFFICIENTS, strict=False))
+
+
 @dataclass(frozen=True)
-class Sensor:
+class Sensor(ModelChannel):
     """Sensor of a drivetrain, which measures a motion of a node, or twist, torque or stress of an element.
 
     ``at`` is the port (or its node) where a torque or stress is taken; without it, the port that defines the sign. A
@@ -49,6 +79,8 @@ class Sensor:
     >>> print(Sensor("torque", "gearbox", at="output_shaft"), Sensor("angle", "pulley", against="block"))
     torque(gearbox, output_shaft) angle(pulley, block)
     """
+
+    quantities_of_elements: ClassVar[tuple[str, ...]] = ELEMENT_QUANTITIES
 
     quantity: str
     of: str
@@ -70,21 +102,6 @@ class Sensor:
         if self.referred_to is not None and self.quantity == "stress":
             raise UsageError(STRESS_OF_OWN_SHAFT)
 
-    @property
-    def is_on_element(self) -> bool:
-        """Whether the sensor is on an element and not on a node."""
-        return self.quantity in ELEMENT_QUANTITIES
-
-    @property
-    def nodes(self) -> tuple[str, ...]:
-        """Nodes whose motion the sensor measures; empty for a sensor on an element."""
-        return () if self.is_on_element else nodes_of(self)
-
-    @property
-    def row(self) -> dict[str, int]:
-        """Coefficients by node of the motion that the sensor measures: 1 at the first node, -1 at the second."""
-        return dict(zip(self.nodes, PAIR_COEFFICIENTS, strict=False))
-
     def __str__(self) -> str:
         second = self.at or self.against
         referred = f"{REFERRED}{self.referred_to}" if self.referred_to else ""
@@ -104,7 +121,7 @@ class Sensor:
 
 
 @dataclass(frozen=True)
-class Input:
+class Input(ModelChannel):
     """Input of a drivetrain, a torque on a node, or an imposed angle or twist.
 
     Its ``quantity`` is ``torque`` or ``angle`` at a node, or ``twist`` in an element.
@@ -120,6 +137,8 @@ class Input:
     torque on pulley against block {'pulley': 1, 'block': -1} {'torque': ['pulley', 'block']}
     """
 
+    quantities_of_elements: ClassVar[tuple[str, ...]] = ("twist",)
+
     quantity: str
     of: str
     against: str | None = None
@@ -133,24 +152,6 @@ class Input:
             if self.is_on_element:
                 raise UsageError("a twist is imposed in an element, not against a node: leave out against=")
             _settle_pair(self)
-
-    @property
-    def is_on_element(self) -> bool:
-        """Whether the input is in an element and not on a node."""
-        return self.quantity == "twist"
-
-    @property
-    def nodes(self) -> tuple[str, ...]:
-        """Nodes on which the input acts; empty for a twist in an element."""
-        return () if self.is_on_element else nodes_of(self)
-
-    @property
-    def row(self) -> dict[str, int]:
-        """Coefficients by node with which the input acts, per unit of torque or imposed angle.
-
-        1 at the first node, -1 at the second.
-        """
-        return dict(zip(self.nodes, PAIR_COEFFICIENTS, strict=False))
 
     def __str__(self) -> str:
         return f"{self.quantity} on {self.of}{f' against {self.against}' if self.against else ''}"
@@ -182,14 +183,9 @@ PAIR_COEFFICIENTS = (1, -1)
 """Coefficients of the first node and of the node that it is taken against, in the motion between them."""
 
 
-def nodes_of(channel: Sensor | Input) -> tuple[str, ...]:
-    """Node of a sensor or input, and the node that it is taken against, if any."""
-    return (channel.of,) if channel.against is None else (channel.of, channel.against)
-
-
 def named_nodes(channel: Sensor | Input) -> str:
     """Text that names the nodes of a sensor or input: ``"pulley" against "block"``."""
-    return " against ".join(f'"{node}"' for node in nodes_of(channel))
+    return " against ".join(f'"{node}"' for node in (channel.of, channel.against) if node is not None)
 
 
 def immobility_text(channel: Sensor | Input) -> str:
@@ -325,14 +321,19 @@ class ChannelEntry(Spec[Made_co]):
     def coerce(self, raw: object) -> Made_co:
         if isinstance(raw, self.made) and raw.quantity in self.quantities:
             return raw
-        return cast("Made_co", self._read(raw))
-
-    def _read(self, raw: object) -> Input | Sensor:
         if not isinstance(raw, Mapping):
             raise EntryError(f"expected {self.description}, got {raw!r}")
-        quantity, of, against = self._one_quantity(raw)
+        for key in raw:
+            if key not in self.quantities and key not in self._extra:
+                rest = f"expected {' or '.join(self.quantities)}"
+                raise EntryError(unknown_key(key, (*self.quantities, *self._extra), (key,), rest))
+        given = [key for key in raw if key in self.quantities]
+        if len(given) != 1:
+            raise EntryError(f"expected one of {', '.join(self.quantities)}, as in {self.description}")
+        quantity: str = given[0]
+        of, against = self._names(quantity, raw[quantity])
         if self.made is Input:
-            return Input(quantity, of, against)
+            return cast("Made_co", Input(quantity, of, against))
         at = raw.get("at")
         if at is not None and (quantity not in PORT_QUANTITIES or not isinstance(at, str)):
             if quantity in PORT_QUANTITIES:
@@ -344,7 +345,7 @@ class ChannelEntry(Spec[Made_co]):
             raise EntryError(Fault(f"expected the name of a node, got {shaft!r}", ("referred_to",), kind=NO_NODE))
         if shaft is not None and quantity == "stress":
             raise EntryError(STRESS_OF_OWN_SHAFT, ("referred_to",))
-        return Sensor(quantity, of, at, against, shaft)
+        return cast("Made_co", Sensor(quantity, of, at, against, shaft))
 
     @property
     def _extra(self) -> tuple[str, ...]:
@@ -354,16 +355,6 @@ class ChannelEntry(Spec[Made_co]):
     def _of_pairs(self) -> tuple[str, ...]:
         """Names of the quantities that can be taken between two nodes."""
         return self.quantities if self.made is Input else MOTIONS
-
-    def _one_quantity(self, raw: Mapping[Any, Any]) -> tuple[str, str, str | None]:
-        for key in raw:
-            if key not in self.quantities and key not in self._extra:
-                rest = f"expected {' or '.join(self.quantities)}"
-                raise EntryError(unknown_key(key, (*self.quantities, *self._extra), (key,), rest))
-        given = [key for key in raw if key in self.quantities]
-        if len(given) != 1:
-            raise EntryError(f"expected one of {', '.join(self.quantities)}, as in {self.description}")
-        return given[0], *self._names(given[0], raw[given[0]])
 
     def _names(self, quantity: str, given: Any) -> tuple[str, str | None]:
         """Name of the node or element of a channel, and of the second node, if any."""

@@ -5,8 +5,9 @@ Here as well: entry for the elements of a model by name.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Iterator, Mapping
+from collections.abc import Container, Iterator, Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any, NamedTuple
 
 from torsionnet.base.entries.composite import Named, Nested, Typed
@@ -170,11 +171,6 @@ def section_class(key: str) -> Any:
     return found if isinstance(found, type) else found()
 
 
-def _owned(key: str) -> Callable[[], Any]:
-    """Function that asks the owner of a section for its class when an entry of it is read."""
-    return lambda: section_class(key)
-
-
 PARAMETERS = Named(
     "named values with unit, or expressions of other parameters", PARAMETER, refused=check_name, names=NAME_SCHEMA
 )
@@ -187,35 +183,39 @@ ELEMENTS = ElementTable(
 INPUTS = Named("excitations by name", INPUT, refused=name_fault, names=NAME_SCHEMA)
 SENSORS = Named("measured quantities by name", SENSOR, refused=name_fault, names=NAME_SCHEMA)
 CONFIGURATIONS = AxesEntry("axes of alternatives, gear: {II: {tau: 7.96}}; the name of a single axis may be left out")
-SPEEDS = Nested("at which speeds running machinery is examined", _owned("speeds"), "speeds", optional=True)
+SPEEDS = Nested(
+    "at which speeds running machinery is examined", partial(section_class, "speeds"), "speeds", optional=True
+)
 LOAD = Nested(
     "who absorbs the power, how that follows the speed, and who drives",
-    _owned("load"),
+    partial(section_class, "load"),
     "load",
     optional=True,
 )
 EXCITATIONS = Named(
     "what runs and excites the drivetrain by orders of its speed, by name",
-    Typed("what kind of excitation this is", _owned("excitations"), "excitation", "order_excitation"),
+    Typed("what kind of excitation this is", partial(section_class, "excitations"), "excitation", "order_excitation"),
     refused=name_fault,
     names=NAME_SCHEMA,
 )
 LIMITS = Named(
     "what elements may bear while the machinery runs, by name",
-    Typed("which rule says so", _owned("limits"), "limit", "limit", key="rule"),
+    Typed("which rule says so", partial(section_class, "limits"), "limit", "limit", key="rule"),
     refused=name_fault,
     names=NAME_SCHEMA,
 )
 SCENARIOS = Named(
     "what happens to the drivetrain over time, by name",
-    Typed("what kind of scenario this is", _owned("scenarios"), "scenario", "scenario"),
+    Typed("what kind of scenario this is", partial(section_class, "scenarios"), "scenario", "scenario"),
     refused=name_fault,
     names=NAME_SCHEMA,
 )
 BENCH = Nested(
     "a virtual test: excitation, exciter, sensors, data acquisition",
-    _owned("bench"),
+    partial(section_class, "bench"),
     "bench",
     optional=True,
 )
-REPORT = Nested("what torsionnet report writes about the model", _owned("report"), "report", optional=True)
+REPORT = Nested(
+    "what torsionnet report writes about the model", partial(section_class, "report"), "report", optional=True
+)

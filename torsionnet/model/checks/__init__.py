@@ -6,7 +6,7 @@ and run on the base model and on every alternative of every axis.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from torsionnet.base.errors import USELESS, Fault
@@ -28,19 +28,23 @@ more, each alternative is checked alone."""
 def check_definition(definition: Definition) -> list[Fault]:
     """Faults, warnings and notes of a model with all its configurations."""
     faults = [fault for check in names.CHECKS for fault in check(definition)]
-    faults += values.wrong_dimensions(definition) + values.overlay_dimensions(definition)
-    faults += values.bound_dimensions(definition) + values.passive_tables(definition)
+    faults += values.wrong_dimensions(definition) + values.parameter_dimensions(definition)
+    faults += values.passive_tables(definition)
     faults += unconnected_parts(definition)
     known, found = resolve(definition.parameters)
     faults += found + values.impossible_sizes(definition, known) + unusual_sizes(definition, known)
     if has_errors(faults):
-        return _unique(faults)
+        return list(dict.fromkeys(faults))
     base, axes = check_structure(definition, known), definition.configurations
     others = {label(choice, axes): _of_choice(definition, choice) for choice in choices(definition)}
-    faults += _refused_everywhere(base, others.values())
+    # An entry of the base model that no configuration can use either is an error.
+    useless = {fault.path for fault in base if fault.kind == USELESS}
+    for found in others.values():
+        useless &= {fault.path for fault in found if fault.kind == USELESS}
+    faults += [replace(fault, severity="error") if fault.path in useless else fault for fault in base]
     for name, found in others.items():
         faults += _in_configuration(name, found, faults)
-    return _unique(faults)
+    return list(dict.fromkeys(faults))
 
 
 def check_variant(definition: Definition) -> list[Fault]:
@@ -88,14 +92,6 @@ def has_errors(faults: list[Fault]) -> bool:
     return any(fault.severity == "error" for fault in faults)
 
 
-def _refused_everywhere(base: list[Fault], others: Iterable[list[Fault]]) -> list[Fault]:
-    """Findings of the base model, in which an entry that no configuration can use becomes an error."""
-    useless = {fault.path for fault in base if fault.kind == USELESS}
-    for found in others:
-        useless &= {fault.path for fault in found if fault.kind == USELESS}
-    return [replace(fault, severity="error") if fault.path in useless else fault for fault in base]
-
-
 def _in_configuration(name: str, found: list[Fault], base: list[Fault]) -> list[Fault]:
     """Findings on a configuration that the base model does not have, with the configuration's name."""
     known = {(fault.path, fault.message) for fault in base}
@@ -104,7 +100,3 @@ def _in_configuration(name: str, found: list[Fault], base: list[Fault]) -> list[
         for fault in found
         if (fault.severity == "error" or fault.path) and (fault.path, fault.message) not in known
     ]
-
-
-def _unique(faults: list[Fault]) -> list[Fault]:
-    return list(dict.fromkeys(faults))

@@ -15,7 +15,7 @@ from torsionnet.base.errors import IN_UNIT, WRITE, Fault, Path, Remedy, Torsionn
 from torsionnet.base.expressions import Compound, Expression, ExpressionError, Number, is_beyond_range
 from torsionnet.base.units import DIMENSIONS, Dimension, expected_unit
 from torsionnet.model.damping import MEASURES, DampingMeasure, DampingQuantity, LossFactor
-from torsionnet.model.definition import Definition
+from torsionnet.model.definition import ELEMENTS, SCENARIOS, Definition
 from torsionnet.model.elements import Element, Law, Values
 from torsionnet.model.parameters import dimensions
 
@@ -25,21 +25,23 @@ Numbers = Mapping[str, "Fraction | float"]
 def wrong_dimensions(definition: Definition) -> list[Fault]:
     """Faults of expressions whose dimension is not that of their entry."""
     known, faults = dimensions(definition.parameters)
-    for name, element in definition.elements.items():
-        for path, _, expression, wanted in element.expressions():
-            fault = _dimension_fault(expression, wanted, known)
-            if fault:
-                faults.append(fault.under("elements", name, *path))
-    for name, scenario in definition.scenarios.items():
-        for path, _, expression, wanted in scenario.expressions():
-            fault = _dimension_fault(expression, wanted, known)
-            if fault:
-                faults.append(fault.under("scenarios", name, *path))
+    for table in (ELEMENTS, SCENARIOS):
+        for name, one in getattr(definition, table).items():
+            for path, _, expression, wanted in one.expressions():
+                if not wanted or not expression.names or not expression.names <= known.keys():
+                    continue
+                try:
+                    found = expression.dimension(known)
+                except ExpressionError as error:
+                    faults.append(error.fault.under(table, name, *path))
+                    continue
+                if found is not None and found != DIMENSIONS[wanted]:
+                    faults.append(_other_dimension(expression, found, wanted).under(table, name, *path))
     return faults
 
 
-def overlay_dimensions(definition: Definition) -> list[Fault]:
-    """Faults of alternatives that give a parameter a value of another dimension."""
+def parameter_dimensions(definition: Definition) -> list[Fault]:
+    """Faults of alternatives that give a parameter a value of another dimension, and of its bounds."""
     known, _ = dimensions(definition.parameters)
     faults = []
     for axis, alternatives in definition.configurations.items():
@@ -48,13 +50,6 @@ def overlay_dimensions(definition: Definition) -> list[Fault]:
                 fault = _overlay_fault(value, known.get(name), known)
                 if fault:
                     faults.append(fault.under("configurations", axis, label, name))
-    return faults
-
-
-def bound_dimensions(definition: Definition) -> list[Fault]:
-    """Faults of bounds whose dimension is not that of their parameter."""
-    known, _ = dimensions(definition.parameters)
-    faults = []
     for name, parameter in definition.parameters.items():
         wanted = known.get(name)
         for index, found in enumerate(getattr(parameter.bounds, "dimensions", ())):
@@ -64,15 +59,7 @@ def bound_dimensions(definition: Definition) -> list[Fault]:
     return faults
 
 
-def _dimension_fault(expression: Expression, wanted: str, known: Mapping[str, Dimension | None]) -> Fault | None:
-    if not wanted or not expression.names or not expression.names <= known.keys():
-        return None
-    try:
-        found = expression.dimension(known)
-    except ExpressionError as error:
-        return error.fault
-    if found is None or found == DIMENSIONS[wanted]:
-        return None
+def _other_dimension(expression: Expression, found: Dimension, wanted: str) -> Fault:
     inverse = _inverse(expression) if found * DIMENSIONS[wanted] == DIMENSIONS["1"] else ""
     expected = "a plain number" if wanted == "1" else f"{wanted} in {expected_unit(wanted)}"
     text = f'"{expression}" has the dimension of {found}; expected {expected}{inverse and f"; write {inverse}"}'
@@ -132,26 +119,24 @@ def is_in_measure(spec: object, path: Path) -> bool:
 def _size_fault(spec: object, expression: Expression, numbers: Numbers, *, measure: bool, wanted: str) -> Fault | None:
     if not expression.names <= numbers.keys():
         return None
-    text = _size_text(spec, expression, numbers, measure=measure, wanted=wanted)
-    return Fault(text, causes=tuple(sorted(expression.names))) if text else None
-
-
-def _size_text(spec: object, expression: Expression, numbers: Numbers, *, measure: bool, wanted: str) -> str | None:
+    causes = tuple(sorted(expression.names))
     try:
         value = float(expression.evaluate(numbers))
     except (ExpressionError, OverflowError) as error:
-        return f"{expression} cannot be calculated: {error}"
+        return Fault(f"{expression} cannot be calculated: {error}", causes=causes)
     if not math.isfinite(value):
-        return f"{expression} is not a finite number"
+        return Fault(f"{expression} is not a finite number", causes=causes)
     if is_beyond_range(value):
-        return f"{expression} = {value:g} is far outside the sizes of drivetrains; check its unit"
+        text = f"{expression} = {value:g} is far outside the sizes of drivetrains; check its unit"
+        return Fault(text, causes=causes)
     reason = wrong_size(spec, value, measure=measure, wanted=wanted)
     if reason is None:
         return None
     shown = f"{expression} = {value:g}" if expression.names else f"{value:g}"
+    text = f"{shown}: {spec.description if isinstance(spec, QuantityKind) else ''} {reason}"
     if measure:
-        return f"{'the frequency' if wanted == 'frequency' else 'the damping'} {shown}: {reason}"
-    return f"{shown}: {spec.description if isinstance(spec, QuantityKind) else ''} {reason}"
+        text = f"{'the frequency' if wanted == 'frequency' else 'the damping'} {shown}: {reason}"
+    return Fault(text, causes=causes)
 
 
 def wrong_size(spec: object, value: Any, *, measure: bool, wanted: str) -> str | None:

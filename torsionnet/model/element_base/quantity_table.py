@@ -20,8 +20,8 @@ class TableByName(MultipleValues[tuple[str, One_co], One_co]):
     """Names of rows that examples in messages use."""
 
     def coerce(self, raw: object) -> tuple[tuple[str, One_co], ...]:
-        if raw == self.absent:
-            return self.absent
+        if raw == ():
+            return ()
         pairs = _pairs(raw)
         if pairs is None or len(pairs) < self.fewest:
             raise self.refusal(raw)

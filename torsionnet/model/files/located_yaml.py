@@ -306,31 +306,30 @@ def compose(text: str, file: str, parser: Any = None) -> LocatedDocument:
         what = f"a character that text cannot hold (U+{ord(control[0]):04X}); delete it"
         raise ModelError([document.fault(Fault(what, kind=CHARACTER), Span(line, column, line, column + 1))])
     try:
-        _Composer((parser or fastest_parser())(text), document).document()
+        composer = _Composer((parser or fastest_parser())(text), document)
+        composer.events.get_event()  # the stream begins
+        if type(composer.events.get_event()) is not StreamEndEvent:
+            document.root = composer.node(composer.events.get_event(), (), 0)
+            composer.events.get_event()  # the document ends
+            more = composer.events.get_event()
+            if type(more) is not StreamEndEvent:
+                what = "a second document begins here (---); a file holds one model"
+                raise composer.refusal(what, _span(more))
     except yaml.MarkedYAMLError as error:
         fault, mark = explain(error, document.lines)
         raise ModelError([document.fault(fault, Span(mark[0], mark[1], mark[0], mark[1] + 1))]) from None
     return document
 
 
+@dataclass
 class _Composer:
     """Composer that makes values with positions from YAML events, recursive as deep as the data are nested."""
 
-    def __init__(self, events: Any, document: LocatedDocument) -> None:
-        self.events = events
-        self.result = document
-        self.anchors: dict[str, LocatedNode] = {}
-        self.count = 0
-
-    def document(self) -> None:
-        self.events.get_event()
-        if type(self.events.get_event()) is StreamEndEvent:
-            return
-        self.result.root = self.node(self.events.get_event(), (), 0)
-        self.events.get_event()
-        more = self.events.get_event()
-        if type(more) is not StreamEndEvent:
-            raise self.refusal("a second document begins here (---); a file holds one model", _span(more))
+    events: Any
+    result: LocatedDocument
+    anchors: dict[str, LocatedNode] = field(default_factory=dict)
+    count: int = 0
+    """Number of values made so far, those that aliases stand for included."""
 
     def refusal(self, what: str | Fault, span: Span) -> ModelError:
         return ModelError([*self.result.faults, self.result.fault(what, span)])
@@ -340,23 +339,19 @@ class _Composer:
             raise self.refusal(f"entries are nested more than {MOST_LEVELS} levels deep", _span(event))
         kind = type(event)
         if kind is AliasEvent:
-            return self.grow(self.alias(event), event)
-        if event.tag is not None and not (event.tag == "!" and kind is ScalarEvent):
-            raise self.refusal(_no_tag(event.tag), _span(event))
-        if kind is ScalarEvent:
-            node = LocatedNode(plain_value(event.value) if event.implicit[0] else event.value, _place(event), _NOTHING)
+            node = self.alias(event)
+            self.count += node.size  # all that it stands for
         else:
-            node = (self.sequence if kind is SequenceStartEvent else self.mapping)(event, path, depth)
-        if event.anchor:
-            self.anchors[event.anchor] = node
-        return self.grow(node, event)
-
-    def grow(self, node: LocatedNode, event: Any) -> LocatedNode:
-        """Value of a file after it is finished, with its entries counted and the number of all limited.
-
-        An alias counts as all it stands for, other values were counted within.
-        """
-        self.count += node.size if type(event) is AliasEvent else 1
+            if event.tag is not None and not (event.tag == "!" and kind is ScalarEvent):
+                raise self.refusal(_no_tag(event.tag), _span(event))
+            if kind is ScalarEvent:
+                value = plain_value(event.value) if event.implicit[0] else event.value
+                node = LocatedNode(value, _place(event, event), _NOTHING)
+            else:
+                node = (self.sequence if kind is SequenceStartEvent else self.mapping)(event, path, depth)
+            if event.anchor:
+                self.anchors[event.anchor] = node
+            self.count += 1  # what is in it was counted within
         if self.count > MOST_NODES:
             raise self.refusal(f"the file holds more than {MOST_NODES} entries, aliases (*) followed", _span(event))
         return node
@@ -365,7 +360,7 @@ class _Composer:
         if event.anchor not in self.anchors:
             text = f'no anchor "&{event.anchor}" stands before this alias; text that begins with * needs quotes'
             raise self.refusal(Fault(text, kind=UNKNOWN_ALIAS), _span(event))
-        return replace(self.anchors[event.anchor], place=_place(event), key_place=None)
+        return replace(self.anchors[event.anchor], place=_place(event, event), key_place=None)
 
     def sequence(self, event: Any, path: Path, depth: int) -> LocatedNode:
         entries: dict[str | int, LocatedNode] = {}
@@ -374,13 +369,19 @@ class _Composer:
             index = len(entries)
             entry = entries[index] = self.node(inner, (*path, index), depth + 1)
             size += entry.size
-        return LocatedNode([entry.value for entry in entries.values()], _between(event, inner), entries, size)
+        return LocatedNode([entry.value for entry in entries.values()], _place(event, inner), entries, size)
 
     def mapping(self, event: Any, path: Path, depth: int) -> LocatedNode:
         entries: dict[str | int, LocatedNode] = {}
         size = 1
         while type(inner := self.events.get_event()) is not MappingEndEvent:
-            key, place = self.key(inner), _place(inner)
+            if type(inner) is not ScalarEvent:
+                raise self.refusal("a name is expected before the colon, not a list, mapping or alias", _span(inner))
+            key, place = inner.value, _place(inner, inner)
+            if key == "<<" and inner.implicit[0]:
+                raise self.refusal("merging with << is not supported; write the entries out", _span(inner))
+            if inner.tag is not None:
+                raise self.refusal(_no_tag(inner.tag), _span(inner))
             entry = self.node(self.events.get_event(), (*path, key), depth + 1)
             size += entry.size
             entry.key_place = place
@@ -389,16 +390,7 @@ class _Composer:
             else:
                 entries[key] = entry
         values = {key: entry.value for key, entry in entries.items()}
-        return LocatedNode(values, _between(event, inner), entries, size)
-
-    def key(self, event: Any) -> str:
-        if type(event) is not ScalarEvent:
-            raise self.refusal("a name is expected before the colon, not a list, mapping or alias", _span(event))
-        if event.value == "<<" and event.implicit[0]:
-            raise self.refusal("merging with << is not supported; write the entries out", _span(event))
-        if event.tag is not None:
-            raise self.refusal(_no_tag(event.tag), _span(event))
-        return event.value
+        return LocatedNode(values, _place(event, inner), entries, size)
 
     def duplicate(self, first: LocatedNode, second: LocatedNode, path: Path) -> None:
         """Report a key that occurs twice in a file, with both positions; the first entry is kept."""
@@ -410,17 +402,14 @@ class _Composer:
         self.result.dropped.append((path, second.value))
 
 
-def _place(event: Any) -> Place:
-    start, end = event.start_mark, event.end_mark
+def _place(first: Any, last: Any) -> Place:
+    """Stretch of text from the beginning of one event to the end of another."""
+    start, end = first.start_mark, last.end_mark
     return start.line, start.column, end.line, end.column
 
 
 def _span(event: Any) -> Span:
-    return Span(*_place(event))
-
-
-def _between(first: Any, last: Any) -> Place:
-    return first.start_mark.line, first.start_mark.column, last.end_mark.line, last.end_mark.column
+    return Span(*_place(event, event))
 
 
 def _no_tag(tag: str) -> Fault:

@@ -33,7 +33,6 @@ from torsionnet.model.defining import define
 from torsionnet.model.definition import Definition
 from torsionnet.model.files.library import decode, library_models, other_use
 from torsionnet.model.files.located_yaml import LocatedDocument, compose
-from torsionnet.model.files.part_includes import include_parts
 from torsionnet.model.parameters import resolve
 
 LONGEST_MESSAGE = 600
@@ -46,7 +45,11 @@ _PYTHON = re.compile("got (None|True|False)$")
 def located_faults(faults: Iterable[Fault], document: LocatedDocument) -> list[Fault]:
     """Faults with their positions, in the order of the file, each cause once and each message one printable line."""
     found = [fault if fault.position else _place(_reworded(fault, document), document) for fault in faults]
-    return presentable_faults(_without_consequences(found))
+    # That a key is missing which is only misspelt follows from that.
+    meant = {(fault.path[:-1], fault.meant) for fault in found if fault.kind == UNKNOWN_KEY}
+    return presentable_faults(
+        fault for fault in found if fault.kind != MISSING_KEY or (_parent(fault), fault.about) not in meant
+    )
 
 
 def presentable_faults(faults: Iterable[Fault]) -> list[Fault]:
@@ -129,12 +132,6 @@ def _reworded(fault: Fault, document: LocatedDocument) -> Fault:
     return replace(decimal_comma(f"{before},{key}", f"{before}.{key}"), path=fault.path, on_key=True)
 
 
-def _without_consequences(faults: list[Fault]) -> list[Fault]:
-    """Faults without those that a key is missing which is only misspelt."""
-    meant = {(fault.path[:-1], fault.meant) for fault in faults if fault.kind == UNKNOWN_KEY}
-    return [fault for fault in faults if fault.kind != MISSING_KEY or (_parent(fault), fault.about) not in meant]
-
-
 def _parent(fault: Fault) -> EntryPath:
     """Path of the entry that lacks the missing key of a fault."""
     return fault.path if fault.path != (fault.about,) else ()
@@ -171,8 +168,7 @@ def _sound_checks(definition: Definition) -> Iterator[Fault]:
     for check in _CHECKS:
         yield from check(definition)
     yield from values.wrong_dimensions(definition)
-    yield from values.overlay_dimensions(definition)
-    yield from values.bound_dimensions(definition)
+    yield from values.parameter_dimensions(definition)
     yield from values.passive_tables(definition)
     known, found = resolve(definition.parameters)
     yield from found
@@ -234,24 +230,16 @@ def read_text(
         document = compose(text.removeprefix("\ufeff"), file)
     except ModelError as error:
         return None, presentable_faults(error.faults)
-    return read_document(document, folder, further)
-
-
-@gc_paused()
-def read_document(
-    document: LocatedDocument, folder: Path | None = None, further: Further | None = None
-) -> tuple[Definition | None, list[Fault]]:
-    """Definition of a model from the entries of its file, and faults, as :func:`read_file` returns them.
-
-    The faults of the document are among them, and the parts that it includes are put into its data.
-    """
     if not isinstance(document.data, dict):
         return None, [_no_model(document)]
     if "vary" in document.data and "elements" not in document.data:
         text = f"this is a study, no model; torsionnet study {Path(document.file).name} calculates it"
         return None, located_faults([*document.faults, Fault(text, ("vary",), on_key=True)], document)
     with files_beside(folder):
-        include_parts(document)
+        if {"include", "use", "parts"} & document.data.keys():
+            from torsionnet.model.files.part_includes import include_parts
+
+            include_parts(document)
         definition, faults = define(document.data)
         faults = check_partial_model(definition, document, [*version_faults(document.data, "model"), *faults])
         if further is not None and definition is not None and not has_errors([*document.faults, *faults]):
