@@ -211,15 +211,17 @@ class Name(Expression):
         return frozenset({self.name})
 
     def value_in(self, values: Mapping[str, Any], algebra: Algebra) -> Any:  # noqa: ARG002
-        return self._look_up(values)
+        if self.name not in values:
+            raise self._unknown(values)
+        return values[self.name]
 
     def kind_of(self, dimensions: Mapping[str, Dimension | None]) -> _Kind:
-        return self._look_up(dimensions) or "unknown"
+        if self.name not in dimensions:
+            raise self._unknown(dimensions)
+        return dimensions[self.name] or "unknown"
 
-    def _look_up(self, mapping: Mapping[str, Any]) -> Any:
-        if self.name not in mapping:
-            raise ExpressionError(unknown_name("parameter", self.name, mapping, ()))
-        return mapping[self.name]
+    def _unknown(self, known: Mapping[str, Any]) -> ExpressionError:
+        return ExpressionError(unknown_name("parameter", self.name, known, ()))
 
     def renamed(self, name: Callable[[str], str]) -> Expression:
         return Name(name(self.name))

@@ -68,19 +68,17 @@ class LazyMethod:
 
     def __init__(self, place: str) -> None:
         self._place = place
+        self._function: Any = None
 
     def __getattr__(self, name: str) -> LazyMethod:
         if name.startswith("_"):  # no function is private
             raise AttributeError(name)
         return LazyMethod(f"{self._place}.{name}")
 
-    @functools.cached_property
-    def _function(self) -> FunctionType:
-        module, _, name = self._place.rpartition(".")
-        found: FunctionType = getattr(importlib.import_module(module), name)
-        return found
-
     def __get__(self, instance: object, owner: type | None = None) -> FunctionType | MethodType:
+        if self._function is None:
+            module, _, name = self._place.rpartition(".")
+            self._function = getattr(importlib.import_module(module), name)
         return self._function if instance is None else MethodType(self._function, instance)
 
 

@@ -41,7 +41,7 @@ class TypeRegister(MutableMapping[str, T], Generic[T]):
         if kind not in self._types:
             own = [file for file in self._files if file == kind or file.startswith((f"{kind}_of_", f"{kind}_answer"))]
             for file in own or self.families:
-                self._import(file)
+                importlib.import_module(f"{self._files[file]}.{file}")
                 if kind in self._types:
                     break
         if kind not in self._types:
@@ -71,13 +71,10 @@ class TypeRegister(MutableMapping[str, T], Generic[T]):
             for module in pkgutil.iter_modules(importlib.import_module(package).__path__)
         }
 
-    def _import(self, file: str) -> None:
-        importlib.import_module(f"{self._files[file]}.{file}")
-
     def _import_all(self) -> None:
         if not self._complete:
             for file in sorted(self._files):
-                self._import(file)
+                importlib.import_module(f"{self._files[file]}.{file}")
             self._complete = True
 
 
@@ -176,22 +173,21 @@ class Groups(Generic[AnyKey]):
 
         False if some of them were together before.
         """
-        self.of(first)
-        were_apart = [self._joined(first, other) for other in others]
-        return all(were_apart)
-
-    def _joined(self, first: AnyKey, second: AnyKey) -> bool:
-        one, two = self.of(first), self.of(second)
-        if one is two:
-            return False
-        if len(one) < len(two):  # the smaller ones move, so that no name moves more than log n times
-            moved, kept = one, two
-            kept[:0] = moved
-        else:
-            moved, kept = two, one
-            kept += moved
-        self.home.update(dict.fromkeys(moved, kept))
-        return True
+        were_apart = True
+        own = self.of(first)
+        for other in others:
+            found = self.of(other)
+            if found is own:
+                were_apart = False
+                continue
+            if len(own) < len(found):  # the smaller ones move, so that no name moves more than log n times
+                moved, own = own, found
+                own[:0] = moved
+            else:
+                moved = found
+                own += moved
+            self.home.update(dict.fromkeys(moved, own))
+        return were_apart
 
     def groups(self) -> list[list[AnyKey]]:
         """List of all groups of connected names, in the order in which their names were first mentioned."""

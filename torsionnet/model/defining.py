@@ -50,25 +50,34 @@ def flatten_definition(authored: Definition, *, whole: bool = True) -> tuple[Def
 
     Without ``whole`` some part could not be read; names that parts lack are then no faults of their own.
     """
-    authored = _with_files_read(_with_dotted_parameters(authored))
+    authored = _with_settled_alternatives(authored)
     if authored.is_flat:
         return authored, []
     from torsionnet.model.parts.authored_model import AuthoredModel
     from torsionnet.model.parts.flattening import flatten_parts
 
     flat, found = flatten_parts(authored, whole=whole)
-    flat = _with_files_read(_with_dotted_parameters(flat))
+    flat = _with_settled_alternatives(flat)
     return replace(flat, authored=AuthoredModel(authored, flat)), found
 
 
-def _with_dotted_parameters(definition: Definition) -> Definition:
-    """Definition in which ``left.k`` of an alternative is the parameter of that name, or else an entry of ``left``."""
-    known = definition.parameters
-    axes = {
-        axis: {label: replace(one, **_split_changes(one, known)) for label, one in names.items()}
-        for axis, names in definition.configurations.items()
-        if any(key in known for one in names.values() for key in one.entries)
-    }
+def _with_settled_alternatives(definition: Definition) -> Definition:
+    """Definition in which ``left.k`` of an alternative is the parameter of that name, or else an entry of ``left``.
+
+    Entries of excitations hold the content of the files that they name.
+    """
+    known, axes = definition.parameters, dict[str, Mapping[str, Overlay]]()
+    for axis, written in definition.configurations.items():
+        settled = written
+        if any(key in known for one in written.values() for key in one.entries):
+            settled = {label: replace(one, **_split_changes(one, known)) for label, one in written.items()}
+        if any(names_a_file(value) for one in settled.values() for value in one.entries.values()):
+            settled = {
+                label: replace(one, entries=_with_file_contents(definition, one.entries))
+                for label, one in settled.items()
+            }
+        if settled is not written:
+            axes[axis] = settled
     return replace(definition, configurations={**definition.configurations, **axes}) if axes else definition
 
 
@@ -85,18 +94,6 @@ def _split_changes(overlay: Overlay, known: Container[str]) -> dict[str, Any]:
         else:
             entries[key] = raw
     return {"parameters": parameters, "entries": entries}
-
-
-def _with_files_read(definition: Definition) -> Definition:
-    """Definition whose alternatives hold the content of the files that they name for excitations."""
-    axes = {
-        axis: {
-            label: replace(one, entries=_with_file_contents(definition, one.entries)) for label, one in names.items()
-        }
-        for axis, names in definition.configurations.items()
-        if any(names_a_file(value) for one in names.values() for value in one.entries.values())
-    }
-    return replace(definition, configurations={**definition.configurations, **axes}) if axes else definition
 
 
 def _with_file_contents(definition: Definition, changes: Mapping[str, Any]) -> dict[str, Any]:

@@ -105,7 +105,7 @@ class Declared:
     @cache
     def specs(cls) -> tuple[tuple[str, Spec[object]], ...]:
         """Name and specification of every entry, in the order of the fields."""
-        return tuple((declared.name, spec_of(declared)) for declared in cls.declared())
+        return tuple((declared.name, declared.metadata["spec"]) for declared in cls.declared())
 
     @classmethod
     @cache

@@ -41,19 +41,6 @@ def unfit_overrides(definition: Definition) -> list[Fault]:
     return [fault for path, overlay in _alternatives(definition) for fault in _unfit(definition, overlay, path)]
 
 
-def expressions_of_overrides(definition: Definition) -> Iterator[tuple[Path, Expression]]:
-    """Pairs (path, expression) of the expressions that alternatives set in entries of elements and scenarios."""
-    for path, overlay in _alternatives(definition):
-        for (table, name), changes in by_section(definition, overlay.entries).items():
-            changed = _changed(getattr(definition, table)[name], changes) if table in (ELEMENTS, SCENARIOS) else None
-            for inner, _, expression, _ in changed.expressions() if changed else ():
-                # Elements whose torques a scenario scales stand among its entries.
-                scaled = table == SCENARIOS and inner[0] not in dict(changed.specs()) if changed else False
-                entry, *rest = ("elements", *inner) if scaled else inner
-                if entry in changes:
-                    yield (*path, f"{name}.{entry}", *rest), expression
-
-
 def at_override(fault: Fault, definition: Definition, choice: Mapping[str, str]) -> Fault:
     """Fault of an entry whose path is moved to the alternative that gives the entry its value.
 
@@ -161,6 +148,7 @@ def _unknown_node(name: str, nodes: Collection[str], path: Path, *, on_key: bool
 
 
 def _expressions(definition: Definition) -> Iterator[tuple[Path, Expression]]:
+    """Path and expression of everything that the model, its alternatives and its scenarios calculate."""
     for name, parameter in definition.parameters.items():
         yield ("parameters", name), parameter.value
     for name, element in definition.elements.items():
@@ -172,7 +160,15 @@ def _expressions(definition: Definition) -> Iterator[tuple[Path, Expression]]:
                 yield ("configurations", axis, label, name), value
             yield from _point_expressions(overlay.operating_point, ("configurations", axis, label, "operating_point"))
     yield from _point_expressions(definition.operating_point, ("operating_point",))
-    yield from expressions_of_overrides(definition)
+    for place, overlay in _alternatives(definition):
+        for (table, name), changes in by_section(definition, overlay.entries).items():
+            changed = _changed(getattr(definition, table)[name], changes) if table in (ELEMENTS, SCENARIOS) else None
+            for inner, _, expression, _ in changed.expressions() if changed else ():
+                # Elements whose torques a scenario scales stand among its entries.
+                scaled = table == SCENARIOS and inner[0] not in dict(changed.specs()) if changed else False
+                entry, *rest = ("elements", *inner) if scaled else inner
+                if entry in changes:
+                    yield (*place, f"{name}.{entry}", *rest), expression
     for name, scenario in definition.scenarios.items():
         for path, _, expression, _ in scenario.expressions():
             yield ("scenarios", name, *path), expression

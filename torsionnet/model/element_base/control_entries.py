@@ -11,7 +11,7 @@ from torsionnet.base.entries.spec import EntryError, Json, Renaming, Schema, Spe
 from torsionnet.base.errors import BRACKET, Fault, Path, Remedy, did_you_mean, unfit_word
 from torsionnet.base.expressions import Expression, Number
 from torsionnet.model.element_base.control_law import GAIN, MATRICES, PID, POLYNOMIALS, ROOTS, ControlLaw
-from torsionnet.model.element_base.element_entries import NodePair, read_node
+from torsionnet.model.element_base.element_entries import TURNING_NODE, NodePair
 from torsionnet.model.element_base.laws import GROUND
 
 SENSED_QUANTITIES = ("angle", "velocity", "acceleration")
@@ -97,7 +97,7 @@ class OneOrTwoNodes(Spec[tuple[str, ...]]):
 
     def coerce(self, raw: object) -> tuple[str, ...]:
         if isinstance(raw, str) or (isinstance(raw, list | tuple) and len(raw) == 1):
-            return (read_node(raw if isinstance(raw, str) else raw[0], allow_ground=False),)
+            return (TURNING_NODE.coerce(raw if isinstance(raw, str) else raw[0]),)
         first, second = NodePair("").coerce(raw)
         if first == GROUND:
             raise EntryError("ground does not move; name a node first, and ground second if at all", (0,))

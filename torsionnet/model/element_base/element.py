@@ -360,10 +360,12 @@ class Element(Declared):
         """Path, specification, expression and dimension name of every expression in the element's entries."""
         for name, spec in self._specs_of(QuantityKind, MultipleValues, QuantityGroup):
             value = getattr(self, name)
-            if value is not None and isinstance(spec, QuantityGroup):
+            if value is None or value == ():
+                continue
+            if isinstance(spec, QuantityGroup):
                 for subpath, of, expression, dimension in spec.quantities(value):
                     yield (name, *subpath), of, expression, dimension
-            elif value is not None:
+            else:
                 one = spec.of if isinstance(spec, MultipleValues) else spec
                 for subpath, expression, dimension in spec.expressions(value):
                     yield (name, *subpath), one, expression, dimension

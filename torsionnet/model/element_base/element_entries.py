@@ -25,7 +25,14 @@ class NodeName(Spec[str]):
     allow_ground: bool = True
 
     def coerce(self, raw: object) -> str:
-        return read_node(raw, allow_ground=self.allow_ground)
+        if not isinstance(raw, str) or not raw:
+            raise EntryError(Fault(f"expected the name of a node, got {raw!r}", kind=NO_NODE))
+        fault = name_fault(raw)
+        if fault:
+            raise EntryError(fault)
+        if raw == GROUND and not self.allow_ground:
+            raise EntryError("ground does not move; attach this to a node")
+        return raw
 
     def renamed(self, value: Any, names: Renaming) -> Any:
         return names.node(value)
@@ -38,16 +45,8 @@ class NodeName(Spec[str]):
         return "str"
 
 
-def read_node(raw: object, *, allow_ground: bool = True) -> str:
-    """Node name that an entry gives; EntryError if it is no valid name, or ground where that is not allowed."""
-    if not isinstance(raw, str) or not raw:
-        raise EntryError(Fault(f"expected the name of a node, got {raw!r}", kind=NO_NODE))
-    fault = name_fault(raw)
-    if fault:
-        raise EntryError(fault)
-    if raw == GROUND and not allow_ground:
-        raise EntryError("ground does not move; attach this to a node")
-    return raw
+NODE, TURNING_NODE = NodeName("a node"), NodeName("a node that turns", allow_ground=False)
+"""Entries for a node within other entries."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -91,17 +90,15 @@ class NodePair(Spec[tuple[str, str]]):
         if isinstance(raw, str) or not isinstance(raw, Sequence) or len(raw) != 2:
             shown = "nothing" if raw is None else repr(raw)
             raise EntryError(Fault(f"expected two nodes [first, second], got {shown}", kind=NO_NODES))
-        names = tuple(self._one(entry, index) for index, entry in enumerate(raw))
+        names: list[str] = []
+        for index, node in enumerate(raw):
+            try:
+                names.append(NODE.coerce(node))
+            except EntryError as error:
+                raise EntryError(error.fault.under(index)) from None
         if names[0] == names[1]:
             raise EntryError(f'both ends are on node "{names[0]}"; the element would do nothing', (1,))
         return (names[0], names[1])
-
-    @staticmethod
-    def _one(entry: Any, index: int) -> str:
-        try:
-            return read_node(entry)
-        except EntryError as error:
-            raise EntryError(error.fault.under(index)) from None
 
     def renamed(self, value: Any, names: Renaming) -> Any:
         return (names.node(value[0]), names.node(value[1]))

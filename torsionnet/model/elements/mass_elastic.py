@@ -13,7 +13,7 @@ from torsionnet.base.expression_reading import scalar
 from torsionnet.base.plain_names import free_name
 from torsionnet.model.damping import DampingMeasure
 from torsionnet.model.element_base.element import Element, register
-from torsionnet.model.element_base.element_entries import read_node
+from torsionnet.model.element_base.element_entries import TURNING_NODE
 from torsionnet.model.element_base.laws import GROUND, Part, Row, Values, make_row
 from torsionnet.model.elements.hysteretic_spring import HystereticSpring
 from torsionnet.model.elements.rigid import Gear, Inertia, Lock, RigidCoupling
@@ -40,7 +40,7 @@ class Stations(Plural[tuple[tuple[str, str], ...]]):
         found = []
         for mass, node in raw.items():
             try:
-                found.append((str(mass), read_node(node, allow_ground=False)))
+                found.append((str(mass), TURNING_NODE.coerce(node)))
             except EntryError as error:
                 raise EntryError(error.fault.under(mass)) from None
         return tuple(found)

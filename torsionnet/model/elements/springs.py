@@ -151,7 +151,8 @@ class Spring(Element):
 
     def value_faults(self, value: Values) -> list[Fault]:
         rows = self.torque_over_twist
-        faults = [fault.under("stages") for fault in stage_faults(self.stages, value)] + self._cubic_faults(value)
+        faults = [fault.under("stages") for fault in stage_faults(self.stages, value)] if self.stages else []
+        faults += [] if self.cubic is None else self._cubic_faults(value)
         return faults if rows is None else faults + _row_faults(rows, value)
 
     def _cubic_faults(self, value: Values) -> list[Fault]:
