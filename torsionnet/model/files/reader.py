@@ -268,9 +268,13 @@ def find_model(model: str | os.PathLike[str]) -> Path:
     library = library_models()
     if isinstance(model, str) and model in library:
         return library[model]
-    if _holds(Path.is_dir, path):
+    try:
+        is_folder, is_there = path.is_dir(), path.exists()
+    except OSError:  # a name too long, a folder that may not be searched
+        is_folder = is_there = False
+    if is_folder:
         raise UsageError(f"{path} is a folder; name a model file in it{_files_in(path)}")
-    if not _holds(Path.exists, path):
+    if not is_there:
         raise UsageError(_missing(path, library))
     if path.suffix.lower() not in SUFFIXES:
         sheet = f"; torsionnet import {path} makes one of a maker's sheet" if path.suffix.lower() == ".csv" else ""
@@ -280,13 +284,9 @@ def find_model(model: str | os.PathLike[str]) -> Path:
 
 def is_file(path: Path) -> bool:
     """Whether a file exists; False for a name that no file can have."""
-    return _holds(Path.is_file, path)
-
-
-def _holds(question: Callable[[Path], bool], path: Path) -> bool:
     try:
-        return question(path)
-    except OSError:  # a name too long, a folder that may not be searched
+        return path.is_file()
+    except OSError:
         return False
 
 
