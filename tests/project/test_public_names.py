@@ -4,14 +4,11 @@ import ast
 import importlib
 import inspect
 import pkgutil
-import subprocess
-import sys
 from pathlib import Path
 from types import ModuleType
 
 import numpy as np
 import pytest
-from support.patience import PATIENCE
 
 import torsionnet as tn
 from torsionnet.base.packages import TABLES
@@ -95,14 +92,6 @@ def test_a_module_never_takes_the_place_of_a_name(package):
 
 
 @pytest.mark.slow
-def test_the_function_is_there_whoever_comes_first():
-    body = "import torsionnet.modal.stabilisation, torsionnet.plot.bode, torsionnet as tn; print(tn.plot.bode, tn.modal.stabilisation)"
-    shown = subprocess.run(
-        [sys.executable, "-c", body], capture_output=True, text=True, check=True, timeout=PATIENCE
-    ).stdout
-    assert shown.count("<function") == 2
-
-
 def test_no_public_name_is_that_of_a_module_beside_it():
     """Whoever imported the module plot.bode would find it in the place of the function plot.bode."""
     for package in (name for name in TABLES["torsionnet"].values() if ":" not in name):
