@@ -130,7 +130,7 @@ class TestFrequencyResponse:
         first = (60, 5 * degrees, np.degrees(np.arctan2(4, 3)), 0.5, degrees, 90, 0.25)
         assert table.rows[0] == pytest.approx(first)
         assert table.rows[1] == pytest.approx((120, 2 * degrees, 180, 0.75, degrees, 180, 0.375))
-        assert table.notes[:2] == ("first", "usable up to 3 Hz")
+        assert table.notes[:2] == ("first", "usable_up_to: 3 Hz")
         assert "usable" not in " ".join(response().table().notes)
 
     def test_between_keeps_what_belongs_to_the_lines(self):

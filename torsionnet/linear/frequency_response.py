@@ -332,13 +332,13 @@ def _shaped(name: str, array: NDArray[Any], shape: tuple[int, ...]) -> NDArray[A
 
 
 def usable_limit_text(response: FrequencyResponse) -> str:
-    """Text on the highest usable frequency in Hz of a response, for files and tables; empty without a limit.
+    """Key and highest usable frequency in Hz of a response, as files and tables say it; empty without a limit.
 
     >>> y, u = Channel("y", "rad"), Channel("u", "N*m")
     >>> usable_limit_text(FrequencyResponse([1.0], [[[1j]]], [y], [u], usable_up_to=16.8))
-    'usable up to 16.8 Hz'
+    'usable_up_to: 16.8 Hz'
     """
-    return "" if response.usable_up_to is None else f"usable up to {response.usable_up_to:.6g} Hz"
+    return "" if response.usable_up_to is None else f"usable_up_to: {response.usable_up_to:.6g} Hz"
 
 
 def _indices(names: str | Sequence[str] | None, channels: tuple[Channel, ...], what: str) -> list[int]:

@@ -18,7 +18,7 @@ KEY = "torsionnet_frequency_response"
 """Name under which the description of a frequency response stands in a file."""
 NUMBERS = ("frequencies", "values", "coherence", "conditioning")
 """Names of the arrays of a frequency response in a file."""
-_LIMIT = re.compile(r"usable up to (\S+) Hz")
+_LIMIT = re.compile(r"usable(?:_up_to:| up to) (\S+) Hz")
 _NOTE = re.compile(
     r"(?P<estimator>H\w+)( with .+?)?, Welch, (?P<window>\w+) (?P<seconds>\S+) s, overlap (?P<overlap>[\d.]+)%, "
     r"detrend (?P<detrend>\w+), (?P<averages>\d+) averages worth (?P<effective>[\d.]+)\b.*"
@@ -115,10 +115,12 @@ def response_from(text: str, numbers: dict[str, Any]) -> FrequencyResponse:
 
 
 def usable_limit_in(lines: Iterable[str]) -> float | None:
-    """Frequency in Hz up to which a response is usable, from its line among the texts of a file; None without one.
+    """Frequency in Hz up to which a response is usable, from its key among the texts of a file; None without one.
 
-    >>> usable_limit_in(["a title", "usable up to 16.8 Hz"])
-    16.8
+    Older files have a sentence in place of the key.
+
+    >>> usable_limit_in(["a title", "usable_up_to: 16.8 Hz"]), usable_limit_in(["usable up to 16.8 Hz"])
+    (16.8, 16.8)
     """
     found = [match[1] for line in lines if (match := _LIMIT.fullmatch(line))]
     try:
