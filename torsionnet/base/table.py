@@ -40,12 +40,33 @@ class Column:
 
 @dataclass(frozen=True)
 class Table:
-    """Table of results with title, columns, rows of plain values, and notes that are part of every output format."""
+    """Table of results with title, columns, rows of plain values, and notes that are part of every output format.
+
+    ``short_title`` is the title without the name of what the table is of, where it has one.
+    """
 
     title: str
     columns: tuple[Column, ...]
     rows: tuple[tuple[Any, ...], ...]
     notes: tuple[str, ...] = ()
+    short_title: str = ""
+
+    @classmethod
+    def of(
+        cls,
+        name: str,
+        short_title: str,
+        columns: tuple[Column, ...],
+        rows: tuple[tuple[Any, ...], ...],
+        notes: tuple[str, ...] = (),
+    ) -> Table:
+        """Table whose title begins with the name of what it is of, as that of a study, unless that is empty.
+
+        >>> table = Table.of("Damper of the rig", "yield", (Column("share"),), ())
+        >>> table.title, table.short_title
+        ('Damper of the rig: yield', 'yield')
+        """
+        return cls(f"{name}: {short_title}" if name else short_title, columns, rows, notes, short_title)
 
     def with_digits(self, digits: int) -> Table:
         """Copy of the table with ``digits`` significant digits in every column."""

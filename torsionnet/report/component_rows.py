@@ -14,6 +14,7 @@ from torsionnet.machinery.limits.heat_balance import temperature_words
 from torsionnet.machinery.limits.machine_angle import MachineAngleLimit
 from torsionnet.machinery.limits.torsional_damper import DamperLimit
 from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion, WorstLimit
+from torsionnet.machinery.verdicts.rule_factors import RuleSymbol, RuleWords
 from torsionnet.model.channels import named_sensor
 from torsionnet.model.definition import Definition
 from torsionnet.report.engineering_units import engineering_unit
@@ -28,24 +29,24 @@ GROUPS = {
     "other components": ("curve",),
 }
 """Rules of limits, by the kind of component that they are for, in the order of the report."""
-CRITERIA = {
-    "tau_C": "stress, continuous operation",
-    "tau_T": "stress, quick passage",
-    "tau_W": "stress against fatigue",
-    "tau_F": "stress against yield",
-    "continuous": "half range, continuous operation",
-    "in passing": "half range, quick passage",
-    "T_v": "vibratory torque",
-    "hammer": "vibratory against mean torque, reversal of tooth load",
-    "T_KN": "mean torque, T_KN",
-    "T_KW": "vibratory torque, T_KW",
-    "T_Kmax": "mean and vibratory torque, T_Kmax",
-    "P_KV": "power loss, P_KV",
-    "P": "power loss",
-    "temperature": "temperature above ambient",
-    "twist": "mean and vibratory twist",
-    "vibratory twist": "vibratory twist",
-    "angle": "electrical angle",
+CRITERIA: dict[str, RuleWords] = {
+    "tau_C": ("stress, continuous operation",),
+    "tau_T": ("stress, quick passage",),
+    "tau_W": ("stress against fatigue",),
+    "tau_F": ("stress against yield",),
+    "continuous": ("half range, continuous operation",),
+    "in passing": ("half range, quick passage",),
+    "T_v": ("vibratory torque",),
+    "hammer": ("vibratory against mean torque, reversal of tooth load",),
+    "T_KN": ("mean torque, ", RuleSymbol("T", "KN")),
+    "T_KW": ("vibratory torque, ", RuleSymbol("T", "KW")),
+    "T_Kmax": ("mean and vibratory torque, ", RuleSymbol("T", "Kmax")),
+    "P_KV": ("power loss, ", RuleSymbol("P", "KV")),
+    "P": ("power loss",),
+    "temperature": ("temperature above ambient",),
+    "twist": ("mean and vibratory twist",),
+    "vibratory twist": ("vibratory twist",),
+    "angle": ("electrical angle",),
 }
 """Words for what is compared, by the criterion of a limit."""
 
@@ -60,7 +61,7 @@ class ComponentRow:
         Kind of component.
     limit, of : str
         Name of the limit, and of the element, node or output that it is about.
-    what : str
+    what : tuple of str and RuleSymbol
         What is compared.
     criterion : str
         Symbol of the value allowed.
@@ -80,7 +81,7 @@ class ComponentRow:
     group: str
     limit: str
     of: str
-    what: str
+    what: RuleWords
     criterion: str
     value: float | None
     allowed: float | None
@@ -139,7 +140,7 @@ def group_of(limit: Limit, model: Definition) -> str:
 def _rows(worst: WorstLimit, model: Definition, conventions: Conventions) -> Iterator[ComponentRow]:
     check, one = worst.check, worst.verdict
     limit = model.limits[one.limit].fitted(model.elements)
-    what = CRITERIA.get(one.criterion, f"{one.quantity}, {one.criterion}")
+    what = CRITERIA.get(one.criterion, (f"{one.quantity}, {one.criterion}",))
     row = ComponentRow(
         group_of(limit, model), one.limit, one.of, what, one.criterion, None, None, "", None, None,
         check.configuration, "", worst.gravest,
@@ -165,12 +166,12 @@ def _sized(
     """Rows of one criterion with its value and the value allowed, from SI units, in units of engineers."""
     if isinstance(limit, DamperLimit) and unit == "W" and limit.power_per_area is not None:
         area = not_none(limit.area)
-        row = replace(row, what=f"power loss per area, {area:g} m²")
+        row = replace(row, what=(f"power loss per area, {area:g} m²",))
         value, allowed, unit = value / area, allowed / area, "W/m^2"
     scale, shown = engineering_unit(unit, conventions, max(value, allowed))
     if isinstance(limit, MachineAngleLimit):
         scale, shown = Conventions(angle="deg").scale(unit), "deg"
         yield replace(row, value=value * scale, allowed=allowed * scale, unit=shown)
         scale /= limit.pole_pairs
-        row = replace(row, what="the same angle, mechanical")
+        row = replace(row, what=("the same angle, mechanical",))
     yield replace(row, value=value * scale, allowed=allowed * scale, unit=shown)

@@ -18,8 +18,13 @@ from torsionnet.machinery.limits.m68_stress import (
     size_factor,
 )
 from torsionnet.machinery.limits.shaft_limit import RoundSection
-from torsionnet.machinery.verdicts.rule_factors import RuleFactor
+from torsionnet.machinery.verdicts.rule_factors import RuleFactor, RuleSymbol, RuleWords
 
+BORE = RuleSymbol("d", "i")
+"""Symbol of the inner diameter of a shaft."""
+C_W, C_K, C_D, SIGMA_B = RuleSymbol("C", "W"), RuleSymbol("C", "K"), RuleSymbol("C", "D"), RuleSymbol("sigma", "B")
+RATIO = RuleSymbol("lambda")
+"""Symbol of the speed ratio, speed over rated speed."""
 FEATURE_WORDS = {
     "integral_flange": "integral coupling flange",
     "shrink_fit": "shrink fit coupling",
@@ -86,42 +91,58 @@ def m68_factors(limit: M68Shaft, section: RoundSection) -> tuple[RuleFactor, ...
     >>> from torsionnet.machinery.limits.shaft_limit import RoundSection
     >>> tail = IacsM68(element="tail", shaft="propeller", feature="keyless", material="carbon",
     ...     tensile_strength="560 MPa")
-    >>> found = {one.symbol: one for one in m68_factors(tail, RoundSection(0.4))}
+    >>> found = {str(one.symbol): one for one in m68_factors(tail, RoundSection(0.4))}
     >>> found["C_W"].value / 1e6, round(found["C_D"].value, 5), found["C_K"].value, found["C_K"].origin
-    (40.0, 0.63059, 0.55, 'propeller shaft: keyless taper fitting of the propeller')
+    (40.0, 0.63059, 0.55, ('propeller shaft: keyless taper fitting of the propeller',))
     """
     size, feature = size_factor(section.outer), limit.feature_factor
     ratios = np.array([1.0, NO_BARRED_ABOVE])
     rated, slow = permissible(limit.strength, feature * size, ratios).tolist()
     own = "entry of the limit" if limit.diameter is not None else "shaft of the model"
+    product: RuleWords = (C_W, " ", C_K, " ", C_D)
+    continuous = f" = {CONSTANT_ABOVE:g} to {HIGHEST_RATIO:g}"
     return (
-        RuleFactor("outer diameter", "d", section.outer, "m", own),
-        RuleFactor("inner diameter", "d_i", section.inner, "m", own),
-        RuleFactor("polar section modulus", "W_p", section.modulus, "m^3", "π (d^4 - d_i^4)/(16 d)"),
-        RuleFactor("tensile strength", "sigma_B", limit.strength, "Pa", _strength(limit)),
-        RuleFactor("material factor", "C_W", material_factor(limit.strength), "Pa", "(sigma_B + 160)/18"),
-        RuleFactor("size factor", "C_D", size, "1", "0.35 + 0.93 d^-0.2, d in mm"),
-        RuleFactor("design feature", "C_K", feature, "1", _feature(limit)),
+        RuleFactor(("outer diameter",), RuleSymbol("d"), section.outer, "m", (own,)),
+        RuleFactor(("inner diameter",), BORE, section.inner, "m", (own,)),
         RuleFactor(
-            "permissible at rated speed",
-            "tau_C(1)",
+            ("polar section modulus",),
+            RuleSymbol("W", "p"),
+            section.modulus,
+            "m^3",
+            ("π (", RuleSymbol("d", power="4"), " - ", RuleSymbol("d", "i", "4"), ")/(16 d)"),
+        ),
+        RuleFactor(("tensile strength",), SIGMA_B, limit.strength, "Pa", (_strength(limit),)),
+        RuleFactor(("material factor",), C_W, material_factor(limit.strength), "Pa", ("(", SIGMA_B, " + 160)/18")),
+        RuleFactor(("size factor",), C_D, size, "1", ("0.35 + 0.93 ", RuleSymbol("d", power="-0.2"), ", d in mm")),
+        RuleFactor(("design feature",), C_K, feature, "1", (_feature(limit),)),
+        RuleFactor(
+            ("permissible at rated speed",),
+            RuleSymbol("tau", "C", at="1"),
             rated,
             "Pa",
-            f"C_W C_K C_D 1.38, lambda = {CONSTANT_ABOVE:g} to {HIGHEST_RATIO:g}",
+            (*product, " 1.38, ", RATIO, continuous),
         ),
         RuleFactor(
-            f"permissible at lambda = {NO_BARRED_ABOVE:g}",
-            f"tau_C({NO_BARRED_ABOVE:g})",
+            ("permissible at ", RATIO, f" = {NO_BARRED_ABOVE:g}"),
+            RuleSymbol("tau", "C", at=f"{NO_BARRED_ABOVE:g}"),
             slow,
             "Pa",
-            f"C_W C_K C_D (3 - 2 lambda^2), lambda below {CONSTANT_ABOVE:g}",
+            (*product, " (3 - 2 ", RuleSymbol("lambda", power="2"), "), ", RATIO, f" below {CONSTANT_ABOVE:g}"),
         ),
         RuleFactor(
-            f"in quick passage at lambda = {NO_BARRED_ABOVE:g}",
-            f"tau_T({NO_BARRED_ABOVE:g})",
+            ("in quick passage at ", RATIO, f" = {NO_BARRED_ABOVE:g}"),
+            RuleSymbol("tau", "T", at=f"{NO_BARRED_ABOVE:g}"),
             PASSING_FACTOR * slow / math.sqrt(feature),
             "Pa",
-            f"{PASSING_FACTOR:g} tau_C/sqrt(C_K), lambda up to {NO_BARRED_ABOVE:g}",
+            (
+                f"{PASSING_FACTOR:g} ",
+                RuleSymbol("tau", "C"),
+                "/",
+                RuleSymbol("C", "K", root=True),
+                ", ",
+                RATIO,
+                f" up to {NO_BARRED_ABOVE:g}",
+            ),
         ),
     )
 

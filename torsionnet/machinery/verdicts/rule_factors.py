@@ -1,8 +1,35 @@
-"""Factors of the rule of a limit, each with where it comes from."""
+"""Factors of the rule of a limit, each with where it comes from, and the symbols that a rule writes."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeAlias
+
+
+@dataclass(frozen=True)
+class RuleSymbol:
+    """Symbol of a rule, with its index, its exponent, the argument at which it is taken, and whether it is a root.
+
+    Examples
+    --------
+    >>> str(RuleSymbol("tau", "C", at="0.8")), str(RuleSymbol("C", "K", root=True)), str(RuleSymbol("d", power="-0.2"))
+    ('tau_C(0.8)', 'sqrt(C_K)', 'd^-0.2')
+    """
+
+    letter: str
+    index: str = ""
+    power: str = ""
+    at: str = ""
+    root: bool = False
+
+    def __str__(self) -> str:
+        text = self.letter + (f"_{self.index}" if self.index else "") + (f"^{self.power}" if self.power else "")
+        text += f"({self.at})" if self.at else ""
+        return f"sqrt({text})" if self.root else text
+
+
+RuleWords: TypeAlias = tuple[str | RuleSymbol, ...]
+"""Words and formulas about a rule, symbols apart from the text between them."""
 
 
 @dataclass(frozen=True)
@@ -11,25 +38,26 @@ class RuleFactor:
 
     Attributes
     ----------
-    name : str
+    name : tuple of str and RuleSymbol
         What it is, in words.
-    symbol : str
+    symbol : RuleSymbol
         As the rule writes it, such as C_K.
     value : float
         SI units.
     unit : str
         SI unit; "1" for none.
-    origin : str
+    origin : tuple of str and RuleSymbol
         Where the value comes from: an entry of the model, or the formula or table of the rule.
 
     Examples
     --------
-    >>> RuleFactor("design feature", "C_K", 0.55, "1", "propeller shaft, keyless taper fitting").value
+    >>> origin = ("propeller shaft, keyless taper fitting",)
+    >>> RuleFactor(("design feature",), RuleSymbol("C", "K"), 0.55, "1", origin).value
     0.55
     """
 
-    name: str
-    symbol: str
+    name: RuleWords
+    symbol: RuleSymbol
     value: float
     unit: str
-    origin: str
+    origin: RuleWords

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -10,14 +9,16 @@ import numpy as np
 from torsionnet.base.equal_remarks import condition_words
 from torsionnet.base.number_text import aligned_numbers
 from torsionnet.machinery.limits.iacs_m68 import IacsM68
+from torsionnet.machinery.limits.m68_factors import BORE
 from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion, WorstLimit
-from torsionnet.machinery.verdicts.rule_factors import RuleFactor
+from torsionnet.machinery.verdicts.rule_factors import RuleFactor, RuleSymbol, RuleWords
 from torsionnet.model.channels import Sensor
 from torsionnet.report.component_rows import GROUPS, ComponentRow, component_rows, throws
 from torsionnet.report.document_tree import (
     Block,
     Cell,
     Heading,
+    Inline,
     Listing,
     Math,
     NumberText,
@@ -32,6 +33,7 @@ from torsionnet.report.engineering_units import FACTOR_UNITS, engineering_unit
 from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import as_words, capital, unit
+from torsionnet.symbolic.symbol_names import GREEK
 
 SAME_TORQUE = 1e-3
 """Relative excess of the largest torque of a throw over the torque compared above which it is another throw's."""
@@ -60,8 +62,6 @@ NO_M53 = (
     "webs and fillets, which this calculation does not have."
 )
 """Sentence on what is not calculated for crankshafts."""
-BORE = "d_i"
-"""Symbol of the inner diameter among the factors of a rule."""
 
 
 def components_section(subject: ReportData) -> Section | None:
@@ -110,7 +110,7 @@ def _factors(subject: ReportData, shafts: Sequence[WorstLimit]) -> TableBlock:
             continue  # all shafts are solid
         scale, shown = FACTOR_UNITS[alike[0].unit]
         numbers = [NumberText(one.value * scale) for one in alike]
-        quantity, symbol = _typeset(capital(alike[0].name)), Math(_latex(alike[0].symbol))
+        quantity, symbol = _typeset(_capital(alike[0].name)), Math(_latex(alike[0].symbol))
         rows.append((quantity, symbol, unit(shown), *numbers, _origin(names, alike)))
     rated = [_ratio(subject, one) for one in shafts]
     where = "where it is used most in continuous operation"
@@ -136,23 +136,36 @@ def _origin(names: Sequence[str], factors: Sequence[RuleFactor]) -> Text:
     origins = [one.origin for one in factors]
     if len(set(origins)) == 1:
         return _typeset(origins[0])
-    return _typeset("; ".join(f"{name}: {origin}" for name, origin in zip(names, origins, strict=True)))
+    named: list[str | RuleSymbol] = []
+    for name, origin in zip(names, origins, strict=True):
+        named += [f"; {name}: " if named else f"{name}: ", *origin]
+    return _typeset(named)
 
 
-def _typeset(text: str) -> Text:
-    """Formula written on a line, with its symbols as in print: ``C_W``, ``sigma_B``, ``lambda``, ``d^-0.2``."""
-    parts = re.split(r"(?<![\w])(d(?:_i)?\^[-\d.]+|(?:[A-Za-z]+_[A-Za-z]+)|lambda(?:\^2)?|sqrt\(\w+\))", text)
-    return tuple(Math(_latex(part)) if number % 2 else part for number, part in enumerate(parts) if part)
+def _capital(words: RuleWords) -> RuleWords:
+    first, *rest = words
+    return (capital(first) if isinstance(first, str) else first, *rest)
 
 
-def _latex(symbol: str) -> str:
+def _typeset(words: Sequence[str | RuleSymbol]) -> Text:
+    """Words about a rule with its symbols as in print, and no two texts beside each other."""
+    parts: list[Inline] = []
+    for one in words:
+        if isinstance(one, RuleSymbol):
+            parts.append(Math(_latex(one)))
+        elif parts and isinstance(parts[-1], str):
+            parts[-1] += one
+        else:
+            parts.append(one)
+    return tuple(parts)
+
+
+def _latex(symbol: RuleSymbol) -> str:
     """LaTeX of a symbol of a rule: ``tau_C(0.8)``, ``C_K``, ``sqrt(C_K)``."""
-    root = re.fullmatch(r"sqrt\((\w+)\)", symbol)
-    if root:
-        return rf"\sqrt{{{_latex(root[1])}}}"
-    text = re.sub(r"_([A-Za-z]+)", r"_{\1}", symbol)
-    text = re.sub(r"\^([-\d.]+)", r"^{\1}", text)
-    return re.sub(r"^(tau|sigma|lambda)", r"\\\1", text)
+    text = rf"\{symbol.letter}" if symbol.letter in GREEK else symbol.letter
+    text += (f"_{{{symbol.index}}}" if symbol.index else "") + (f"^{{{symbol.power}}}" if symbol.power else "")
+    text += f"({symbol.at})" if symbol.at else ""
+    return rf"\sqrt{{{text}}}" if symbol.root else text
 
 
 def _all_components(found: LimitConclusion, rows: Sequence[ComponentRow]) -> TableBlock:
@@ -183,14 +196,14 @@ def _all_components(found: LimitConclusion, rows: Sequence[ComponentRow]) -> Tab
 
 
 def _cells(row: ComponentRow, value: NumberText, speed: NumberText, source: str) -> tuple[Cell, ...]:
-    what = row.what + (f"; {row.remark}" if row.remark else "")
+    what: RuleWords = (*_capital(row.what), *([f"; {row.remark}"] if row.remark else []))
     used = "" if row.utilisation is None else NumberText(100 * row.utilisation, 3)
     numbers = (value, NumberText(row.allowed), unit(row.unit) if row.unit else "")
     chosen, case = condition_words(row.configuration), as_words(row.case)
     last = chosen.rpartition(", ")[2]  # misfire, of which the case says more: misfire of cylinder 4
     lead = chosen.removesuffix(last).rstrip(", ") if last and case.startswith(last) else chosen
     condition = ": ".join(text for text in (lead, case) if text)
-    return (as_words(row.limit), _typeset(capital(what)), *numbers, used, speed, condition, source)
+    return (as_words(row.limit), _typeset(what), *numbers, used, speed, condition, source)
 
 
 def _throws(subject: ReportData, rows: Sequence[ComponentRow]) -> Iterator[Block]:

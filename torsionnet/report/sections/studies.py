@@ -121,7 +121,7 @@ def _answer(subject: ReportData, study: Study, result: StudyResult, file: str, n
         text = sentence(f"{answer.kind.replace('_', ' ')}: {error}", subject.model)
         return Section(file, title, (Remark("warning", text),))
     numbers = found.table()
-    about = capital(numbers.title.removeprefix(f"{study.title}: "))
+    about = capital(numbers.short_title or numbers.title)
     caption = _phrase(subject, study, about + ".")
     blocks: list[Block] = []
     if found.sentences:

@@ -151,7 +151,7 @@ class FailureProbabilityResult(PlainConclusion):
             for case, one in self.events.items()
         )  # fmt: skip
         note = f"that {self.beyond}; intervals {100 * self.confidence:g} %"
-        return Table(f"{self.title}: failure probability", columns, rows, (note, *self.sentences))
+        return Table.of(self.title, "failure probability", columns, rows, (note, *self.sentences))
 
     def figure(self, plot: ModuleType, **look: Any) -> Figure:
         return plot.failure_probabilities(self, **look)  # type: ignore[no-any-return]

@@ -199,7 +199,7 @@ class MapResult(PlainConclusion):
         note = (
             "other parameters as in the model" if self.others == FIXED else f"{self.others} over the other parameters"
         )
-        return Table(f"{self.title}: map of {self.quantity[0]}", columns, rows, (note, *self.sentences))
+        return Table.of(self.title, f"map of {self.quantity[0]}", columns, rows, (note, *self.sentences))
 
     def figure(self, plot: ModuleType, **look: Any) -> Figure:
         return plot.contour_map(self, **look)  # type: ignore[no-any-return]

@@ -90,7 +90,7 @@ class ParallelCoordinatesResult(PlainConclusion):
             Column("unit"),
         )  # fmt: skip
         rows = tuple((*key, *pair, self.units[key[1]]) for key, pair in self.medians.items())
-        return Table(f"{self.title}: variants within and beyond limits", columns, rows, self.sentences)
+        return Table.of(self.title, "variants within and beyond limits", columns, rows, self.sentences)
 
     def figure(self, plot: ModuleType, **look: Any) -> Figure:
         return plot.parallel_coordinates(self, **look)  # type: ignore[no-any-return]

@@ -86,7 +86,7 @@ class PercentileBandsResult(PlainConclusion):
             for case, lines in self.lines.items()
             for place, point in enumerate(self.measure.points)
         )
-        return Table(f"{self.title}: percentiles of {self.quantity}", columns, rows, self.sentences)
+        return Table.of(self.title, f"percentiles of {self.quantity}", columns, rows, self.sentences)
 
     def figure(self, plot: ModuleType, **look: Any) -> Figure:
         return plot.percentile_bands(self, **look)  # type: ignore[no-any-return]

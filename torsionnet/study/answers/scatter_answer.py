@@ -146,7 +146,7 @@ class ScatterResult(PlainConclusion):
             for (case, name), one in self.correlations.items()
             for n, parameter in enumerate(self.parameter_units)
         )
-        return Table(f"{self.title}: rank correlations", columns, rows, ("intervals 95 %", *self.sentences))
+        return Table.of(self.title, "rank correlations", columns, rows, ("intervals 95 %", *self.sentences))
 
     def figure(self, plot: ModuleType, **look: Any) -> Figure:
         return plot.scatter_matrix(self, **look)  # type: ignore[no-any-return]

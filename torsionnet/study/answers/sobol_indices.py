@@ -213,7 +213,7 @@ class SobolResult(PlainConclusion):
             for place, name in enumerate(self.parameters)
         )
         note = f"estimators of Saltelli and Jansen, bootstrap intervals {100 * self.confidence:g} %"
-        return Table(f"{self.title}: Sobol indices", columns, rows, (note, *self.sentences))
+        return Table.of(self.title, "Sobol indices", columns, rows, (note, *self.sentences))
 
     def figure(self, plot: ModuleType, **look: Any) -> Figure:
         return plot.sobol_indices(self, **look)  # type: ignore[no-any-return]

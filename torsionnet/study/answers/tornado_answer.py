@@ -153,7 +153,7 @@ class TornadoResult(PlainConclusion):
             for spans in [self.spans[case]]
             for place, parameter in ((place, list(spans)[place]) for place in one.order)
         )  # fmt: skip
-        return Table(f"{self.title}: one parameter at a time", columns, rows, self.sentences)
+        return Table.of(self.title, "one parameter at a time", columns, rows, self.sentences)
 
     def figure(self, plot: ModuleType, **look: Any) -> Figure:
         return plot.study_tornado(self, **look)  # type: ignore[no-any-return]

@@ -119,7 +119,7 @@ class WorstCaseResult(PlainConclusion):
              *(one.variant[name] for name in self.parameter_units), one.best_at_random, one.singly, one.evaluations)
             for one in self.variants
         )  # fmt: skip
-        return Table(f"{self.title}: worst case of {self.quantity}", columns, rows, self.sentences)
+        return Table.of(self.title, f"worst case of {self.quantity}", columns, rows, self.sentences)
 
     def figure(self, plot: ModuleType, **look: Any) -> Figure:
         return plot.worst_variants(self, **look)  # type: ignore[no-any-return]

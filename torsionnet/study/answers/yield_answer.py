@@ -94,7 +94,7 @@ class YieldResult(PlainConclusion):
             for one in self.shares
         )  # fmt: skip
         notes = [f"intervals of Clopper and Pearson, {100 * self.confidence:g} %"] if not self.exhaustive else []
-        return Table(f"{self.title}: yield", columns, rows, (*notes, *self.sentences[len(self._headline) :]))
+        return Table.of(self.title, "yield", columns, rows, (*notes, *self.sentences[len(self._headline) :]))
 
     def figure(self, plot: ModuleType, **look: Any) -> Figure:
         return plot.limit_shares(self, **look)  # type: ignore[no-any-return]

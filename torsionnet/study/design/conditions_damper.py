@@ -126,7 +126,7 @@ class DamperOverConditions:
             for one in self.conditions
         )
         best = [f"{one.name} = {one.value:.6g} {one.unit} (given: {one.start:.6g})" for one in self.parameters]
-        return Table(f"{self.title}: best damper for all conditions", columns, rows, (*best, *self.sentences))
+        return Table.of(self.title, "best damper for all conditions", columns, rows, (*best, *self.sentences))
 
     def figure(self, plot: ModuleType, **look: Any) -> Figure:
         """Draw the levels in all operating conditions as a figure by :mod:`torsionnet.plot`."""

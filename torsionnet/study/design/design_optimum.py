@@ -179,9 +179,7 @@ class DesignOptimum:
             unit = self.goals.units.get(name, "")
             rows.append((name, unit, float(self.before[name].max()), float(after[top]), low, high, wanted.get(name)))
         names = ("", "unit", "as given", "optimum", "lower", "upper", "target")
-        return Table(
-            f"{self.title}: optimum".removeprefix(": "), tuple(map(Column, names)), tuple(rows), self.sentences
-        )
+        return Table.of(self.title, "optimum", tuple(map(Column, names)), tuple(rows), self.sentences)
 
     def figure(self, plot: ModuleType, **look: Any) -> Figure:
         """Draw the optimum as a figure by :mod:`torsionnet.plot`."""

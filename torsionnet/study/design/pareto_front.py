@@ -111,7 +111,7 @@ class ParetoFront:
         rows = tuple(
             (*design, *values) for design, values in zip(self.designs.tolist(), self.values.tolist(), strict=True)
         )
-        return Table(f"{self.title}: best compromises".removeprefix(": "), columns, rows, self.sentences)
+        return Table.of(self.title, "best compromises", columns, rows, self.sentences)
 
     def figure(self, plot: ModuleType, **look: Any) -> Figure:
         """Draw the Pareto front as a figure by :mod:`torsionnet.plot`."""

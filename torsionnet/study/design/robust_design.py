@@ -135,7 +135,7 @@ class RobustOptimum:
         rows += [(name, self._unit(name), *(one.measures[name] for one in self.designs)) for name in self.robust.after]
         if self.limited:
             rows.append(("share that keeps all limits", "", *(one.share_kept[0] for one in self.designs)))
-        return Table(f"{self.title}: robust optimum".removeprefix(": "), columns, tuple(rows), self.sentences)
+        return Table.of(self.title, "robust optimum", columns, tuple(rows), self.sentences)
 
     def figure(self, plot: ModuleType, **look: Any) -> Figure:
         """Draw the compared designs as a figure by :mod:`torsionnet.plot`."""
