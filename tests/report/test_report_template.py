@@ -121,7 +121,7 @@ class TestExample:
 
     def test_a_name_that_heads_a_column_stays(self):
         """Configurations and elements stand in headings of their own."""
-        reworded = Rewording(Wording({"Value": "Wert", "Ratio": "Verhältnis"}), {"Value"})
+        reworded = Rewording(Wording({"Value": "Wert", "Ratio": "Verhältnis"}, frozenset({"Value"})))
         assert [reworded.reworded(Heading(text)).text for text in ("Value", "Ratio")] == ["Value", "Verhältnis"]
 
     def test_without_a_template_nothing_changes(self, folder):
@@ -176,7 +176,7 @@ class TestWords:
         assert wording("Modes of, by x") == "1, nach x"
 
     def test_places_beside_each_other_and_phrases_that_are_inserted(self):
-        """The second of two places begins with a sign; a phrase is replaced, a name of one word is not."""
+        """The second of two places begins with a sign; a phrase is replaced, a word or a name of the model is not."""
         wording = Wording(
             {"Speed of {node}{rated}.": "n {node}{rated}.", "; rated {n} rpm": "; Nenn {n}", "up to": "bis"}
         )
@@ -186,11 +186,14 @@ class TestWords:
             {
                 "It is {what}.": "Es ist {what}.",
                 "in balance": "ausgeglichen",
+                "barred range": "Sperrbereich",
                 "shaft": "Welle",
                 "{a} to {b} rpm": "{a} bis {b}",
-            }
+            },
+            frozenset({"barred range"}),
         )
         assert phrases("It is in balance.") == "Es ist ausgeglichen."
+        assert phrases("It is barred range.") == "Es ist barred range."
         assert phrases("It is shaft.") == "Es ist shaft."
         assert phrases("It is 5 to 7 rpm.") == "Es ist 5 bis 7."
 

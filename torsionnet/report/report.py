@@ -216,15 +216,15 @@ def make_report(
     from torsionnet.machinery.limits.society_rules import SOCIETIES
     from torsionnet.report.build import build
     from torsionnet.report.languages import in_language
-    from torsionnet.report.report_text import as_words
+    from torsionnet.report.report_text import names_in_reports
     from torsionnet.report.rewording import Rewording
     from torsionnet.report.society_words import in_society_words
 
     report = build(subject, __version__, progress)
     read = in_language(plan.language, read)
     if read is not None:
-        names = {case.configuration for case in cases} | {as_words(name) for name in drivetrain.definition.elements}
-        reworded: Report = Rewording(read.wording, names).reworded(report)
+        wording = replace(read.wording, names=names_in_reports(drivetrain))
+        reworded: Report = Rewording(wording).reworded(report)
         report = replace(reworded, template=read)
     society = SOCIETIES.get(plan.rules or "")
     return replace(report, sections=in_society_words(report.sections, society)) if society else report

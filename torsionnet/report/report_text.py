@@ -6,9 +6,11 @@ import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from torsionnet.base.equal_remarks import condition_words
 from torsionnet.base.errors import comma_list
 from torsionnet.base.number_text import MISSING_TYPESET, typeset_unit
 from torsionnet.model.channels import parse_sensor
+from torsionnet.model.definition import all_nodes
 from torsionnet.report.document_tree import Inline, Math, Text
 from torsionnet.report.plan import Pair
 from torsionnet.symbolic.symbol_names import GREEK, symbol_latex
@@ -20,6 +22,18 @@ if TYPE_CHECKING:
 def as_words(name: str) -> str:
     """Name of a node or element from the model as words: ``input_shaft`` is the input shaft."""
     return name.replace("_", " ")
+
+
+def names_in_reports(rig: Drivetrain) -> frozenset[str]:
+    """Names of a model as its file and as a report writes them, which are no words of the report."""
+    model = rig.definition
+    axes = model.configurations
+    named = (model.parameters, model.elements, model.inputs, model.sensors, model.excitations, model.limits)
+    names = {*all_nodes(model.elements.values()), *model.scenarios, *(name for section in named for name in section)}
+    names |= {*rig.configurations, *axes, *(label for labels in axes.values() for label in labels)}
+    return frozenset(
+        names | {as_words(name) for name in names} | {condition_words(name) for name in rig.configurations}
+    )
 
 
 def is_symbol(name: str) -> bool:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -60,13 +59,9 @@ REWORDED_COLUMNS = {
 
 @dataclass(frozen=True)
 class Rewording:
-    """Replacement of the texts of a finished report by other words.
-
-    ``names`` are those of the model that stand in headings.
-    """
+    """Replacement of the texts of a finished report by other words."""
 
     wording: Wording
-    names: AbstractSet[str] = frozenset()
 
     def reworded(self, part: Any) -> Any:
         """Copy of a report, or of a part of it, in the words of the wording."""
@@ -83,7 +78,7 @@ class Rewording:
                 return self.title_table(part)
             case TableBlock():
                 return self.table(part)
-            case Heading(text) if text in self.names:
+            case Heading(text) if text in self.wording.names:
                 return part
         return replace(part, **{name: self.reworded(getattr(part, name)) for name in TEXT_FIELDS.get(type(part), ())})
 

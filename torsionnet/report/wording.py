@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from importlib.resources import files
@@ -33,7 +34,7 @@ PLACEHOLDER = re.compile(r"\{(\w+)\}")
 CONTINUED = r"(?:(?:[,;:]| in | of | at | for | \().*?)?"
 """Regular expression of what continues a sentence right behind a name that is inserted, or of nothing."""
 FEWEST_WORDS = 2
-"""Number of words from which on an inserted text is a phrase of the report; names of a model are mostly one word."""
+"""Number of words from which on an inserted text is a phrase of the report, and no word from elsewhere."""
 REPORTED_ENTRIES = (QuantityKind, Value, Teeth, Count, OneOf, TableEntry, Characteristic, QuantityRows, LookupCurve)
 """Kinds of entries that a report on a model has a row for; an entry of several values has a row for each."""
 LIST_OF_TEXTS = 'the page "A report in your own words" lists them'
@@ -90,6 +91,8 @@ class Wording:
     """
 
     texts: Mapping[str, str] = field(default_factory=dict)
+    names: AbstractSet[str] = frozenset()
+    """Names of a model, which stay as they are in headings and where they are inserted into a text."""
 
     def __call__(self, text: str) -> str:
         """Text in the words of the mapping, or as it is where the mapping has no other words."""
@@ -113,8 +116,10 @@ class Wording:
     def _inserted(self, text: str) -> str:
         """Inserted text in other words where it continues the sentence of the report, or is a phrase of it.
 
-        A name from the model stays as it is: a phrase has several words of its own.
+        A name of the model stays as it is, and so does a single word, as a name that is put together may be.
         """
+        if text in self.names:
+            return text
         if text[:1] in (" ", ",", ";"):
             return self(text)
         if text in self.texts:
