@@ -78,7 +78,7 @@ def _walk(
 ) -> None:
     *r, spare = registers
     real_spare = spare.view(float)[: kappa.n_points]
-    parts = registers.reshape(len(registers), len(kappa.stiffness), kappa.n_frequencies)
+    parts = registers.reshape(len(registers), len(kappa.stiffness), kappa.omega.shape[-1])
     real, imag = list(parts.real), list(parts.imag) if np.iscomplexobj(parts) else [None] * len(parts)
     size = [one.view(float)[: kappa.n_points] for one in r]
     for code, t, a, b, slots, factor in walk:
