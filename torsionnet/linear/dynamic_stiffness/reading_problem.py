@@ -81,7 +81,12 @@ class ReadingProblem:
 
     def excitations_reaching(self, reading: int) -> frozenset[int]:
         """Numbers of the excitations that move a reading at all, directly or by way of actions."""
-        reached = self._reached
+        # Excitations by the motion or reaction that they reach: an output on a tape is n_excitations * solved + number.
+        reached: dict[int, set[int]] = {}
+        for excitations, part in self.problem.parts:
+            for value in part.tape.reached:
+                place, number = divmod(value, len(excitations))
+                reached.setdefault(place, set()).add(excitations[number])
         found = set(reached.get(self.parts[reading].solved, ()))
         waiting = [*self.driven[reading], *(number - self.n_excitations for number in found)]
         seen: set[int] = set()
@@ -90,20 +95,10 @@ class ReadingProblem:
             if action < 0 or action in seen:
                 continue
             seen.add(action)
-            more = reached.get(self.sensed[action], frozenset())
+            more = reached.get(self.sensed[action], set())
             found |= more
             waiting += [number - self.n_excitations for number in more]
         return frozenset(number for number in found if number < self.n_excitations)
-
-    @cached_property
-    def _reached(self) -> dict[int, frozenset[int]]:
-        """Numbers of the excitations that reach each solved motion or reaction, by the number of that."""
-        found: dict[int, set[int]] = {}
-        for excitations, part in self.problem.parts:
-            for value in part.tape.reached:
-                place, number = divmod(value, len(excitations))
-                found.setdefault(place, set()).add(excitations[number])
-        return {place: frozenset(numbers) for place, numbers in found.items()}
 
     @cached_property
     def in_other_order(self) -> ReadingProblem:
@@ -133,11 +128,10 @@ def make_reading_problem(
     terms += [tuple(rows.part(term) for term in reading.terms) for reading in measured]
     sensed = tuple(rows.number_of(assembly.columns_of(one.sensed, number)) for one in assembly.system.actions)
     columns = dict(enumerate(gaps.found, n_given + len(twists)))
-    driving = [_torque(assembly, one.row, one.nodes, columns, number) for one in assembly.system.actions]
     problem = ResponseProblem(
         _laws(assembly, columns, twisted, number),
         assembly.system.n_coordinates,
-        (*(_excitation(assembly, one, columns, twists, number) for one in excitations), *driving),
+        _loadings(assembly, excitations, columns, twists, number),
         tuple(rows.rows),
         tuple(columns),
         accuracy=accuracy,
@@ -168,30 +162,30 @@ def _laws(assembly: Assembly, gaps: Mapping[int, Gap], twisted: Mapping[int, int
     return laws
 
 
-def _excitation(
-    assembly: Assembly, excitation: Input, gaps: Mapping[int, Gap], twists: Mapping[int, Input], number: Number
-) -> Loading:
-    if excitation.is_on_element:
-        return Loading(motion={column: number(Fraction(1)) for column, one in twists.items() if one == excitation})
-    effect = exact_row(assembly.kinematics.reduced(excitation.row))
-    if excitation.quantity == "angle":
-        return Loading(motion=assembly.columns_of(effect, number))
-    return _torque(assembly, effect, excitation.row, gaps, number)
-
-
-def _torque(
+def _loadings(
     assembly: Assembly,
-    row: Mapping[str, Any],
-    nodes: Mapping[str, Fraction | int],
+    excitations: Sequence[Input],
     gaps: Mapping[int, Gap],
+    twists: Mapping[int, Input],
     number: Number,
-) -> Loading:
-    """Loading by a unit torque on a combination of nodes, with the torque that it puts on gaps.
-
-    Of the same combination, ``nodes`` is over nodes and ``row`` over coordinates and imposed angles.
-    """
-    at_gaps = {column: number(work) for column, gap in gaps.items() if (work := gap.work(nodes))}
-    return Loading(load={**assembly.columns_of(row, number), **at_gaps})
+) -> tuple[Loading, ...]:
+    """Unit excitations, then a unit torque of each action, with the torques in N m that they put on gaps."""
+    found: list[Loading] = []
+    reduced = assembly.kinematics.reduced
+    for one in (*excitations, *assembly.system.actions):
+        if isinstance(one, Input) and one.is_on_element:
+            motion = {column: number(Fraction(1)) for column, twist in twists.items() if twist == one}
+            found.append(Loading(motion=motion))
+            continue
+        # Torques on nodes as torques on coordinates, f = T^T a, and an imposed angle as its own column.
+        nodes, row = (one.row, exact_row(reduced(one.row))) if isinstance(one, Input) else (one.nodes, one.row)
+        columns = assembly.columns_of(row, number)
+        if isinstance(one, Input) and one.quantity == "angle":
+            found.append(Loading(motion=columns))
+        else:
+            at_gaps = {column: number(work) for column, gap in gaps.items() if (work := gap.work(nodes))}
+            found.append(Loading(load={**columns, **at_gaps}))
+    return tuple(found)
 
 
 @dataclass
