@@ -17,9 +17,7 @@ DIGITS = 60
 UNMARKED_ERROR = 1e-10
 """Relative error of every unmarked value, a tenth of what responses promise."""
 
-both_ways = pytest.mark.parametrize(
-    "respond", [sweep.respond_in_numpy, sweep.respond_compiled], ids=["numpy", "compiled"]
-)
+both_ways = pytest.mark.parametrize("respond", [sweep.eliminate, sweep.respond_compiled], ids=["numpy", "compiled"])
 
 
 def plant(rng, held):
@@ -90,7 +88,7 @@ def errors(seed, held, respond):
     return worst, found.uncertain
 
 
-def none_missed(seeds, held, respond=sweep.respond_in_numpy):
+def none_missed(seeds, held, respond=sweep.eliminate):
     found = [errors(seed, held, respond) for seed in seeds]
     worst, marked = (np.concatenate(part) for part in zip(*found, strict=True))
     assert worst[~marked].max() < UNMARKED_ERROR

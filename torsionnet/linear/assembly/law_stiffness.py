@@ -130,11 +130,6 @@ class LawStiffness:
         sampled = tuple((law, value[None]) for law, value in enumerate(values))
         return LawStiffness(nothing, nothing, nothing, self.omega, sampled, self.actions)
 
-    @property
-    def is_real(self) -> bool:
-        """Whether no law has damping, so that the dynamic stiffnesses of all laws are real."""
-        return not (self.damping.any() or any(values.imag.any() for _, values in self.sampled))
-
     def law_sums(self, sources: Sequence[Sequence[tuple[int, float]]]) -> LawStiffness:
         """Dynamic stiffness in N m/rad of sums of laws, each given in ``sources`` by pairs of law and factor."""
         shape = (len(self.stiffness), len(sources))
@@ -330,11 +325,6 @@ class Functional:
     def direct(self, row: Mapping[str, int]) -> Fraction:
         """Factor from torques on the nodes of a row to the reading without any motion (direct feedthrough)."""
         return sum((share * self.applied.get(node, Fraction(0)) for node, share in row.items()), start=Fraction(0))
-
-
-def coefficient(term: Term, kappa: LawStiffness) -> ComplexArray:
-    """Factor on the angle of a term at all points, s^power or the dynamic stiffness of its law, shape (n_points,)."""
-    return np.asarray(float(term.factor) * (kappa.s**term.power if term.law is None else kappa.of(term.law)))
 
 
 def powers_of_s(assembly: Assembly, term: Term) -> tuple[Fraction, Fraction, Fraction]:

@@ -100,7 +100,7 @@ def _respond_densely(problem: ResponseProblem, kappa: LawStiffness) -> Sweep:
 
 METHODS: dict[str, Respond] = {
     "auto": elimination.respond,
-    "graph": elimination.respond_in_numpy,
+    "graph": elimination.eliminate,
     "compiled": elimination.respond_compiled,
     "dense": _respond_densely,
 }

@@ -10,11 +10,12 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from torsionnet.linear.assembly.law_stiffness import Functional, LawStiffness, Term, coefficient
+from torsionnet.linear.assembly.law_stiffness import Functional, LawStiffness, Term
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.linear.assembly.system import Assembly
 from torsionnet.linear.dynamic_stiffness.response_problem import Loading, ResponseProblem
 from torsionnet.linear.dynamic_stiffness.row_algebra import DOUBLE, Accuracy, Row
+from torsionnet.linear.dynamic_stiffness.tape import OUTPUT
 from torsionnet.model.channels import Input
 from torsionnet.model.kinematics import exact_row
 
@@ -33,7 +34,10 @@ class ReadingPart(NamedTuple):
         """Contribution of this summand to the reading, in its unit per unit excitation, shape (n_exc, n_points)."""
         if self.term is None:
             return np.asarray(float(self.factor) * values[self.solved])
-        return np.asarray(coefficient(self.term, kappa) * values[self.solved])
+        # Factor on the angle of the term: s^power, or the dynamic stiffness of its law.
+        law = self.term.law
+        gain = kappa.s**self.term.power if law is None else kappa.of(law)
+        return np.asarray(float(self.term.factor) * gain * values[self.solved])
 
 
 @dataclass(frozen=True)
@@ -81,10 +85,12 @@ class ReadingProblem:
 
     def excitations_reaching(self, reading: int) -> frozenset[int]:
         """Numbers of the excitations that move a reading at all, directly or by way of actions."""
-        # Excitations by the motion or reaction that they reach: an output on a tape is n_excitations * solved + number.
+        # Excitations by the motion or reaction that they reach: only those are outputs on a tape, numbered
+        # n_excitations * solved + number. All others are zero whatever the stiffnesses.
         reached: dict[int, set[int]] = {}
         for excitations, part in self.problem.parts:
-            for value in part.tape.reached:
+            operations = part.tape.operations
+            for value in operations[operations[:, 0] == OUTPUT, 1].tolist():
                 place, number = divmod(value, len(excitations))
                 reached.setdefault(place, set()).add(excitations[number])
         found = set(reached.get(self.parts[reading].solved, ()))

@@ -21,12 +21,22 @@ from typing import TypeVar
 
 from torsionnet.linear.dynamic_stiffness.graph_plan import EliminationPlan, EliminationStep, make_plan
 from torsionnet.linear.dynamic_stiffness.row_algebra import DOUBLE, Accuracy, Row
-from torsionnet.linear.dynamic_stiffness.tape import CONSTANT, LAW, ErrorBound, Losses, Tape, TapeQuantity, Writer
+from torsionnet.linear.dynamic_stiffness.tape import (
+    CONSTANT,
+    LAW,
+    ONE,
+    OUTPUT,
+    ErrorBound,
+    Losses,
+    Operation,
+    Tape,
+    TapeQuantity,
+    Writer,
+)
 
 MOST_FORWARD_READINGS = 2
 """Largest number of readings that are carried forward with the loads, as that takes fewer operations than
 back-substitution for so few."""
-_ONE = TapeQuantity(-1, 1.0)
 Key = TypeVar("Key")
 """Key of a quantity in a table, the number of a slot or of a reading, or of a reading and an excitation."""
 
@@ -44,7 +54,8 @@ def make_tape(plan: EliminationPlan) -> Tape:
     n_read = len(plan.outputs) + len(plan.reactions)
     taping = (_Forward if n_read <= MOST_FORWARD_READINGS else _Back)(plan)
     for (reading, excitation), value in taping.read().items():
-        taping.writer.output(reading * plan.n_excitations + excitation, value)
+        number, name = reading * plan.n_excitations + excitation, taping.writer.name(value)
+        taping.writer.operations.append(Operation(OUTPUT, number, name, 0, value.factor))
         taping.losses.mark(value)
     return taping.writer.tape(n_read * plan.n_excitations)
 
@@ -83,8 +94,8 @@ class _Taping:
         """
         if slot in self.fresh:
             self.fresh.discard(slot)
-            self.links[slot] = TapeQuantity(self.writer.new(LAW, slot), 1.0)
-            self.losses.of_law(slot, self.links[slot])
+            self.links[slot] = self.losses.laws[slot] = TapeQuantity(self.writer.new(LAW, slot), 1.0)
+            self.losses.own.add(slot)
         return self.links[slot]
 
     def _add_link(self, slot: int, term: TapeQuantity, error: ErrorBound) -> None:
@@ -114,7 +125,7 @@ class _Taping:
         S = pivot or TapeQuantity(writer.new(CONSTANT, factor=0.0), 1.0)
         # Shares s_i = kappa_i/S; several of them by one reciprocal, as a product takes less than a quotient.
         if len(step.shared) > 1:
-            inverse = writer.over(_ONE, S)
+            inverse = writer.over(ONE, S)
             shares = {i: writer.times(terms[i], inverse) for i in step.shared}
         else:
             shares = {i: writer.over(terms[i], S) for i in step.shared}
