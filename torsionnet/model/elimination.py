@@ -34,6 +34,7 @@ class Derivation:
     pairs: list[tuple[Any, Any]] = field(default_factory=list)
 
 
+@dataclass(eq=False)
 class Elimination:
     """Elimination of rows one by one, each solved for its unknown that is last in ``order`` and not in ``keep``.
 
@@ -52,17 +53,16 @@ class Elimination:
         Number of rows.
     """
 
-    def __init__(self, order: Mapping[Any, int], keep: Collection[Any] = ()) -> None:
-        self.order: Mapping[Any, int] = order
-        self.keep: Collection[Any] = keep
-        self.proportions: Proportions = Proportions()
-        self.derivation: dict[int, Derivation] = {}
-        self.redundant: list[int] = []
-        self.blocked: list[int] = []
-        self.count: int = 0
-        self._settled = 0
-        self._dependent: list[ProportionalGroup] = []
-        self._to_anchor: dict[Any, Any] = {}
+    order: Mapping[Any, int]
+    keep: Collection[Any] = ()
+    proportions: Proportions = field(default_factory=Proportions)
+    derivation: dict[int, Derivation] = field(default_factory=dict)
+    redundant: list[int] = field(default_factory=list)
+    blocked: list[int] = field(default_factory=list)
+    count: int = 0
+    _settled: int = 0
+    _dependent: list[ProportionalGroup] = field(default_factory=list)
+    _to_anchor: dict[Any, Any] = field(default_factory=dict)
 
     def copy(self, order: Mapping[Any, int], keep: Collection[Any] = ()) -> Elimination:
         """Copy of the elimination with another order of unknowns, to which further rows can be added."""
