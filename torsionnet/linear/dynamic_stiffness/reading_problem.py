@@ -134,8 +134,16 @@ def make_reading_problem(
     terms += [tuple(rows.part(term) for term in reading.terms) for reading in measured]
     sensed = tuple(rows.number_of(assembly.columns_of(one.sensed, number)) for one in assembly.system.actions)
     columns = dict(enumerate(gaps.found, n_given + len(twists)))
+    # gamma of every law, with what opening gaps adds to it and imposed twists take from it.
+    rounded = number is float
+    laws = [*assembly.law_columns] if rounded else [assembly.columns_of(row, number) for row in assembly.exact_rows]
+    for column, gap in columns.items():
+        for law, work in gap.laws.items():
+            laws[law] = {**laws[law], column: number(work)}
+    for law, column in twisted.items():
+        laws[law] = {**laws[law], column: number(Fraction(-1))}
     problem = ResponseProblem(
-        _laws(assembly, columns, twisted, number),
+        laws,
         assembly.system.n_coordinates,
         _loadings(assembly, excitations, columns, twists, number),
         tuple(rows.rows),
@@ -154,18 +162,6 @@ def make_reading_problem(
 def law_of_imposed_twist(assembly: Assembly, element: str) -> int:
     """Number of the law in which an input imposes the twist of an element. Such an element has only one law."""
     return assembly.owners.index(element)
-
-
-def _laws(assembly: Assembly, gaps: Mapping[int, Gap], twisted: Mapping[int, int], number: Number) -> Sequence[Row]:
-    """Coefficients of every law's twist, by column of coordinates, imposed angles, imposed twists and gaps."""
-    exact = number is not float
-    laws = [assembly.columns_of(row, number) for row in assembly.exact_rows] if exact else list(assembly.law_columns)
-    for column, gap in gaps.items():
-        for law, work in gap.laws.items():
-            laws[law] = {**laws[law], column: number(work)}
-    for law, column in twisted.items():
-        laws[law] = {**laws[law], column: number(Fraction(-1))}
-    return laws
 
 
 def _loadings(
