@@ -78,7 +78,11 @@ class LawStiffness:
     def of(self, law: int) -> ComplexArray:
         """Dynamic stiffness of one law at all points in N m/rad, complex, shape (n_points,)."""
         kappa = np.empty((len(self.stiffness), self.omega.shape[-1]), dtype=complex)
-        self.write(law, kappa.real, kappa.imag)
+        kappa.real = self.inertia[:, [law]] * -(self.omega * self.omega) + self.stiffness[:, [law]]
+        kappa.imag = self.damping[:, [law]] * self.omega
+        for number, values in self.sampled:
+            if number == law:
+                kappa += values
         return kappa.ravel()
 
     def only(self, laws: Sequence[int]) -> LawStiffness:
