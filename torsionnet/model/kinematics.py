@@ -190,7 +190,9 @@ def solve_kinematics(
     if tied and referred_to:
         kept = ", ".join(referred_to)
         raise UsageError(f"{kept} cannot all be coordinates: {owners[tied[0]]} ties them to each other or to ground")
-    coordinates = in_order_given([node for node in nodes if reduction.is_free(node)], referred_to)
+    coordinates = tuple(node for node in nodes if reduction.is_free(node))
+    if referred_to:
+        coordinates = in_order_given(coordinates, referred_to)
     return Kinematics(nodes, parts, tuple(imposed), driven, reduction, coordinates, made)
 
 
