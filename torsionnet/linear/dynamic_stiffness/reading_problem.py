@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from torsionnet.linear.assembly.law_stiffness import Functional, LawStiffness, Term
-from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
+from torsionnet.linear.assembly.rows import ActionLaw, ComplexArray, FloatArray
 from torsionnet.linear.assembly.system import Assembly
 from torsionnet.linear.dynamic_stiffness.response_problem import Loading, ResponseProblem
 from torsionnet.linear.dynamic_stiffness.row_algebra import DOUBLE, Accuracy, Row
@@ -174,13 +174,15 @@ def _loadings(
     """Unit excitations, then a unit torque of each action, with the torques in N m that they put on gaps."""
     found: list[Loading] = []
     reduced = assembly.kinematics.reduced
-    for one in (*excitations, *assembly.system.actions):
+    driving: list[Input | ActionLaw] = [*excitations, *assembly.system.actions]
+    for one in driving:
         if isinstance(one, Input) and one.is_on_element:
             motion = {column: number(Fraction(1)) for column, twist in twists.items() if twist == one}
             found.append(Loading(motion=motion))
             continue
         # Torques on nodes as torques on coordinates, f = T^T a, and an imposed angle as its own column.
-        nodes, row = (one.row, exact_row(reduced(one.row))) if isinstance(one, Input) else (one.nodes, one.row)
+        nodes: Mapping[str, Fraction | int] = one.row if isinstance(one, Input) else one.nodes
+        row: Mapping[str, Any] = exact_row(reduced(one.row)) if isinstance(one, Input) else one.row
         columns = assembly.columns_of(row, number)
         if isinstance(one, Input) and one.quantity == "angle":
             found.append(Loading(motion=columns))
