@@ -119,16 +119,22 @@ class FrequencyResponse(NotebookResult):
     configuration: str = ""
 
     def __post_init__(self) -> None:
-        frequencies = np.asarray(self.frequencies, dtype=float)
-        outputs, inputs = tuple(self.outputs), tuple(self.inputs)
-        shape = (frequencies.size, len(outputs), len(inputs))
-        settled = {
-            "frequencies": _shaped("frequencies", frequencies, shape[:1]),
-            "values": _shaped("values", np.asarray(self.values, dtype=complex), shape),
-            "coherence": None if self.coherence is None else _shaped("coherence", np.asarray(self.coherence), shape),
-            "outputs": outputs,
-            "inputs": inputs,
+        settled: dict[str, Any] = {
+            "frequencies": np.asarray(self.frequencies, dtype=float),
+            "values": np.asarray(self.values, dtype=complex),
+            "coherence": None if self.coherence is None else np.asarray(self.coherence),
+            "outputs": tuple(self.outputs),
+            "inputs": tuple(self.inputs),
         }
+        # Frequencies are (n_f,), the others (n_f, n_out, n_in), or (n_f,) too where there is one output over one input.
+        shape = (settled["frequencies"].size, len(settled["outputs"]), len(settled["inputs"]))
+        for name, wanted in {"frequencies": shape[:1], "values": shape, "coherence": shape}.items():
+            array = settled[name]
+            if array is not None and array.shape == wanted[:1] and wanted[1:] == (1, 1):
+                settled[name] = array.reshape(wanted)
+            elif array is not None and array.shape != wanted:
+                form = "(n_f,)" if len(wanted) == 1 else "(n_f, n_out, n_in)"
+                raise UsageError(f"{name} have the shape {array.shape}; expected {form} = {wanted}")
         for name, value in settled.items():
             object.__setattr__(self, name, value)
 
@@ -319,16 +325,6 @@ class FrequencyResponse(NotebookResult):
         count = len(self.frequencies)
         span = f"{self.frequencies.min():g} to {self.frequencies.max():g} Hz" if count else "no frequencies"
         return f"<FrequencyResponse {outputs} / {inputs}: {count} frequencies, {span}>"
-
-
-def _shaped(name: str, array: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
-    """Array checked for the shape (n_f,) or (n_f, n_out, n_in) of a response, with missing axes of length one added."""
-    if array.shape == shape:
-        return array
-    if array.shape == shape[:1] and shape[1:] == (1, 1):
-        return array.reshape(shape)
-    wanted = "(n_f,)" if len(shape) == 1 else "(n_f, n_out, n_in)"
-    raise UsageError(f"{name} have the shape {array.shape}; expected {wanted} = {shape}")
 
 
 def usable_limit_text(response: FrequencyResponse) -> str:

@@ -34,6 +34,7 @@ class Derivation:
     pairs: list[tuple[Any, Any]] = field(default_factory=list)
 
 
+@dataclass(eq=False)
 class Elimination:
     """Elimination of rows one by one, each solved for its unknown that is last in ``order`` and not in ``keep``.
 
@@ -52,17 +53,16 @@ class Elimination:
         Number of rows.
     """
 
-    def __init__(self, order: Mapping[Any, int], keep: Collection[Any] = ()) -> None:
-        self.order: Mapping[Any, int] = order
-        self.keep: Collection[Any] = keep
-        self.proportions: Proportions = Proportions()
-        self.derivation: dict[int, Derivation] = {}
-        self.redundant: list[int] = []
-        self.blocked: list[int] = []
-        self.count: int = 0
-        self._settled = 0
-        self._dependent: list[ProportionalGroup] = []
-        self._to_anchor: dict[Any, Any] = {}
+    order: Mapping[Any, int]
+    keep: Collection[Any] = ()
+    proportions: Proportions = field(default_factory=Proportions)
+    derivation: dict[int, Derivation] = field(default_factory=dict)
+    redundant: list[int] = field(default_factory=list)
+    blocked: list[int] = field(default_factory=list)
+    count: int = 0
+    _settled: int = 0
+    _dependent: list[ProportionalGroup] = field(default_factory=list)
+    _to_anchor: dict[Any, Any] = field(default_factory=dict)
 
     def copy(self, order: Mapping[Any, int], keep: Collection[Any] = ()) -> Elimination:
         """Copy of the elimination with another order of unknowns, to which further rows can be added."""
@@ -80,7 +80,19 @@ class Elimination:
         leads = {self.proportions.group(name).lead: name for name in current}
         candidates = [lead for lead in leads if lead not in self.keep]
         if candidates:
-            self._solve(leads[max(candidates, key=self.order.__getitem__)], current, index)
+            pivot = leads[max(candidates, key=self.order.__getitem__)]
+            factor = current.pop(pivot)
+            if len(current) == 1:
+                # f x + c y = 0: two names in proportion.
+                ((other, coefficient),) = current.items()
+                self.proportions.join(pivot, ProportionLink(other, factor, coefficient, index))
+            else:
+                # f x + sum c y = 0: x = sum -(c/f) y, or x = 0 where nothing else is left in the row.
+                group, row = self.proportions.group(pivot), {name: -value / factor for name, value in current.items()}
+                group.solution = ProportionSolution(pivot, row, index)
+                if row:
+                    self._dependent.append(group)
+                    self.proportions.make_root(pivot)
         elif current:
             self.blocked.append(index)
             derivation.pairs += [(name, lead) for lead, name in leads.items() if name != lead]
@@ -94,21 +106,6 @@ class Elimination:
         current, _ = self.condensed(row)
         return bool(current) and all(self.proportions.group(name).lead in self.keep for name in current)
 
-    def _solve(self, pivot: Any, row: dict[Any, Any], index: int) -> None:
-        factor = row.pop(pivot)
-        if len(row) == 1:
-            ((other, coefficient),) = row.items()
-            self.proportions.join(pivot, ProportionLink(other, factor, coefficient, index))
-        else:
-            self._conclude(ProportionSolution(pivot, {name: -value / factor for name, value in row.items()}, index))
-
-    def _conclude(self, solution: ProportionSolution) -> None:
-        group = self.proportions.group(solution.anchor)
-        group.solution = solution
-        if solution.row:
-            self._dependent.append(group)
-            self.proportions.make_root(solution.anchor)
-
     def condensed(self, row: Mapping[Any, Any]) -> tuple[dict[Any, Any], Derivation]:
         """Coefficients by free name of a row, no two names in proportion, and the rows used for that.
 
@@ -117,46 +114,38 @@ class Elimination:
         derivation = Derivation()
         found: dict[ProportionalGroup, tuple[Any, Any]] = {}
         waiting: list[tuple[int, ProportionalGroup]] = []
-        self._gather(row.items(), found, waiting, derivation)
-        while waiting:
+        terms: Iterable[tuple[Any, Any]] = row.items()
+        while True:
+            # One term for each group of names in proportion, y = r x: a x + b y = (a + b r) x.
+            for name, coefficient in terms:
+                group = self.proportions.group(name)
+                if group in found:
+                    first, total = found[group]
+                    if name == first:
+                        found[group] = (first, total + coefficient)
+                    else:
+                        found[group] = (first, total + self.proportions.ratio(name, first) * coefficient)
+                        derivation.pairs.append((name, first))
+                elif group.solution is None or group.solution.row:
+                    found[group] = (name, coefficient)
+                    if group.solution is not None:
+                        heappush(waiting, (group.solution.number, group))
+                else:
+                    # The group is held at zero.
+                    derivation.rows.append(group.solution.number)
+                    derivation.pairs.append((name, group.solution.anchor))
+            if not waiting:
+                return {name: coefficient for name, coefficient in found.values() if coefficient != 0}, derivation
+            # The group solved first goes out by its solution, x = sum s y, of names solved later or never.
             _, group = heappop(waiting)
             name, coefficient = found.pop(group)
             assert group.solution is not None
-            anchor, sum_, index = group.solution
+            anchor, solution, index = group.solution
             derivation.rows.append(index)
             if name != anchor:
                 coefficient = self.proportions.to_root(name, self._to_anchor) * coefficient
                 derivation.pairs.append((name, anchor))
-            self._gather([(other, x * coefficient) for other, x in sum_.items()], found, waiting, derivation)
-        return {name: coefficient for name, coefficient in found.values() if coefficient != 0}, derivation
-
-    def _gather(
-        self,
-        terms: Iterable[tuple[Any, Any]],
-        found: dict[ProportionalGroup, tuple[Any, Any]],
-        waiting: list[tuple[int, ProportionalGroup]],
-        derivation: Derivation,
-    ) -> None:
-        """Add terms of a row to ``found``, one for each group of names in proportion.
-
-        Groups with a solution go to ``waiting``, the earliest first.
-        """
-        for name, coefficient in terms:
-            group = self.proportions.group(name)
-            if group in found:
-                first, total = found[group]
-                if name == first:
-                    found[group] = (first, total + coefficient)
-                else:
-                    found[group] = (first, total + self.proportions.ratio(name, first) * coefficient)
-                    derivation.pairs.append((name, first))
-            elif group.solution is None or group.solution.row:
-                found[group] = (name, coefficient)
-                if group.solution is not None:
-                    heappush(waiting, (group.solution.number, group))
-            else:
-                derivation.rows.append(group.solution.number)
-                derivation.pairs.append((name, group.solution.anchor))
+            terms = [(other, share * coefficient) for other, share in solution.items()]
 
     def back_substitute(self) -> None:
         """Reduce the solution of every eliminated unknown to free names.
@@ -180,7 +169,10 @@ class Elimination:
                 group.solution = None
                 self.proportions.join(anchor, ProportionLink(other, 1, -coefficient, index))
             else:
-                self._conclude(ProportionSolution(anchor, row, index))
+                group.solution = ProportionSolution(anchor, row, index)
+                if row:
+                    self._dependent.append(group)
+                    self.proportions.make_root(anchor)
         self._dependent.reverse()
         self._to_anchor.clear()
         for group in self.proportions.groups():

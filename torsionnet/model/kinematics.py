@@ -172,7 +172,14 @@ def solve_kinematics(
     # Rows a^T theta = 0 of imposed angles and of rigid connections, in fractions; last declared nodes go first.
     order = {node: index for index, node in enumerate(nodes)}
     rigid = [exact_row(row) for _, row in constraints_of(parts)]
-    imposed = _without_locked(imposed, rigid, order)
+    if imposed:
+        # Nodes that rigid connections alone hold follow no imposed angle.
+        alone = reduce_rows(rigid, order)
+        imposed = {
+            name: row
+            for name, row in imposed.items()
+            if alone.reduced({node: share for node, share in row.items() if node in order})
+        }
     driven = tuple(definition.inputs[name].row for name in imposed)
     owners = [*imposed, *(name for name, _ in constraints_of(parts))]
     rows: list[Any] = [*imposed.values(), *rigid]
@@ -183,7 +190,9 @@ def solve_kinematics(
     if tied and referred_to:
         kept = ", ".join(referred_to)
         raise UsageError(f"{kept} cannot all be coordinates: {owners[tied[0]]} ties them to each other or to ground")
-    coordinates = in_order_given([node for node in nodes if reduction.is_free(node)], referred_to)
+    coordinates = tuple(node for node in nodes if reduction.is_free(node))
+    if referred_to:
+        coordinates = in_order_given(coordinates, referred_to)
     return Kinematics(nodes, parts, tuple(imposed), driven, reduction, coordinates, made)
 
 
@@ -210,15 +219,6 @@ def in_order_given(coordinates: Sequence[str], referred_to: Collection[str]) -> 
     """
     named = iter(node for node in dict.fromkeys(referred_to) if node in coordinates)
     return tuple(next(named) if node in referred_to else node for node in coordinates)
-
-
-def _without_locked(imposed: dict[str, Row], rigid: Sequence[Row], order: Mapping[str, int]) -> dict[str, Row]:
-    """Rows of imposed angles, by input, of nodes that the ``rigid`` connections alone leave able to move."""
-    if not imposed:
-        return imposed
-    alone = reduce_rows(rigid, order)
-    moved = {name: {node: share for node, share in row.items() if node in order} for name, row in imposed.items()}
-    return {name: row for name, row in imposed.items() if alone.reduced(moved[name])}
 
 
 SMALL_LOOP = 100

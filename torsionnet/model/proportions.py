@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Hashable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any, NamedTuple
 
@@ -78,20 +78,17 @@ class ProportionLink(NamedTuple):
     number: int
 
 
+@dataclass(eq=False)
 class Proportions:
     """Groups of unknowns in proportion to each other, kept as trees of links; the links of a group make a tree."""
 
-    def __init__(self) -> None:
-        self._home: dict[Hashable, ProportionalGroup] = {}
-        self._links: dict[Hashable, ProportionLink] = {}
+    _home: dict[Hashable, ProportionalGroup] = field(default_factory=dict)
+    _links: dict[Hashable, ProportionLink] = field(default_factory=dict)
 
     def copy(self) -> Proportions:
         """Copy of the groups in proportion, to which links can be added."""
-        new = Proportions()
-        new._links = dict(self._links)
         again = {group: ProportionalGroup(group.lead, group.size, group.solution) for group in self.groups()}
-        new._home = {name: again[self.group(name)] for name in self._home}
-        return new
+        return Proportions({name: again[self.group(name)] for name in self._home}, dict(self._links))
 
     def names(self) -> list[Hashable]:
         """Names of all unknowns that appear in a link."""

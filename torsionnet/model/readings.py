@@ -65,7 +65,21 @@ def reading(
     UsageError
         No ratio leads to the shaft that the reading is referred to.
     """
-    found = _at_own_shaft(sensor, elements, value, laws, constraints, actions)
+    if sensor.quantity in POWERS_OF_S:
+        found = Reading(POWERS_OF_S[sensor.quantity], sensor.row)
+    elif sensor.quantity == "twist":
+        found = Reading(0, elements[sensor.of].twist(value))
+    else:
+        # A torque at one node of the element: of each of its laws and constraints by the coefficient there.
+        element = elements[sensor.of]
+        node, sign = port_of(element, sensor.at)
+        share = sign if sensor.quantity == "torque" else sign / section_modulus(element, value)
+        tables: tuple[Iterable[tuple[str, Mapping[str, Any]]], ...] = (laws, constraints, actions)
+        own, rigid, driving = (
+            {i: share * row[node] for i, (owner, row) in enumerate(rows) if owner == element.name and node in row}
+            for rows in tables
+        )
+        found = Reading(laws=own, constraints=rigid, actions={number: -factor for number, factor in driving.items()})
     if sensor.referred_to is None:
         return found
     factor = referring_factor(sensor, elements, value)
@@ -100,29 +114,6 @@ def referring_factor(sensor: Sensor, elements: Mapping[str, Element], value: Val
         raise UsageError(f"{text}; close the clutch or gearbox in between, or measure at {own}")
     ratio = path.ratio(value)
     return 1 / ratio if sensor.quantity == "torque" else ratio
-
-
-def _at_own_shaft(
-    sensor: Sensor,
-    elements: Mapping[str, Element],
-    value: Values,
-    laws: Iterable[tuple[str, Row]],
-    constraints: Iterable[tuple[str, Row]],
-    actions: Iterable[tuple[str, Mapping[str, Any]]],
-) -> Reading:
-    if sensor.quantity in POWERS_OF_S:
-        return Reading(POWERS_OF_S[sensor.quantity], sensor.row)
-    element = elements[sensor.of]
-    if sensor.quantity == "twist":
-        return Reading(0, element.twist(value))
-    node, sign = port_of(element, sensor.at)
-    share = sign if sensor.quantity == "torque" else sign / section_modulus(element, value)
-    tables: tuple[Iterable[tuple[str, Mapping[str, Any]]], ...] = (laws, constraints, actions)
-    own, rigid, driving = (
-        {number: share * row[node] for number, (owner, row) in enumerate(rows) if owner == element.name and node in row}
-        for rows in tables
-    )
-    return Reading(laws=own, constraints=rigid, actions={number: -factor for number, factor in driving.items()})
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ column of its own, because these terms may cancel.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
@@ -66,11 +66,7 @@ class LawStiffness:
 
     @property
     def n_points(self) -> int:
-        return len(self.stiffness) * self.n_frequencies
-
-    @property
-    def n_frequencies(self) -> int:
-        return int(self.omega.shape[-1])
+        return len(self.stiffness) * int(self.omega.shape[-1])
 
     @property
     def s(self) -> ComplexArray:
@@ -81,7 +77,13 @@ class LawStiffness:
 
     def of(self, law: int) -> ComplexArray:
         """Dynamic stiffness of one law at all points in N m/rad, complex, shape (n_points,)."""
-        return np.asarray(self.only([law]).by_law[0])
+        kappa = np.empty((len(self.stiffness), self.omega.shape[-1]), dtype=complex)
+        kappa.real = self.inertia[:, [law]] * -(self.omega * self.omega) + self.stiffness[:, [law]]
+        kappa.imag = self.damping[:, [law]] * self.omega
+        for number, values in self.sampled:
+            if number == law:
+                kappa += values
+        return kappa.ravel()
 
     def only(self, laws: Sequence[int]) -> LawStiffness:
         """Dynamic stiffness in N m/rad of the selected laws alone, in the order given."""
@@ -93,7 +95,7 @@ class LawStiffness:
     @property
     def by_law(self) -> ComplexArray:
         """Dynamic stiffness of all laws in N m/rad, shape (n_laws, n_points); the points of a law are contiguous."""
-        kappa = np.empty((self.n_laws, len(self.stiffness), self.n_frequencies), dtype=complex)
+        kappa = np.empty((self.n_laws, len(self.stiffness), self.omega.shape[-1]), dtype=complex)
         J, c, k = (np.ascontiguousarray(part.T)[:, :, None] for part in (self.inertia, self.damping, self.stiffness))
         np.multiply(J, -(self.omega * self.omega), out=kappa.real)
         kappa.real += k
@@ -105,7 +107,7 @@ class LawStiffness:
     def at(self, points: NDArray[np.intp]) -> LawStiffness:
         """Dynamic stiffness of all laws in N m/rad at selected points, which become frequencies of one variant."""
         actions = tuple(values.reshape(1, -1)[:, points] for values in self.actions)
-        variants, places = np.divmod(points, self.n_frequencies)
+        variants, places = np.divmod(points, self.omega.shape[-1])
         omega = self.omega[places] if self.omega.ndim == 1 else self.omega[variants, places]
         values = np.empty((self.n_laws, len(points)), dtype=complex)
         values.real = self.inertia[variants].T * -(omega * omega) + self.stiffness[variants].T
@@ -132,11 +134,6 @@ class LawStiffness:
         sampled = tuple((law, value[None]) for law, value in enumerate(values))
         return LawStiffness(nothing, nothing, nothing, self.omega, sampled, self.actions)
 
-    @property
-    def is_real(self) -> bool:
-        """Whether no law has damping, so that the dynamic stiffnesses of all laws are real."""
-        return not (self.damping.any() or any(values.imag.any() for _, values in self.sampled))
-
     def law_sums(self, sources: Sequence[Sequence[tuple[int, float]]]) -> LawStiffness:
         """Dynamic stiffness in N m/rad of sums of laws, each given in ``sources`` by pairs of law and factor."""
         shape = (len(self.stiffness), len(sources))
@@ -158,10 +155,10 @@ class LawStiffness:
         return LawStiffness(J, c, k, self.omega, tuple(sampled.items()))
 
     @cached_property
-    def _columns(self) -> list[tuple[Any, Any, Any]]:
-        """J (kg m^2), c (N m s/rad) and k (N m/rad) of every law, each None where the law has none.
+    def _polynomials(self) -> tuple[FloatArray, list[tuple[Any, Any, Any, ComplexArray | None]]]:
+        """-omega^2 in (rad/s)^2, and J (kg m^2), c (N m s/rad), k (N m/rad) and samples (N m/rad) of every law.
 
-        They are numbers for one variant, else (n_variants, 1) arrays.
+        Each is None where the law has none. J, c and k are numbers for one variant, else (n_variants, 1) arrays.
         """
         parts = self.inertia, self.damping, self.stiffness
         shaped: list[Any] = [part[0].tolist() if len(part) == 1 else part.T[:, :, None] for part in parts]
@@ -170,65 +167,59 @@ class LawStiffness:
             [value if some else None for value, some in zip(values, there, strict=True)]
             for values, there in zip(shaped, acting, strict=True)
         ]
-        return list(zip(*columns, strict=True))
-
-    @cached_property
-    def _squares(self) -> FloatArray:
-        return -(self.omega * self.omega)
-
-    @cached_property
-    def _samples(self) -> dict[int, ComplexArray]:
-        return dict(self.sampled)
+        samples = dict(self.sampled)
+        columns.append([samples.get(law) for law in range(self.n_laws)])
+        return -(self.omega * self.omega), list(zip(*columns, strict=True))
 
     def write(self, law: int, real: FloatArray, imag: FloatArray | None) -> None:
         """Write the dynamic stiffness of a law in N m/rad into arrays (n_variants, n_f), real and imaginary part."""
-        J, c, k = self._columns[law]
+        squares, polynomials = self._polynomials
+        J, c, k, samples = polynomials[law]
         if J is None:
             real[...] = 0.0 if k is None else k
         else:
-            np.multiply(self._squares, J, out=real)
+            np.multiply(squares, J, out=real)
             if k is not None:
                 real += k
         if imag is not None and c is None:
             imag[...] = 0.0
         elif imag is not None:
             np.multiply(self.omega, c, out=imag)
-        if law in self._samples:
-            real += self._samples[law].real
+        if samples is not None:
+            real += samples.real
             if imag is not None:
-                imag += self._samples[law].imag
+                imag += samples.imag
 
     def inertial(self, law: int) -> FloatArray | None:
         """Inertia term J omega^2 of a law in N m/rad, (n_points,), or None unless it has a stiffness as well."""
-        J, _, k = self._columns[law]
-        if J is None or (k is None and law not in self._samples):
+        squares, polynomials = self._polynomials
+        J, _, k, samples = polynomials[law]
+        if J is None or (k is None and samples is None):
             return None
-        return np.asarray(np.broadcast_to(-self._squares * J, (len(self.stiffness), self.n_frequencies)).ravel())
+        return np.asarray(np.broadcast_to(-squares * J, (len(self.stiffness), self.omega.shape[-1])).ravel())
 
     def ratio(self, above: int, below: int) -> float | FloatArray:
         """Magnitude of the dynamic stiffness of one law over that of another, a number or an (n_points,) array.
 
         A number stands for all points where it is right within `EVEN_RATIO`, and is then the largest.
         """
-        (J_a, c_a, k_a), (J_b, c_b, k_b) = self._columns[above], self._columns[below]
-        if J_a is None and J_b is None and above not in self._samples and below not in self._samples:
+        squares, polynomials = self._polynomials
+        (J_a, c_a, k_a, samples_a), (J_b, c_b, k_b, samples_b) = polynomials[above], polynomials[below]
+        if J_a is None and J_b is None and samples_a is None and samples_b is None:
             if len(self.stiffness) == 1 and k_a == k_b and c_a == c_b:
                 return 1.0
-            least, most = (_squared(c_a, k_a, w2) / _squared(c_b, k_b, w2) for w2 in self._ends)
+            # The ratio |k + j c w| of two springs changes in one direction: its ends at the least and largest w^2 do.
+            ends = -float(squares.max(initial=-np.inf)), -float(squares.min(initial=0.0))
+            least, most = (_squared(c_a, k_a, w2) / _squared(c_b, k_b, w2) for w2 in ends)
             if len(self.stiffness) == 1 and abs(least - most) <= EVEN_RATIO * least:
                 return math.sqrt(max(least, most))
             if np.all(abs(least - most) <= EVEN_RATIO * least):
-                return np.repeat(np.sqrt(np.maximum(least, most)).ravel(), self.n_frequencies)
+                return np.repeat(np.sqrt(np.maximum(least, most)).ravel(), self.omega.shape[-1])
         return np.asarray(np.abs(self.of(above)) / np.abs(self.of(below)))
-
-    @cached_property
-    def _ends(self) -> tuple[float, float]:
-        """Least and largest squared circular frequency in (rad/s)^2."""
-        return -float(self._squares.max(initial=-np.inf)), -float(self._squares.min(initial=0.0))
 
     def blocks(self, size: int) -> Iterator[LawStiffness]:
         """Yield the dynamic stiffness of all laws in N m/rad in blocks of at most ``size`` points."""
-        n_f = self.n_frequencies
+        n_f = self.omega.shape[-1]
         together = max(1, size // max(1, n_f))
         for first in range(0, len(self.stiffness), together):
             variants = slice(first, first + together)
@@ -340,11 +331,6 @@ class Functional:
         return sum((share * self.applied.get(node, Fraction(0)) for node, share in row.items()), start=Fraction(0))
 
 
-def coefficient(term: Term, kappa: LawStiffness) -> ComplexArray:
-    """Factor on the angle of a term at all points, s^power or the dynamic stiffness of its law, shape (n_points,)."""
-    return np.asarray(float(term.factor) * (kappa.s**term.power if term.law is None else kappa.of(term.law)))
-
-
 def powers_of_s(assembly: Assembly, term: Term) -> tuple[Fraction, Fraction, Fraction]:
     """Coefficients of 1, s and s^2 (SI) in the law of a term; of a term without law, 1 at its power of s and 0 else."""
     if term.law is None:
@@ -362,11 +348,17 @@ def functional(drivetrain: AssembledModel, sensor: Sensor, name: str = "") -> Fu
         The node, element or port does not exist or is switched off, or the torque is statically indeterminate.
     """
     assembly, definition = drivetrain.assembly, drivetrain.definition
-    if sensor.is_on_element:
-        _require(sensor.of, drivetrain.elements, "element", definition.elements)
-    else:
-        for node in sensor.nodes:
-            _require(node, drivetrain.nodes, "node", all_nodes(definition.elements.values()))
+    on_element = sensor.is_on_element
+    known: Collection[str] = drivetrain.elements if on_element else drivetrain.nodes
+    for one in (sensor.of,) if on_element else sensor.nodes:
+        if one not in known:
+            what, declared = "node", all_nodes(definition.elements.values())
+            if on_element:
+                what, declared = "element", tuple(definition.elements)
+            if one in declared:
+                text = f'{what} "{one}" is switched off in this configuration; nothing can be measured there'
+                raise UsageError(text)
+            raise UsageError(f'no {what} is named "{one}"{did_you_mean(one, known)}')
     laws = ((owner, law.row) for owner, law in zip(assembly.owners, assembly.laws, strict=True))
     values = Values(drivetrain.exact_values)
     actions = ((one.owner, one.nodes) for one in assembly.system.actions)
@@ -386,11 +378,3 @@ def functional(drivetrain: AssembledModel, sensor: Sensor, name: str = "") -> Fu
     )
     own = {number: exact(factor) for number, factor in read.actions.items()}
     return replace(found, terms=terms, applied=balanced.applied, actions=own)
-
-
-def _require(name: str, known: Any, what: str, switched_off: Any = ()) -> None:
-    if name in known:
-        return
-    if name in switched_off:
-        raise UsageError(f'{what} "{name}" is switched off in this configuration; nothing can be measured there')
-    raise UsageError(f'no {what} is named "{name}"{did_you_mean(name, known)}')

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -80,9 +80,11 @@ class Assembly:
 
     def rows_of(self, row: dict[str, Any]) -> tuple[FloatArray, FloatArray]:
         """Coefficients over the coordinates (n_q,), and over the imposed angles (n_x,), of a row given over nodes."""
-        reduced = self.kinematics.reduction.in_floats(exact_row(row))
-        free, imposed = (Rows.named([reduced], columns).dense[0] for columns in self._columns)
-        return free, imposed
+        found = np.zeros(len(self._column))
+        for column, value in self.columns_of(self.kinematics.reduction.in_floats(exact_row(row))).items():
+            found[column] = value
+        n = self.system.n_coordinates
+        return found[:n], found[n:]
 
     def columns_of(self, row: Mapping[str, Any], number: Callable[[Any], Any] = float) -> dict[int, Any]:
         """Coefficients of a row by column number (coordinates, then imposed angles) from those by name."""
@@ -90,8 +92,8 @@ class Assembly:
 
     @cached_property
     def _column(self) -> dict[str, int]:
-        free, imposed = self._columns
-        return {**free, **{name: len(free) + index for name, index in imposed.items()}}
+        names = (*self.kinematics.coordinates, *map(pseudo_node, self.kinematics.imposed))
+        return {name: column for column, name in enumerate(names)}
 
     @cached_property
     def law_columns(self) -> tuple[dict[int, float], ...]:
@@ -99,10 +101,6 @@ class Assembly:
         n = self.system.n_coordinates
         pairs = zip(self.system.law_rows.maps, self.imposed_law_rows.maps, strict=True)
         return tuple({**free, **{n + j: a for j, a in imposed.items()}} for free, imposed in pairs)
-
-    @cached_property
-    def _columns(self) -> tuple[dict[str, int], dict[str, int]]:
-        return _columns(self.kinematics)
 
     @cached_property
     def laws(self) -> tuple[Law, ...]:
@@ -128,19 +126,28 @@ def assemble(
     """
     kinematics = solve_kinematics(definition, Values(values), referred_to, like.kinematics if like else None)
     laws = [(owner, law) for owner, law in kinematics.laws if law.acts]
+    # J (kg m^2), c (N m s/rad) and k (N m/rad) of every law, each (n_laws,), and the stiffnesses over frequency.
+    coefficients = (
+        np.array([float(law.inertia) for _, law in laws]),
+        np.array([float(law.damping) for _, law in laws]),
+        np.array([0.0 if law.loss_factor else float(law.stiffness) for _, law in laws]),
+        tuple(_dynamic(index, law) for index, (_, law) in enumerate(laws) if law.table or law.loss_factor),
+    )
     actions = action_laws(kinematics)
     same_actions = like is not None and [one.rows for one in actions] == [one.rows for one in like.system.actions]
     if like is not None and same_actions and _same_rows(kinematics, like.kinematics):
         shared = like.system
-        system = RowSystem(shared.law_rows, *_coefficients(laws), actions=actions, memo=shared.memo)
+        system = RowSystem(shared.law_rows, *coefficients, actions=actions, memo=shared.memo)
         return replace(like, kinematics=kinematics, system=system)
-    coordinates, imposed = _columns(kinematics)
+    # theta = T q + S x of the nodes, gamma = a^T theta of the laws: rows over coordinates q and imposed angles x.
+    coordinates = {name: column for column, name in enumerate(kinematics.coordinates)}
+    imposed = {pseudo_node(name): column for column, name in enumerate(kinematics.imposed)}
     in_floats = kinematics.reduction.in_floats
     nodes = [in_floats({node: 1}) for node in kinematics.nodes]
     rows = [in_floats(exact_row(law.row)) for _, law in laws]
     return Assembly(
         kinematics,
-        RowSystem(Rows.named(rows, coordinates), *_coefficients(laws), actions=actions),
+        RowSystem(Rows.named(rows, coordinates), *coefficients, actions=actions),
         node_rows=Rows.named(nodes, coordinates),
         imposed_node_rows=Rows.named(nodes, imposed),
         imposed_law_rows=Rows.named(rows, imposed),
@@ -154,23 +161,6 @@ def _same_rows(kinematics: Kinematics, like: Kinematics) -> bool:
         return False
     ours, theirs = ([(owner, law.row, law.acts) for owner, law in side.laws] for side in (kinematics, like))
     return ours == theirs
-
-
-def _coefficients(
-    laws: Sequence[tuple[str, Law]],
-) -> tuple[FloatArray, FloatArray, FloatArray, tuple[tuple[int, DynamicStiffness], ...]]:
-    """J (kg m^2), c (N m s/rad) and k (N m/rad) of every law, each (n_laws,), and frequency-dependent stiffnesses."""
-    return (
-        np.array([float(law.inertia) for _, law in laws]),
-        np.array([float(law.damping) for _, law in laws]),
-        np.array([0.0 if law.loss_factor else float(law.stiffness) for _, law in laws]),
-        tuple(_dynamic(index, law) for index, (_, law) in enumerate(laws) if law.table or law.loss_factor),
-    )
-
-
-def _columns(kinematics: Kinematics) -> tuple[dict[str, int], dict[str, int]]:
-    coordinates = {name: index for index, name in enumerate(kinematics.coordinates)}
-    return coordinates, {pseudo_node(name): index for index, name in enumerate(kinematics.imposed)}
 
 
 def _dynamic(index: int, law: Law) -> tuple[int, DynamicStiffness]:

@@ -15,7 +15,7 @@ from torsionnet.linear.batch.batch import Batch
 from torsionnet.linear.dynamic_stiffness.quotient import transfer_functions
 from torsionnet.linear.dynamic_stiffness.sweep import chosen_method
 from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest, request_for_model
-from torsionnet.linear.responses.transfer import Evaluated, evaluate_laws, responses
+from torsionnet.linear.responses.transfer import Evaluated, evaluate, responses
 from torsionnet.linear.responses.zero import at_zero
 from torsionnet.model.checks.structure import rigid_motions
 
@@ -119,14 +119,14 @@ def _together(batch: Batch, request: TransferRequest, f: FloatArray, method: str
     """Transfer functions (n, n_f, n_out, n_in) in SI units of variants with the same rows, solved together."""
     moving, shape = f > 0, (len(batch), len(f))
     if moving.all():
-        found = evaluate_laws(batch.law_stiffness(2 * np.pi * f), SingleAssemblies(batch), request, f, method)
+        found = evaluate(SingleAssemblies(batch), request, f, method, batch.law_stiffness(2 * np.pi * f))
         scale_stresses(found.values, batch, request)
         return found
     values = np.empty((*shape, len(request.outputs), len(request.measured)), dtype=complex)
     found = Evaluated(values, np.ones(shape))
     if moving.any():
         kappa = batch.law_stiffness(2 * np.pi * f[moving])
-        part = evaluate_laws(kappa, SingleAssemblies(batch), request, f[moving], method)
+        part = evaluate(SingleAssemblies(batch), request, f[moving], method, kappa)
         found.values[:, moving], found.conditioning[:, moving] = part
     if not moving.all():
         found.values[:, ~moving] = _static(batch, request, method)[:, None]

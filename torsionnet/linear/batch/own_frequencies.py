@@ -10,7 +10,7 @@ from torsionnet.linear.batch.batch import Batch
 from torsionnet.linear.batch.batched_responses import POINTS_AT_ONCE, SingleAssemblies, scale_stresses
 from torsionnet.linear.batch.batched_stiffness import BatchedStiffness
 from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest, request_for_model
-from torsionnet.linear.responses.transfer import evaluate_laws, responses
+from torsionnet.linear.responses.transfer import evaluate, responses
 
 
 def responses_at_own_frequencies(
@@ -33,9 +33,8 @@ def responses_at_own_frequencies(
     for start in range(0, len(batch.stacked), size):
         places = batch.stacked[start : start + size]
         part, own = batch.part(places), frequencies[places]
-        values = evaluate_laws(
-            _law_stiffness(part, 2 * np.pi * own), SingleAssemblies(part), request, own, method
-        ).values
+        kappa = _law_stiffness(part, 2 * np.pi * own)
+        values = evaluate(SingleAssemblies(part), request, own, method, kappa).values
         scale_stresses(values, part, request)
         found[places] = values
     for index in np.flatnonzero(batch.separate & ~batch.impossible):

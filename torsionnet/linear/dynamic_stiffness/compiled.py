@@ -86,7 +86,7 @@ def _numbers(kappa: LawStiffness) -> tuple[Any, ...]:
     """
     place = np.full(kappa.n_laws, -1)
     place[[law for law, _ in kappa.sampled]] = np.arange(len(kappa.sampled))
-    shape = (len(kappa.stiffness), kappa.n_frequencies)
+    shape = (len(kappa.stiffness), kappa.omega.shape[-1])
     sampled = np.empty((len(kappa.sampled), *shape), dtype=complex)
     for number, (_, values) in enumerate(kappa.sampled):
         sampled[number] = values

@@ -188,7 +188,28 @@ def make_plan(
     planner = _Planner(laws, n_free, loads, motions, outputs, reactions, accuracy)
     if other_order:
         planner.choose_other_root()
-    return planner.plan()
+    steps = tuple(planner.step(coordinate) for coordinate in planner.order())
+    for column in planner.open:
+        planner.taken[column] = planner.reaction(column)
+    # Motions of imposed angles alone are the same angles in rad under every excitation, whatever the drivetrain.
+    given = [
+        (slot, tuple(sum(a * motion.get(j, 0.0) for j, a in row.items()) for motion in motions))
+        for slot, row in enumerate(planner.motions.rows)
+        if min(row) >= n_free
+    ]
+    return EliminationPlan(
+        sources=tuple(map(tuple, planner.sources)),
+        n_slots=len(planner.laws.rows),
+        n_loads=len(planner.loads.rows),
+        n_motions=len(planner.motions.rows),
+        n_excitations=len(motions),
+        weights=tuple((found[0], e, found[1]) for e, found in planner.weights if found),
+        given=tuple(given),
+        steps=steps,
+        outputs=planner.outputs,
+        reactions=tuple(planner.taken[column] for column in reactions),
+        subtracts=planner.scale is not None,
+    )
 
 
 class _Planner:
@@ -203,8 +224,7 @@ class _Planner:
         accuracy: Accuracy,
     ) -> None:
         self.n_free, self.accuracy = n_free, accuracy
-        self.driving, self.driven = motions, {j for motion in motions for j in motion}
-        self.reactions, self.open = reactions, set(reactions)
+        self.driven, self.open = {j for motion in motions for j in motion}, set(reactions)
         self.taken: dict[int, ReactionStep] = {}
         self.laws, self.loads, self.motions = (RowTable(accuracy) for _ in range(3))
         self.scale: dict[int, float] | None = None
@@ -223,31 +243,6 @@ class _Planner:
         """End the elimination at another coordinate than that of the first load, so that rounding errors differ."""
         free = (j for table in (self.motions, self.laws) for row in table.rows for j in row if j < self.n_free)
         self.last = next(free, None) if self.last is None else None
-
-    def plan(self) -> EliminationPlan:
-        steps = tuple(self._step(coordinate) for coordinate in self._order())
-        for column in self.open:
-            self.taken[column] = self._reaction(column)
-        weights = [(found[0], e, found[1]) for e, found in self.weights if found]
-        # Motions of imposed angles alone are the same angles in rad under every excitation, whatever the drivetrain.
-        given = [
-            (slot, tuple(sum(a * motion.get(j, 0.0) for j, a in row.items()) for motion in self.driving))
-            for slot, row in enumerate(self.motions.rows)
-            if min(row) >= self.n_free
-        ]
-        return EliminationPlan(
-            sources=tuple(map(tuple, self.sources)),
-            n_slots=len(self.laws.rows),
-            n_loads=len(self.loads.rows),
-            n_motions=len(self.motions.rows),
-            n_excitations=len(self.driving),
-            weights=tuple(weights),
-            given=tuple(given),
-            steps=steps,
-            outputs=self.outputs,
-            reactions=tuple(self.taken[column] for column in self.reactions),
-            subtracts=self.scale is not None,
-        )
 
     # --- rows -------------------------------------------------------------------------------------------------------
 
@@ -272,22 +267,21 @@ class _Planner:
 
     # --- order ------------------------------------------------------------------------------------------------------
 
-    def _order(self) -> Iterable[int]:
+    def order(self) -> Iterable[int]:
         """Yield the coordinates in order of elimination, fewest rows first, each eliminated before the next is chosen.
-
-        Each is eliminated before the next is chosen.
 
         Among links and grounds these are those with the fewest neighbours: on a tree the leaves, without fill.
         """
         touched = {*self.laws.touching, *self.loads.touching, *self.motions.touching}
         names = {j for j in touched if j < self.n_free} - {self.last}
-        waiting = [(self._rows_on(v), v) for v in names]
+        touching = self.laws.touching
+        waiting = [(len(touching.get(v, ())), v) for v in names]
         heapq.heapify(waiting)
         while waiting:
             expected, v = heapq.heappop(waiting)
             if v not in names:
                 continue
-            now = self._rows_on(v)
+            now = len(touching.get(v, ()))
             if now > expected:
                 heapq.heappush(waiting, (now, v))
                 continue
@@ -295,12 +289,9 @@ class _Planner:
             around = self._neighbours(v) & names
             yield v
             for j in around:
-                heapq.heappush(waiting, (self._rows_on(j), j))
+                heapq.heappush(waiting, (len(touching.get(j, ())), j))
         if self.last is not None:
             yield self.last
-
-    def _rows_on(self, coordinate: int) -> int:
-        return len(self.laws.touching.get(coordinate, ()))
 
     def _neighbours(self, coordinate: int) -> set[int]:
         rows = self.laws.rows
@@ -308,12 +299,17 @@ class _Planner:
 
     # --- steps ------------------------------------------------------------------------------------------------------
 
-    def _step(self, v: int) -> EliminationStep:
+    def step(self, v: int) -> EliminationStep:
         """Elimination of coordinate v: its pivot, and what takes the place of the rows, loads and motions on v.
 
         The equations, with b and b_e, stand in the header of the module.
         """
-        handed_on = (*self._settled(), *self._split(v))
+        # Reactions on given columns are taken as soon as they depend on a single row.
+        handed_on = [*self._settled()] if self.open else []
+        # Many rows on v: the fewer links and grounds that equal them take their place.
+        n_rows = len(self.laws.touching.get(v, ()))
+        if n_rows > MOST_UNSPLIT_ROWS and n_rows > SPLIT_ROW_MULTIPLE * (len(self._neighbours(v)) + 1):
+            handed_on += self._split(v)
         slots, loads = self.laws.take(v), self.loads.take(v)
         rows = [self.laws.rows[slot] for slot in slots]
         # D': one row b for each pair of rows on v, but where b vanishes or resists given motions alone.
@@ -344,7 +340,7 @@ class _Planner:
         shared |= {i for step in motions for i, _, _ in step.parts}
         return EliminationStep(
             coordinate=v,
-            handed_on=handed_on,
+            handed_on=tuple(handed_on),
             terms=tuple((slot, row[v] * row[v]) for slot, row in zip(slots, rows, strict=True)),
             pairs=tuple(pairs),
             loads=tuple((slot, self.loads.rows[slot][v]) for slot in loads),
@@ -354,16 +350,13 @@ class _Planner:
         )
 
     def _split(self, v: int) -> Iterable[tuple[int, tuple[tuple[int, float], ...]]]:
-        """Yield numbers of rows that links and grounds replace, with these and weights, on a coordinate with many rows.
+        """Yield numbers of the rows on a coordinate that links and grounds replace, with these and their weights.
 
         Rows along the common motion are not split.
         """
-        numbers = self.laws.touching.get(v, set())
-        if len(numbers) <= max(MOST_UNSPLIT_ROWS, SPLIT_ROW_MULTIPLE * (len(self._neighbours(v)) + 1)):
-            return
         if self.scale is None:
             self.scale = collections.defaultdict(lambda: 1.0, common_motion(self.laws.rows))
-        for number in sorted(numbers):
+        for number in sorted(self.laws.touching[v]):
             row = self.laws.rows[number]
             shares = list(equivalent_links(row, self.scale, self.accuracy)) if len(row) > 1 else []
             if len(shares) > 1:
@@ -383,11 +376,11 @@ class _Planner:
             slots = self.laws.touching.get(column, set())
             if len(slots) == 1 and not self.loads.touching.get(column):
                 (slot,) = slots
-                self.taken[column] = self._reaction(column)
+                self.taken[column] = self.reaction(column)
                 self.open.discard(column)
                 yield self._handed_on(slot, [(self.laws.rows[slot], 1.0)])
 
-    def _reaction(self, column: int) -> ReactionStep:
+    def reaction(self, column: int) -> ReactionStep:
         laws = []
         for slot in sorted(self.laws.touching.get(column, ())):
             row = self.laws.rows[slot]

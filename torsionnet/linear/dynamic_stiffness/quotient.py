@@ -50,8 +50,6 @@ def close_loops(
     These ``values`` are responses to the excitations, then to a unit torque of each action.
     """
     n_exc, n_act = reading_problem.n_excitations, len(reading_problem.sensed)
-    if not n_act:
-        return ClosedLoops(values, np.zeros((0, n_exc, kappa.n_points), dtype=complex), uncertain)
     if len(kappa.actions) != n_act:
         raise SolveError("this calculation does not include the torques of controllers; switch them off")
     gains = np.array([values_.ravel() for values_ in kappa.actions])
@@ -100,7 +98,7 @@ def _respond_densely(problem: ResponseProblem, kappa: LawStiffness) -> Sweep:
 
 METHODS: dict[str, Respond] = {
     "auto": elimination.respond,
-    "graph": elimination.respond_in_numpy,
+    "graph": elimination.eliminate,
     "compiled": elimination.respond_compiled,
     "dense": _respond_densely,
 }
@@ -126,10 +124,9 @@ def transfer_functions(
     They come with conditioning and a mask of points that lost digits. With ``other_order`` another order of elimination
     is used.
     """
-    reading_problem, n_out = (
-        request.reading_problem.in_other_order if other_order else request.reading_problem,
-        len(request.outputs),
-    )
+    reading_problem, n_out = request.reading_problem, len(request.outputs)
+    if other_order:
+        reading_problem = reading_problem.in_other_order
     method = elimination.chosen_method(reading_problem.problem, kappa.n_points, method)
     if method == "compiled" and (whole := _compiled(request, reading_problem, kappa)) is not None:
         points = np.flatnonzero(~np.isfinite(whole.values).all(axis=(1, 2)))
@@ -138,7 +135,9 @@ def transfer_functions(
             whole.values[points], whole.conditioning[points] = again.values, again.conditioning
         return whole
     found = METHODS[method](reading_problem.problem, kappa)
-    loops = close_loops(reading_problem, kappa, found.values, found.uncertain)
+    loops = ClosedLoops(found.values, np.empty(0, dtype=complex), found.uncertain)
+    if reading_problem.sensed:
+        loops = close_loops(reading_problem, kappa, found.values, found.uncertain)
     # Readings y = L(s) q + direct u of all outputs, then measured inputs, per unit excitation.
     readings = np.empty((kappa.n_points, len(reading_problem.parts), loops.values.shape[1]), dtype=complex)
     with np.errstate(invalid="ignore"):
@@ -151,7 +150,14 @@ def transfer_functions(
         # Y_out Y_in^-1, equations (8)-(13) of Galvagno et al. (2015); small rests of large terms lose digits.
         measured = readings[:, n_out:]
         values, lost, apart = _divide(values, measured)
-        conditioning = _shares(reading_problem, kappa, loops.values, measured).max(axis=2).min(axis=1) * apart
+        # Conditioning: measured inputs over the sum of the magnitudes of their terms, largest of any excitation.
+        sizes = np.zeros(measured.shape)
+        with np.errstate(all="ignore"):
+            for number in range(measured.shape[1]):
+                terms = (np.abs(part.of(kappa, loops.values)).T for part in reading_problem.terms[n_out + number])
+                sizes[:, number] = sum(terms, start=np.abs(reading_problem.applied[n_out + number]))
+            shares = np.divide(np.abs(measured), sizes, out=np.zeros(sizes.shape), where=sizes > 0)
+        conditioning = shares.max(axis=2).min(axis=1) * apart
         uncertain = uncertain | lost
     return FrequencyPoints(values, conditioning, uncertain)
 
@@ -176,19 +182,6 @@ def _compiled(request: TransferRequest, reading_problem: ReadingProblem, kappa: 
         else:
             values[:, :, excitations] = found
     return FrequencyPoints(values, conditioning, uncertain)
-
-
-def _shares(
-    reading_problem: ReadingProblem, kappa: LawStiffness, solved: ComplexArray, measured: ComplexArray
-) -> FloatArray:
-    """Magnitude of measured inputs over the sum of the magnitudes of their terms, shape (n_points, n_in, n_exc)."""
-    sizes = np.zeros(measured.shape)
-    first = len(reading_problem.parts) - measured.shape[1]
-    with np.errstate(all="ignore"):
-        for number in range(measured.shape[1]):
-            terms = (np.abs(part.of(kappa, solved)).T for part in reading_problem.terms[first + number])
-            sizes[:, number] = sum(terms, start=np.abs(reading_problem.applied[first + number]))
-        return np.divide(np.abs(measured), sizes, out=np.zeros(sizes.shape), where=sizes > 0)
 
 
 def _divide(outputs: ComplexArray, measured: ComplexArray) -> tuple[ComplexArray, NDArray[np.bool_], FloatArray]:

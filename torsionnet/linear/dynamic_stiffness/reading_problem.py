@@ -10,11 +10,12 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from torsionnet.linear.assembly.law_stiffness import Functional, LawStiffness, Term, coefficient
-from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
+from torsionnet.linear.assembly.law_stiffness import Functional, LawStiffness, Term
+from torsionnet.linear.assembly.rows import ActionLaw, ComplexArray, FloatArray
 from torsionnet.linear.assembly.system import Assembly
 from torsionnet.linear.dynamic_stiffness.response_problem import Loading, ResponseProblem
 from torsionnet.linear.dynamic_stiffness.row_algebra import DOUBLE, Accuracy, Row
+from torsionnet.linear.dynamic_stiffness.tape import OUTPUT
 from torsionnet.model.channels import Input
 from torsionnet.model.kinematics import exact_row
 
@@ -33,7 +34,10 @@ class ReadingPart(NamedTuple):
         """Contribution of this summand to the reading, in its unit per unit excitation, shape (n_exc, n_points)."""
         if self.term is None:
             return np.asarray(float(self.factor) * values[self.solved])
-        return np.asarray(coefficient(self.term, kappa) * values[self.solved])
+        # Factor on the angle of the term: s^power, or the dynamic stiffness of its law.
+        law = self.term.law
+        gain = kappa.s**self.term.power if law is None else kappa.of(law)
+        return np.asarray(float(self.term.factor) * gain * values[self.solved])
 
 
 @dataclass(frozen=True)
@@ -81,7 +85,14 @@ class ReadingProblem:
 
     def excitations_reaching(self, reading: int) -> frozenset[int]:
         """Numbers of the excitations that move a reading at all, directly or by way of actions."""
-        reached = self._reached
+        # Excitations by the motion or reaction that they reach: only those are outputs on a tape, numbered
+        # n_excitations * solved + number. All others are zero whatever the stiffnesses.
+        reached: dict[int, set[int]] = {}
+        for excitations, part in self.problem.parts:
+            operations = part.tape.operations
+            for value in operations[operations[:, 0] == OUTPUT, 1].tolist():
+                place, number = divmod(value, len(excitations))
+                reached.setdefault(place, set()).add(excitations[number])
         found = set(reached.get(self.parts[reading].solved, ()))
         waiting = [*self.driven[reading], *(number - self.n_excitations for number in found)]
         seen: set[int] = set()
@@ -90,20 +101,10 @@ class ReadingProblem:
             if action < 0 or action in seen:
                 continue
             seen.add(action)
-            more = reached.get(self.sensed[action], frozenset())
+            more = reached.get(self.sensed[action], set())
             found |= more
             waiting += [number - self.n_excitations for number in more]
         return frozenset(number for number in found if number < self.n_excitations)
-
-    @cached_property
-    def _reached(self) -> dict[int, frozenset[int]]:
-        """Numbers of the excitations that reach each solved motion or reaction, by the number of that."""
-        found: dict[int, set[int]] = {}
-        for excitations, part in self.problem.parts:
-            for value in part.tape.reached:
-                place, number = divmod(value, len(excitations))
-                found.setdefault(place, set()).add(excitations[number])
-        return {place: frozenset(numbers) for place, numbers in found.items()}
 
     @cached_property
     def in_other_order(self) -> ReadingProblem:
@@ -133,11 +134,18 @@ def make_reading_problem(
     terms += [tuple(rows.part(term) for term in reading.terms) for reading in measured]
     sensed = tuple(rows.number_of(assembly.columns_of(one.sensed, number)) for one in assembly.system.actions)
     columns = dict(enumerate(gaps.found, n_given + len(twists)))
-    driving = [_torque(assembly, one.row, one.nodes, columns, number) for one in assembly.system.actions]
+    # gamma of every law, with what opening gaps adds to it and imposed twists take from it.
+    rounded = number is float
+    laws = [*assembly.law_columns] if rounded else [assembly.columns_of(row, number) for row in assembly.exact_rows]
+    for column, gap in columns.items():
+        for law, work in gap.laws.items():
+            laws[law] = {**laws[law], column: number(work)}
+    for law, column in twisted.items():
+        laws[law] = {**laws[law], column: number(Fraction(-1))}
     problem = ResponseProblem(
-        _laws(assembly, columns, twisted, number),
+        laws,
         assembly.system.n_coordinates,
-        (*(_excitation(assembly, one, columns, twists, number) for one in excitations), *driving),
+        _loadings(assembly, excitations, columns, twists, number),
         tuple(rows.rows),
         tuple(columns),
         accuracy=accuracy,
@@ -156,42 +164,32 @@ def law_of_imposed_twist(assembly: Assembly, element: str) -> int:
     return assembly.owners.index(element)
 
 
-def _laws(assembly: Assembly, gaps: Mapping[int, Gap], twisted: Mapping[int, int], number: Number) -> Sequence[Row]:
-    """Coefficients of every law's twist, by column of coordinates, imposed angles, imposed twists and gaps."""
-    exact = number is not float
-    laws = [assembly.columns_of(row, number) for row in assembly.exact_rows] if exact else list(assembly.law_columns)
-    for column, gap in gaps.items():
-        for law, work in gap.laws.items():
-            laws[law] = {**laws[law], column: number(work)}
-    for law, column in twisted.items():
-        laws[law] = {**laws[law], column: number(Fraction(-1))}
-    return laws
-
-
-def _excitation(
-    assembly: Assembly, excitation: Input, gaps: Mapping[int, Gap], twists: Mapping[int, Input], number: Number
-) -> Loading:
-    if excitation.is_on_element:
-        return Loading(motion={column: number(Fraction(1)) for column, one in twists.items() if one == excitation})
-    effect = exact_row(assembly.kinematics.reduced(excitation.row))
-    if excitation.quantity == "angle":
-        return Loading(motion=assembly.columns_of(effect, number))
-    return _torque(assembly, effect, excitation.row, gaps, number)
-
-
-def _torque(
+def _loadings(
     assembly: Assembly,
-    row: Mapping[str, Any],
-    nodes: Mapping[str, Fraction | int],
+    excitations: Sequence[Input],
     gaps: Mapping[int, Gap],
+    twists: Mapping[int, Input],
     number: Number,
-) -> Loading:
-    """Loading by a unit torque on a combination of nodes, with the torque that it puts on gaps.
-
-    Of the same combination, ``nodes`` is over nodes and ``row`` over coordinates and imposed angles.
-    """
-    at_gaps = {column: number(work) for column, gap in gaps.items() if (work := gap.work(nodes))}
-    return Loading(load={**assembly.columns_of(row, number), **at_gaps})
+) -> tuple[Loading, ...]:
+    """Unit excitations, then a unit torque of each action, with the torques in N m that they put on gaps."""
+    found: list[Loading] = []
+    reduced = assembly.kinematics.reduced
+    driving: list[Input | ActionLaw] = [*excitations, *assembly.system.actions]
+    for one in driving:
+        if isinstance(one, Input) and one.is_on_element:
+            motion = {column: number(Fraction(1)) for column, twist in twists.items() if twist == one}
+            found.append(Loading(motion=motion))
+            continue
+        # Torques on nodes as torques on coordinates, f = T^T a, and an imposed angle as its own column.
+        nodes: Mapping[str, Fraction | int] = one.row if isinstance(one, Input) else one.nodes
+        row: Mapping[str, Any] = exact_row(reduced(one.row)) if isinstance(one, Input) else one.row
+        columns = assembly.columns_of(row, number)
+        if isinstance(one, Input) and one.quantity == "angle":
+            found.append(Loading(motion=columns))
+        else:
+            at_gaps = {column: number(work) for column, gap in gaps.items() if (work := gap.work(nodes))}
+            found.append(Loading(load={**columns, **at_gaps}))
+    return tuple(found)
 
 
 @dataclass

@@ -13,18 +13,32 @@ has to be kept for a way back. That is the better way for few readings.
 from __future__ import annotations
 
 import math
+from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import TypeVar
 
 from torsionnet.linear.dynamic_stiffness.graph_plan import EliminationPlan, EliminationStep, make_plan
 from torsionnet.linear.dynamic_stiffness.row_algebra import DOUBLE, Accuracy, Row
-from torsionnet.linear.dynamic_stiffness.tape import CONSTANT, LAW, ErrorBound, Losses, Tape, TapeQuantity, Writer
+from torsionnet.linear.dynamic_stiffness.tape import (
+    CONSTANT,
+    LAW,
+    ONE,
+    OUTPUT,
+    ErrorBound,
+    Losses,
+    Operation,
+    Tape,
+    TapeQuantity,
+    Writer,
+)
 
 MOST_FORWARD_READINGS = 2
 """Largest number of readings that are carried forward with the loads, as that takes fewer operations than
 back-substitution for so few."""
-_ONE = TapeQuantity(-1, 1.0)
+Key = TypeVar("Key")
+"""Key of a quantity in a table, the number of a slot or of a reading, or of a reading and an excitation."""
 
 
 def make_tape(plan: EliminationPlan) -> Tape:
@@ -38,7 +52,12 @@ def make_tape(plan: EliminationPlan) -> Tape:
     (20, 7)
     """
     n_read = len(plan.outputs) + len(plan.reactions)
-    return (_Forward if n_read <= MOST_FORWARD_READINGS else _Back)(plan).tape(n_read)
+    taping = (_Forward if n_read <= MOST_FORWARD_READINGS else _Back)(plan)
+    for (reading, excitation), value in taping.read().items():
+        number, name = reading * plan.n_excitations + excitation, taping.writer.name(value)
+        taping.writer.operations.append(Operation(OUTPUT, number, name, 0, value.factor))
+        taping.losses.mark(value)
+    return taping.writer.tape(n_read * plan.n_excitations)
 
 
 @dataclass(frozen=True)
@@ -51,7 +70,10 @@ class _Eliminated:
 
 
 class _Taping:
-    """Writer of the part of a tape that both kinds have in common, the elimination of laws and loads."""
+    """Writer of the part of a tape that both kinds have in common, the elimination of laws and loads.
+
+    ``read`` of either kind gives the values of what is read, by the numbers of reading and excitation.
+    """
 
     def __init__(self, plan: EliminationPlan) -> None:
         self.plan, self.writer = plan, Writer()
@@ -62,7 +84,7 @@ class _Taping:
         for slot, excitation, factor in plan.weights:
             self._add(self.weights[excitation], slot, TapeQuantity(-1, factor))
 
-    def _add(self, table: dict[int, TapeQuantity], key: int, term: TapeQuantity) -> None:
+    def _add(self, table: dict[Key, TapeQuantity], key: Key, term: TapeQuantity) -> None:
         table[key] = self.writer.plus(table.get(key), term)
 
     def _link(self, slot: int) -> TapeQuantity:
@@ -72,8 +94,8 @@ class _Taping:
         """
         if slot in self.fresh:
             self.fresh.discard(slot)
-            self.links[slot] = TapeQuantity(self.writer.new(LAW, slot), 1.0)
-            self.losses.of_law(slot, self.links[slot])
+            self.links[slot] = self.losses.laws[slot] = TapeQuantity(self.writer.new(LAW, slot), 1.0)
+            self.losses.own.add(slot)
         return self.links[slot]
 
     def _add_link(self, slot: int, term: TapeQuantity, error: ErrorBound) -> None:
@@ -103,7 +125,7 @@ class _Taping:
         S = pivot or TapeQuantity(writer.new(CONSTANT, factor=0.0), 1.0)
         # Shares s_i = kappa_i/S; several of them by one reciprocal, as a product takes less than a quotient.
         if len(step.shared) > 1:
-            inverse = writer.over(_ONE, S)
+            inverse = writer.over(ONE, S)
             shares = {i: writer.times(terms[i], inverse) for i in step.shared}
         else:
             shares = {i: writer.over(terms[i], S) for i in step.shared}
@@ -128,24 +150,18 @@ class _Taping:
                 loads[excitation] = writer.over(load, S)
         return _Eliminated(step, shares, loads)
 
-    def _written(self, values: dict[tuple[int, int], TapeQuantity], n_read: int) -> Tape:
-        for (reading, excitation), value in values.items():
-            self.writer.output(reading * self.plan.n_excitations + excitation, value)
-            self.losses.mark(value)
-        return self.writer.tape(n_read * self.plan.n_excitations)
-
 
 class _Back(_Taping):
     """Writer of a tape with back-substitution, which gives all motions under one excitation after another."""
 
-    def tape(self, n_read: int) -> Tape:
+    def read(self) -> dict[tuple[int, int], TapeQuantity]:
         way = list(self._eliminated())
         values: dict[tuple[int, int], TapeQuantity] = {}
         for excitation in range(self.plan.n_excitations):
             motions = self._motions(way, excitation)
             for reading, value in self._read(motions, excitation):
                 values[reading, excitation] = value
-        return self._written(values, n_read)
+        return values
 
     def _motions(self, way: Sequence[_Eliminated], excitation: int) -> dict[int, TapeQuantity]:
         writer = self.writer
@@ -185,46 +201,45 @@ class _Back(_Taping):
 class _Forward(_Taping):
     """Writer of a tape with readings carried forward as weights, which the loads meet on the way."""
 
-    def tape(self, n_read: int) -> Tape:
-        self.carried: dict[int, dict[int, TapeQuantity]] = {}
-        self.values: dict[tuple[int, int], TapeQuantity] = {}
+    def read(self) -> dict[tuple[int, int], TapeQuantity]:
+        writer = self.writer
+        self.carried: dict[int, dict[int, TapeQuantity]] = defaultdict(dict)
+        values: dict[tuple[int, int], TapeQuantity] = {}
         for number, (slot, factor) in enumerate(self.plan.outputs):
-            self._carry(slot, number, TapeQuantity(-1, factor))
+            self._add(self.carried[slot], number, TapeQuantity(-1, factor))
         for one in self._eliminated():
             for motion in one.step.motions:
                 for reading, weight in self._taken(motion.slot):
+                    # r q = sum factor s_i (b q): the weight of the motion passes on to those it is made of ...
                     for i, factor, source in motion.parts:
-                        part = self.writer.times(weight, one.shares[i])
-                        self._carry(source, reading, self.writer.times(part, TapeQuantity(-1, factor)))
+                        part = writer.times(weight, one.shares[i])
+                        self._add(self.carried[source], reading, writer.times(part, TapeQuantity(-1, factor)))
+                    # ... and meets f_v / S, what loads do on the spot.
                     if motion.load:
-                        own = self.writer.times(weight, TapeQuantity(-1, motion.load))
-                        self._meet(reading, {e: self.writer.times(own, load) for e, load in one.loads.items()})
+                        own = writer.times(weight, TapeQuantity(-1, motion.load))
+                        for e, met in [(e, writer.times(own, load)) for e, load in one.loads.items()]:
+                            self._add(values, (reading, e), met)
         for slot, given in self.plan.given:
             for reading, weight in self._taken(slot):
-                met = {e: self.writer.times(weight, TapeQuantity(-1, angle)) for e, angle in enumerate(given) if angle}
-                self._meet(reading, met)
+                angles = [(e, TapeQuantity(-1, angle)) for e, angle in enumerate(given) if angle]
+                for e, met in [(e, writer.times(weight, angle)) for e, angle in angles]:
+                    self._add(values, (reading, e), met)
         for number, reaction in enumerate(self.plan.reactions, len(self.plan.outputs)):
             for slot, factor in reaction.loads:
                 for excitation, weights in enumerate(self.weights):
                     if slot in weights:
-                        self._meet(number, {excitation: self.writer.times(weights[slot], TapeQuantity(-1, factor))})
-        return self._written(self.values, n_read)
-
-    def _carry(self, slot: int, reading: int, weight: TapeQuantity) -> None:
-        self._add(self.carried.setdefault(slot, {}), reading, weight)
+                        held = writer.times(weights[slot], TapeQuantity(-1, factor))
+                        self._add(values, (number, excitation), held)
+        return values
 
     def _taken(self, slot: int) -> list[tuple[int, TapeQuantity]]:
         """Weights by reading with which the motion of this number counts, reactions that depend on it included."""
         for number, reaction in enumerate(self.plan.reactions, len(self.plan.outputs)):
             for law, factor, motion in reaction.laws:
                 if motion == slot:
-                    self._carry(slot, number, self.writer.times(self._link(law), TapeQuantity(-1, factor)))
+                    weight = self.writer.times(self._link(law), TapeQuantity(-1, factor))
+                    self._add(self.carried[slot], number, weight)
         return list(self.carried.pop(slot, {}).items())
-
-    def _meet(self, reading: int, parts: dict[int, TapeQuantity]) -> None:
-        for excitation, part in parts.items():
-            key = (reading, excitation)
-            self.values[key] = self.writer.plus(self.values.get(key), part)
 
 
 MOST_SINGLE_TORQUES = 4
@@ -290,7 +305,9 @@ class ResponseProblem:
         groups += [motions] if motions else []
         if len(groups) == 1:
             return ((groups[0], self),)
-        return tuple((group, self._only([self.excitations[number] for number in group])) for group in groups)
+        return tuple(
+            (group, replace(self, excitations=tuple(self.excitations[number] for number in group))) for group in groups
+        )
 
     @cached_property
     def in_other_order(self) -> ResponseProblem:
@@ -301,22 +318,22 @@ class ResponseProblem:
         """
         return replace(self, other_order=True)
 
-    def _only(self, excitations: Sequence[Loading]) -> ResponseProblem:
-        return replace(self, excitations=tuple(excitations))
-
-    def _sized(self, row: Row) -> Row:
-        if not self.other_order:
-            return row
-        return {column: value * _odd(column) if column < self.n_free else value for column, value in row.items()}
-
     @cached_property
     def plan(self) -> EliminationPlan:
+        rows = [[*self.laws], [excitation.load for excitation in self.excitations], [*self.outputs]]
+        if self.other_order:
+            # Coordinates in odd sizes, q_j = d_j q'_j with d_j between 1 and 2, different for each.
+            odd = [1 + (column + 1) * GOLDEN % 1 for column in range(self.n_free)]
+            rows = [
+                [{j: a * odd[j] if j < self.n_free else a for j, a in row.items()} for row in some] for some in rows
+            ]
+        laws, loads, outputs = rows
         return make_plan(
-            [self._sized(law) for law in self.laws],
+            laws,
             self.n_free,
-            [self._sized(excitation.load) for excitation in self.excitations],
+            loads,
             [excitation.motion for excitation in self.excitations],
-            [self._sized(output) for output in self.outputs],
+            outputs,
             self.reactions,
             other_order=self.other_order,
             accuracy=self.accuracy,
@@ -325,8 +342,3 @@ class ResponseProblem:
     @cached_property
     def tape(self) -> Tape:
         return make_tape(self.plan)
-
-
-def _odd(column: int) -> float:
-    """Scale factor between 1 and 2 of a coordinate, different for each column."""
-    return 1 + (column + 1) * GOLDEN % 1

@@ -57,7 +57,8 @@ def sweep(tape: Tape, kappa: LawStiffness) -> tuple[Array, NDArray[np.bool_]]:
     (n_values, n_points) array, (n_points,) boolean array
         Values, and which points have lost digits.
     """
-    kind = float if kappa.is_real else complex
+    # Without damping in any law all dynamic stiffnesses are real.
+    kind = complex if kappa.damping.any() or any(values.imag.any() for _, values in kappa.sampled) else float
     values = np.zeros((tape.n_values, kappa.n_points), dtype=kind)
     uncertain = np.zeros(kappa.n_points, dtype=bool)
     walk = list(zip(*tape.operations.T.tolist(), tape.factors.tolist(), strict=True))
@@ -78,7 +79,7 @@ def _walk(
 ) -> None:
     *r, spare = registers
     real_spare = spare.view(float)[: kappa.n_points]
-    parts = registers.reshape(len(registers), len(kappa.stiffness), kappa.n_frequencies)
+    parts = registers.reshape(len(registers), len(kappa.stiffness), kappa.omega.shape[-1])
     real, imag = list(parts.real), list(parts.imag) if np.iscomplexobj(parts) else [None] * len(parts)
     size = [one.view(float)[: kappa.n_points] for one in r]
     for code, t, a, b, slots, factor in walk:
@@ -141,9 +142,10 @@ it takes."""
 
 def chosen_method(problem: ResponseProblem, n_points: int, method: str) -> str:
     """Name of the solver to use, for ``auto`` the compiled loop for many points wherever numba works, else numpy."""
-    if method != "auto" or n_points * sum(len(part.tape) for _, part in problem.parts) < COMPILED_WORK:
+    if method != "auto":
         return method
-    return "compiled" if compiled_works() else "graph"
+    is_large = n_points * sum(len(part.tape) for _, part in problem.parts) >= COMPILED_WORK
+    return "compiled" if is_large and compiled_works() else "graph"
 
 
 def compiled_works() -> bool:
@@ -167,12 +169,7 @@ def respond(problem: ResponseProblem, kappa: LawStiffness) -> Sweep:
     if chosen_method(problem, kappa.n_points, "auto") == "compiled":
         with contextlib.suppress(Exception):
             return respond_compiled(problem, kappa)
-    return respond_in_numpy(problem, kappa)
-
-
-def respond_in_numpy(problem: ResponseProblem, kappa: LawStiffness) -> Sweep:
-    """Motions (rad) and reactions (N m) per unit excitation by numpy, shape (n_read, n_exc, n_points)."""
-    return _respond(problem, kappa, sweep)
+    return eliminate(problem, kappa)
 
 
 def respond_compiled(problem: ResponseProblem, kappa: LawStiffness) -> Sweep:
@@ -185,10 +182,14 @@ def respond_compiled(problem: ResponseProblem, kappa: LawStiffness) -> Sweep:
     """
     import torsionnet.linear.dynamic_stiffness.compiled as compiled
 
-    return _respond(problem, kappa, compiled.sweep)
+    return eliminate(problem, kappa, compiled.sweep)
 
 
-def _respond(problem: ResponseProblem, kappa: LawStiffness, walk: Walk) -> Sweep:
+def eliminate(problem: ResponseProblem, kappa: LawStiffness, walk: Walk = sweep) -> Sweep:
+    """Motions (rad) and reactions (N m) per unit excitation, (n_read, n_exc, n_points), by tapes run in numpy.
+
+    Another ``walk`` runs them in another way.
+    """
     values = np.zeros((problem.n_read, len(problem.excitations), kappa.n_points), dtype=complex)
     uncertain = np.zeros(kappa.n_points, dtype=bool)
     with np.errstate(all="ignore"):

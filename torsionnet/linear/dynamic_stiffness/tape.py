@@ -52,8 +52,8 @@ error of an output is about
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import reduce
 from typing import Any, NamedTuple, TypeAlias
 
@@ -86,10 +86,6 @@ class Operation(NamedTuple):
     def read(self) -> tuple[int, ...]:
         return (self.a, self.b)[: _READS.get(self.code, 0)]
 
-    @property
-    def sets(self) -> bool:
-        return self.code not in (MARK, OUTPUT)
-
 
 @dataclass(frozen=True, eq=False)
 class Tape:
@@ -103,12 +99,6 @@ class Tape:
     def __len__(self) -> int:
         return len(self.operations)
 
-    @property
-    def reached(self) -> list[int]:
-        """Numbers of the output values that any excitation reaches. All others are zero whatever the stiffnesses."""
-        found: list[int] = self.operations[self.operations[:, 0] == OUTPUT, 1].tolist()
-        return found
-
 
 class TapeQuantity(NamedTuple):
     """Quantity in an elimination, ``factor`` times the result of operation ``name``, or ``factor`` if ``name`` < 0."""
@@ -117,17 +107,17 @@ class TapeQuantity(NamedTuple):
     factor: float
 
 
+@dataclass
 class Writer:
     """Operations of an elimination as they are written down.
 
     Scalar factors are carried along until an operation needs them.
     """
 
-    def __init__(self) -> None:
-        self.operations: list[Operation] = []
-        self.n_names = 0
-        self._sizes: dict[int, TapeQuantity] = {}
-        self._terms: dict[int, TapeQuantity] = {}
+    operations: list[Operation] = field(default_factory=list)
+    n_names: int = 0
+    _sizes: dict[int, TapeQuantity] = field(default_factory=dict)
+    _terms: dict[int, TapeQuantity] = field(default_factory=dict)
 
     def new(self, code: int, a: int = 0, b: int = 0, factor: float = 1.0, slots: int = 0) -> int:
         """Append an operation of an elimination and return the number by which its result is named."""
@@ -135,8 +125,9 @@ class Writer:
         self.n_names += 1
         return self.n_names - 1
 
-    def name(self, quantity: TapeQuantity) -> int:
-        return quantity.name if quantity.name >= 0 else self.new(CONSTANT)
+    def name(self, quantity: TapeQuantity, constant: int = CONSTANT) -> int:
+        """Name of a quantity, for which a mere factor becomes a ``constant``: LEVEL among magnitudes."""
+        return quantity.name if quantity.name >= 0 else self.new(constant)
 
     def plus(self, known: TapeQuantity | None, term: TapeQuantity, *, of_terms: bool = True) -> TapeQuantity:
         """Sum of two quantities of an elimination, or ``term`` itself where ``known`` is None.
@@ -195,16 +186,13 @@ class Writer:
             return self.size(quantity)
         return TapeQuantity(found.name, found.factor * abs(quantity.factor))
 
-    def level(self, magnitude: TapeQuantity) -> int:
-        return magnitude.name if magnitude.name >= 0 else self.new(LEVEL)
-
     def more(self, first: TapeQuantity, second: TapeQuantity) -> TapeQuantity:
         """Sum of two magnitudes."""
         if first.name < 0 and second.name < 0:
             return TapeQuantity(-1, first.factor + second.factor)
         if not first.factor or not second.factor:
             return second if not first.factor else first
-        names = self.level(first), self.level(second)
+        names = self.name(first, LEVEL), self.name(second, LEVEL)
         return TapeQuantity(self.new(MORE, *names, second.factor / first.factor), first.factor)
 
     def larger(self, first: TapeQuantity | None, second: TapeQuantity) -> TapeQuantity:
@@ -215,7 +203,7 @@ class Writer:
             return first
         if first.name < 0 and second.name < 0:
             return TapeQuantity(-1, max(first.factor, second.factor))
-        names = self.level(first), self.level(second)
+        names = self.name(first, LEVEL), self.name(second, LEVEL)
         return TapeQuantity(self.new(LARGER, *names, second.factor / first.factor), first.factor)
 
     def product(self, first: TapeQuantity, second: TapeQuantity) -> TapeQuantity:
@@ -229,7 +217,7 @@ class Writer:
         """Ratio of two magnitudes."""
         if below.name < 0:
             return TapeQuantity(above.name, above.factor / below.factor)
-        return TapeQuantity(self.new(RATIO, self.level(above), below.name), above.factor / below.factor)
+        return TapeQuantity(self.new(RATIO, self.name(above, LEVEL), below.name), above.factor / below.factor)
 
     def rest(self, share: TapeQuantity) -> TapeQuantity:
         """Magnitude of 1 less a share."""
@@ -237,54 +225,35 @@ class Writer:
             return TapeQuantity(-1, abs(1.0 - share.factor))
         return TapeQuantity(self.new(REST, share.name, 0, share.factor), 1.0)
 
-    def mark(self, error: TapeQuantity, size: TapeQuantity) -> None:
-        """Mark points where an error in roundings is more than MOST_LOST times the size of what it belongs to."""
-        names = self.level(error), self.level(size)
-        self.operations.append(Operation(MARK, 0, *names, error.factor / size.factor))
-
-    def output(self, number: int, value: TapeQuantity) -> None:
-        self.operations.append(Operation(OUTPUT, number, self.name(value), 0, value.factor))
-
     def tape(self, n_values: int) -> Tape:
         """Tape of the operations that the outputs of an elimination depend on, with registers for their results."""
-        placed, n_registers = _with_registers(_needed(self.operations))
-        operations = np.array([(*one[:4], one.slots) for one in placed], dtype=np.int64).reshape(-1, 5)
-        return Tape(operations, np.array([one.factor for one in placed]), n_registers, n_values)
-
-
-def _needed(operations: list[Operation]) -> list[Operation]:
-    """Operations of an elimination that at least one output depends on, in their order."""
-    used: set[int] = set()
-    kept = []
-    for one in reversed(operations):
-        if one.code in (OUTPUT, MARK) or one.t in used:
-            used.update(one.read)
-            kept.append(one)
-    return kept[::-1]
-
-
-def _with_registers(operations: list[Operation]) -> tuple[list[Operation], int]:
-    """Operations of an elimination with registers in place of named results, and the number of registers.
-
-    A register is reused after the last operation on its name.
-    """
-    last = {name: place for place, one in enumerate(operations) for name in one.read}
-    home: dict[int, int] = {}
-    free: list[int] = []
-    placed, count = [], 0
-    for place, one in enumerate(operations):
-        sources = [home[name] for name in one.read]
-        target = one.t
-        # Never the place of a source: compilers make vector instructions only of what does not overlap.
-        if one.sets:
-            if not free:
-                free.append(count)
-                count += 1
-            target = home[one.t] = free.pop()
-        free += [home.pop(name) for name in dict.fromkeys(one.read) if last[name] == place]
-        a, b = (*sources, one.a, one.b)[:2] if len(sources) != 1 else (sources[0], one.b)
-        placed.append(Operation(one.code, target, a, b, one.factor, one.slots))
-    return placed, count
+        # Backwards: an operation is needed if an output or another needed one reads what it sets.
+        used: set[int] = set()
+        needed = []
+        for one in reversed(self.operations):
+            if one.code in (OUTPUT, MARK) or one.t in used:
+                used.update(one.read)
+                needed.append(one)
+        needed.reverse()
+        # Forwards: every result gets a register, which is free again after the last operation that reads it.
+        last = {name: place for place, one in enumerate(needed) for name in one.read}
+        home: dict[int, int] = {}
+        free: list[int] = []
+        placed, n_registers = [], 0
+        for place, one in enumerate(needed):
+            sources = [home[name] for name in one.read]
+            target = one.t
+            # Never the place of a source: compilers make vector instructions only of what does not overlap.
+            if one.code not in (MARK, OUTPUT):
+                if not free:
+                    free.append(n_registers)
+                    n_registers += 1
+                target = home[one.t] = free.pop()
+            free += [home.pop(name) for name in dict.fromkeys(one.read) if last[name] == place]
+            a, b = (*sources, one.a, one.b)[:2] if len(sources) != 1 else (sources[0], one.b)
+            placed.append((one.code, target, a, b, one.slots))
+        operations = np.array(placed, dtype=np.int64).reshape(-1, 5)
+        return Tape(operations, np.array([one.factor for one in needed]), n_registers, n_values)
 
 
 Array: TypeAlias = NDArray[Any]
@@ -302,6 +271,10 @@ FEW_ROWS = 4
 take too many operations."""
 
 
+ONE, NOTHING = TapeQuantity(-1, 1.0), TapeQuantity(-1, 0.0)
+"""Quantities 1 and 0, for which no operation is written."""
+
+
 class ErrorBound(NamedTuple):
     """Bound on the error of a row stiffness in N m/rad, or as a multiple of the law of a slot."""
 
@@ -309,23 +282,37 @@ class ErrorBound(NamedTuple):
     law: int = -1
 
 
+@dataclass
 class Losses:
-    """Writer of the bounds on rounding errors beside the elimination of laws and loads."""
+    """Writer of the bounds on rounding errors beside the elimination of laws and loads.
 
-    def __init__(self, writer: Writer, n_laws: int) -> None:
-        self.writer, self.n_laws = writer, n_laws
-        self.laws: dict[int, TapeQuantity] = {}
-        self.terms: dict[int, TapeQuantity] = {}
-        self.own: set[int] = set()
-        self.bounds: dict[int, TapeQuantity] = {}
-        self.multiples: dict[int, list[ErrorBound]] = {}
-        self.worst = TapeQuantity(-1, 1.0)
-        self.left: ErrorBound | None = None
+    Attributes
+    ----------
+    writer : Writer
+    n_laws : int
+    laws : dict
+        Dynamic stiffness in N m/rad of every law that was used so far, by slot.
+    own : set of int
+        Slots of laws whose own bound, the larger of their dynamic stiffness and its inertia term, is not yet counted.
+    terms, bounds : dict
+        That larger one, and the bound in N m/rad of all that was counted, by slot.
+    multiples : dict
+        Bounds that are not yet counted, each a multiple of a law, by slot.
+    worst : TapeQuantity
+        Largest relative bound of any share or pivot.
+    left : ErrorBound, optional
+        Bound of what the latest step leaves, where that was a coordinate with two rows.
+    """
 
-    def of_law(self, slot: int, law: TapeQuantity) -> None:
-        """Start with the bound of a law in N m/rad, the larger of its dynamic stiffness and its inertia term."""
-        self.laws[slot] = law
-        self.own.add(slot)
+    writer: Writer
+    n_laws: int
+    laws: dict[int, TapeQuantity] = field(default_factory=dict)
+    terms: dict[int, TapeQuantity] = field(default_factory=dict)
+    own: set[int] = field(default_factory=set)
+    bounds: dict[int, TapeQuantity] = field(default_factory=dict)
+    multiples: dict[int, list[ErrorBound]] = field(default_factory=dict)
+    worst: TapeQuantity = ONE
+    left: ErrorBound | None = None
 
     def add(self, slot: int, bound: ErrorBound) -> None:
         """Count the bound of what is added to a row stiffness."""
@@ -365,8 +352,8 @@ class Losses:
         else:
             least = writer.rest(_times(share, square))
             if rest in self.own or rest in self.bounds:
-                own = self._terms(rest) if rest in self.own else TapeQuantity(-1, 0.0)
-                own = writer.larger(own, self.bounds.get(rest, TapeQuantity(-1, 0.0)))
+                own = self._terms(rest) if rest in self.own else NOTHING
+                own = writer.larger(own, self.bounds.get(rest, NOTHING))
                 own = writer.product(size, writer.ratio(_times(own, weight), self._terms(law)))
                 least = writer.larger(least, own)
         lost = least
@@ -396,7 +383,7 @@ class Losses:
                 return
         squares = [square for _, square in step.terms]
         self.parts = [_times(self._bound(slot), square) for slot, square in step.terms]
-        self.all, size = self._largest(self.parts), writer.size(pivot)
+        self.all, size = reduce(writer.larger, self.parts, NOTHING), writer.size(pivot)
         self.worst = writer.larger(self.worst, writer.ratio(self.all, size))
         if not step.shared:
             return
@@ -410,7 +397,7 @@ class Losses:
             if i in shares and len(others) > 1:
                 rest = writer.rest(_times(shares[i], square))
             else:
-                rest = reduce(writer.more, others, TapeQuantity(-1, 0.0))
+                rest = reduce(writer.more, others, NOTHING)
             self.kept.append(writer.product(rest, self._bound(slot)))
         for i in shares:
             self.worst = writer.larger(self.worst, writer.ratio(self.kept[i], writer.size(links[i])))
@@ -420,25 +407,24 @@ class Losses:
         if self.left is not None:
             return ErrorBound(_times(self.left.size, pair.factor), self.left.law)
         writer, i, j = self.writer, pair.i, pair.j
-        bound = self._largest(
-            (writer.product(self.shares[j], self.kept[i]), writer.product(self.shares[i], self.kept[j]))
-        )
+        kept = writer.product(self.shares[j], self.kept[i]), writer.product(self.shares[i], self.kept[j])
+        bound = reduce(writer.larger, kept, NOTHING)
         others = [part for k, part in enumerate(self.parts) if k not in (i, j)]
         if others:
-            worst = self._largest(others) if len(self.parts) <= FEW_ROWS else self.all
+            worst = reduce(writer.larger, others, NOTHING) if len(self.parts) <= FEW_ROWS else self.all
             both = writer.product(self.shares[i], self.shares[j])
             bound = writer.larger(bound, writer.product(both, worst))
         return ErrorBound(_times(bound, pair.factor))
 
     def mark(self, output: TapeQuantity) -> None:
-        """Mark points at which an output has lost more digits than it may."""
-        terms, size = self.writer.terms(output), self.writer.size(output)
+        """Mark points at which an output has lost more digits than it may: its error is above MOST_LOST of its size."""
+        writer = self.writer
+        terms, size = writer.terms(output), writer.size(output)
         if terms == size:
-            terms = size = TapeQuantity(-1, 1.0)
-        self.writer.mark(self.writer.product(terms, self.worst), size)
-
-    def _largest(self, parts: Iterable[TapeQuantity]) -> TapeQuantity:
-        return reduce(self.writer.larger, parts, TapeQuantity(-1, 0.0))
+            terms = size = ONE
+        error = writer.product(terms, self.worst)
+        names = writer.name(error, LEVEL), writer.name(size, LEVEL)
+        writer.operations.append(Operation(MARK, 0, *names, error.factor / size.factor))
 
 
 def _times(quantity: TapeQuantity, factor: float) -> TapeQuantity:

@@ -52,8 +52,8 @@ class TransferRequest:
             self.assembly, self.outputs, self.measured if self.is_measured else (), self.excitations
         )
 
-    def require_reached_inputs(self) -> None:
-        """Raise UsageError for measured inputs that stay zero whatever the parameter values.
+    def with_reached_inputs(self) -> TransferRequest:
+        """The request itself, if no measured input of it stays zero whatever the parameter values.
 
         Raises
         ------
@@ -61,7 +61,7 @@ class TransferRequest:
             An excitation does not reach a measured input, or a measured input is reached by none.
         """
         if not self.is_measured:
-            return
+            return self
         felt = [
             self.reading_problem.excitations_reaching(len(self.outputs) + number)
             for number in range(len(self.measured))
@@ -76,6 +76,7 @@ class TransferRequest:
             if not any(number in reached for reached in felt):
                 where = f"under a {excitation} at every frequency"
                 raise UsageError(f"{self.names} stay zero {where}; they cannot be its measured inputs")
+        return self
 
     def dependent_inputs_error(self) -> UsageError:
         """Error to raise for measured inputs that depend on each other under the excitations at all frequencies."""
@@ -93,18 +94,14 @@ def cached_request(
 ) -> TransferRequest:
     """Request of transfer functions, resolved once for all configurations with the same rows and shaft sections."""
     parts = tuple(tuple(entry) if isinstance(entry, list) else entry for entry in (output, input, excitation))
-
-    def asked() -> TransferRequest:
-        request = resolve_request(drivetrain, output, input, excitation)
-        request.require_reached_inputs()
-        return request
-
     try:
         hash(parts)
-    except TypeError:  # something that is no name, for ask to refuse in words
-        return asked()
-    sections = stress_section_moduli(drivetrain, (output, input))
-    return drivetrain.assembly.system.memo.once(TransferRequest, (parts, sections), asked)
+    except TypeError:  # something that is no name, to be refused in words
+        return resolve_request(drivetrain, output, input, excitation).with_reached_inputs()
+    key = parts, stress_section_moduli(drivetrain, (output, input))
+    return drivetrain.assembly.system.memo.once(
+        TransferRequest, key, lambda: resolve_request(drivetrain, output, input, excitation).with_reached_inputs()
+    )
 
 
 def request_for_model(drivetrain: AssembledModel, request: TransferRequest) -> TransferRequest:
@@ -123,9 +120,7 @@ def request_for_model(drivetrain: AssembledModel, request: TransferRequest) -> T
     inputs: list[Sensor | Input] = [*sensors] if request.is_measured else [*request.excitations]
     found = resolve_inputs(drivetrain, tuple(inputs), list(request.excitations) if request.is_measured else None)
     outputs, measured = tuple(map(read, request.outputs)), tuple(map(read, request.measured))
-    found = replace(found, outputs=outputs, measured=measured, notes=request.notes)
-    found.require_reached_inputs()
-    return found
+    return replace(found, outputs=outputs, measured=measured, notes=request.notes).with_reached_inputs()
 
 
 def stress_section_moduli(
@@ -188,7 +183,16 @@ def resolve_inputs(
             "put a sensor where the excitation acts, or name measured inputs only"
         )
     # Y_out Y_in^-1 needs as many independent excitations as there are measured inputs.
-    excitations = _chosen(drivetrain, excitation) if excitation is not None else _default(drivetrain)
+    if excitation is not None:
+        excitations = _chosen(drivetrain, excitation)
+    elif len(drivetrain.inputs) == 1:
+        excitations = (_present(drivetrain, *drivetrain.inputs),)
+    elif drivetrain.inputs:
+        several = "the model has several inputs; say with excitation= which one drives"
+        raise UsageError(f"{several}{_known_inputs(drivetrain)}")
+    else:
+        missing = "a measured input needs an excitation; declare an input in the model"
+        raise UsageError(f"{missing} or name a node with excitation=")
     if len(excitations) != len(measured):
         raise UsageError(
             f"{len(measured)} measured input(s) but {len(excitations)} excitation(s); "
@@ -197,17 +201,6 @@ def resolve_inputs(
     names = ", ".join(str(entry) for entry in excitations)
     notes = (f"measured input; excitation: {names}",)
     return TransferRequest((), measured, excitations, is_measured=True, assembly=drivetrain.assembly, notes=notes)
-
-
-def _default(drivetrain: AssembledModel) -> tuple[Input, ...]:
-    inputs = tuple(drivetrain.inputs.values())
-    if len(inputs) == 1:
-        return (_present(drivetrain, next(iter(drivetrain.inputs))),)
-    if not inputs:
-        msg = "a measured input needs an excitation; declare an input in the model or name a node with excitation="
-    else:
-        msg = f"the model has several inputs; say with excitation= which one drives{_known_inputs(drivetrain)}"
-    raise UsageError(msg)
 
 
 def _torque_on(drivetrain: AssembledModel, channel: Input) -> Input:
@@ -310,13 +303,19 @@ def _listed(names: Any, what: str, kinds: tuple[type, ...]) -> list[Any]:
 
 def named_output(drivetrain: AssembledModel, entry: str | Sensor) -> Functional:
     """Reading of an output given as sensor, sensor name or node name, as a linear expression of the motion."""
-    sensor = named_sensor(entry, drivetrain.sensors)
+    sensor, name = named_sensor(entry, drivetrain.sensors), str(entry)
     if sensor is None and entry in drivetrain.nodes:
-        sensor = Sensor("angle", str(entry))
+        sensor = Sensor("angle", name)
     if sensor is not None:
-        return _read(drivetrain, sensor, str(entry))
+        # A node that is locked reads zero where its own name is given; a declared sensor on it is a mistake.
+        on_nodes = name in drivetrain.sensors and not sensor.is_on_element
+        kinematics = drivetrain.assembly.kinematics
+        if on_nodes and set(sensor.nodes) <= set(drivetrain.nodes) and kinematics.holds_row(sensor.row):
+            which = f'"{sensor.of}" is locked' if sensor.against is None else immobility_text(sensor)
+            raise UsageError(f"{name} reads zero: {which} in this configuration")
+        return functional(drivetrain, sensor, name)
     known = [*drivetrain.sensors, *drivetrain.nodes]
-    hint = did_you_mean(str(entry), known)
+    hint = did_you_mean(name, known)
     declared = ", ".join(drivetrain.sensors) or "none"
     others = "or write torque(element), twist(element), velocity(node)"
     raise UsageError(f'no sensor or node is named "{entry}"{hint}; sensors: {declared}; {others}')
@@ -341,26 +340,13 @@ def usable_channels(drivetrain: AssembledModel) -> tuple[list[str], list[str]]:
     return inputs, sensors
 
 
-def _read(drivetrain: AssembledModel, sensor: Sensor, name: str) -> Functional:
-    """Reading of a sensor as a linear expression of the motion, refused for a declared sensor on a locked node.
-
-    A node given by name reads zero there.
-    """
-    of_node = name in drivetrain.sensors and not sensor.is_on_element
-    if of_node and set(sensor.nodes) <= set(drivetrain.nodes) and drivetrain.assembly.kinematics.holds_row(sensor.row):
-        which = f'"{sensor.of}" is locked' if sensor.against is None else immobility_text(sensor)
-        raise UsageError(f"{name} reads zero: {which} in this configuration")
-    return functional(drivetrain, sensor, name)
-
-
 def _input(drivetrain: AssembledModel, entry: str | Sensor | Input) -> Input | Functional:
     if isinstance(entry, Input):
         return _given(drivetrain, entry)
     if isinstance(entry, str) and entry in drivetrain.inputs:
         return _present(drivetrain, entry)
-    sensor = named_sensor(entry, drivetrain.sensors)
-    if sensor is not None:
-        return _read(drivetrain, sensor, str(entry))
+    if named_sensor(entry, drivetrain.sensors) is not None:
+        return named_output(drivetrain, entry)
     torque = _torque_on_nodes(drivetrain, entry)
     if torque is not None:
         return torque

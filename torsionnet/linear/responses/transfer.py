@@ -77,8 +77,6 @@ def refine_uncertain_points(
         The measured inputs depend on each other at every frequency.
     """
     points = np.flatnonzero(found.uncertain)
-    if not len(points):
-        return found
     errors = expected_errors(
         lambda some, other_order: transfer_functions(request, some, method, other_order=other_order).values,
         kappa.at(points),
@@ -173,7 +171,7 @@ def _warn(uncertain: Sequence[tuple[int, float]], frequencies: FloatArray) -> No
         f"{len(uncertain)} values next to undamped resonances or antiresonances are rounded; "
         f"near {frequencies[point]:.6g} Hz they are known to {size}"
     )
-    warnings.warn(text, TorsionnetWarning, stacklevel=7)
+    warnings.warn(text, TorsionnetWarning, stacklevel=6)
 
 
 VANISHING_INPUT_RATIO = 1e-10
@@ -227,7 +225,10 @@ def frequency_response(
     request = cached_request(drivetrain, output, input, excitation)
     f = chosen_frequencies(drivetrain, frequencies, request)
     values, conditioning = responses([drivetrain], request, f, method)
-    warn_infinite(values, conditioning, f)
+    if not np.isfinite(values).all():
+        warn_infinite(values, conditioning, f)
+    # Tables over frequency that end before some of the frequencies are named in the notes.
+    read = range_notes(drivetrain.assembly, f) if drivetrain.assembly.system.dynamic else ()
     return FrequencyResponse(
         frequencies=f,
         values=values[0],
@@ -235,7 +236,7 @@ def frequency_response(
         inputs=tuple(reading.channel for reading in request.measured),
         title=drivetrain.title,
         conditioning=conditioning[0] if request.is_measured else None,
-        notes=(*request.notes, *law_notes(drivetrain.definition), *range_notes(drivetrain.assembly, f)),
+        notes=(*request.notes, *law_notes(drivetrain.definition), *read),
         model=drivetrain.name,
         configuration=drivetrain.configuration,
     )
@@ -251,11 +252,18 @@ def chosen_frequencies(
     drivetrain: AssembledModel, frequencies: ArrayLike | Adaptive, request: TransferRequest
 ) -> FloatArray:
     """Frequencies (n_f,) in Hz of a request, as given, or as an adaptive range resolves them."""
-    if isinstance(frequencies, np.ndarray):
-        return _checked(frequencies)
-    from torsionnet.linear.responses.grid import Adaptive
+    if not isinstance(frequencies, np.ndarray):
+        from torsionnet.linear.responses.grid import Adaptive
 
-    return _resolving(drivetrain, frequencies, request) if isinstance(frequencies, Adaptive) else _checked(frequencies)
+        if isinstance(frequencies, Adaptive):
+            return _resolving(drivetrain, frequencies, request)
+    try:
+        f = np.atleast_1d(np.asarray(frequencies, dtype=float))
+    except (TypeError, ValueError):
+        f = np.array([np.nan])
+    if f.ndim != 1 or not np.isfinite(f).all() or (f < 0).any():
+        raise UsageError("frequencies must be a list of finite numbers >= 0, in Hz")
+    return f
 
 
 class Evaluated(NamedTuple):
@@ -298,18 +306,12 @@ def _resolving(drivetrain: AssembledModel, wanted: Adaptive, request: TransferRe
     return wanted.frequencies(*found)
 
 
-def _checked(frequencies: ArrayLike) -> FloatArray:
-    try:
-        f = np.atleast_1d(np.asarray(frequencies, dtype=float))
-    except (TypeError, ValueError):
-        f = np.array([np.nan])
-    if f.ndim != 1 or not np.isfinite(f).all() or (f < 0).any():
-        raise UsageError("frequencies must be a list of finite numbers >= 0, in Hz")
-    return f
-
-
 def evaluate(
-    assemblies: Sequence[Assembly], request: TransferRequest, frequencies: FloatArray, method: str = "auto"
+    assemblies: Sequence[Assembly],
+    request: TransferRequest,
+    frequencies: FloatArray,
+    method: str = "auto",
+    kappa: LawStiffness | None = None,
 ) -> Evaluated:
     """Transfer functions (n_variants, n_f, n_out, n_in) in SI units at frequencies > 0, with conditioning.
 
@@ -321,24 +323,13 @@ def evaluate(
     frequencies : (n_f,) or (n_variants, n_f) array
         Hz.
     method : str
+    kappa : LawStiffness, optional
+        Dynamic stiffnesses of the laws where they are known; assemblies then only serve uncertain points.
     """
-    kappa = law_stiffness([assembly.system for assembly in assemblies], 2 * np.pi * frequencies)
-    return evaluate_laws(kappa, assemblies, request, frequencies, method)
-
-
-def evaluate_laws(
-    kappa: LawStiffness,
-    assemblies: Sequence[Assembly],
-    request: TransferRequest,
-    frequencies: FloatArray,
-    method: str = "auto",
-) -> Evaluated:
-    """Transfer functions (n_variants, n_f, n_out, n_in) in SI units for given dynamic stiffnesses of the laws.
-
-    Assemblies are used for uncertain points.
-    """
+    if kappa is None:
+        kappa = law_stiffness([assembly.system for assembly in assemblies], 2 * np.pi * frequencies)
     found = transfer_functions(request, kappa, method)
-    if method != "dense":
+    if method != "dense" and found.uncertain.any():
         found = refine_uncertain_points(assemblies, request, frequencies, kappa, found, method)
     shape = (len(assemblies), frequencies.shape[-1])
     poor = np.flatnonzero(found.conditioning < VANISHING_INPUT_RATIO)
@@ -346,15 +337,13 @@ def evaluate_laws(
         names = ", ".join(reading.name for reading in request.measured)
         first = np.broadcast_to(frequencies, shape).ravel()[poor[0]]
         text = f"{names}: the measured input all but vanishes at {len(poor)} frequencies, the first {first:.6g} Hz"
-        warnings.warn(text, TorsionnetWarning, stacklevel=5)
+        warnings.warn(text, TorsionnetWarning, stacklevel=4)
     return Evaluated(found.values.reshape(*shape, *found.values.shape[1:]), found.conditioning.reshape(shape))
 
 
 def warn_infinite(values: ComplexArray, conditioning: FloatArray, f: FloatArray) -> None:
     """Warn of infinite responses where rounding of a vanishing measured input does not explain them."""
     finite = np.isfinite(values).all(axis=(2, 3))
-    if finite.all():
-        return
     for points, where, kind in (
         (f == 0, "at 0 Hz: the drivetrain turns freely", FreeTurningWarning),
         ((f > 0) & (conditioning >= VANISHING_INPUT_RATIO), "at a frequency above 0", TorsionnetWarning),
