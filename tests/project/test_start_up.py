@@ -169,5 +169,5 @@ class TestCore:
         four, response = use_of(FOUR_CALLS), use_of(ONE_RESPONSE)
         assert len(four.loaded) <= 110
         assert four.code_lines <= 13_400
-        assert len(response.functions) <= 432
+        assert len(response.functions) <= 380
         assert len(response.files) <= 58
