@@ -8,6 +8,7 @@ import time
 import warnings
 from collections import Counter
 from fractions import Fraction
+from pathlib import Path
 
 import mpmath
 import numpy as np
@@ -294,6 +295,7 @@ class TestMany:
         if below >= len(names):
             pytest.skip(f"this processor runs {len(names)} kernels")
         environment = {**os.environ, "OPENBLAS_CORETYPE": names[below], "OPENBLAS_NUM_THREADS": "1"}
+        environment["PYTHONPATH"] = str(Path(__file__).parents[1])  # helpers
         call = [sys.executable, __file__, str(campaigns.examples(40, 300))]
         done = subprocess.run(call, env=environment, capture_output=True, text=True, timeout=600, check=False)
         assert done.returncode == 0, done.stderr[-2000:]

@@ -62,8 +62,8 @@ class AttributeHints:
 class LazyMethod:
     """Function that is a method of a class, from a module imported at the first call or when the class is asked for it.
 
-    Made of a module's name by naming what is in it, as ``LazyMethod("torsionnet").solve.modes.modes.modes``: what type
-    checkers read as the function itself, if they have the module's import.
+    Made of a module's name by naming what is in it, as ``LazyMethod("torsionnet").linear.modes.natural_modes.modes``:
+    what type checkers read as the function itself, if they have the module's import.
     """
 
     def __init__(self, place: str) -> None:

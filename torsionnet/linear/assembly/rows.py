@@ -272,6 +272,8 @@ class RowSystem:
         return any(table.is_continuous for _, table in self.dynamic)
 
     def _gram(self, coefficients: FloatArray) -> FloatArray:
+        # A law at a shaft behind a gear has the entry 1/tau in its row b over the coordinate before it; b b^T has
+        # 1/tau^2, the reflected J/tau^2, c/tau^2 and k/tau^2.
         used = np.flatnonzero(coefficients)
         rows = self.rows[used]
         return np.asarray(rows.T @ (coefficients[used, None] * rows), dtype=float)

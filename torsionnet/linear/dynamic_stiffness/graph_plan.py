@@ -86,7 +86,7 @@ class EliminationStep:
     pairs : tuple of EliminatedPair
     loads : tuple of (slot, l_v)
         f_v = sum of l_v w[slot].
-    passed : tuple of Passed
+    passed : tuple of PassedLoad
     motions : tuple of MotionStep
         Needed on the way back, in reverse order of the steps.
     shared : tuple of int

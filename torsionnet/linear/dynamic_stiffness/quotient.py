@@ -147,7 +147,9 @@ def transfer_functions(
                 readings[:, number] += float(factor) * loops.torques[action].T
     values, uncertain, conditioning = readings[:, :n_out], loops.uncertain, np.ones(kappa.n_points)
     if request.is_measured:
-        # Y_out Y_in^-1, equations (8)-(13) of Galvagno et al. (2015); small rests of large terms lose digits.
+        # Y_out Y_in^-1, equations (8)-(13) of Galvagno et al. (2015). Both readings have det D as denominator, which
+        # cancels: the poles are the zeros of the measured input (natural_modes.poles_against_measured).
+        # Small rests of large terms lose digits.
         measured = readings[:, n_out:]
         values, lost, apart = _divide(values, measured)
         # Conditioning: measured inputs over the sum of the magnitudes of their terms, largest of any excitation.

@@ -61,7 +61,7 @@ class ReadingProblem:
     problem : ResponseProblem
     parts : tuple of ReadingPart
         What every reading is.
-    terms : tuple of (Part, ...)
+    terms : tuple of (ReadingPart, ...)
         Of measured inputs, what their size is compared with: the reading written out as terms of motion.
     applied : (n_readings, n_exc) array
         The share of applied torques in that.
@@ -229,10 +229,12 @@ class _Gaps:
 
     def part(self, reading: Functional) -> ReadingPart:
         """Summand by which a torque is read as one reaction on a gap, so that its exact coefficients cancel."""
+        # With the virtual motion z the balance reads -kappa_i (a_i z) of every law; the column of the gap has +a_i z.
         laws: dict[int, Fraction] = {}
         for term in reading.terms:
             if term.law is not None:
                 laws[term.law] = laws.get(term.law, Fraction(0)) - term.factor
+        # Divided by the first size, equal gaps at several ports are one column.
         sizes = [*laws.items(), *reading.applied.items()]
         factor = next((size for _, size in sizes if size), Fraction(1))
         laws = {law: work / factor for law, work in laws.items() if work}

@@ -25,7 +25,8 @@ NO_CHANNELS_MESSAGE = "name at least one output and one input"
 class TransferRequest:
     """Outputs and inputs of transfer functions, where inputs are measured ones or the excitations themselves.
 
-    ``assembly`` is one in which the names were looked up; others with the same rows may be asked the same.
+    Without measured inputs ``measured`` stands for the excitations, with their names and units. ``assembly`` is one in
+    which the names were looked up; others with the same rows may be asked the same.
     """
 
     outputs: tuple[Functional, ...]

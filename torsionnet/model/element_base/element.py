@@ -1,8 +1,8 @@
 """Base class of all element types, and the register of element types.
 
-A new element type is one class in this package: a frozen dataclass whose fields carry specifications
-(:mod:`torsionnet.base.entries`) and a ``parts`` method that yields laws and constraints. Registering it
-makes it known to model files, the JSON Schema, the checks and the documentation.
+A new element type is one class in a file of ``model/elements`` named as its ``kind``: a frozen dataclass whose fields
+carry specifications (:mod:`torsionnet.base.entries`) and a ``parts`` method that yields laws and constraints.
+Registering it makes it known to model files, the JSON Schema, the checks and the documentation.
 """
 
 from __future__ import annotations

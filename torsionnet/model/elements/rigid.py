@@ -1,7 +1,4 @@
-"""Rigid connections: rigid coupling (also a torque meter) and clamp to ground.
-
-Here as well: rigid rotating mass at a node; gear stage, planetary set and differential.
-"""
+"""Inertia, gear stage, planetary set, differential, rigid coupling (also a torque meter) and clamp to ground."""
 
 from __future__ import annotations
 
