@@ -185,15 +185,20 @@ def smooth_course(
 
     degree = _degree(len(times))
     inner, ends = slice(degree, -degree - 1), degree + 1
-    near = np.ones(len(times), dtype=bool)
+    near, passed = np.ones(len(times), dtype=bool), np.empty(len(times), dtype=bool)
     knots = np.empty(0)
     while True:
         apart = max(apart, FEWEST_STEPS)
-        passed = np.diff(numbers // apart, prepend=0) > 0
+        # A knot at the first pulse of every ``apart`` steps, told without copies of an hour of pulses.
+        spans = numbers // apart
+        passed[0], passed[1:] = spans[0] > 0, spans[1:] > spans[:-1]
+        del spans
         knots = np.union1d(knots, times[inner][(passed & near)[inner]])
         spline = _least_squares(times, standing, np.r_[[times[0]] * ends, knots, [times[-1]] * ends], degree)
+        if apart == FEWEST_STEPS or distance == np.inf:
+            return spline
         far = np.abs(standing - spline(times)) > distance
-        if apart == FEWEST_STEPS or not far.any():
+        if not far.any():
             return spline
         # Knots change a spline some knots to either side.
         near = maximum_filter1d(far, 2 * SPLINE_DEGREE * min(apart, len(times)) + 1)

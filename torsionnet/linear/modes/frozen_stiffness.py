@@ -286,7 +286,9 @@ class FixedPoints:
         squares = (near.real / np.abs(near)) ** 2
         with np.errstate(divide="ignore"):
             growth = (squares / (1 - squares)).max(initial=0.0)
-        return bool(slopes[0] / 2 + growth * (slopes[1] + slopes[0] / 2) < 1)
+        damping = slopes[1] + slopes[0] / 2
+        # Either may be infinite beside a zero: of a pole next to real, and of a stiffness that begins at 0.
+        return bool(slopes[0] / 2 + (growth * damping if growth and damping else 0.0) < 1)
 
     def _slopes(self, end: float, other: float) -> tuple[float, float]:
         """Largest logarithmic slopes of stiffness and damping over frequency, at one end of a range in rad/s."""
