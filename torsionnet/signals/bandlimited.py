@@ -101,7 +101,7 @@ class Rotation:
             if offsets is not None:
                 beyond = np.zeros(count)
                 beyond[numbers] = offsets
-        standing = np.asarray(numbers + (0.0 if offsets is None else offsets), dtype=np.float64)
+        standing = numbers if offsets is None else numbers + offsets
         for distance in LARGEST_DISTANCES:
             apart = round(steps_per_revolution / KNOTS_PER_TURN)
             self.mean_rotation = smooth_course(times, standing, numbers, apart, distance)
@@ -109,16 +109,24 @@ class Rotation:
                 self.mean_rotation(stamps), beyond, stamps, gaps_of(numbers)
             )
             if doubtful is None:
-                inner = slice(END_PULSES, -END_PULSES)
-                middle = ((times[1:] + times[:-1]) / 2)[inner]
-                back = np.flatnonzero(self.rate(middle) <= 0)
-                doubtful = float(middle[back[0]]) if len(back) else None
+                doubtful = self._first_turned_back(times)
             if doubtful is None:
                 return
         raise SolveError(
             f"the speed changes too fast around {doubtful:.6g} s to interpolate the angle between pulses; "
             "cut the record there"
         )
+
+    def _first_turned_back(self, times: FloatArray) -> float | None:
+        """First time in s half-way between pulses, away from the ends, at which the shaft does not turn forwards."""
+        last = len(times) - 1 - END_PULSES
+        for begin in range(END_PULSES, last, SPLINE_POINTS):
+            end = min(begin + SPLINE_POINTS, last)
+            middle = (times[begin + 1 : end + 1] + times[begin:end]) / 2
+            back = np.flatnonzero(self.rate(middle) <= 0)
+            if len(back):
+                return float(middle[back[0]])
+        return None
 
     @property
     def beyond_band(self) -> float:
@@ -142,8 +150,11 @@ class Rotation:
     def rate(self, times: FloatArray) -> FloatArray:
         """Speed in encoder steps a second at times in s between first and last pulse, shape (n,)."""
         places = np.asarray(self.mean_rotation(times), dtype=float)
-        along = np.asarray(self.mean_rotation(times, 1), dtype=float)
-        return along * (1 + _between(self._wide, places, slope=True))
+        # d(u + f(u))/dt = (1 + f'(u)) du/dt, in place: an hour of pulses is 43 MB.
+        speeds = _between(self._wide, places, slope=True)
+        speeds += 1
+        speeds *= self.mean_rotation(times, 1)
+        return speeds
 
 
 def _filled(times: FloatArray, numbers: NDArray[np.intp], offsets: FloatArray | None) -> FloatArray:
@@ -175,7 +186,11 @@ def _degree(count: int) -> int:
 
 
 def smooth_course(
-    times: FloatArray, standing: FloatArray, numbers: NDArray[np.intp], apart: int, distance: float = np.inf
+    times: FloatArray,
+    standing: FloatArray | NDArray[np.intp],
+    numbers: NDArray[np.intp],
+    apart: int,
+    distance: float = np.inf,
 ) -> Any:
     """Spline of least squares in encoder steps over time in s, its knots ``apart`` steps, or nearer.
 
@@ -205,22 +220,27 @@ def smooth_course(
         apart //= 2
 
 
-def _least_squares(x: FloatArray, y: FloatArray, knots: FloatArray, degree: int):  # type: ignore[no-untyped-def]  # noqa: ANN202
+def _least_squares(x: FloatArray, y: FloatArray | NDArray[np.intp], knots: FloatArray, degree: int):  # type: ignore[no-untyped-def]  # noqa: ANN202
     """Spline of least squares by its banded normal equations; make_lsq_spline takes time with the square of points."""
     from scipy.interpolate import BSpline
     from scipy.linalg import solveh_banded
 
     count, order = len(knots) - degree - 1, degree + 1
-    band, right = np.zeros((order, count)), np.zeros(count)
+    # By columns, as LAPACK factors it in place then: over an hour of pulses the band is as large as they are.
+    band, right = np.zeros((order, count), order="F"), np.zeros(count)
     for begin in range(0, len(x), SPLINE_POINTS):
         part = slice(begin, begin + SPLINE_POINTS)
         design = BSpline.design_matrix(x[part], knots, degree)
         first, values = design.indices[::order], design.data.reshape(-1, order).T
+        # Points follow one another, and so do the splines that are not 0 there: only theirs are added to.
+        lowest, splines = int(first[0]), int(first[-1] - first[0]) + 1
+        first = first - lowest
         for row in range(order):
-            right += np.bincount(first + row, values[row] * y[part], count)
+            at = slice(lowest + row, lowest + row + splines)
+            right[at] += np.bincount(first, values[row] * y[part], splines)
             for below in range(order - row):
-                band[below] += np.bincount(first + row, values[row] * values[row + below], count)
-    return BSpline(knots, solveh_banded(band, right, lower=True), degree)
+                band[below, at] += np.bincount(first, values[row] * values[row + below], splines)
+    return BSpline(knots, solveh_banded(band, right, overwrite_ab=True, overwrite_b=True, lower=True), degree)
 
 
 def _values_at_whole_numbers(

@@ -374,8 +374,8 @@ def _deviations(
     offsets: FloatArray | None,
 ) -> PulseDeviations:
     pitch = 2 * np.pi / wheel.teeth
-    passed = numbers - numbers[0]
-    standing = np.asarray(passed + (0.0 if offsets is None else offsets), dtype=np.float64)
+    passed = numbers - numbers[0] if numbers[0] else numbers
+    standing = passed if offsets is None else passed + offsets
     course = smooth_course(times, standing, passed, round(wheel.teeth / FOLLOWED_KNOTS))
 
     def read(part: slice) -> tuple[FloatArray, FloatArray]:
