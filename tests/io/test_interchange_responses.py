@@ -10,7 +10,9 @@ from hypothesis import strategies as st
 import torsionnet as tn
 from torsionnet.app.cli import main
 from torsionnet.base.errors import MissingExtraError, ModelError, UsageError
+from torsionnet.base.notes import warning
 from torsionnet.io import read_frequency_response, write_frequency_response
+from torsionnet.linear.estimation import Estimation
 from torsionnet.linear.frequency_response import Channel, FrequencyResponse
 from torsionnet.signals.formats import extras
 
@@ -61,6 +63,39 @@ class TestRoundTrip:
         found = read_frequency_response(tmp_path / f"h{ending}")
         assert found.usable_up_to == 2.5
         same(found, given)
+
+    @pytest.mark.parametrize("ending", ENDINGS)
+    def test_averaging_is_no_note(self, tmp_path, ending):
+        needs(ending)
+        notes = ("H1, Welch, hann 2 s, overlap 50%, detrend mean, 9 averages worth 5.0",)
+        averaging = Estimation("Hv", "hamming", 8.192, 0.75, "linear", 21, 11.8125)
+        write_frequency_response(response([1, 2, 3], estimation=averaging, notes=notes), tmp_path / f"h{ending}")
+        found = read_frequency_response(tmp_path / f"h{ending}")
+        assert found.estimation.to_data() == averaging.to_data()
+        assert found.notes == notes
+
+    def test_table_as_csv_keeps_averaging(self, tmp_path):
+        averaging = Estimation("Hr", "hann", 8.0, 0.75, "mean", 21, 11.81234567, swept=True, references=("T_1",))
+        response([1, 2, 3], estimation=averaging, notes=("reworded",)).to_csv(tmp_path / "h.csv")
+        found = read_frequency_response(tmp_path / "h.csv")
+        assert found.estimation.to_data() == averaging.to_data()
+        assert found.notes == ("reworded",)
+
+    def test_warning_has_the_last_line_of_a_universal_file(self, tmp_path):
+        needs(".uff")
+        averaging = Estimation("H1", "hann", 8.0, 0.75, "mean", 21, 11.8)
+        given = response([1, 2, 3], estimation=averaging, notes=("averaged", warning("too few")))
+        write_frequency_response(given, tmp_path / "h.uff")
+        assert read_frequency_response(tmp_path / "h.uff").notes == ("warning: too few",)
+
+    @pytest.mark.parametrize("ending", [".csv", ".uff"])
+    def test_averaging_of_older_files_is_read_from_their_note(self, tmp_path, ending):
+        needs(ending)
+        path, note = tmp_path / f"h{ending}", "H1, Welch, hann 8 s, overlap 75%, detrend mean, 21 averages worth 11.8"
+        given = response([1, 2, 3], title="test", notes=(f"{note} without overlap",))
+        given.to_csv(path) if ending == ".csv" else write_frequency_response(given, path)
+        averaging = Estimation("H1", "hann", 8.0, 0.75, "mean", 21, 11.8)
+        assert read_frequency_response(path).estimation.to_data() == averaging.to_data()
 
     def test_table_as_csv_keeps_it_too(self, tmp_path):
         response([1, 2, 3], usable_up_to=2.5).to_csv(tmp_path / "h.csv")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any
@@ -63,6 +64,15 @@ class Estimation:
         }
 
 
+def estimation_text(estimation: Estimation | None) -> str:
+    """Key and averaging data of a response, as its tables say them; empty without any.
+
+    >>> estimation_text(Estimation("H1", "hann", 8.0, 0.75, "mean", 21, 11.8))[:42]
+    'estimation: {"estimator": "H1", "window": '
+    """
+    return "" if estimation is None else f"estimation: {json.dumps(estimation.to_data())}"
+
+
 def read_estimation(data: Mapping[str, Any]) -> Estimation:
     """Averaging data of an estimated response, read from a mapping that :meth:`Estimation.to_data` has made.
 
@@ -76,8 +86,8 @@ def read_estimation(data: Mapping[str, Any]) -> Estimation:
         detrend=str(data["detrend"]),
         averages=int(data["averages"]),
         effective_averages=float(data["effective_averages"]),
-        swept=bool(data["swept"]),
-        settled_from=float(data["settled_from"]),
+        swept=bool(data.get("swept", False)),
+        settled_from=float(data.get("settled_from", 0.0)),
         references=tuple(map(str, data.get("references", ()))),
         aligned=float(data.get("aligned", 0.0)),
     )

@@ -279,6 +279,7 @@ class FrequencyResponse(NotebookResult):
     def table(self, conventions: Conventions = SI) -> Table:
         """Table of magnitude, phase in deg and coherence, where known, of each output over each input by frequency."""
         from torsionnet.base.table import Column, Table
+        from torsionnet.linear.estimation import estimation_text
 
         columns = [Column("frequency", conventions.frequency)]
         data: list[FloatArray] = [self.frequencies * conventions.frequency_scale]
@@ -294,12 +295,8 @@ class FrequencyResponse(NotebookResult):
                     columns.append(Column(f"coherence {label}", "1"))
                     data.append(self.coherence[:, o, i])
         rows = tuple(tuple(float(cell) for cell in row) for row in zip(*data, strict=True))
-        return Table(
-            self.title,
-            tuple(columns),
-            rows,
-            (*map(str, self.notes), *filter(None, [usable_limit_text(self)]), SIGN_NOTE),
-        )
+        keys = filter(None, [usable_limit_text(self), estimation_text(self.estimation)])
+        return Table(self.title, tuple(columns), rows, (*map(str, self.notes), *keys, SIGN_NOTE))
 
     def to_csv(self, path: str | Path | None = None, conventions: Conventions = SI) -> str:
         """Table of the frequency response as CSV text, also written to the file ``path`` if given."""

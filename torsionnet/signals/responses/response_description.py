@@ -18,8 +18,11 @@ KEY = "torsionnet_frequency_response"
 """Name under which the description of a frequency response stands in a file."""
 NUMBERS = ("frequencies", "values", "coherence", "conditioning")
 """Names of the arrays of a frequency response in a file."""
+_SHORT = ("estimator", "window", "seconds", "overlap", "detrend", "averages", "effective_averages")
+"""Names of averaging data in the order in which a line of a universal file has them."""
 _LIMIT = re.compile(r"usable(?:_up_to:| up to) (\S+) Hz")
-_NOTE = re.compile(
+_ESTIMATION = re.compile(r"estimation: (\{.*\}|\[.*\])")
+_OLD_ESTIMATION = re.compile(
     r"(?P<estimator>H\w+)( with .+?)?, Welch, (?P<window>\w+) (?P<seconds>\S+) s, overlap (?P<overlap>[\d.]+)%, "
     r"detrend (?P<detrend>\w+), (?P<averages>\d+) averages worth (?P<effective>[\d.]+)\b.*"
 )
@@ -114,6 +117,26 @@ def response_from(text: str, numbers: dict[str, Any]) -> FrequencyResponse:
     return FrequencyResponse(**said, **numbers)
 
 
+def short_estimation_text(estimation: Estimation) -> str:
+    """Key and main averaging data of a response as a list, for a line of 80 characters.
+
+    >>> short_estimation_text(Estimation("H1", "hann", 8.0, 0.75, "mean", 21, 11.82345678))
+    'estimation: ["H1","hann",8.0,0.75,"mean",21,11.8235]'
+    """
+    values = (getattr(estimation, name) for name in _SHORT)
+    rounded = [float(f"{value:.6g}") if isinstance(value, float) else value for value in values]
+    return f"estimation: {json.dumps(rounded, separators=(',', ':'))}"
+
+
+def is_key(line: str) -> bool:
+    """Whether a text of a file is the usable limit or the averaging data of a response rather than a note on it.
+
+    >>> is_key("usable_up_to: 16.8 Hz"), is_key("usable in the lab")
+    (True, False)
+    """
+    return _LIMIT.fullmatch(line) is not None or _ESTIMATION.fullmatch(line) is not None
+
+
 def usable_limit_in(lines: Iterable[str]) -> float | None:
     """Frequency in Hz up to which a response is usable, from its key among the texts of a file; None without one.
 
@@ -129,14 +152,26 @@ def usable_limit_in(lines: Iterable[str]) -> float | None:
         return None
 
 
-def estimation_in(notes: Iterable[str]) -> Estimation | None:
-    """Averaging data of an estimated response, read from the text of notes, None if no note has them.
+def estimation_in(lines: Iterable[str]) -> Estimation | None:
+    """Averaging data of an estimated response, from their key among the texts of a file; None without them.
 
+    Older files have a note in place of the key.
+
+    >>> estimation_in(["a title", 'estimation: ["H1","hann",8.0,0.75,"mean",21,11.8]']).seconds
+    8.0
     >>> estimation_in(["H1, Welch, hann 8 s, overlap 75%, detrend mean, 21 averages worth 11.8 without"]).seconds
     8.0
     """
-    for note in notes:
-        found = _NOTE.fullmatch(note)
+    lines = list(lines)
+    for line in lines:
+        if found := _ESTIMATION.fullmatch(line):
+            try:
+                data = json.loads(found[1])
+                return read_estimation(dict(zip(_SHORT, data, strict=True)) if isinstance(data, list) else data)
+            except (KeyError, TypeError, ValueError):
+                return None
+    for note in lines:
+        found = _OLD_ESTIMATION.fullmatch(note)
         if found:
             seconds, overlap, effective = (float(found[key]) for key in ("seconds", "overlap", "effective"))
             names = found["estimator"], found["window"]

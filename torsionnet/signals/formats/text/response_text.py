@@ -22,6 +22,7 @@ from torsionnet.signals.responses.response_description import (
     KEY,
     description,
     estimation_in,
+    is_key,
     parse_description,
     response_from,
     usable_limit_in,
@@ -143,9 +144,7 @@ def _foreign(
     for pair, found in parts.items():
         matrix.pairs[pair] = _single(found)
     notes = resolve_units(matrix.pairs)
-    kept = [
-        comment for comment in comments[1:] if comment not in ("", SIGN_NOTE) and usable_limit_in([comment]) is None
-    ]
+    kept = [comment for comment in comments[1:] if comment not in ("", SIGN_NOTE) and not is_key(comment)]
     conditioning = [numbers[at] for at, column in enumerate(columns) if column.kind == "conditioning"]
     more = {
         "conditioning": conditioning[0] if conditioning else None,

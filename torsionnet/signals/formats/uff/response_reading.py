@@ -32,7 +32,7 @@ from torsionnet.signals.formats.uff.datasets import (
 from torsionnet.signals.recording import QUANTITY_UNITS
 from torsionnet.signals.records.axes import hertz_in
 from torsionnet.signals.records.quantities import factor_to_si, quantity_of_dimension
-from torsionnet.signals.responses.response_description import estimation_in, usable_limit_in
+from torsionnet.signals.responses.response_description import estimation_in, is_key, usable_limit_in
 from torsionnet.signals.responses.response_matrix import ResponseMatrix, SingleResponse
 
 SAME_FACTOR = 1e-3
@@ -62,17 +62,15 @@ def response_of_datasets(sets: Sequence[dict[str, Any]], path: Path) -> Frequenc
         raise ModelError(faults, path.name)
     axis = text_in(first, "abscissa_axis_units_lab")
     converted = f"frequencies converted from {axis}" if hertz_in(axis) != 1.0 else ""
-    notes = tuple(
-        line
-        for line in (text_in(first, "id4"), text_in(first, "id5"), converted, *_unit_notes(functions, units))
-        if line
-    )
+    lines = [text_in(first, "id4"), text_in(first, "id5")]
+    kept = (line for line in lines if not is_key(line))
+    notes = tuple(line for line in (*kept, converted, *_unit_notes(functions, units)) if line)
     general = [item for _, item in numbered if item["func_type"] == GENERAL_FUNCTION]
     conditioning = [np.asarray(item["data"], dtype=float) for item in general if text_in(item, "id1") == "conditioning"]
     more = {
         "conditioning": conditioning[0] if conditioning else None,
         "usable_up_to": usable_limit_in([text_in(first, "id3")]),
-        "estimation": estimation_in(map(str, notes)),
+        "estimation": estimation_in(lines),
     }
     return matrix.response(path.name, text_in(first, "id2") or path.stem, notes, **more)
 

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from torsionnet.base.errors import UsageError
+from torsionnet.base.notes import is_warning
 from torsionnet.linear.frequency_response import Channel, FloatArray, FrequencyResponse, usable_limit_text
 from torsionnet.signals.formats.extras import open_foreign, require_extra
 from torsionnet.signals.formats.uff.datasets import (
@@ -30,7 +31,7 @@ from torsionnet.signals.formats.uff.datasets import (
     write_sets,
 )
 from torsionnet.signals.formats.uff.response_reading import response_of_datasets
-from torsionnet.signals.responses.response_description import estimation_in
+from torsionnet.signals.responses.response_description import short_estimation_text
 
 ENTITY_WIDTH, LABEL_WIDTH = 10, 20
 """Most characters of the name of an entity, and of the label of a unit, in a dataset 58."""
@@ -102,9 +103,12 @@ def _datasets(response: FrequencyResponse) -> Iterator[dict[str, Any]]:
 
 
 def _common(response: FrequencyResponse) -> dict[str, Any]:
-    # How it was estimated goes first: a fit needs it to know how certain the lines are.
-    notes = sorted(map(str, response.notes), key=lambda note: estimation_in([note]) is None)
-    lines = ("", response.title, usable_limit_text(response), *notes[:2], "", "")[:5]
+    # A fit needs to know how it was estimated; where that leaves room for one note, a warning goes first.
+    notes, own = list(map(str, response.notes)), []
+    if response.estimation is not None:
+        own = [short_estimation_text(response.estimation)]
+        notes = list(map(str, sorted(response.notes, key=lambda note: not is_warning(note))))
+    lines = ("", response.title, usable_limit_text(response), *own, *notes, "", "")[:5]
     frequencies = np.asarray(response.frequencies, dtype=float)
     return function_dataset(
         lines, x=frequencies, abscissa_spacing=int(_is_even(frequencies)), abscissa_min=float(frequencies[0]),
