@@ -27,8 +27,9 @@ INNER_MEMBERS: dict[type, set[str]] = {
     object: {"contradictions", "key_faults", "notebook_tables", "record", "renamed", "row"},
     tn.Drivetrain: {"assembly", "definition", "from_definition", "with_definition", "with_entries_named"},
     tn.Element: {
-        *("at_own_speed", "diameters", "expanded", "expressions", "from_entries", "has_other_laws", "mean_speed_rows"),
-        *("parts", "place_of", "reads_off", "referral_fault", "scalars", "schema", "sign_at", "twist", "with_laws"),
+        *("diameters", "expanded", "expressions", "from_entries", "is_at_own_speed", "mean_speed_rows", "other_laws"),
+        *("own_parts", "own_tangent_parts", "own_whole_parts", "parts", "place_of", "reads_off", "referral_fault"),
+        *("scalars", "schema", "sign_at", "twist", "with_laws"),
     },
     tn.OperatingPoint: {"loaded_nodes", "read", "with_overlay"},
     tn.Parameter: {"given", "with_operating_values", "written"},
@@ -85,14 +86,18 @@ class PublicName:
         text = (getdoc(self.value) or "").partition("\n\n")[0]
         return re.split(r"(?<=[.:])\s+(?=[A-Z`])", " ".join(text.split()))[0]
 
+    @property
+    def inner_members(self) -> set[str]:
+        """Names of members of a class that only the package itself calls."""
+        return {name for cls, names in INNER_MEMBERS.items() if issubclass(self.value, cls) for name in names}
+
     @cached_property
     def members(self) -> dict[str, Any]:
         """Public members of a class that have a docstring, by name, those of base classes included."""
         found: dict[str, Any] = {}
         if not self.is_class or (issubclass(self.value, tn.Element) and self.value is not tn.Element):
             return found  # an element type has entries; what else there is, its base class has
-        hidden = {name for cls, names in INNER_MEMBERS.items() if issubclass(self.value, cls) for name in names}
-        inner = {*INNER_BASES}
+        hidden, inner = self.inner_members, {*INNER_BASES}
         for cls in self.value.__mro__:
             if not cls.__module__.startswith("torsionnet") or cls in inner:
                 continue
@@ -154,7 +159,7 @@ def _parameters(one: PublicName) -> Iterator[str]:
         yield f"{one.name}({place} {_parameter(name, parameter)})"
     if is_dataclass(one.value):
         for field in fields(one.value):
-            if field.name not in given and not field.name.startswith("_"):
+            if field.name not in {*given, *one.inner_members} and not field.name.startswith("_"):
                 yield f"{one.name}.{field.name}: {_annotation(field.type)}"
 
 

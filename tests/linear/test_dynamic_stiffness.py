@@ -36,7 +36,7 @@ class Bushes(Element):
     table: StiffnessTable = entry(TableEntry("rows"))  # noqa: RUF009
     number: Expression = entry(PhysicalQuantity("how many", "1", "n"))  # noqa: RUF009
 
-    def parts(self, value):
+    def own_parts(self, value):
         row, n = difference(*self.nodes), value(self.number)
         return (
             Law(row, table=ScaledStiffness(self.table, n, "all")),

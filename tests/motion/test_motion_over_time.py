@@ -25,11 +25,11 @@ class Curved(tn.Spring):
     def has_motion_laws(self) -> bool:
         return True
 
-    def whole_parts(self, value: Values) -> tuple[WholePart, ...]:
+    def own_whole_parts(self, value: Values) -> tuple[WholePart, ...]:
         del value
         return (MotionLaw(difference(*self.nodes), CURVES[self.name]),)
 
-    def parts(self, value: Values) -> tuple[Part, ...]:
+    def own_parts(self, value: Values) -> tuple[Part, ...]:
         return self.tangent_parts(value)
 
 

@@ -45,7 +45,7 @@ class AnInerter(Element):
     nodes: tuple[str, str] = entry(NodePair("the two nodes it connects"))
     inertance: Expression = entry(PhysicalQuantity("inertance", "inertia", "b"))
 
-    def parts(self, value):
+    def own_parts(self, value):
         return (Law(difference(*self.nodes), inertia=value(self.inertance)),)
 '''
 

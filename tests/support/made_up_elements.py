@@ -20,7 +20,7 @@ class OnePort(Element):
     node: str = entry(NodeName("its node"))
     mass: Expression = entry(PhysicalQuantity("mass moment of inertia", "inertia", "J"), 2)
 
-    def parts(self, value):
+    def own_parts(self, value):
         return (Law(make_row([(self.node, 1)]), inertia=value(self.mass), damping=1),)
 
 
@@ -35,7 +35,7 @@ class Absorber(Element):
     def internal_nodes(self):
         return (f"{self.name}.mass",)
 
-    def parts(self, value):
+    def own_parts(self, value):
         (inner,) = self.internal_nodes
         spring = Law(difference(self.node, inner), stiffness=300, damping=4)
         return (spring, Law(make_row([(inner, 1)]), inertia=value(self.mass)))
@@ -48,7 +48,7 @@ class TwoPorts(Element):
     nodes: tuple[str, str] = entry(NodePair("its nodes"))
     give: Expression = entry(PhysicalQuantity("stiffness", "stiffness", "k"), 300)
 
-    def parts(self, value):
+    def own_parts(self, value):
         return (Law(difference(*self.nodes), stiffness=value(self.give)),)
 
 
@@ -61,7 +61,7 @@ class ThreePorts(Element):
     middle: str = entry(NodeName("middle"))
     give: Expression = entry(PhysicalQuantity("stiffness", "stiffness", "k"), 300, kw_only=True)
 
-    def parts(self, value):
+    def own_parts(self, value):
         row = make_row([(self.left, 1), (self.right, 1), (self.middle, -2)])
         return (Law(row, stiffness=value(self.give)),)
 
@@ -73,8 +73,8 @@ class FourPorts(ThreePorts):
     fourth: str = entry(NodeName("fourth end"))
     other: Expression = entry(PhysicalQuantity("stiffness", "stiffness", "k"), 300, kw_only=True)
 
-    def parts(self, value):
-        return (*super().parts(value), Law(difference(self.left, self.fourth), stiffness=value(self.other)))
+    def own_parts(self, value):
+        return (*super().own_parts(value), Law(difference(self.left, self.fourth), stiffness=value(self.other)))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -94,7 +94,7 @@ class Maxwell(Element):
         del value
         return difference(*self.nodes)
 
-    def parts(self, value):
+    def own_parts(self, value):
         (inner,) = self.internal_nodes
         spring = Law(difference(self.nodes[0], inner), stiffness=value(self.stiffness))
         return (spring, Law(difference(inner, self.nodes[1]), damping=value(self.damping)))
@@ -106,8 +106,8 @@ class Zener(Maxwell):
 
     beside: Expression = entry(PhysicalQuantity("stiffness", "stiffness", "k"), 100)
 
-    def parts(self, value):
-        return (*super().parts(value), Law(difference(*self.nodes), stiffness=value(self.beside)))
+    def own_parts(self, value):
+        return (*super().own_parts(value), Law(difference(*self.nodes), stiffness=value(self.beside)))
 
 
 def with_glyph(cls, glyph):
@@ -132,7 +132,7 @@ SHAPES = {
 class MadeUpInerter(TwoPorts):
     """Torque from a relative acceleration, with a spring and a dashpot."""
 
-    def parts(self, value):
+    def own_parts(self, value):
         return (Law(difference(*self.nodes), inertia=3, damping=2, stiffness=value(self.give)),)
 
 
@@ -140,7 +140,7 @@ class MadeUpInerter(TwoPorts):
 class Mesh(ThreePorts):
     """Inertia, damping and stiffness on a weighted sum of three angles whose weights do not add up to zero."""
 
-    def parts(self, value):
+    def own_parts(self, value):
         row = make_row([(self.left, 2), (self.right, Fraction(-1, 2)), (self.middle, 3)])
         return (Law(row, inertia=Fraction(1, 5), damping=2, stiffness=value(self.give)),)
 
@@ -149,7 +149,7 @@ class Mesh(ThreePorts):
 class RigidMesh(ThreePorts):
     """The weighted sum of three angles is zero."""
 
-    def parts(self, value):
+    def own_parts(self, value):
         del value
         return (Constraint(make_row([(self.left, 2), (self.right, -2), (self.middle, 3)])),)
 
@@ -158,7 +158,7 @@ class RigidMesh(ThreePorts):
 class RigidPair(TwoPorts):
     """Two angles in a ratio."""
 
-    def parts(self, value):
+    def own_parts(self, value):
         del value
         return (Constraint(make_row([(self.nodes[0], 1), (self.nodes[1], Fraction(5, 2))])),)
 

@@ -53,7 +53,7 @@ def others(catalogue: Path) -> dict[str, tn.Element]:
 class Ring(tn.Element):
     """An element of one's own."""
 
-    def parts(self, value: Values) -> tuple[()]:
+    def own_parts(self, value: Values) -> tuple[()]:
         return ()
 
 

@@ -120,7 +120,5 @@ _WRITERS: dict[type[Element], Writer] = {
 def write_element(element: Element, net: Net, words: ModelicaExpressions) -> None:
     """Declare and connect the Modelica components of an element."""
     # The nicer components take their values from the entries, which may be quoted at another shaft.
-    write = (
-        write_parts if element.has_other_laws or element.has_motion_laws else _WRITERS.get(type(element), write_parts)
-    )
+    write = write_parts if element.other_laws or element.has_motion_laws else _WRITERS.get(type(element), write_parts)
     write(element, net, words)

@@ -9,7 +9,7 @@ from torsionnet.base.entries.spec import not_none
 from torsionnet.base.errors import Fault, TorsionnetError
 from torsionnet.model.element_base.laws import own_node
 from torsionnet.model.element_base.speed_loops import second_ratio
-from torsionnet.model.element_base.speed_path import SpeedPath, SpeedPaths
+from torsionnet.model.element_base.speed_path import LawsAtOwnShaft, SpeedPath, SpeedPaths
 from torsionnet.model.elements import Element, Law, Values
 
 
@@ -30,7 +30,9 @@ def at_own_speeds(elements: Sequence[Element], values: Mapping[str, Any]) -> tup
         found = [(element, _path(element, paths)) for element in elements]
     except (TorsionnetError, ArithmeticError, KeyError):  # checks say which values are missing or impossible
         return tuple(elements)
-    return tuple(element if path is None else element.at_own_speed(path) for element, path in found)
+    return tuple(
+        element if path is None else element.with_laws(LawsAtOwnShaft(element, path)) for element, path in found
+    )
 
 
 def _path(element: Element, paths: SpeedPaths) -> SpeedPath | None:

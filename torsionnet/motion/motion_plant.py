@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable
-from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -16,6 +15,7 @@ from torsionnet.linear.assembly.rows import FloatArray, RowSystem
 from torsionnet.linear.assembly.system import Assembly
 from torsionnet.linear.dynamic_stiffness.action_states import LawStates, law_states
 from torsionnet.linear.dynamic_stiffness.row_algebra import null_space
+from torsionnet.model.element_base.element import OtherLaws
 from torsionnet.model.elements import Element, Law, MotionLaw, Part, Values
 
 MOST_REMEMBERED = 256
@@ -30,12 +30,10 @@ class PlacedLaw(Law):
 
 
 @dataclass(frozen=True)
-class PlacedParts:
-    """Replacement of the method ``parts`` of an element: its whole parts with a placed law for each law of motion."""
+class PlacedLaws(OtherLaws):
+    """Laws of an element in full, with a placed law for each law of motion."""
 
-    element: Element
-
-    def __call__(self, value: Values) -> tuple[Part, ...]:
+    def parts(self, value: Values) -> tuple[Part, ...]:
         return tuple(
             PlacedLaw(part.row, stiffness=1, motion=part) if isinstance(part, MotionLaw) else part
             for part in self.element.whole_parts(value)
@@ -146,9 +144,10 @@ def motion_plant(drivetrain: AssembledModel) -> MotionPlant:
     """
     elements: dict[str, Element] = dict(drivetrain.definition.elements)
     for element in drivetrain.definition.switched_on:
-        placed: Any = copy(element.with_laws(PlacedParts(element)))
-        placed.__dict__["referred_to"] = None  # these elements have been converted
-        elements[element.name] = placed
+        elements[element.name] = element.unchecked(
+            other_laws=PlacedLaws(element),
+            referred_to=None,  # these elements have been converted
+        )
     plain = drivetrain.with_definition(replace(drivetrain.definition, elements=elements, tangents=None))
     assembly = plain.assembly
     _refuse(assembly)

@@ -91,6 +91,17 @@ class Declared:
         """Faults of entries that are valid alone but contradict each other."""
         return []
 
+    def unchecked(self, **changes: Any) -> Self:
+        """Copy of the object with other values of some fields, as they are stored, and without what it has calculated.
+
+        Nothing is checked: for what is known to be right, or may contradict the other entries.
+        """
+        copied = object.__new__(type(self))
+        for one in fields(self):  # type: ignore[arg-type]
+            name = one.name
+            object.__setattr__(copied, name, changes[name] if name in changes else getattr(self, name))
+        return copied
+
     @classmethod
     @cache
     def declared(cls) -> tuple[Field[Any], ...]:

@@ -21,7 +21,7 @@ from torsionnet.linear.sensitivity.dual import DUALS, Dual, value_of
 from torsionnet.linear.sensitivity.unknowns import Unknowns
 from torsionnet.model.balanced_state import BalancedState
 from torsionnet.model.definition import Definition, Tangents
-from torsionnet.model.element_base.element import TangentParts
+from torsionnet.model.element_base.element import TangentLaws
 from torsionnet.model.elements import Element, Law, MotionLaw, Values
 from torsionnet.model.kinematics import OwnedPart, owned_parts
 from torsionnet.model.law_network import following_elements
@@ -69,8 +69,8 @@ def parts_at(unknowns: Unknowns, at: Sequence[float]) -> tuple[OwnedPart, ...]:
 
 def _about_states(definition: Definition) -> list[tuple[str, Element]]:
     """Elements, by name, whose laws of motion are linear about states that follow from the operating point."""
-    pairs = ((one.name, vars(one).get("parts")) for one in definition.active if one.has_motion_laws)
-    return [(name, parts.element) for name, parts in pairs if isinstance(parts, TangentParts)]
+    pairs = ((one.name, one.other_laws) for one in definition.active)
+    return [(name, laws.element) for name, laws in pairs if isinstance(laws, TangentLaws)]
 
 
 def _is_smooth(element: Element, values: Values) -> bool:

@@ -7,7 +7,8 @@ from fractions import Fraction
 from typing import TypeVar
 
 from torsionnet.base.errors import UsageError
-from torsionnet.model.elements import Element, Law, Part, Values
+from torsionnet.model.element_base.element import OtherLaws
+from torsionnet.model.elements import Law, Part, Values
 from torsionnet.model.model import Model
 
 AnyModel = TypeVar("AnyModel", bound=Model)
@@ -44,7 +45,7 @@ def viscous_equivalent(model: AnyModel, frequency: float) -> AnyModel:
     for name, element in elements.items():
         if any(isinstance(part, Law) and _is_over_frequency(part) for part in element.parts(values)):
             laws = ViscousLaws(element, Fraction(repr(float(frequency))))
-            laws(values)  # refuses what has no equivalent
+            laws.parts(values)  # refuses what has no equivalent
             elements[name] = element.with_laws(laws)
     return model.with_definition(replace(model.definition, elements=elements))
 
@@ -54,13 +55,12 @@ def _is_over_frequency(law: Law) -> bool:
 
 
 @dataclass(frozen=True)
-class ViscousLaws:
-    """Replacement of an element's method ``parts``, with constant coefficients at a frequency in Hz."""
+class ViscousLaws(OtherLaws):
+    """Laws of an element with constant coefficients at a frequency in Hz."""
 
-    element: Element
     frequency: Fraction
 
-    def __call__(self, value: Values) -> tuple[Part, ...]:
+    def parts(self, value: Values) -> tuple[Part, ...]:
         return tuple(
             self._viscous(part, value) if isinstance(part, Law) and _is_over_frequency(part) else part
             for part in self.element.parts(value)

@@ -321,7 +321,7 @@ class _Holder(Element):
     def ports(self) -> dict[str, str]:
         return {"node": self.held}
 
-    def parts(self, value: Values) -> tuple[Part, ...]:
+    def own_parts(self, value: Values) -> tuple[Part, ...]:
         del value
         return (Constraint({self.held: 1}),)
 

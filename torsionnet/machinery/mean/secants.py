@@ -7,22 +7,22 @@ from dataclasses import dataclass, replace
 
 from torsionnet.model.balanced_state import BalancedState
 from torsionnet.model.definition import Definition
+from torsionnet.model.element_base.element import OtherLaws
 from torsionnet.model.element_base.laws import MotionState
 from torsionnet.model.elements import Constraint, Element, Law, MotionLaw, Part, Values
 
 
 @dataclass(frozen=True)
-class SecantParts:
-    """Replacement of the method ``parts`` of an element: springs T/gamma at the mean torques and twists of its laws.
+class SecantLaws(OtherLaws):
+    """Laws of an element with springs T/gamma at the mean torques and twists of its laws.
 
     What stands still is rigid, what slips or has no torque is nothing: the torque of what slips acts from outside.
     """
 
-    element: Element
     states: tuple[MotionState, ...]
     torques: tuple[float, ...]
 
-    def __call__(self, value: Values) -> tuple[Part, ...]:
+    def parts(self, value: Values) -> tuple[Part, ...]:
         given = iter(zip(self.states, self.torques, strict=True))
         return tuple(
             _secant(part, *next(given)) if isinstance(part, MotionLaw) else part
@@ -53,7 +53,7 @@ class Secants:
         if element.name not in self.state.states or not element.has_motion_laws:
             return element
         states, torques = self.state.states[element.name], self.state.torques[element.name]
-        return element.with_laws(SecantParts(element, states, torques))
+        return element.with_laws(SecantLaws(element, states, torques))
 
     @property
     def states(self) -> tuple[BalancedState, ...]:

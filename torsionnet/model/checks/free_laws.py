@@ -8,7 +8,7 @@ from typing import Any
 
 from torsionnet.base.errors import Fault
 from torsionnet.model.definition import Definition
-from torsionnet.model.element_base.element import Element
+from torsionnet.model.element_base.element import Element, OtherLaws
 from torsionnet.model.elements import Constraint, Law, MotionLaw, Part, Row, Values
 from torsionnet.model.elimination import reduce_rows
 from torsionnet.model.kinematics import Kinematics, solve_kinematics
@@ -38,7 +38,7 @@ def with_gaps_closed(definition: Definition, kinematics: Kinematics) -> tuple[Ki
     closed = tuple(one.name for one in definition.active if one.has_motion_laws and _is_open(one, value, kinematics))
     if not closed:
         return kinematics, ()
-    elements = {name: definition.elements[name].with_laws(ClosedParts(definition.elements[name])) for name in closed}
+    elements = {name: definition.elements[name].with_laws(ClosedLaws(definition.elements[name])) for name in closed}
     changed = replace(definition, elements={**definition.elements, **elements}, tangents=None)
     return solve_kinematics(changed, value), closed
 
@@ -121,7 +121,7 @@ def loose_kinematics(definition: Definition, values: Mapping[str, Any]) -> Kinem
     holding = [one.name for one in definition.active if one.has_motion_laws and _holds(one, value)]
     if not holding:
         return None
-    loose = {name: definition.elements[name].with_laws(LooseParts(definition.elements[name])) for name in holding}
+    loose = {name: definition.elements[name].with_laws(LooseLaws(definition.elements[name])) for name in holding}
     changed = replace(definition, elements={**definition.elements, **loose}, tangents=None)
     return solve_kinematics(changed, value)
 
@@ -141,23 +141,19 @@ def _held_rows(element: Element, value: Values) -> list[Row]:
 
 
 @dataclass(frozen=True)
-class LooseParts:
-    """Replacement of the method ``parts`` of an element, in which its laws of motion do nothing."""
+class LooseLaws(OtherLaws):
+    """Laws of an element in which its laws of motion do nothing."""
 
-    element: Element
-
-    def __call__(self, value: Values) -> tuple[Part, ...]:
+    def parts(self, value: Values) -> tuple[Part, ...]:
         whole = self.element.whole_parts(value)
         return tuple(Law(part.row) if isinstance(part, MotionLaw) else part for part in whole)
 
 
 @dataclass(frozen=True)
-class ClosedParts:
-    """Replacement of the method ``parts`` of an element, in which its gaps are closed; the stiffness does not count."""
+class ClosedLaws(OtherLaws):
+    """Laws of an element in which its gaps are closed; the stiffness does not count."""
 
-    element: Element
-
-    def __call__(self, value: Values) -> tuple[Part, ...]:
+    def parts(self, value: Values) -> tuple[Part, ...]:
         whole = self.element.whole_parts(value)
         return tuple(
             Law(part.row, stiffness=int(part.curve.over == "twist")) if isinstance(part, MotionLaw) else part

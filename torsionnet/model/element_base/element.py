@@ -1,19 +1,18 @@
 """Base class of all element types, and the register of element types.
 
 A new element type is one class in a file of ``model/elements`` named as its ``kind``: a frozen dataclass whose fields
-carry specifications (:mod:`torsionnet.base.entries`) and a ``parts`` method that yields laws and constraints.
+carry specifications (:mod:`torsionnet.base.entries`) and a method ``own_parts`` that yields laws and constraints.
 Registering it makes it known to model files, the JSON Schema, the checks and the documentation.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from copy import copy
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import PurePath
-from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar, final
 
 from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.scalars import QuantityKind
@@ -45,7 +44,6 @@ from torsionnet.model.element_base.laws import (
 
 if TYPE_CHECKING:
     from torsionnet.model.catalogues.catalogue import CatalogueRow
-    from torsionnet.model.element_base.speed_path import SpeedPath
 
 ELEMENT_TYPES: TypeRegister[type[Element]] = TypeRegister("torsionnet.model.elements", ("springs", "rigid"))
 """Class of every element type, by the word in ``type:``, in alphabetical order; a module is imported when its kind is
@@ -105,8 +103,6 @@ class Element(Declared):
     may_feed: ClassVar[bool] = False
     """Whether the element may feed energy into a vibration, by an action or by negative damping."""
 
-    is_at_own_speed: ClassVar[bool] = False
-    """Whether the laws of motion of the element were converted from another shaft, and not replaced otherwise."""
     working_point: ClassVar[tuple[str, ...]] = ()
     """Names of entries that name the working point of the element's laws of motion, about which it is then linear."""
     when_stuck: ClassVar[str] = ""
@@ -129,6 +125,8 @@ class Element(Declared):
         None,
         kw_only=True,
     )
+    other_laws: OtherLaws | None = field(default=None, init=False)
+    """Laws in place of those that follow from the entries; a copy with other entries has none."""
 
     def __post_init__(self) -> None:
         reason = (
@@ -199,41 +197,57 @@ class Element(Declared):
         del value
         return []
 
-    def parts(self, value: Values) -> tuple[Part, ...]:
-        """Laws, constraints and actions of the element, with coefficients in the algebra of ``value``."""
+    def own_parts(self, value: Values) -> tuple[Part, ...]:
+        """Laws, constraints and actions that follow from the entries, which an element type has to say."""
         raise NotImplementedError
 
-    @property
-    def has_motion_laws(self) -> bool:
-        """Whether :meth:`whole_parts` has laws of motion, of which :meth:`parts` has the tangents."""
-        return type(self).whole_parts is not Element.whole_parts
-
-    @property
-    def has_own_working_point(self) -> bool:
-        """Whether entries of the element name the working point about which :meth:`parts` is linear."""
-        return any(getattr(self, name) is not None for name in self.working_point)
-
-    def whole_parts(self, value: Values) -> tuple[WholePart, ...]:
-        """Parts of the element with its laws of motion in full, where :meth:`parts` has their tangents.
-
-        Most elements have none: the two are the same.
-        """
+    def own_whole_parts(self, value: Values) -> tuple[WholePart, ...]:
+        """Parts that follow from the entries with laws of motion in full; most element types have none."""
         return self.parts(value)
 
-    def tangent_parts(self, value: Values, states: Sequence[MotionState] = ()) -> tuple[Part, ...]:
-        """Parts of the element for small motion about a state of each of its laws of motion, in their order.
-
-        Without states all rows rest without twist.
-        """
+    def own_tangent_parts(self, value: Values, states: Sequence[MotionState] = ()) -> tuple[Part, ...]:
+        """Parts that follow from the entries for small motion about states."""
         found: list[Part] = []
         given = iter(states)
         for part in self.whole_parts(value):
             found += part.tangent(next(given, AT_REST)) if isinstance(part, MotionLaw) else (part,)
         return tuple(found)
 
+    @final
+    def parts(self, value: Values) -> tuple[Part, ...]:
+        """Laws, constraints and actions of the element, with coefficients in the algebra of ``value``."""
+        return self.own_parts(value) if self.other_laws is None else self.other_laws.parts(value)
+
+    @final
+    def whole_parts(self, value: Values) -> tuple[WholePart, ...]:
+        """Parts of the element with its laws of motion in full, where :meth:`parts` has their tangents.
+
+        Most elements have none: the two are the same.
+        """
+        return self.own_whole_parts(value) if self.other_laws is None else self.other_laws.whole_parts(value)
+
+    @final
+    def tangent_parts(self, value: Values, states: Sequence[MotionState] = ()) -> tuple[Part, ...]:
+        """Parts of the element for small motion about a state of each of its laws of motion, in their order.
+
+        Without states all rows rest without twist.
+        """
+        laws = self.other_laws
+        return self.own_tangent_parts(value, states) if laws is None else laws.tangent_parts(value, states)
+
+    @property
+    def has_motion_laws(self) -> bool:
+        """Whether :meth:`whole_parts` has laws of motion, of which :meth:`parts` has the tangents."""
+        return type(self).own_whole_parts is not Element.own_whole_parts
+
+    @property
+    def has_own_working_point(self) -> bool:
+        """Whether entries of the element name the working point about which :meth:`parts` is linear."""
+        return any(getattr(self, name) is not None for name in self.working_point)
+
     def at_states(self, states: Sequence[MotionState]) -> Self:
         """Copy of the element with tangents about a state of each of its laws of motion in place of these."""
-        return self.with_laws(TangentParts(self, tuple(states)))
+        return self.with_laws(TangentLaws(self, tuple(states)))
 
     def twist(self, value: Values) -> Row:
         """Row of node angles whose motion is the twist of the element."""
@@ -286,25 +300,14 @@ class Element(Declared):
         """Outer and inner diameter in m of a round shaft, or None for an element without a stressed section."""
         return None
 
-    def at_own_speed(self, path: SpeedPath) -> Self:
-        """Copy of the element with its values converted from the shaft at the end of ``path`` to its own shaft."""
-        found = self.with_laws(path.parts_at_own_shaft(self))
-        if self.has_motion_laws:
-            whole, tangents = path.laws_at_own_shaft(self)
-            found.__dict__.update(whole_parts=whole, tangent_parts=tangents)
-        found.__dict__["is_at_own_speed"] = True
-        return found
-
-    def with_laws(self, parts: Callable[[Values], tuple[Part, ...]]) -> Self:
+    def with_laws(self, laws: OtherLaws) -> Self:
         """Copy of the element with other laws in place of those that follow from its entries."""
-        found = copy(self)
-        found.__dict__.update(parts=parts, is_at_own_speed=False)
-        return found
+        return self.unchecked(other_laws=laws)
 
     @property
-    def has_other_laws(self) -> bool:
-        """Whether the laws of the element were replaced by :meth:`with_laws`."""
-        return "parts" in self.__dict__
+    def is_at_own_speed(self) -> bool:
+        """Whether the laws of the element were converted from another shaft, and not replaced otherwise."""
+        return self.other_laws is not None and self.other_laws.are_converted
 
     @property
     def referral_fault(self) -> str | None:
@@ -338,7 +341,7 @@ class Element(Declared):
         return (
             type(self),
             self.name,
-            self.__dict__.get("parts"),
+            self.other_laws,
             *(getattr(self, declared.name) for declared in self.declared()),
         )
 
@@ -404,11 +407,33 @@ def viscous(damping: Any, stiffness: Any, value: Values) -> Any:
 
 
 @dataclass(frozen=True)
-class TangentParts:
-    """Replacement of the method ``parts`` of an element: tangents of its laws of motion about given states."""
+class OtherLaws:
+    """Laws in place of those that follow from the entries of an element; each kind says how its parts are made."""
+
+    are_converted: ClassVar[bool] = False
+    """Whether they are those of the element, only converted from another shaft."""
 
     element: Element
+
+    def parts(self, value: Values) -> tuple[Part, ...]:
+        """Parts of the element that follow from these laws."""
+        raise NotImplementedError
+
+    def whole_parts(self, value: Values) -> tuple[WholePart, ...]:
+        """Parts of the element as it was, where it has laws of motion, else those that follow from these laws."""
+        whole = self.element.whole_parts(value)
+        return whole if any(isinstance(part, MotionLaw) for part in whole) else self.parts(value)
+
+    def tangent_parts(self, value: Values, states: Sequence[MotionState] = ()) -> tuple[Part, ...]:
+        """Tangents of the laws of motion of the element as it was."""
+        return self.element.tangent_parts(value, states)
+
+
+@dataclass(frozen=True)
+class TangentLaws(OtherLaws):
+    """Tangents of the laws of motion of an element about given states."""
+
     states: tuple[MotionState, ...]
 
-    def __call__(self, value: Values) -> tuple[Part, ...]:
+    def parts(self, value: Values) -> tuple[Part, ...]:
         return self.element.tangent_parts(value, self.states)

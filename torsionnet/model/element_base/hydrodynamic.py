@@ -146,18 +146,18 @@ class Hydrodynamic(Element):
         ratio = value(self.speed_ratio)
         return (make_row([(self.turbine, 1), (self.pump, -ratio), (self.housing, ratio - 1)]),)
 
-    def parts(self, value: Values) -> tuple[Part, ...]:
+    def own_parts(self, value: Values) -> tuple[Part, ...]:
         if self.speed is None or self.speed_ratio is None:
             return self.tangent_parts(value)
         return self._parts_about(value(self.speed), value(self.speed_ratio), value)
 
-    def tangent_parts(self, value: Values, states: Sequence[MotionState] = ()) -> tuple[Part, ...]:
+    def own_tangent_parts(self, value: Values, states: Sequence[MotionState] = ()) -> tuple[Part, ...]:
         """Parts of the element for small motion about speeds; at rest it does nothing."""
         pump = states[0].sensed[0] if states and states[0].sensed else 0
         ratio = (pump - states[0].rate) / pump if pump else 0
         return self._parts_about(abs(pump), ratio, value)
 
-    def whole_parts(self, value: Values) -> tuple[WholePart, ...]:
+    def own_whole_parts(self, value: Values) -> tuple[WholePart, ...]:
         pump, capacity, gain = difference(self.pump, self.housing), self.capacity(value), self.gain(value)
         laws = [MotionLaw(difference(self.pump, self.turbine), CouplingCurve(capacity), sensed=(pump,))]
         if gain is not None:

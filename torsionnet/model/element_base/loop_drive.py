@@ -127,7 +127,7 @@ class LoopDrive(Element):
         """Radius in m of the first wheel of the belt or chain drive."""
         raise NotImplementedError
 
-    def parts(self, value: Values) -> tuple[Part, ...]:
+    def own_parts(self, value: Values) -> tuple[Part, ...]:
         radius_ratios, count = self.radius_ratios(value), len(self.wheels)
         if not self.stiffness and not self.lengths:
             first = self.wheels[0]

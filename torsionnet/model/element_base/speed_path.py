@@ -13,31 +13,11 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Any, ClassVar
 
 from torsionnet.base.registers import Groups
+from torsionnet.model.element_base.element import Element, OtherLaws
 from torsionnet.model.element_base.laws import GROUND, Law, MotionLaw, MotionState, Part, Row, Values, WholePart
-
-
-class SpeedTransmitter(Protocol):
-    """Interface of an element that transmits mean speeds."""
-
-    @property
-    def name(self) -> str: ...
-
-    @property
-    def glyph(self) -> str: ...
-
-    @property
-    def ports(self) -> dict[str, str]: ...
-
-    def mean_speed_rows(self, value: Values) -> tuple[Row, ...]: ...
-
-    def parts(self, value: Values) -> tuple[Part, ...]: ...
-
-    def whole_parts(self, value: Values) -> tuple[WholePart, ...]: ...
-
-    def tangent_parts(self, value: Values, states: Sequence[MotionState] = ()) -> tuple[Part, ...]: ...
 
 
 @dataclass(frozen=True)
@@ -47,7 +27,7 @@ class SpeedStep:
     ``alike`` says that all nodes of the row turn at one speed, as those of an open differential.
     """
 
-    element: SpeedTransmitter
+    element: Element
     row: int
     start: str
     end: str
@@ -98,48 +78,26 @@ class SpeedPath:
             for part in parts
         )
 
-    def parts_at_own_shaft(self, quoted: SpeedTransmitter) -> _ActualParts:
-        """Replacement of the method ``parts`` of an element whose values are quoted at the end of the path."""
-        return _ActualParts(quoted, self)
-
-    def laws_at_own_shaft(self, quoted: SpeedTransmitter) -> tuple[_ActualWholeParts, _ActualTangents]:
-        """Replacements of the methods ``whole_parts`` and ``tangent_parts`` of such an element."""
-        return _ActualWholeParts(quoted, self), _ActualTangents(quoted, self)
-
 
 @dataclass(frozen=True)
-class _ActualParts:
+class LawsAtOwnShaft(OtherLaws):
     """Laws of an element converted from the shaft where they are quoted to its own shaft; constraints are unchanged."""
 
-    quoted: SpeedTransmitter
+    are_converted: ClassVar[bool] = True
+
     path: SpeedPath
 
-    def __call__(self, value: Values) -> tuple[Part, ...]:
-        return self.path.actual(self.quoted.parts(value), value)
+    def parts(self, value: Values) -> tuple[Part, ...]:
+        return self.path.actual(self.element.parts(value), value)
 
+    def whole_parts(self, value: Values) -> tuple[WholePart, ...]:
+        return self.path.whole(self.element.whole_parts(value), value)
 
-@dataclass(frozen=True)
-class _ActualWholeParts:
-    """Laws of an element, with those of motion in full, converted from the shaft where they are quoted to its own."""
-
-    quoted: SpeedTransmitter
-    path: SpeedPath
-
-    def __call__(self, value: Values) -> tuple[WholePart, ...]:
-        return self.path.whole(self.quoted.whole_parts(value), value)
-
-
-@dataclass(frozen=True)
-class _ActualTangents:
-    """Tangents of an element about states at its own shaft, whose laws are quoted at another shaft."""
-
-    quoted: SpeedTransmitter
-    path: SpeedPath
-
-    def __call__(self, value: Values, states: Sequence[MotionState] = ()) -> tuple[Part, ...]:
+    def tangent_parts(self, value: Values, states: Sequence[MotionState] = ()) -> tuple[Part, ...]:
+        """Tangents about states at the element's own shaft."""
         ratio = self.path.ratio(value)
         quoted = [state.scaled(ratio) for state in states]
-        return self.path.actual(self.quoted.tangent_parts(value, quoted), value)
+        return self.path.actual(self.element.tangent_parts(value, quoted), value)
 
 
 def _quotient(above: Any, below: Any) -> Any:
@@ -155,7 +113,7 @@ def _scaled(law: Law, factor: Any) -> Law:
 class _Held:
     """Row of node speeds that an element makes zero on average."""
 
-    element: SpeedTransmitter
+    element: Element
     number: int
     row: Row
 
@@ -191,8 +149,8 @@ class SpeedTree:
 class SpeedPaths:
     """Finder of speed paths between shafts through a sequence of elements, in one algebra."""
 
-    def __init__(self, elements: Sequence[SpeedTransmitter], value: Values) -> None:
-        self.elements: Sequence[SpeedTransmitter] = elements
+    def __init__(self, elements: Sequence[Element], value: Values) -> None:
+        self.elements: Sequence[Element] = elements
         self.value: Values = value
         self._trees: dict[str, SpeedTree] = {}
 

@@ -50,10 +50,10 @@ class Clearance(Element):
         DampingQuantity("viscous damping in contact, or a damping measure at a frequency", "damping", "c"), 0
     )
 
-    def parts(self, value: Values) -> tuple[Part, ...]:
+    def own_parts(self, value: Values) -> tuple[Part, ...]:
         return self.tangent_parts(value)
 
-    def whole_parts(self, value: Values) -> tuple[WholePart, ...]:
+    def own_whole_parts(self, value: Values) -> tuple[WholePart, ...]:
         stiffness = value(self.stiffness)
         damping = viscous(self.damping, stiffness, value)
         return (MotionLaw(difference(*self.nodes), clearance_curve(value(self.gap), stiffness, damping)),)

@@ -148,12 +148,12 @@ class Clutch(Element):
     def has_motion_laws(self) -> bool:
         return self.state == "slipping" and _reaches_rest(self._table)
 
-    def parts(self, value: Values) -> tuple[Part, ...]:
+    def own_parts(self, value: Values) -> tuple[Part, ...]:
         if self.has_motion_laws and not self.has_own_working_point:
             return self.tangent_parts(value)
         return (self._faces(value), *self._disc_and_bodies(value))
 
-    def whole_parts(self, value: Values) -> tuple[WholePart, ...]:
+    def own_whole_parts(self, value: Values) -> tuple[WholePart, ...]:
         if not self.has_motion_laws:
             return self.parts(value)
         row = difference(self.nodes[0], self.disc)

@@ -57,14 +57,14 @@ class ConstantPowerLoad(Element):
             return [Fault("the load and its housing are on one node; give two different nodes", ("housing",))]
         return []
 
-    def parts(self, value: Values) -> tuple[Part, ...]:
+    def own_parts(self, value: Values) -> tuple[Part, ...]:
         return self._parts_about(None if self.speed is None else value(self.speed), value)
 
-    def tangent_parts(self, value: Values, states: Sequence[MotionState] = ()) -> tuple[Part, ...]:
+    def own_tangent_parts(self, value: Values, states: Sequence[MotionState] = ()) -> tuple[Part, ...]:
         """Parts of the load for small motion about a speed; at rest it does nothing."""
         return self._parts_about(states[0].rate if states and states[0].rate else None, value)
 
-    def whole_parts(self, value: Values) -> tuple[WholePart, ...]:
+    def own_whole_parts(self, value: Values) -> tuple[WholePart, ...]:
         return (MotionLaw(difference(self.node, self.housing), PowerCurve(value(self.power), 1, -1)),)
 
     def _parts_about(self, speed: Any, value: Values) -> tuple[Part, ...]:

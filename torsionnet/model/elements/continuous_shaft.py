@@ -83,7 +83,7 @@ class ContinuousShaft(Element):
         inside = self.internal_nodes[0]
         return difference(self.nodes[0], inside), difference(inside, self.nodes[1])
 
-    def parts(self, value: Values) -> tuple[Part, ...]:
+    def own_parts(self, value: Values) -> tuple[Part, ...]:
         polar = value.algebra.pi * (value(self.outer_diameter) ** 4 - value(self.inner_diameter) ** 4) / 32
         stiffness = value(self.shear_modulus) * polar / value(self.length)
         inertia = value(self.density) * polar * value(self.length)

@@ -92,7 +92,7 @@ class Controller(Element):
                 faults.append(Fault(of, ("law", *path)))
         return faults
 
-    def parts(self, value: Values) -> tuple[Part, ...]:
+    def own_parts(self, value: Values) -> tuple[Part, ...]:
         numerator, denominator = self.law.quotient(value)
         row, sensed = (_row(nodes) for nodes in (self.act, self.sense.nodes))
         rate = (0,) * self.sense.power

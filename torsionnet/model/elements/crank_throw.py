@@ -129,7 +129,7 @@ class CrankThrow(Element):
                 faults.append(Fault("the bore must be smaller than the diameter", (bore,)))
         return faults
 
-    def parts(self, value: Values) -> tuple[Part, ...]:
+    def own_parts(self, value: Values) -> tuple[Part, ...]:
         stiffness = self._stiffness(value)
         twisted = Law(difference(*self.nodes), stiffness=stiffness, damping=viscous(self.damping, stiffness, value))
         turning = make_row([(self.nodes[0], 1)])

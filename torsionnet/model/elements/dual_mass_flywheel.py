@@ -162,10 +162,10 @@ class DualMassFlywheel(Element):
         """Whether the entries say which stage is in force, and how friction acts."""
         return (not self.stages or self.torque is not None) and (not self._rubs or self.swing is not None)
 
-    def parts(self, value: Values) -> tuple[Part, ...]:
+    def own_parts(self, value: Values) -> tuple[Part, ...]:
         return self.tangent_parts(value)
 
-    def tangent_parts(self, value: Values, states: Sequence[MotionState] = ()) -> tuple[Part, ...]:
+    def own_tangent_parts(self, value: Values, states: Sequence[MotionState] = ()) -> tuple[Part, ...]:
         """Parts of the flywheel for small motion about states of its springs in stages and of its friction.
 
         Without states the mean torque tells the stage, and the swing how friction acts.
@@ -193,7 +193,7 @@ class DualMassFlywheel(Element):
         state = AT_REST if springs is None else springs
         return curve.slopes(state)[0], curve.holds(state)
 
-    def whole_parts(self, value: Values) -> tuple[WholePart, ...]:
+    def own_whole_parts(self, value: Values) -> tuple[WholePart, ...]:
         if not self.has_motion_laws:
             return self.parts(value)
         row = difference(*self.nodes)

@@ -81,7 +81,7 @@ class FinalDrive(Element):
     def internal_nodes(self) -> tuple[str, ...]:
         return () if self.cage is not None else (f"{self.name}.cage",)
 
-    def parts(self, value: Values) -> tuple[Part, ...]:
+    def own_parts(self, value: Values) -> tuple[Part, ...]:
         cage = self.cage if self.cage is not None else f"{self.name}.cage"
         inertias = ((self.pinion, self.pinion_inertia), (cage, self.cage_inertia))
         bodies = [Law(make_row([(node, 1)]), inertia=value(inertia)) for node, inertia in inertias]

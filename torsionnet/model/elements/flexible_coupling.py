@@ -138,7 +138,7 @@ class FlexibleCoupling(Element):
     def _share_of(self, rows: Rows) -> Any:
         return not_none(self.T_KN).evaluate({}) if is_share(rows[0][0]) else 1
 
-    def parts(self, value: Values) -> tuple[Part, ...]:
+    def own_parts(self, value: Values) -> tuple[Part, ...]:
         sides = zip(self.nodes, (self.first_inertia, self.second_inertia), strict=True)
         masses = [Law(make_row([(node, 1)]), inertia=value(inertia)) for node, inertia in sides if node != GROUND]
         return (self._law(value), *(law for law in masses if law.acts))

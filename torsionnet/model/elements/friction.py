@@ -109,10 +109,10 @@ class Friction(Element):
         del value
         return difference(*self.nodes)
 
-    def parts(self, value: Values) -> tuple[Part, ...]:
+    def own_parts(self, value: Values) -> tuple[Part, ...]:
         return self.tangent_parts(value)
 
-    def whole_parts(self, value: Values) -> tuple[WholePart, ...]:
+    def own_whole_parts(self, value: Values) -> tuple[WholePart, ...]:
         first, second = self.nodes
         if self.stiffness is None:
             return (MotionLaw(difference(first, second), self._curve(value)),)

@@ -145,7 +145,7 @@ class Gearbox(Element):
         """Weights of node angles, by node, of the engaged gear's mesh; in neutral the mesh row of the first gear."""
         return self._mesh_row(self.gears[0] if self.engaged in (None, NEUTRAL) else self.engaged, value)
 
-    def parts(self, value: Values) -> tuple[Part, ...]:
+    def own_parts(self, value: Values) -> tuple[Part, ...]:
         parts = [self._mesh(gear, value) for gear in self.gears]
         if self.engaged not in (None, NEUTRAL):
             shaft = self.output if self.loose_wheels == "output" else self.input

@@ -110,7 +110,7 @@ class GridGenerator(Element):
             )
         ]
 
-    def parts(self, value: Values) -> tuple[Part, ...]:
+    def own_parts(self, value: Values) -> tuple[Part, ...]:
         unit = value(self.rated_power) / value(self.speed) ** 2
         line = 2 * value.algebra.pi * value(self.grid_frequency)
         stiffness, damping = self._coefficient(value) * unit * line, value(self.damping_coefficient) * unit

@@ -51,7 +51,7 @@ class HystereticSpring(Element):
     def diameters(self) -> tuple[Expression, Expression] | None:
         return None if self.outer_diameter is None else (self.outer_diameter, self.inner_diameter)
 
-    def parts(self, value: Values) -> tuple[Part, ...]:
+    def own_parts(self, value: Values) -> tuple[Part, ...]:
         stiffness = value(self.stiffness)
         eta = loss_factor(self.loss_factor, value.parameters, value.algebra)
         damping = viscous(self.damping, stiffness, value)

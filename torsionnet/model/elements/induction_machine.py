@@ -128,15 +128,15 @@ class InductionMachine(Element):
         del value
         return difference(self.node, self.housing)
 
-    def parts(self, value: Values) -> tuple[Part, ...]:
+    def own_parts(self, value: Values) -> tuple[Part, ...]:
         slip = self.rated_slip if self.slip is None else self.slip
         return self._parts_about(0 if slip is None else value(slip), value)
 
-    def tangent_parts(self, value: Values, states: Sequence[MotionState] = ()) -> tuple[Part, ...]:
+    def own_tangent_parts(self, value: Values, states: Sequence[MotionState] = ()) -> tuple[Part, ...]:
         """Parts of the machine for small motion about the speed of its rotor; by default without slip."""
         return self._parts_about(self._curve(value).slip(states[0].rate) if states else 0, value)
 
-    def whole_parts(self, value: Values) -> tuple[WholePart, ...]:
+    def own_whole_parts(self, value: Values) -> tuple[WholePart, ...]:
         lag = 0 if self.time_constant is None else value(self.time_constant)
         law = MotionLaw(difference(self.node, self.housing), self._curve(value), lag=lag)
         held = [Constraint(difference(self.node, field)) for field in self.internal_nodes]

@@ -129,7 +129,7 @@ class MassElastic(Element):
         found = tuple(sheet_elements(self.table, self.nodes_of_masses, f"{self.name}."))
         return found if self.enabled else tuple(replace(element, enabled=False) for element in found)
 
-    def parts(self, value: Values) -> tuple[Part, ...]:
+    def own_parts(self, value: Values) -> tuple[Part, ...]:
         return tuple(part for element in self.expanded() for part in element.parts(value))
 
     def twist(self, value: Values) -> Row:

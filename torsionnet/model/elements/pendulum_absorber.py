@@ -69,7 +69,7 @@ class PendulumAbsorber(Element):
     def internal_nodes(self) -> tuple[str, ...]:
         return (f"{self.name}.mass",)
 
-    def parts(self, value: Values) -> tuple[Part, ...]:
+    def own_parts(self, value: Values) -> tuple[Part, ...]:
         (mass,) = self.internal_nodes
         count = value(scalar(self.count))
         total, own = count * value(self.mass), count * value(self.own_inertia)

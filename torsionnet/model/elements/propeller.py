@@ -139,16 +139,16 @@ class Propeller(Element):
     def has_motion_laws(self) -> bool:
         return self.exponent is not None or self.torque_slope is not None
 
-    def parts(self, value: Values) -> tuple[Part, ...]:
+    def own_parts(self, value: Values) -> tuple[Part, ...]:
         return (self._body(self._damping(value), value),)
 
-    def tangent_parts(self, value: Values, states: Sequence[MotionState] = ()) -> tuple[Part, ...]:
+    def own_tangent_parts(self, value: Values, states: Sequence[MotionState] = ()) -> tuple[Part, ...]:
         """Part of the propeller for small motion about a speed; by default about that of its entries."""
         if not states or not self.has_motion_laws:
             return (self._body(self._damping(value), value),)
         return (self._body(self._curve(value).slopes(states[0])[1], value),)
 
-    def whole_parts(self, value: Values) -> tuple[WholePart, ...]:
+    def own_whole_parts(self, value: Values) -> tuple[WholePart, ...]:
         if not self.has_motion_laws:
             return self.parts(value)
         return (MotionLaw(make_row([(self.node, 1)]), self._curve(value)), self._body(0, value))

@@ -44,7 +44,7 @@ class RigidCoupling(Element):
 
     nodes: tuple[str, str] = entry(NodePair("the two nodes it joins; torque is positive from the first to the second"))
 
-    def parts(self, value: Values) -> tuple[Part, ...]:
+    def own_parts(self, value: Values) -> tuple[Part, ...]:
         del value
         return (Constraint(difference(*self.nodes)),)
 
@@ -66,7 +66,7 @@ class Lock(Element):
 
     node: str = entry(NodeName("the clamped node", allow_ground=False))
 
-    def parts(self, value: Values) -> tuple[Part, ...]:
+    def own_parts(self, value: Values) -> tuple[Part, ...]:
         del value
         return (Constraint(make_row([(self.node, 1)])),)
 
@@ -94,7 +94,7 @@ class Inertia(Element):
     node: str = entry(NodeName("the node it turns with", allow_ground=False))
     inertia: Expression = entry(PhysicalQuantity("mass moment of inertia", "inertia", "J", usual=(1e-12, 1e10)))
 
-    def parts(self, value: Values) -> tuple[Part, ...]:
+    def own_parts(self, value: Values) -> tuple[Part, ...]:
         return (Law(make_row([(self.node, 1)]), inertia=value(self.inertia)),)
 
 
@@ -187,10 +187,10 @@ class Gear(Element):
     def has_motion_laws(self) -> bool:
         return self.backlash is not None
 
-    def parts(self, value: Values) -> tuple[Part, ...]:
+    def own_parts(self, value: Values) -> tuple[Part, ...]:
         return self.tangent_parts(value)
 
-    def whole_parts(self, value: Values) -> tuple[WholePart, ...]:
+    def own_whole_parts(self, value: Values) -> tuple[WholePart, ...]:
         first, second = self.nodes
         tau = self._ratio(value)
         housing = [] if self.housing is None else [(self.housing, tau - 1)]
@@ -256,10 +256,10 @@ class Planetary(Element):
     def has_motion_laws(self) -> bool:
         return self.backlash is not None
 
-    def parts(self, value: Values) -> tuple[Part, ...]:
+    def own_parts(self, value: Values) -> tuple[Part, ...]:
         return self.tangent_parts(value)
 
-    def whole_parts(self, value: Values) -> tuple[WholePart, ...]:
+    def own_whole_parts(self, value: Values) -> tuple[WholePart, ...]:
         z = value(self.ratio) if self.teeth is None else value(scalar(self.teeth[1])) / value(scalar(self.teeth[0]))
         mesh = make_row([(self.sun, 1), (self.ring, z), (self.carrier, -(1 + z))])
         spin = make_row([(self.carrier, 1 + 2 / (z - 1)), (self.sun, -2 / (z - 1))])
@@ -297,7 +297,7 @@ class Differential(Element):
             return []
         return [Fault("cage, left and right must be on three different nodes")]
 
-    def parts(self, value: Values) -> tuple[Part, ...]:
+    def own_parts(self, value: Values) -> tuple[Part, ...]:
         del value
         if self.locked:
             return (Constraint(difference(self.cage, self.left)), Constraint(difference(self.cage, self.right)))

@@ -73,7 +73,7 @@ class Shaft(Element):
         del value
         return difference(*self.nodes)
 
-    def parts(self, value: Values) -> tuple[Part, ...]:
+    def own_parts(self, value: Values) -> tuple[Part, ...]:
         n = value(scalar(self.segments))
         polar = value.algebra.pi * (value(self.outer_diameter) ** 4 - value(self.inner_diameter) ** 4) / 32
         stiffness = value(self.shear_modulus) * polar / value(self.length)

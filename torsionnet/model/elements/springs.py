@@ -117,10 +117,10 @@ class Spring(Element):
     def has_motion_laws(self) -> bool:
         return self.stiffness is None or self.cubic is not None
 
-    def parts(self, value: Values) -> tuple[Part, ...]:
+    def own_parts(self, value: Values) -> tuple[Part, ...]:
         return self.tangent_parts(value)
 
-    def whole_parts(self, value: Values) -> tuple[WholePart, ...]:
+    def own_whole_parts(self, value: Values) -> tuple[WholePart, ...]:
         row = difference(*self.nodes)
         if not self.has_motion_laws:
             stiffness = value(self.stiffness)
@@ -211,5 +211,5 @@ class Damper(Element):
     nodes: tuple[str, str] = entry(NodePair(NODE_PAIR_DESCRIPTION))
     damping: Expression = entry(PhysicalQuantity("viscous damping", "damping", "c"))
 
-    def parts(self, value: Values) -> tuple[Part, ...]:
+    def own_parts(self, value: Values) -> tuple[Part, ...]:
         return (Law(difference(*self.nodes), damping=value(self.damping)),)

@@ -130,10 +130,10 @@ class SynchronousMachine(Element):
         """Whether the machine works at a load angle, which is zero if the entries say nothing."""
         return True
 
-    def parts(self, value: Values) -> tuple[Part, ...]:
+    def own_parts(self, value: Values) -> tuple[Part, ...]:
         return self._parts_about(self._stiffness(value), value)
 
-    def tangent_parts(self, value: Values, states: Sequence[MotionState] = ()) -> tuple[Part, ...]:
+    def own_tangent_parts(self, value: Values, states: Sequence[MotionState] = ()) -> tuple[Part, ...]:
         """Parts of the machine for small motion about a twist against the field; by default about its own load."""
         if not states or not self.has_motion_laws:
             return self._parts_about(self._stiffness(value), value)
@@ -144,7 +144,7 @@ class SynchronousMachine(Element):
         field = Law(difference(self.node, self.housing), damping=damping, stiffness=stiffness)
         return (field, *self._rotor(value))
 
-    def whole_parts(self, value: Values) -> tuple[WholePart, ...]:
+    def own_whole_parts(self, value: Values) -> tuple[WholePart, ...]:
         if not self.has_motion_laws:
             return self.parts(value)
         row = difference(self.node, self.housing)

@@ -32,6 +32,6 @@ class TabulatedSpring(Element):
     nodes: tuple[str, str] = entry(NodePair(NODE_PAIR_DESCRIPTION))
     table: StiffnessTable = entry(TableEntry("rows [frequency in Hz, stiffness in N*m/rad, damping in N*m*s/rad]"))
 
-    def parts(self, value: Values) -> tuple[Part, ...]:
+    def own_parts(self, value: Values) -> tuple[Part, ...]:
         del value
         return (Law(difference(*self.nodes), table=self.table),)

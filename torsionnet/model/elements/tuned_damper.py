@@ -72,7 +72,7 @@ class TunedDamper(Element):
     def internal_nodes(self) -> tuple[str, ...]:
         return (f"{self.name}.ring",)
 
-    def parts(self, value: Values) -> tuple[Part, ...]:
+    def own_parts(self, value: Values) -> tuple[Part, ...]:
         (ring,) = self.internal_nodes
         inertia, stiffness = value(self.ring_inertia), self._stiffness(value)
         damping = viscous(self.damping, stiffness, value)

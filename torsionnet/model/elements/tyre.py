@@ -88,7 +88,7 @@ class Tyre(Element):
         """
         return tuple(part.row for part in self.parts(value)[:2])
 
-    def parts(self, value: Values) -> tuple[Part, ...]:
+    def own_parts(self, value: Values) -> tuple[Part, ...]:
         (rim, road), (belt,) = self.nodes, self.internal_nodes
         stiffness = self._stiffness(value)
         spring = Law(difference(rim, belt), stiffness=stiffness, damping=viscous(self.damping, stiffness, value))

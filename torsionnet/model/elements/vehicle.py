@@ -62,7 +62,7 @@ class Vehicle(Element):
             return [Fault("the speed counts for air drag only; give drag_area, as 0.65 m^2, too", ("speed",))]
         return []
 
-    def parts(self, value: Values) -> tuple[Part, ...]:
+    def own_parts(self, value: Values) -> tuple[Part, ...]:
         mass, radius = value(self.mass), value(self.wheel_radius)
         slope = mass * value(scalar(GRAVITY)) * value(self.rolling_slope)
         if self.drag_area is not None:

@@ -118,7 +118,7 @@ class ViscousDamper(Element):
     def internal_nodes(self) -> tuple[str, ...]:
         return (f"{self.name}.ring",)
 
-    def parts(self, value: Values) -> tuple[Part, ...]:
+    def own_parts(self, value: Values) -> tuple[Part, ...]:
         (ring,) = self.internal_nodes
         hub = Law(make_row([(self.node, 1)]), inertia=value(self.hub_inertia))
         return (

@@ -63,7 +63,7 @@ class OperatingBalance:
         )
 
     def _follows(self, element: Element) -> bool:
-        replaced = element.has_other_laws and not element.is_at_own_speed
+        replaced = element.other_laws is not None and not element.is_at_own_speed
         return element.has_motion_laws and not replaced and not keeps_own_point(element, self.definition)
 
     @cached_property

@@ -27,7 +27,7 @@ class PartBox(Element):
     def ports(self) -> dict[str, str]:
         return dict(self.joined)
 
-    def parts(self, value: Values) -> tuple[LawOrConstraint, ...]:
+    def own_parts(self, value: Values) -> tuple[LawOrConstraint, ...]:
         del value
         return ()
 
