@@ -165,6 +165,19 @@ def test_a_file_keeps_everything(tmp_path):
     assert (again.title, again.notes, again.tracking) == ("run", notes, one.tracking)
 
 
+def test_names_that_look_like_words_of_notes_are_kept(tmp_path):
+    file = tmp_path / "o.csv"
+    one = tracked(
+        notes=(Note("1 pulse missing", channel="warning"), warning("shaft: x (mode 3"), "warning: rig (left)")
+    )
+    named = replace(one, name="T"), replace(one, name="T: shaft", notes=(Note("late", "warning", "fly"), "x"))
+    write_tracked_orders(named, file)
+    assert [again.notes for again in read_tracked_orders(file)] == [again.notes for again in named]
+    file.write_text(file.read_text().replace('# notes: {"T"', '# notes: {"T'))
+    with pytest.raises(UsageError, match="the line notes of"):
+        read_tracked_orders(file)
+
+
 @pytest.mark.parametrize(("note", "tracking"), [
     ("Vold-Kalman filter of 3 poles, bandwidth 4 Hz between", TrackingKernel(4.0, poles=3)),
     ("Vold-Kalman filter of 2 poles, bandwidth 5 % of the order's frequency", TrackingKernel(share=0.05)),

@@ -10,11 +10,12 @@ from hypothesis import strategies as st
 import torsionnet as tn
 from torsionnet.app.cli import main
 from torsionnet.base.errors import MissingExtraError, ModelError, UsageError
-from torsionnet.base.notes import warning
-from torsionnet.io import read_frequency_response, write_frequency_response
+from torsionnet.base.notes import Note, warning
+from torsionnet.io import read_frequency_response, read_recording, write_frequency_response, write_recording
 from torsionnet.linear.estimation import Estimation
 from torsionnet.linear.frequency_response import Channel, FrequencyResponse
 from torsionnet.signals.formats import extras
+from torsionnet.signals.recording import Recording, Signal
 
 ENDINGS = [".csv", ".npz", ".mat", ".uff", ".unv"]
 UNITS = ["rad", "rad/s", "rad/s^2", "N*m"]
@@ -73,6 +74,16 @@ class TestRoundTrip:
         found = read_frequency_response(tmp_path / f"h{ending}")
         assert found.estimation.to_data() == averaging.to_data()
         assert found.notes == notes
+
+    @pytest.mark.parametrize("ending", [".csv", ".npz", ".mat"])
+    def test_notes_keep_severity_and_channel(self, tmp_path, ending):
+        notes = (warning("too few"), "warning: rig (left): soft", Note("late", channel="warning"), "mode 3 (x: hot")
+        write_frequency_response(response([1.0, 2.0], notes=notes), tmp_path / f"h{ending}")
+        assert read_frequency_response(tmp_path / f"h{ending}").notes == notes
+        record = Recording((Signal("mode 3 (x", "torque", np.arange(9.0), notes),), 10.0, notes=notes)
+        write_recording(record, tmp_path / f"r{ending}")
+        again = read_recording(tmp_path / f"r{ending}")
+        assert (again.notes, again["mode 3 (x"].notes) == (notes, notes)
 
     def test_table_as_csv_keeps_averaging(self, tmp_path):
         averaging = Estimation("Hr", "hann", 8.0, 0.75, "mean", 21, 11.81234567, swept=True, references=("T_1",))

@@ -10,6 +10,7 @@ from support import campaigns
 
 from torsionnet.base.errors import MissingExtraError, SolveError, UsageError
 from torsionnet.modal import modes_from_ambient
+from torsionnet.modal.operational.ambient_modes import _remark
 from torsionnet.signals.recording import Recording, Signal
 
 RATE = 100
@@ -47,6 +48,13 @@ def test_modes_of_noise_and_an_order_among_them():
     assert not found.mode_remarks[0]
     assert any(note.startswith("warning: some of these are orders") for note in map(str, found.notes))
     assert np.geterr()["divide"] == "warn"  # the package turns numpy's warnings off
+
+
+def test_a_remark_says_by_itself_whether_a_pole_may_be_an_order():
+    rows, step = ambient(0, sine=0.5)["T"].values[None, :6000], 1 / RATE
+    near = [_remark(2j * np.pi * f, rows, step, (1,), (81, 82), 60) for f in (8, 13)]
+    assert [may_be_order for _, may_be_order in near] == [False, True]
+    assert _remark(2j * np.pi * 8, rows, step, (1,), None, 1.0) == ("only 8 cycles: record longer", False)
 
 
 @pytest.mark.slow

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
 from typing import Literal, TypeAlias
 
 
@@ -43,14 +44,33 @@ def warning(text: str) -> Note:
     return Note(text, "warning")
 
 
-def stored_note(text: str) -> NoteOrText:
-    """Note from its text in a file, where a warning begins with that word.
+def stored_note(data: str | Mapping[str, str]) -> NoteOrText:
+    """Note from plain data of a file; a warning without channel is a text that begins with that word.
 
     >>> stored_note("warning: too few lines").severity
     'warning'
     """
-    kind, _, rest = text.partition(": ")
-    return warning(rest) if kind == "warning" else text
+    if not isinstance(data, str):
+        text = str(data["text"])
+        severity: Literal["note", "warning"] = "warning" if data.get("severity") == "warning" else "note"
+        return Note(text, severity, str(data.get("channel", ""))) if len(data) > 1 else text
+    kind, _, rest = data.partition(": ")
+    return warning(rest) if kind == "warning" else data
+
+
+def note_data(remark: NoteOrText) -> str | dict[str, str]:
+    """Note as plain data for a file: its text, or its fields where these do not follow from the text.
+
+    >>> note_data(warning("too few lines")), note_data("warning: of a rig of this name")
+    ('warning: too few lines', {'text': 'warning: of a rig of this name'})
+    >>> note_data(Note("1 pulse missing", channel="warning"))
+    {'text': '1 pulse missing', 'severity': 'note', 'channel': 'warning'}
+    """
+    text = str(remark)
+    again = stored_note(text)
+    if again in (remark, getattr(remark, "text", None)) and not getattr(remark, "channel", ""):
+        return text
+    return {"text": remark} if isinstance(remark, str) else asdict(remark)
 
 
 def about_channel(remark: NoteOrText, channel: str) -> Note:

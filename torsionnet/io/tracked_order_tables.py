@@ -7,7 +7,7 @@ import io
 import json
 import os
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
@@ -16,7 +16,7 @@ import numpy as np
 from torsionnet.base.atomic import write_text
 from torsionnet.base.delimited.dialect import detect_encoding
 from torsionnet.base.errors import Fault, ModelError, Position, UsageError
-from torsionnet.base.notes import Note, NoteOrText, stored_note
+from torsionnet.base.notes import Note, NoteOrText, note_data, stored_note
 from torsionnet.base.units import RPM, UnitError, convert
 from torsionnet.signals.orders.tracked_orders import TrackedOrders
 from torsionnet.signals.orders.tracking_kernel import VOLD_KALMAN_POLES, TrackingKernel
@@ -28,7 +28,7 @@ PARTS = ("real", "imag", "half_width", "half_range")
 """Columns of each channel: complex peak amplitude, half width of its interval, half range of the signal."""
 _COLUMN = re.compile(r"(?P<name>.*) (?P<part>real|imag|half_width|half_range) \[(?P<unit>[^\]]*)\]")
 _TITLE, _REFERENCE, _NOTE, _UNDECIDED, _RELATED = "title", "reference", "note", "sign undecided", "related within [s]"
-_TRACKING = "tracking"
+_TRACKING, _NOTES = "tracking", "notes"
 _FILTER = re.compile(r"Vold-Kalman filter of (\d) poles, bandwidth ([\d.e+-]+) (Hz|% of the order's frequency)")
 _BLOCKS = re.compile(r"average over blocks of (\d+) cycles of (\d+) turns")
 """Notes that tell how orders were tracked in files without a line of their own for it."""
@@ -70,8 +70,12 @@ def tracked_orders_text(orders: Sequence[TrackedOrders]) -> str:
     heads += [(_RELATED, ", ".join(f"{time:.6g}" for time in first.related_within))]
     known = {name: value for name, value in asdict(first.tracking).items() if value}
     heads += [(_TRACKING, json.dumps(known) if first.tracking.known else "")]
-    for one in orders:
-        heads += [(_NOTE, f"{one.name}: {note}") for note in one.notes]
+    notes = {one.name: list(map(note_data, one.notes)) for one in orders}
+    lines = [f"{one.name}: {note}" for one in orders for note in one.notes]
+    if all(list(map(note_data, _notes(lines, name, notes))) == own for name, own in notes.items()):
+        heads += [(_NOTE, line) for line in lines]
+    else:  # names or texts with colons, or a warning about a channel
+        heads += [(_NOTES, json.dumps(notes))]
     for key, text in heads:
         if text:
             out.write(f"# {key}: {' '.join(text.split())}\n")
@@ -128,6 +132,7 @@ def read_tracked_orders(path: str | os.PathLike[str]) -> tuple[TrackedOrders, ..
     undecided = tuple(float(text) for text in heads.get(_UNDECIDED, "").split(",") if text.strip())
     related = tuple(float(text) for text in heads.get(_RELATED, "").split(",") if text.strip())
     tracking = _tracking(file, heads.get(_TRACKING, ""), notes)
+    stored = _stored_notes(file, heads.get(_NOTES, ""), notes, channels)
     found = []
     for name, (quantity, columns) in channels.items():
         parts = {part: sorted_rows[:, :, place] * factor for part, (place, factor) in columns.items()}
@@ -136,7 +141,7 @@ def read_tracked_orders(path: str | os.PathLike[str]) -> tuple[TrackedOrders, ..
         found.append(TrackedOrders(
             name, quantity, orders, times, numbers[begins, 1] / RPM, (parts["real"] + 1j * parts["imag"]).T, widths.T,
             None if half is None or np.isnan(half).all() else half, heads.get(_REFERENCE, ""), heads.get(_TITLE, ""),
-            tuple(_notes(notes, name)), undecided, related, tracking,
+            stored[name], undecided, related, tracking,
         ))  # fmt: skip
     return tuple(found)
 
@@ -160,16 +165,29 @@ def _tracking(file: Path, text: str, notes: Iterable[str]) -> TrackingKernel:
     return TrackingKernel()
 
 
-def _notes(lines: Iterable[str], name: str) -> Iterator[NoteOrText]:
+def _stored_notes(
+    file: Path, text: str, lines: Iterable[str], names: Collection[str]
+) -> dict[str, tuple[NoteOrText, ...]]:
+    """Notes on the orders of each channel, from their own line or from lines that begin with its name."""
+    try:
+        data = json.loads(text) if text else {}
+        own = {name: tuple(map(stored_note, data[name])) for name in names if name in data}
+    except (ValueError, TypeError, KeyError) as error:
+        raise UsageError(f"the line {_NOTES} of {file} is damaged: {error}") from None
+    return {name: own.get(name, tuple(_notes(lines, name, names))) for name in names}
+
+
+def _notes(lines: Iterable[str], name: str, known: Collection[str]) -> Iterator[NoteOrText]:
     """Notes on the orders of a channel, from lines of a file that begin with its name; twice where it is the subject.
 
-    >>> list(_notes(["T: averaged", "fly: averaged", "fly: fly: 1 pulse missing"], "fly"))
+    >>> list(_notes(["T: averaged", "fly: averaged", "fly: fly: 1 pulse missing"], "fly", ["T", "fly"]))
     ['averaged', Note(text='1 pulse missing', severity='note', channel='fly')]
     """
     for line in lines:
+        owner = max((one for one in known if line.startswith(f"{one}: ")), key=len, default="")
         text = line.removeprefix(f"{name}: ")
         rest = text.removeprefix(f"{name}: ")
-        if text != line:
+        if owner == name:
             yield stored_note(text) if rest == text else Note(rest, channel=name)
 
 

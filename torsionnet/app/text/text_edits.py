@@ -107,7 +107,11 @@ def character_offset(text: str, utf16: int) -> int:
 
 @dataclass(frozen=True)
 class TextFix:
-    """Edits of a text that mend one fault of it, with a title that says what they do."""
+    """Edits of a text that mend one fault of it, with a title that says what they do.
+
+    ``hides`` marks a deletion or quotes, after which nearly every text is sound YAML.
+    """
 
     title: str
     edits: tuple[TextEdit, ...]
+    hides: bool = False

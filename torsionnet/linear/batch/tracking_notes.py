@@ -33,13 +33,13 @@ def tracking_notes(
     partners : (n, m) integer array
         That other one.
     """
-    names = [_name(number) for number in _numbers(home)]
+    numbers = mode_numbers([OSCILLATORY if value.imag > 0 else REAL for value in home])
     there = ~np.isnan(followed).all(axis=1)
-    return (*_near(names, followed, veering, partners), *_lost(names, home, followed[there]))
+    return (*_near(numbers, followed, veering, partners), *_lost(numbers, home, followed[there]))
 
 
 def _near(
-    names: Sequence[str], followed: ComplexArray, veering: NDArray[np.bool_], partners: NDArray[np.intp]
+    numbers: Sequence[int | None], followed: ComplexArray, veering: NDArray[np.bool_], partners: NDArray[np.intp]
 ) -> Iterator[str]:
     pairs: dict[tuple[int, int], set[int]] = {}
     for variant, mode in zip(*(part.tolist() for part in np.nonzero(veering)), strict=True):
@@ -50,36 +50,31 @@ def _near(
         distance = np.abs(followed[some, a] - followed[some, b]) / np.abs(followed[some, b])
         near = distance[~np.isnan(distance)]
         how = f"; they come within {100 * near.min():.2g} % of each other" if near.size else ""
-        yield f"{_both(names[a], names[b])} share or exchange their shapes in {_of(len(some), followed)}{how}"
+        yield f"{_both(numbers[a], numbers[b])} share or exchange their shapes in {_of(len(some), followed)}{how}"
 
 
-def _lost(names: Sequence[str], home: ComplexArray, followed: ComplexArray) -> Iterator[str]:
+def _lost(numbers: Sequence[int | None], home: ComplexArray, followed: ComplexArray) -> Iterator[str]:
     for mode, value in enumerate(home):
         column = followed[:, mode]
         real = int(np.sum((column.imag == 0) & (np.abs(column) > 0) & (value.imag > 0)))
         if real:
             yield (
-                f"{names[mode]} is damped beyond critical damping in {_of(real, followed)}; "
+                f"{_name(numbers[mode])} is damped beyond critical damping in {_of(real, followed)}; "
                 "there it is the slower one of two real poles"
             )
         lost = int(np.sum(np.isnan(column)))
         if lost:
-            yield f"{names[mode]} has no successor in {_of(lost, followed)}"
+            yield f"{_name(numbers[mode])} has no successor in {_of(lost, followed)}"
 
 
 def _of(count: int, followed: ComplexArray) -> str:
     return f"{count} of {len(followed)} variants"
 
 
-def _numbers(home: ComplexArray) -> tuple[int | None, ...]:
-    return mode_numbers([OSCILLATORY if value.imag > 0 else REAL for value in home])
-
-
 def _name(number: int | None) -> str:
     return "a real pole" if number is None else f"mode {number}"
 
 
-def _both(first: str, second: str) -> str:
+def _both(first: int | None, second: int | None) -> str:
     """Text for two modes, such as ``modes 1 and 2``."""
-    one, other = first.removeprefix("mode "), second.removeprefix("mode ")
-    return f"modes {one} and {other}" if first != one and second != other else f"{first} and {second}"
+    return f"{_name(first)} and {_name(second)}" if None in (first, second) else f"modes {first} and {second}"

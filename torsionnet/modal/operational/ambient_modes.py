@@ -120,10 +120,11 @@ def modes_from_ambient(
     evidence, poles, errors = _stable(*found, highest)
     if not len(poles):
         raise SolveError("no mode is stable: record longer, or give a higher order of the model")
-    remarks = tuple(_remark(pole, scaled, step, tuple(orders), speeds, recording.duration) for pole in poles)
+    told = [_remark(pole, scaled, step, tuple(orders), speeds, recording.duration) for pole in poles]
+    remarks = tuple(remark for remark, _ in told)
     notes: list[NoteOrText] = [f"{recording.duration:.4g} s at {1 / step:.4g} Hz, model orders up to {model_order}"]
     notes.append("the excitation is taken for white noise; orders of a running machine are none")
-    if any("order" in remark or "sine" in remark for remark in remarks):
+    if any(may_be_order for _, may_be_order in told):
         notes.append(warning("some of these are orders of the machine rather than modes: see the remarks"))
     frequencies, zeta = NORMAL_95 * errors[0], NORMAL_95 * errors[1]
     name, unit = ", ".join(channels), recording[channels[0]].unit if len(channels) == 1 else ""
@@ -211,7 +212,8 @@ def _remark(
     orders: tuple[float, ...],
     speeds: tuple[float, float] | None,
     length: float,
-) -> str:
+) -> tuple[str, bool]:
+    """Remark on a pole, and whether it may be an order of the machine."""
     frequency = abs(pole) / (2 * np.pi)
     found = []
     if speeds is not None:
@@ -220,9 +222,10 @@ def _remark(
         found += [f"at order {near[0]:g}: it may be no mode"] if near else []
     if _kurtosis(rows, step, frequency) < SINE_KURTOSIS:
         found.append("vibrates as a sine, not as noise: an order rather than a mode")
+    may_be_order = bool(found)
     if frequency * length < FEWEST_CYCLES:
         found.append(f"only {frequency * length:.0f} cycles: record longer")
-    return "; ".join(found)
+    return "; ".join(found), may_be_order
 
 
 def _kurtosis(rows: FloatArray, step: float, frequency: float) -> float:

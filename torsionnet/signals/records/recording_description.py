@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from torsionnet.base.errors import UsageError
-from torsionnet.base.notes import stored_note
+from torsionnet.base.notes import note_data, stored_note
 from torsionnet.base.plain_names import free_name
 from torsionnet.linear.between_samples import Between, check_between
 from torsionnet.signals.recording import QUANTITY_UNITS, FloatArray, Recording, Signal
@@ -38,7 +38,7 @@ def recording_json(recording: Recording, keys: Sequence[str] | None = None, *, w
             "key": key,
             "name": signal.name,
             "quantity": signal.quantity,
-            "notes": list(map(str, signal.notes)),
+            "notes": list(map(note_data, signal.notes)),
             **_course(signal),
         }
         for key, signal in zip(named, recording, strict=False)
@@ -49,7 +49,7 @@ def recording_json(recording: Recording, keys: Sequence[str] | None = None, *, w
             "name": channel.name,
             "count": len(channel),
             "tick": channel.tick,
-            "notes": list(map(str, channel.notes)),
+            "notes": list(map(note_data, channel.notes)),
         }
         for key, channel in zip(named[len(signals) :], recording.pulses, strict=True)
     ]
@@ -59,7 +59,7 @@ def recording_json(recording: Recording, keys: Sequence[str] | None = None, *, w
         "time": TIME if with_time or recording.times is not None else None,
         "stamped": recording.times is not None,
         "title": recording.title,
-        "notes": list(map(str, recording.notes)),
+        "notes": list(map(note_data, recording.notes)),
         "signals": signals,
         # A record without pulses keeps the bytes that it had before there were pulses in files.
         **({"pulses": pulses} if pulses else {}),

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from torsionnet.base.errors import Fault, ModelError, UsageError
-from torsionnet.base.notes import stored_note
+from torsionnet.base.notes import note_data, stored_note
 from torsionnet.linear.between_samples import BetweenSamples, check_between
 from torsionnet.linear.estimation import Estimation, read_estimation
 from torsionnet.linear.frequency_response import Channel, FrequencyResponse
@@ -34,7 +34,7 @@ def description(response: FrequencyResponse) -> str:
         "outputs": [_entries(channel) for channel in response.outputs],
         "inputs": [_entries(channel) for channel in response.inputs],
         "title": response.title,
-        "notes": list(map(str, response.notes)),
+        "notes": list(map(note_data, response.notes)),
     }
     if response.usable_up_to is not None:
         data["usable_up_to"] = response.usable_up_to

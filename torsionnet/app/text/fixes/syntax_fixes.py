@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from torsionnet.app.text.text_edits import TextEdit, TextFix, TextLines, TextSpan, edited
 from torsionnet.base.errors import Fault, ModelError
@@ -77,6 +77,9 @@ class _Break:
     def replaced(self, title: str, start: int, end: int, text: str) -> TextFix:
         return TextFix(title, (TextEdit(TextSpan(start, end), text),))
 
+    def deleted(self, what: str, start: int, end: int) -> TextFix:
+        return replace(self.replaced(f"delete {what}", start, end, ""), hides=True)
+
 
 @gc_paused()
 def syntax_fixes(fault: Fault, span: TextSpan, lines: TextLines, file: str, known: int = 0) -> tuple[TextFix, ...]:
@@ -89,7 +92,7 @@ def syntax_fixes(fault: Fault, span: TextSpan, lines: TextLines, file: str, know
     best: tuple[int, TextFix] | None = None
     for _, fix in zip(range(_MOST_TRIED), _candidates(here), strict=False):
         left = _faults_left(edited(lines.text, fix.edits), file)
-        if left is None or (left > known and fix.title.startswith(("put the text", "delete "))):
+        if left is None or (left > known and fix.hides):
             continue
         if best is None or left < best[0]:
             best = left, fix
@@ -116,7 +119,7 @@ def _candidates(here: _Break) -> Iterator[TextFix]:
 
 
 def _character(here: _Break) -> Iterator[TextFix]:
-    yield here.replaced("delete this character", here.offset, here.offset + 1, "")
+    yield here.deleted("this character", here.offset, here.offset + 1)
 
 
 def _tabs(here: _Break) -> Iterator[TextFix]:
@@ -162,7 +165,7 @@ def _quote(here: _Break) -> Iterator[TextFix]:
     for found in re.finditer(r"(?=, *\w+ *:)|(?=[}\]]+ *,?$)|$", rest):
         place = here.offset + 1 + found.start()
         yield here.inserted(f"close with {sign}", place, sign)
-    yield here.replaced(f"delete {sign}", here.offset, here.offset + 1, "")
+    yield here.deleted(sign, here.offset, here.offset + 1)
 
 
 def _bracket(here: _Break) -> Iterator[TextFix]:
@@ -190,13 +193,13 @@ def _bracket(here: _Break) -> Iterator[TextFix]:
         yield here.inserted(f"close with {close}", before, close)
     nested = "]" if close == "}" else "}"
     yield here.inserted(f"close with {nested}", there.content_end, nested)
-    yield here.replaced(f"delete {here.text[opened]}", opened, opened + 1, "")
+    yield here.deleted(here.text[opened], opened, opened + 1)
 
 
 def _surplus(here: _Break) -> Iterator[TextFix]:
     for place in (here.offset, here.offset - 1):
         if here.text[place : place + 1] in ("}", "]", ",") and place >= 0:
-            yield here.replaced(f"delete {here.text[place]}", place, place + 1, "")
+            yield here.deleted(here.text[place], place, place + 1)
 
 
 def _colon(here: _Break) -> Iterator[TextFix]:
@@ -229,7 +232,8 @@ def _quoted_value(here: _Break) -> Iterator[TextFix]:
         for found in re.finditer(r"(?=[,}\]])|$", rest):
             value = rest[: found.start()].rstrip()
             if value and '"' not in value and "\\" not in value:
-                yield here.replaced("put the text in quotes", start, start + len(value), f'"{value}"')
+                fix = here.replaced("put the text in quotes", start, start + len(value), f'"{value}"')
+                yield replace(fix, hides=True)
 
 
 def _opening(here: _Break) -> Iterator[TextFix]:
@@ -253,7 +257,7 @@ def _behind(here: _Break) -> Iterator[TextFix]:
     found = re.search(r"(?<=[}\]])[^}\]\s,#]+$", here.text[here.start : here.content_end])
     if found:
         start = here.start + found.start()
-        yield here.replaced(f"delete {found[0]}", start, start + len(found[0]), "")
+        yield here.deleted(found[0], start, start + len(found[0]))
 
 
 def _single_quotes(here: _Break) -> Iterator[TextFix]:
@@ -266,7 +270,7 @@ def _single_quotes(here: _Break) -> Iterator[TextFix]:
 def _tag(here: _Break) -> Iterator[TextFix]:
     found = re.compile(r"!\S*[ \t]*").match(here.text, here.offset)
     if found:
-        yield here.replaced(f"delete {found[0].strip()}", here.offset, found.end(), "")
+        yield here.deleted(found[0].strip(), here.offset, found.end())
 
 
 def _alias(here: _Break) -> Iterator[TextFix]:
