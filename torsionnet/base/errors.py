@@ -153,6 +153,15 @@ def printable_text(text: str) -> str:
     return text if text.isprintable() else _STEERING.sub(_written_out, text)
 
 
+def got(value: object) -> str:
+    """Words for what an entry was given, as a file writes it where it is empty, true or false.
+
+    >>> got(None), got(True), got("hub")
+    ('got nothing', 'got true', "got 'hub'")
+    """
+    return f"got {'nothing' if value is None else str(value).lower() if isinstance(value, bool) else repr(value)}"
+
+
 def readable_text(text: str) -> str:
     r"""Text with the name of a file in which bytes that are no text here are read as UTF-8, or else marked.
 

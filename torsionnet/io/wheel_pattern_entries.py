@@ -10,7 +10,7 @@ from typing import ClassVar
 from torsionnet.base.entries.composite import Listed, PairOf
 from torsionnet.base.entries.declared import KEY, Declared
 from torsionnet.base.entries.spec import Count, EntryError, Flag, OneOf, Schema, Spec, Text, entry
-from torsionnet.base.errors import Fault
+from torsionnet.base.errors import Fault, got
 
 UNITS: Mapping[str, float] = {"deg": math.pi / 180, "rad": 1.0}
 """Factor to rad of each unit in which a file of a pitch pattern may hold its angles."""
@@ -21,7 +21,7 @@ class AngleOfTooth(Spec[float]):
 
     def coerce(self, raw: object) -> float:
         if isinstance(raw, bool) or not isinstance(raw, int | float) or not math.isfinite(raw):
-            raise EntryError(f"expected a number, in the unit that the file names, got {raw!r}")
+            raise EntryError(f"expected a number, in the unit that the file names, {got(raw)}")
         return float(raw)
 
     def schema(self) -> Schema:

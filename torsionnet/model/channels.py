@@ -9,7 +9,7 @@ from typing import Any, ClassVar, TypeAlias, TypeVar, cast
 
 from torsionnet.base.entries.composite import Listed
 from torsionnet.base.entries.spec import EntryError, Json, Renaming, Schema, Spec, Text, reference
-from torsionnet.base.errors import LEAVE_OUT, NO_NODE, Fault, Remedy, UsageError, unfit_word, unknown_key
+from torsionnet.base.errors import LEAVE_OUT, NO_NODE, Fault, Remedy, UsageError, got, unfit_word, unknown_key
 from torsionnet.model.element_base.element_entries import ElementName, NodeText, PlaceOnElement
 from torsionnet.model.elements import GROUND, Element
 
@@ -209,7 +209,7 @@ def _settle_pair(channel: Sensor | Input) -> None:
 def pair_fault(first: str, second: Any, quantity: str) -> str | None:
     """Message if a quantity cannot be taken between two nodes of these names, else None."""
     if not isinstance(second, str) or not second:
-        return f"expected the name of a node, got {second!r}"
+        return f"expected the name of a node, {got(second)}"
     if first == second:
         return f'both nodes are "{first}"; a {quantity} is between two different nodes, or on one: {quantity}: {first}'
     if first == GROUND:
@@ -322,7 +322,7 @@ class ChannelEntry(Spec[Made_co]):
         if isinstance(raw, self.made) and raw.quantity in self.quantities:
             return raw
         if not isinstance(raw, Mapping):
-            raise EntryError(f"expected {self.description}, got {raw!r}")
+            raise EntryError(f"expected {self.description}, {got(raw)}")
         for key in raw:
             if key not in self.quantities and key not in self._extra:
                 rest = f"expected {' or '.join(self.quantities)}"
@@ -337,12 +337,12 @@ class ChannelEntry(Spec[Made_co]):
         at = raw.get("at")
         if at is not None and (quantity not in PORT_QUANTITIES or not isinstance(at, str)):
             if quantity in PORT_QUANTITIES:
-                raise EntryError(Fault(f"expected the name of a node, got {at!r}", ("at",), kind=NO_NODE))
+                raise EntryError(Fault(f"expected the name of a node, {got(at)}", ("at",), kind=NO_NODE))
             only = f"only a torque is taken at a port; leave out at:, or measure a torque instead of the {quantity}"
             raise EntryError(Fault(only, ("at",), remedy=Remedy(LEAVE_OUT)))
         shaft = raw.get("referred_to")
         if not isinstance(shaft, str | None):
-            raise EntryError(Fault(f"expected the name of a node, got {shaft!r}", ("referred_to",), kind=NO_NODE))
+            raise EntryError(Fault(f"expected the name of a node, {got(shaft)}", ("referred_to",), kind=NO_NODE))
         if shaft is not None and quantity == "stress":
             raise EntryError(STRESS_OF_OWN_SHAFT, ("referred_to",))
         return cast("Made_co", Sensor(quantity, of, at, against, shaft))
@@ -361,9 +361,9 @@ class ChannelEntry(Spec[Made_co]):
         if isinstance(given, str) and given:
             return given, None
         if quantity not in self._of_pairs or not isinstance(given, list | tuple):
-            raise EntryError(f"expected a name, got {given!r}", (quantity,))
+            raise EntryError(f"expected a name, {got(given)}", (quantity,))
         if len(given) != 2 or not isinstance(given[0], str) or not given[0]:
-            raise EntryError(f"expected a node, or two nodes [first, second], got {given!r}", (quantity,))
+            raise EntryError(f"expected a node, or two nodes [first, second], {got(given)}", (quantity,))
         fault = pair_fault(given[0], given[1], quantity)
         if fault:
             raise EntryError(fault, (quantity, 0 if given[0] == GROUND else 1))

@@ -10,7 +10,16 @@ from typing import Any, ClassVar, cast
 from torsionnet.base.entries.composite import Listed, Named
 from torsionnet.base.entries.scalars import AnyQuantity, plain_scalar, read_scalar
 from torsionnet.base.entries.spec import EntryError, Json, Plural, Renaming, Schema, Spec, Text, reference
-from torsionnet.base.errors import Fault, ModelError, UsageError, comma_list, did_you_mean, unfit_word, unknown_name
+from torsionnet.base.errors import (
+    Fault,
+    ModelError,
+    UsageError,
+    comma_list,
+    did_you_mean,
+    got,
+    unfit_word,
+    unknown_name,
+)
 from torsionnet.base.expressions import Expression
 from torsionnet.model.element_base.element_entries import ElementName
 from torsionnet.model.operating_point import OPERATING_POINT, OperatingPoint
@@ -61,7 +70,7 @@ class ConfigurationName(Spec[str]):
 
     def coerce(self, raw: object) -> str:
         if not isinstance(raw, str | int) or isinstance(raw, bool):
-            raise EntryError(f"expected a name, got {raw!r}")
+            raise EntryError(f"expected a name, {got(raw)}")
         return str(raw)
 
     def renamed(self, value: Any, names: Renaming) -> Any:
@@ -101,7 +110,7 @@ class AlternativeEntry(Plural[Overlay]):
         if raw is None:
             return Overlay(), []
         if not isinstance(raw, Mapping):
-            return Overlay(), [Fault(f"expected {{parameter: value}}, got {raw!r}")]
+            return Overlay(), [Fault(f"expected {{parameter: value}}, {got(raw)}")]
         known: dict[str, Any] = {}
         parameters: dict[str, Expression] = {}
         entries: dict[str, Any] = {}
@@ -175,7 +184,7 @@ class AxesEntry(Plural[dict[str, dict[str, Overlay]]]):
 
     def read(self, raw: object) -> tuple[dict[str, dict[str, Overlay]], list[Fault]]:
         if not isinstance(raw, Mapping):
-            return {}, [Fault(f"expected axes of alternatives, gear: {{II: {{tau: 7.96}}}}, got {raw!r}")]
+            return {}, [Fault(f"expected axes of alternatives, gear: {{II: {{tau: 7.96}}}}, {got(raw)}")]
         if raw and not has_axes(raw):
             overlays, faults = _read_axis(raw)
             return {DEFAULT_AXIS: overlays}, faults
@@ -183,7 +192,7 @@ class AxesEntry(Plural[dict[str, dict[str, Overlay]]]):
         faults = []
         for axis, alternatives in raw.items():
             if not isinstance(alternatives, Mapping):
-                faults.append(Fault(f"expected alternatives by name, got {alternatives!r}", (axis,)))
+                faults.append(Fault(f"expected alternatives by name, {got(alternatives)}", (axis,)))
                 continue
             axes[axis], found = _read_axis(alternatives)
             faults += [fault.under(axis) for fault in found]

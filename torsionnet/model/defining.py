@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from torsionnet.base.entries.declared import names_a_file
-from torsionnet.base.errors import Fault
+from torsionnet.base.errors import Fault, got
 from torsionnet.model.configurations import VALUE, Overlay
 from torsionnet.model.definition import Definition, section_of
 from torsionnet.model.elements import Element
@@ -20,10 +20,10 @@ def collect_elements(elements: Iterable[Element]) -> tuple[dict[str, Element], l
     if isinstance(elements, Mapping):
         elements = elements.values()
     if not isinstance(elements, Iterable) or isinstance(elements, str):
-        return {}, [Fault(f"expected a list of elements, got {elements!r}", ("elements",))]
+        return {}, [Fault(f"expected a list of elements, {got(elements)}", ("elements",))]
     for element in elements:
         if not isinstance(element, Element):
-            faults.append(Fault(f"expected an element such as Inertia(...), got {element!r}", ("elements",)))
+            faults.append(Fault(f"expected an element such as Inertia(...), {got(element)}", ("elements",)))
             continue
         if element.name in table:
             faults.append(

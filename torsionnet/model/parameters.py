@@ -26,7 +26,7 @@ from torsionnet.base.entries.spec import (
     entry,
     reference,
 )
-from torsionnet.base.errors import Fault
+from torsionnet.base.errors import Fault, got
 from torsionnet.base.expressions import Expression, ExpressionError, Number, Rows
 from torsionnet.base.units import DIMENSIONS, Dimension
 from torsionnet.model.element_base.element_entries import ElementName, NodeText
@@ -50,7 +50,7 @@ class LookupTable(Plural[Rows]):
         if isinstance(raw, tuple) and all(isinstance(row, tuple) and isinstance(row[0], Number) for row in raw):
             return raw, []
         if not isinstance(raw, Mapping) or len(raw) < 2:
-            return (), [Fault(f"expected two rows or more, as in {self.example}; got {raw!r}")]
+            return (), [Fault(f"expected two rows or more, as in {self.example}; {got(raw)}")]
         found: list[tuple[Number, Number]] = []
         faults: list[Fault] = []
         for key, value in raw.items():
@@ -140,7 +140,7 @@ class BoundsEntry(Spec[Bounds]):
         if isinstance(raw, Bounds):
             return raw
         if not isinstance(raw, list | tuple) or len(raw) != 2:
-            raise EntryError(f"bounds are [lower, upper], got {raw!r}")
+            raise EntryError(f"bounds are [lower, upper], {got(raw)}")
         ends = [coerce_part(index, _BOUND, end) for index, end in enumerate(raw)]
         if ends[0].value >= ends[1].value:
             raise EntryError("the lower bound must be smaller than the upper bound")

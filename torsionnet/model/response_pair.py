@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from torsionnet.base.entries.spec import EntryError, Json, Renaming, Schema, Spec, reference
-from torsionnet.base.errors import UsageError
+from torsionnet.base.errors import UsageError, got
 from torsionnet.model.channels import ChannelName
 
 
@@ -72,7 +72,7 @@ class PairEntry(Spec[Pair]):
     def _in_parts(raw: object) -> Pair:
         if isinstance(raw, Mapping) and {"output", "input"} <= set(raw) <= set(_PARTS):
             return Pair(**{str(key): str(value) for key, value in raw.items()})
-        raise UsageError(f"expected OUTPUT/INPUT, or {{output: ..., input: ..., excitation: ...}}; got {raw!r}")
+        raise UsageError(f"expected OUTPUT/INPUT, or {{output: ..., input: ..., excitation: ...}}; {got(raw)}")
 
     def renamed(self, value: Any, names: Renaming) -> Any:
         ends = (_CHANNEL.renamed(one, names) for one in (value.output, value.input, value.excitation))

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 from torsionnet.base.entries.composite import Named, Nested, Typed
 from torsionnet.base.entries.scalars import QuantityKind
 from torsionnet.base.entries.spec import NAME_SCHEMA, name_fault
-from torsionnet.base.errors import MISSING_KEY, NO_TYPE, UNKNOWN_KEY, Fault, ModelError, unfit_word
+from torsionnet.base.errors import MISSING_KEY, NO_TYPE, UNKNOWN_KEY, Fault, ModelError, got, unfit_word
 from torsionnet.base.expression_reading import check_name
 from torsionnet.base.expressions import Number
 from torsionnet.base.packages import imported
@@ -51,10 +51,10 @@ def _read_element(name: Any, raw: object) -> tuple[Element | None, list[Fault]]:
     if isinstance(raw, Element):
         return raw, []
     if not isinstance(name, str) or name_fault(name):
-        unfit = name_fault(str(name)) or Fault(f"the name of an element is a text, got {name!r}")
+        unfit = name_fault(str(name)) or Fault(f"the name of an element is a text, {got(name)}")
         return None, [replace(unfit, on_key=True)]
     if not isinstance(raw, Mapping):
-        return None, [Fault(f"expected {{type: ..., ...}}, got {raw!r}")]
+        return None, [Fault(f"expected {{type: ..., ...}}, {got(raw)}")]
     kind = raw.get("type")
     if not isinstance(kind, str) or kind not in ELEMENT_TYPES:
         return None, [_kind_fault(kind)]

@@ -21,7 +21,7 @@ from torsionnet.base.entries.spec import (
     list_annotation,
     reference,
 )
-from torsionnet.base.errors import BRACKET, LEAVE_OUT, NO_TABLE, Fault, Remedy, fault_of, unfit_word
+from torsionnet.base.errors import BRACKET, LEAVE_OUT, NO_TABLE, Fault, Remedy, fault_of, got, unfit_word
 
 D = TypeVar("D", bound=Declared)
 Kinds: TypeAlias = Callable[[], Mapping[str, type[D]]]
@@ -199,7 +199,7 @@ class Named(Composite[Mapping[str, Stored_co]], Plural[Mapping[str, Stored_co]])
 
     def read(self, raw: object) -> tuple[Mapping[str, Stored_co], list[Fault]]:
         if not isinstance(raw, Mapping) or len(raw) < self.fewest:
-            return {}, [Fault(f"expected {self.form}, got {raw!r}", kind=NO_TABLE)]
+            return {}, [Fault(f"expected {self.form}, {got(raw)}", kind=NO_TABLE)]
         table: dict[str, Stored_co] = {}
         faults: list[Fault] = []
         for name, entry in raw.items():
@@ -255,7 +255,7 @@ class Listed(Composite[tuple[Stored_co, ...]], Plural[tuple[Stored_co, ...]]):
     def read(self, raw: object) -> tuple[tuple[Stored_co, ...], list[Fault]]:
         if not isinstance(raw, list | tuple):
             remedy = Remedy(BRACKET) if isinstance(raw, str) else None
-            return (), [Fault(f"expected {self.form}, got {raw!r}", remedy=remedy)]
+            return (), [Fault(f"expected {self.form}, {got(raw)}", remedy=remedy)]
         values: list[Any] = []
         faults: list[Fault] = []
         for index, entry in enumerate(raw):
@@ -296,7 +296,7 @@ class PairOf(Composite[tuple[Stored_co, Stored_co]]):
 
     def read(self, raw: object) -> tuple[tuple[Stored_co, Stored_co] | None, list[Fault]]:
         if not isinstance(raw, list | tuple) or len(raw) != 2:
-            return None, [Fault(f"expected {self.form}, got {raw!r}")]
+            return None, [Fault(f"expected {self.form}, {got(raw)}")]
         values, faults = Listed(self.description, self.of).read(raw)
         return (None if faults else (values[0], values[1])), faults
 

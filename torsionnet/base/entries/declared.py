@@ -26,6 +26,7 @@ from torsionnet.base.errors import (
     ModelError,
     Remedy,
     UsageError,
+    got,
     nearest,
     question,
     unknown_key,
@@ -140,7 +141,7 @@ class Declared:
         if isinstance(raw, cls):
             return raw, []
         if not isinstance(raw, Mapping):
-            return None, [Fault(f"expected {cls.form}, got {raw!r}")]
+            return None, [Fault(f"expected {cls.form}, {got(raw)}")]
         values, faults = cls.read_entries(raw)
         return (None, faults) if faults else cls.made(values)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, ClassVar
 
 from torsionnet.base.entries.spec import EntryError, Json, Plural, Schema, Spec
-from torsionnet.base.errors import BRACKET, Fault, Remedy
+from torsionnet.base.errors import BRACKET, Fault, Remedy, got
 
 
 class PlainNumber(Spec[float]):
@@ -13,11 +13,11 @@ class PlainNumber(Spec[float]):
 
     def coerce(self, raw: object) -> float:
         if isinstance(raw, bool) or not isinstance(raw, int | float | str):
-            raise EntryError(f"expected a number, got {raw!r}")
+            raise EntryError(f"expected a number, {got(raw)}")
         try:
             return float(raw)
         except (ValueError, OverflowError):
-            raise EntryError(f"expected a number, got {raw!r}") from None
+            raise EntryError(f"expected a number, {got(raw)}") from None
 
     def schema(self) -> Schema:
         return {"type": "number", "description": self.description}
@@ -36,7 +36,7 @@ class PlainNumbers(Plural[tuple[float, ...]]):
         raw = raw.tolist() if hasattr(raw, "tolist") else raw
         if not isinstance(raw, list | tuple):
             remedy = Remedy(BRACKET) if isinstance(raw, str) else None
-            raise EntryError(Fault(f"expected a list of numbers, got {raw!r}", remedy=remedy))
+            raise EntryError(Fault(f"expected a list of numbers, {got(raw)}", remedy=remedy))
         number, values = PlainNumber(self.description), []
         for index, one in enumerate(raw):
             try:

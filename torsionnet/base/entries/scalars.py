@@ -14,7 +14,7 @@ from itertools import pairwise
 from typing import Any, ClassVar, NamedTuple
 
 from torsionnet.base.entries.spec import EntryError, Json, Plural, Schema, Spec, Stored_co, coerce_part
-from torsionnet.base.errors import IN_UNIT, NO_NUMBER, WRITE, Fault, FaultyValueError, Path, Remedy
+from torsionnet.base.errors import IN_UNIT, NO_NUMBER, WRITE, Fault, FaultyValueError, Path, Remedy, got
 from torsionnet.base.expression_reading import scalar
 from torsionnet.base.expressions import Expression, Number, Rows, is_beyond_range
 from torsionnet.base.units import DIMENSIONS, expected_unit, parse_quantity, with_forces
@@ -45,8 +45,7 @@ def read_scalar(raw: object, dimension: str | None = None) -> Expression:
 def _no_scalar(raw: object, dimension: str | None) -> str:
     """Message that an entry holds no single value."""
     if dimension is None:
-        got = "nothing" if raw is None else repr(raw)
-        return f"expected a number, a quantity with unit or an expression, got {got}"
+        return f"expected a number, a quantity with unit or an expression, {got(raw)}"
     if raw is None:
         return f"a value is missing; expected {_wanted(dimension)}"
     return f"expected {_wanted(dimension)}, got {'a mapping' if isinstance(raw, Mapping) else 'a list'}"
@@ -185,10 +184,10 @@ class Value(Spec[float]):
         number = float(value.value)
         if self.below is not None and number >= self.below:
             share = f" ({100 * self.below:g} %)" if self.dimension == "1" else ""
-            raise EntryError(f"must be less than {self.below:g}{share}, got {raw!r}")
+            raise EntryError(f"must be less than {self.below:g}{share}, {got(raw)}")
         if self.lower is not None and (number < self.lower or (self.exclusive and number == self.lower)):
             raise EntryError(
-                f"must {'be greater than' if self.exclusive else 'not be less than'} {self.lower:g}, got {raw!r}"
+                f"must {'be greater than' if self.exclusive else 'not be less than'} {self.lower:g}, {got(raw)}"
             )
         return number
 
@@ -240,7 +239,7 @@ class AnyNumber(Spec[float]):
     def coerce(self, raw: object) -> float:
         value = read_scalar(raw)
         if not isinstance(value, Number):
-            raise EntryError(f"expected a number with unit, got {raw!r}")
+            raise EntryError(f"expected a number with unit, {got(raw)}")
         return float(value.value)
 
     def plain(self, value: float) -> int | float | str:
@@ -297,16 +296,16 @@ def parse_band(raw: object, *, from_zero: bool = False) -> tuple[float, float]:
     else:
         match = _BAND.fullmatch(raw) if isinstance(raw, str) else None
         if match is None:
-            raise EntryError(f"expected a band such as {BAND_FORMS}, got {raw!r}")
+            raise EntryError(f"expected a band such as {BAND_FORMS}, {got(raw)}")
         unit = match[4] or "Hz"  # that of the upper frequency holds for both
         edges = f"{match[1]} {match[2] or unit}", f"{match[3]} {unit}"
     low, high = (_FREQUENCY.coerce(edge) for edge in edges)
     is_at_zero = from_zero and low == 0
     if not (0 < low < high or (is_at_zero and high > 0)):
         above = "" if from_zero else ", both above 0"
-        raise EntryError(f"a band goes from a lower to a higher frequency{above}, as in {BAND_FORMS}; got {raw!r}")
+        raise EntryError(f"a band goes from a lower to a higher frequency{above}, as in {BAND_FORMS}; {got(raw)}")
     if not ((low >= LOWEST_HZ or is_at_zero) and low < high <= HIGHEST_HZ):
-        raise EntryError(f"a band lies between {LOWEST_HZ:g} and {HIGHEST_HZ:g} Hz, got {raw!r}")
+        raise EntryError(f"a band lies between {LOWEST_HZ:g} and {HIGHEST_HZ:g} Hz, {got(raw)}")
     return low, high
 
 
@@ -373,12 +372,12 @@ class NumberTable(Spec[Stored_co]):
         raw = raw.tolist() if hasattr(raw, "tolist") else raw
         if isinstance(raw, str | Mapping) or not isinstance(raw, Sequence) or len(raw) < self.fewest:
             written = _as_rows(raw) if isinstance(raw, Mapping) else ""
-            raise EntryError(f"expected {self.example}{written}; got {'nothing' if raw is None else repr(raw)}")
+            raise EntryError(f"expected {self.example}{written}; {got(raw)}")
         return raw
 
     def _row(self, row: object, index: int) -> tuple[Number, ...]:
         if isinstance(row, str) or not isinstance(row, Sequence) or len(row) != len(self.columns):
-            raise EntryError(f"a row is {self._row_text}, got {'nothing' if row is None else repr(row)}", (index,))
+            raise EntryError(f"a row is {self._row_text}, {got(row)}", (index,))
         return tuple(self._cell(cell, index, place) for place, cell in enumerate(row))
 
     def _cell(self, cell: object, index: int, place: int) -> Number:

@@ -12,7 +12,7 @@ from dataclasses import MISSING, Field, dataclass, field, fields, is_dataclass, 
 from numbers import Integral
 from typing import Any, ClassVar, Generic, TypeAlias, TypeVar, cast, overload
 
-from torsionnet.base.errors import INVALID_NAME, QUOTE, WRITE, Fault, Path, Remedy, unfit_word
+from torsionnet.base.errors import INVALID_NAME, QUOTE, WRITE, Fault, Path, Remedy, got, unfit_word
 from torsionnet.base.expressions import Expression
 
 
@@ -332,7 +332,7 @@ class Text(Spec[str]):
 
     def coerce(self, raw: object) -> str:
         if not isinstance(raw, str):
-            raise EntryError(Fault(f"expected {self.what}, got {raw!r}", remedy=Remedy(QUOTE)))
+            raise EntryError(Fault(f"expected {self.what}, {got(raw)}", remedy=Remedy(QUOTE)))
         return raw
 
     def schema(self) -> Schema:
@@ -351,7 +351,7 @@ class OneOf(Spec[str]):
 
     def coerce(self, raw: object) -> str:
         if raw not in self.options:
-            text = f"expected {' or '.join(self.options)}, got {raw!r}"
+            text = f"expected {' or '.join(self.options)}, {got(raw)}"
             raise EntryError(unfit_word(text, raw, self.options) if isinstance(raw, str) else text)
         return str(raw)
 
@@ -372,7 +372,7 @@ class Count(Spec[int]):
 
     def coerce(self, raw: object) -> int:
         if isinstance(raw, bool) or not isinstance(raw, Integral) or not self.lower <= int(raw) <= self.upper:
-            raise EntryError(f"expected a whole number from {self.lower} to {self.upper}, got {raw!r}")
+            raise EntryError(f"expected a whole number from {self.lower} to {self.upper}, {got(raw)}")
         return int(raw)
 
     def schema(self) -> Schema:
@@ -389,7 +389,7 @@ class Flag(Spec[bool]):
     def coerce(self, raw: object) -> bool:
         if not isinstance(raw, bool):
             remedy = Remedy(WRITE, _TRUTH[raw.lower()]) if isinstance(raw, str) and raw.lower() in _TRUTH else None
-            raise EntryError(Fault(f"expected true or false, got {raw!r}", remedy=remedy))
+            raise EntryError(Fault(f"expected true or false, {got(raw)}", remedy=remedy))
         return raw
 
     def schema(self) -> Schema:

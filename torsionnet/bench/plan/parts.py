@@ -10,7 +10,7 @@ from torsionnet.base.entries.composite import Listed, Nested
 from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.scalars import SCALAR_SCHEMA, Value, ValueInUnitOfUse, plain_number
 from torsionnet.base.entries.spec import Count, EntryError, Flag, Json, OneOf, Schema, Spec, coerce_part, entry
-from torsionnet.base.errors import Fault
+from torsionnet.base.errors import Fault, got
 from torsionnet.base.expressions import Number
 from torsionnet.model.channels import ChannelName, RecordedName
 
@@ -28,7 +28,7 @@ class Shares(Spec[dict[int, float]]):
 
     def coerce(self, raw: object) -> dict[int, float]:
         if not isinstance(raw, Mapping):
-            raise EntryError(f"expected {{2: 2 %, 3: 1 %}}, got {raw!r}")
+            raise EntryError(f"expected {{2: 2 %, 3: 1 %}}, {got(raw)}")
         shares = {}
         for key, share in raw.items():
             order = str(key)

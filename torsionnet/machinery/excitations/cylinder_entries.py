@@ -7,7 +7,7 @@ from typing import Any
 from torsionnet.base.entries.composite import Listed, Named
 from torsionnet.base.entries.scalars import Value
 from torsionnet.base.entries.spec import Count, Json, Schema
-from torsionnet.base.errors import Fault
+from torsionnet.base.errors import Fault, got
 
 CYLINDER = Count("number of a cylinder", 1, 99)
 EACH = "each"
@@ -25,7 +25,7 @@ class CylindersEntry(Listed[int]):
         if raw == EACH:
             return EACH, []
         if isinstance(raw, str):
-            return (), [Fault(f"expected {self.form}, got {raw!r}")]
+            return (), [Fault(f"expected {self.form}, {got(raw)}")]
         return super().read(raw)
 
     def plain(self, value: Any) -> Json:

@@ -13,7 +13,7 @@ from torsionnet.base.entries.composite import Nested, one_at_most, one_exactly
 from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.scalars import Value
 from torsionnet.base.entries.spec import EntryError, Json, OneOf, Schema, Spec, entry, not_none
-from torsionnet.base.errors import Fault, Path
+from torsionnet.base.errors import Fault, Path, got
 from torsionnet.machinery.excitations.harmonic_torque import TableByOrder
 from torsionnet.machinery.excitations.order_correction import OrderCorrection, corrections
 from torsionnet.machinery.excitations.order_excitation import ComplexArray, FloatArray
@@ -35,7 +35,7 @@ class ZeroEntry(Spec[float]):
             return _ANGLE.coerce(raw)
         except EntryError:
             text = f"expected {FIRING_TDC}, or the crank angle of the traces at firing top dead centre (360 deg)"
-            raise EntryError(f"{text}, got {raw!r}") from None
+            raise EntryError(f"{text}, {got(raw)}") from None
 
     def plain(self, value: Any) -> Json:
         return _ANGLE.plain(value)

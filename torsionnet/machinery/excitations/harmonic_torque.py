@@ -12,7 +12,7 @@ from torsionnet.base.entries.composite import D, Nested
 from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.scalars import Value
 from torsionnet.base.entries.spec import EntryError, Plural, Schema, entry
-from torsionnet.base.errors import Fault, Path
+from torsionnet.base.errors import Fault, Path, got
 from torsionnet.machinery.excitations.order_excitation import (
     ORDER,
     FloatArray,
@@ -84,7 +84,7 @@ class TableByOrder(Plural[Mapping[float, D]]):
     def read(self, raw: object) -> tuple[dict[float, D], list[Fault]]:
         if not isinstance(raw, Mapping) or len(raw) < self.fewest:
             what = "orders" if self.key_name == "order" else "frequencies"
-            return {}, [Fault(f"expected {what} with what belongs to each, {self.example}, got {raw!r}")]
+            return {}, [Fault(f"expected {what} with what belongs to each, {self.example}, {got(raw)}")]
         table: dict[float, D] = {}
         faults: list[Fault] = []
         for key, value in raw.items():

@@ -11,7 +11,7 @@ from torsionnet.base.entries.composite import Listed
 from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.scalars import SCALAR_SCHEMA, Value
 from torsionnet.base.entries.spec import EntryError, Json, Schema, Spec, entry, not_none
-from torsionnet.base.errors import Fault
+from torsionnet.base.errors import Fault, got
 from torsionnet.model.element_base.element_entries import NodeName
 
 SPEED = Value("a speed", "speed", exclusive=True, below=1e6)
@@ -28,7 +28,7 @@ class SpeedBand(Spec[tuple[float, float]]):
     def coerce(self, raw: object) -> tuple[float, float]:
         low, high = (SPEED.coerce(edge) for edge in self._edges(raw))
         if low >= high:
-            raise EntryError(f"a range goes from a lower to a higher speed, as in {RANGE_EXAMPLES}; got {raw!r}")
+            raise EntryError(f"a range goes from a lower to a higher speed, as in {RANGE_EXAMPLES}; {got(raw)}")
         return low, high
 
     @staticmethod
@@ -37,7 +37,7 @@ class SpeedBand(Spec[tuple[float, float]]):
             return raw[0], raw[1]
         match = _RANGE.fullmatch(raw) if isinstance(raw, str) else None
         if match is None:
-            raise EntryError(f"expected a range such as {RANGE_EXAMPLES}, got {raw!r}")
+            raise EntryError(f"expected a range such as {RANGE_EXAMPLES}, {got(raw)}")
         if not match[2] and not match[4]:
             text = f"the range of speeds {match[1]}..{match[3]} has no unit"
             raise EntryError(f"{text}; write {match[1]}..{match[3]} rpm, or [{match[1]}, {match[3]}] in rad/s")

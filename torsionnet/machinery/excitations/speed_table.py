@@ -10,7 +10,7 @@ import numpy as np
 
 from torsionnet.base.entries.scalars import SCALAR_SCHEMA, Value
 from torsionnet.base.entries.spec import EntryError, Json, Schema, Spec, coerce_part
-from torsionnet.base.errors import Fault, Path, UsageError
+from torsionnet.base.errors import Fault, Path, UsageError, got
 from torsionnet.base.units import RPM
 from torsionnet.machinery.excitations.order_excitation import FloatArray
 
@@ -32,7 +32,7 @@ class SpeedTable(Spec[SpeedRows]):
 
     def coerce(self, raw: object) -> SpeedRows:
         if not isinstance(raw, list | tuple) or len(raw) < 2:
-            raise EntryError(f"expected {self.example}, got {raw!r}")
+            raise EntryError(f"expected {self.example}, {got(raw)}")
         rows = tuple(self._row(index, row) for index, row in enumerate(raw))
         for index in range(1, len(rows)):
             if rows[index][0] < rows[index - 1][0]:
@@ -41,7 +41,7 @@ class SpeedTable(Spec[SpeedRows]):
 
     def _row(self, index: int, row: Any) -> tuple[float, float]:
         if not isinstance(row, list | tuple) or len(row) != 2:
-            raise EntryError(f"expected a row [speed, value], got {row!r}", (index,))
+            raise EntryError(f"expected a row [speed, value], {got(row)}", (index,))
         try:
             return coerce_part(0, _SPEED, row[0]), coerce_part(1, self.of, row[1])
         except EntryError as error:

@@ -11,7 +11,7 @@ import numpy as np
 from torsionnet.base.entries.composite import Composite
 from torsionnet.base.entries.scalars import Value
 from torsionnet.base.entries.spec import EntryError, Json, Schema, Spec, Stored_co
-from torsionnet.base.errors import Fault, UsageError
+from torsionnet.base.errors import Fault, UsageError, got
 from torsionnet.machinery.excitations.order_excitation import ComplexArray, FloatArray
 
 MEAN_PRESSURE = Value("a mean indicated pressure", "pressure")
@@ -29,7 +29,7 @@ class TableByPressure(Composite[Mapping[float, Stored_co]]):
 
     def read(self, raw: object) -> tuple[Mapping[float, Stored_co], list[Fault]]:
         if not isinstance(raw, Mapping) or not raw:
-            return {}, [Fault(f"expected mean indicated pressures, {{27 bar: {self.of.example}}}, got {raw!r}")]
+            return {}, [Fault(f"expected mean indicated pressures, {{27 bar: {self.of.example}}}, {got(raw)}")]
         table: dict[float, Any] = {}
         faults: list[Fault] = []
         for key, value in raw.items():

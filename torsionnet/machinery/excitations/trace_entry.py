@@ -13,7 +13,7 @@ from torsionnet.base.entries.composite import Composite
 from torsionnet.base.entries.declared import nearby_file
 from torsionnet.base.entries.scalars import SCALAR_SCHEMA, Value
 from torsionnet.base.entries.spec import EntryError, Json, Schema, not_none
-from torsionnet.base.errors import Fault, ModelError
+from torsionnet.base.errors import Fault, ModelError, got
 from torsionnet.machinery.excitations.pressure_file import read_pressure_file
 from torsionnet.machinery.excitations.pressure_trace import (
     CLOSING_RTOL,
@@ -53,10 +53,10 @@ class TraceEntry(Composite[PressureTrace]):
         start = 0.0
         if isinstance(raw, Mapping):
             if set(raw) != {"start", "pressures"}:
-                raise EntryError(f"expected {{start: 0.5 deg, pressures: [...]}}, got {raw!r}")
+                raise EntryError(f"expected {{start: 0.5 deg, pressures: [...]}}, {got(raw)}")
             start, raw = _ANGLE.coerce(raw["start"]), raw["pressures"]
         if not isinstance(raw, Sequence | np.ndarray):
-            raise EntryError(f"expected a list of pressures or the name of a file, got {raw!r}")
+            raise EntryError(f"expected a list of pressures or the name of a file, {got(raw)}")
         values, faults = _numbers(raw)
         faults = faults or [Fault(text, on_key=True) for text in _wrong(values)]
         return PressureTrace(tuple(values[:-1] if len(values) % 2 else values), start), faults

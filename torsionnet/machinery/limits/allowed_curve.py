@@ -10,7 +10,7 @@ import numpy as np
 
 from torsionnet.base.entries.scalars import SCALAR_SCHEMA, Value, ValueInUnitOfUse
 from torsionnet.base.entries.spec import EntryError, Json, Plural, Schema
-from torsionnet.base.errors import Fault
+from torsionnet.base.errors import Fault, got
 from torsionnet.base.expressions import Number
 from torsionnet.linear.frequency_response import FloatArray
 
@@ -40,7 +40,7 @@ class AllowedTable(Plural[Pairs]):
         if isinstance(raw, tuple):
             return raw, []
         if not isinstance(raw, Mapping) or len(raw) < 2:
-            return (), [Fault(f"expected two points or more, {self.example}; got {raw!r}")]
+            return (), [Fault(f"expected two points or more, {self.example}; {got(raw)}")]
         found: dict[float, Number] = {}
         faults: list[Fault] = []
         for key, value in raw.items():

@@ -10,7 +10,7 @@ import numpy as np
 
 from torsionnet.base.entries.scalars import SCALAR_SCHEMA, Value
 from torsionnet.base.entries.spec import EntryError, Schema, Spec, entry
-from torsionnet.base.errors import Fault
+from torsionnet.base.errors import Fault, got
 from torsionnet.base.units import RPM
 from torsionnet.machinery.limits.evidence import Evidence
 from torsionnet.machinery.limits.limit import Limit, LimitLine
@@ -35,11 +35,11 @@ class RatedSpeedBand(Spec[tuple[float, float]]):
             low, high = (part.strip() for part in raw.split(".."))
             edges = (low if low.endswith("%") or not high.endswith("%") else f"{low} %", high)
         if not (isinstance(edges, list | tuple) and len(edges) == 2):
-            raise EntryError(f"expected a band of the rated speed such as {BAND_FORMS}, got {raw!r}")
+            raise EntryError(f"expected a band of the rated speed such as {BAND_FORMS}, {got(raw)}")
         first, last = (_EDGE.coerce(edge) for edge in edges)
         if not 0 <= first < last <= LARGEST_RATIO:
             raise EntryError(
-                f"a band of the rated speed rises and ends at {LARGEST_RATIO:g}, as {BAND_FORMS}; got {raw!r}"
+                f"a band of the rated speed rises and ends at {LARGEST_RATIO:g}, as {BAND_FORMS}; {got(raw)}"
             )
         return first, last
 

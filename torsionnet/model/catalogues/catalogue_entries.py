@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from torsionnet.base.entries.spec import EntryError, Schema, Spec
+from torsionnet.base.errors import got
 
 if TYPE_CHECKING:
     from torsionnet.model.catalogues.catalogue import CatalogueRow
@@ -40,7 +41,7 @@ class SizeName(Spec[str]):
 
     def coerce(self, raw: object) -> str:
         if isinstance(raw, bool) or not isinstance(raw, str | int | float):
-            raise EntryError(f"expected the size as the catalogue names it, got {raw!r}")
+            raise EntryError(f"expected the size as the catalogue names it, {got(raw)}")
         return str(raw)
 
     def schema(self) -> Schema:

@@ -8,7 +8,7 @@ from typing import Any
 
 from torsionnet.base.entries.declared import nearby_file
 from torsionnet.base.entries.spec import EntryError, Spec
-from torsionnet.base.errors import Fault, ModelError, nearest, question
+from torsionnet.base.errors import Fault, ModelError, got, nearest, question
 from torsionnet.base.units import expected_unit
 from torsionnet.model.catalogues.catalogue import Catalogue, CatalogueCell, CatalogueRow
 from torsionnet.model.catalogues.catalogue_entries import CATALOGUE, SIZE
@@ -39,7 +39,7 @@ def chosen_row(entries: Mapping[str, Any]) -> tuple[CatalogueRow | None, list[Fa
     if isinstance(file, Catalogue):
         return chosen_row({**entries, CATALOGUE: file.path})
     if not isinstance(file, str | Path):
-        return None, [Fault(f"expected the name of a catalogue, as couplings.csv, got {file!r}", (CATALOGUE,))]
+        return None, [Fault(f"expected the name of a catalogue, as couplings.csv, {got(file)}", (CATALOGUE,))]
     if size is None:
         return None, [Fault("a catalogue needs the size that is meant, as size: A350", (CATALOGUE,), on_key=True)]
     from torsionnet.model.catalogues.catalogue_reading import catalogue_row

@@ -8,7 +8,7 @@ from typing import Any
 
 from torsionnet.base.entries.scalars import SCALAR_SCHEMA, plain_scalar, read_scalar
 from torsionnet.base.entries.spec import EntryError, Json, Renaming, Schema, Spec, coerce_part, full_name
-from torsionnet.base.errors import BRACKET, Fault, Path, Remedy, did_you_mean, unfit_word
+from torsionnet.base.errors import BRACKET, Fault, Path, Remedy, did_you_mean, got, unfit_word
 from torsionnet.base.expressions import Expression, Number
 from torsionnet.model.element_base.control_law import GAIN, MATRICES, PID, POLYNOMIALS, ROOTS, ControlLaw
 from torsionnet.model.element_base.element_entries import TURNING_NODE, NodePair
@@ -60,7 +60,7 @@ class SensedEntry(Spec[SensedMotion]):
         if isinstance(raw, SensedMotion):
             return raw
         if not isinstance(raw, Mapping) or len(raw) != 1:
-            raise EntryError(f"expected what is sensed, as {{velocity: node}}, got {raw!r}")
+            raise EntryError(f"expected what is sensed, as {{velocity: node}}, {got(raw)}")
         ((quantity, of),) = raw.items()
         if quantity not in SENSED_QUANTITIES:
             hint = did_you_mean(str(quantity), SENSED_QUANTITIES)
@@ -129,7 +129,7 @@ class ControlLawEntry(Spec[ControlLaw]):
         if not isinstance(raw, Mapping):
             if isinstance(raw, str | int | float | Expression) or hasattr(raw, "numerator"):
                 return ControlLaw(GAIN, (("gain", _scalar(raw)),))
-            raise EntryError(f"expected {_WAYS}, got {raw!r}")
+            raise EntryError(f"expected {_WAYS}, {got(raw)}")
         return self._of_form(_form(raw), raw)
 
     def _of_form(self, form: str, raw: Mapping[str, Any]) -> ControlLaw:
@@ -222,7 +222,7 @@ def _listed(raw: object) -> list[Any]:
     raw = raw.tolist() if hasattr(raw, "tolist") else raw
     if isinstance(raw, str) or not isinstance(raw, Sequence):
         remedy = Remedy(BRACKET) if isinstance(raw, str) else None
-        raise EntryError(Fault(f"expected a list of numbers or expressions, got {raw!r}", remedy=remedy))
+        raise EntryError(Fault(f"expected a list of numbers or expressions, {got(raw)}", remedy=remedy))
     if len(raw) > _MOST_COEFFICIENTS:
         raise EntryError(f"{len(raw)} values; a law has at most {_MOST_COEFFICIENTS}")
     return list(raw)
@@ -236,7 +236,7 @@ def _row(raw: object) -> tuple[Any, ...]:
 
 def _root(raw: Sequence[object]) -> tuple[Expression, ...]:
     if len(raw) != 2:
-        raise EntryError(f"expected a real number, or [re, im] for a complex pair, got {raw!r}")
+        raise EntryError(f"expected a real number, or [re, im] for a complex pair, {got(raw)}")
     return tuple(_at(place, _scalar, one) for place, one in enumerate(raw))
 
 

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar, final
 from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.scalars import QuantityKind
 from torsionnet.base.entries.spec import Flag, Json, Renaming, Schema, Spec, Text, entry, name_fault
-from torsionnet.base.errors import Fault, ModelError, Path, fault_of
+from torsionnet.base.errors import Fault, ModelError, Path, fault_of, got
 from torsionnet.base.expressions import Expression
 from torsionnet.base.packages import with_argument_hints
 from torsionnet.base.registers import TypeRegister
@@ -132,7 +132,7 @@ class Element(Declared):
         reason = (
             name_fault(self.name)
             if isinstance(self.name, str)
-            else f"the name of an element is a text, got {self.name!r}"
+            else f"the name of an element is a text, {got(self.name)}"
         )
         faults = [fault_of(reason)] if reason else []
         faults += [] if self.catalogue is None else self._looked_up() or self._resized()

@@ -13,7 +13,7 @@ from numbers import Integral
 from typing import Any, ClassVar, Generic, TypeVar
 
 from torsionnet.base.entries.spec import EntryError, Json, Plural, Renaming, Schema, Spec, Stored_co, Text, name_fault
-from torsionnet.base.errors import NO_NODE, NO_NODES, Fault, Path
+from torsionnet.base.errors import NO_NODE, NO_NODES, Fault, Path, got
 from torsionnet.base.expressions import Expression, Number
 from torsionnet.model.element_base.laws import GROUND, Values
 
@@ -26,7 +26,7 @@ class NodeName(Spec[str]):
 
     def coerce(self, raw: object) -> str:
         if not isinstance(raw, str) or not raw:
-            raise EntryError(Fault(f"expected the name of a node, got {raw!r}", kind=NO_NODE))
+            raise EntryError(Fault(f"expected the name of a node, {got(raw)}", kind=NO_NODE))
         fault = name_fault(raw)
         if fault:
             raise EntryError(fault)
@@ -88,8 +88,7 @@ class NodePair(Spec[tuple[str, str]]):
 
     def coerce(self, raw: object) -> tuple[str, str]:
         if isinstance(raw, str) or not isinstance(raw, Sequence) or len(raw) != 2:
-            shown = "nothing" if raw is None else repr(raw)
-            raise EntryError(Fault(f"expected two nodes [first, second], got {shown}", kind=NO_NODES))
+            raise EntryError(Fault(f"expected two nodes [first, second], {got(raw)}", kind=NO_NODES))
         names: list[str] = []
         for index, node in enumerate(raw):
             try:
@@ -140,7 +139,7 @@ class MultipleValues(Plural[tuple[Stored_co, ...]], Generic[Stored_co, One_co]):
         return self.example_text
 
     def refusal(self, raw: object) -> EntryError:
-        return EntryError(f"expected {self.example_text}, got {'nothing' if raw is None else repr(raw)}")
+        return EntryError(f"expected {self.example_text}, {got(raw)}")
 
 
 class QuantityGroup(Spec[Stored_co]):
@@ -184,10 +183,10 @@ class Teeth(Spec[tuple[int, int]]):
 
     def coerce(self, raw: object) -> tuple[int, int]:
         if isinstance(raw, str) or not isinstance(raw, Sequence) or len(raw) != 2:
-            raise EntryError(f"expected two teeth counts [z1, z2], got {'nothing' if raw is None else repr(raw)}")
+            raise EntryError(f"expected two teeth counts [z1, z2], {got(raw)}")
         for index, count in enumerate(raw):
             if isinstance(count, bool) or not isinstance(count, Integral) or count == 0:
-                raise EntryError(f"a teeth count is a whole number other than zero, got {count!r}", (index,))
+                raise EntryError(f"a teeth count is a whole number other than zero, {got(count)}", (index,))
             if abs(int(count)) > MOST_TEETH:
                 raise EntryError(f"no gear has more than {MOST_TEETH} teeth; for a ratio give ratio:", (index,))
         return (int(raw[0]), int(raw[1]))

@@ -23,7 +23,7 @@ from torsionnet.base.entries.scalars import (
     read_scalar,
 )
 from torsionnet.base.entries.spec import EntryError, Json, Plural, Renaming, Schema, Spec, entry
-from torsionnet.base.errors import Fault, Path
+from torsionnet.base.errors import Fault, Path, got
 from torsionnet.base.expressions import Expression, Number, Rows
 from torsionnet.base.units import DIMENSIONS
 from torsionnet.model.element_base.element_entries import QuantityGroup, exact_or_value, shown
@@ -42,11 +42,11 @@ class StageEnd(Spec[Number]):
             text = f"a stage ends at a torque or an angle with its unit, as 120 N*m or 30 deg; give {end}"
             raise EntryError(f"{text} as to_torque or to_twist, which take expressions of parameters")
         if end.unit_dimension not in (DIMENSIONS["torque"], DIMENSIONS["angle"]):
-            raise EntryError(f"a stage ends at a torque or an angle with its unit, as 120 N*m or 30 deg; got {raw!r}")
+            raise EntryError(f"a stage ends at a torque or an angle with its unit, as 120 N*m or 30 deg; {got(raw)}")
         if end.unit_dimension == DIMENSIONS["torque"] and end.has_angle:
             raise EntryError(f"{end} is a stiffness; a stage ends at a torque or an angle, as 120 N*m or 30 deg")
         if end.value <= 0:
-            raise EntryError(f"a stage ends above 0, got {raw!r}")
+            raise EntryError(f"a stage ends above 0, {got(raw)}")
         return end
 
     def plain(self, value: Any) -> Json:
@@ -67,7 +67,7 @@ class StageQuantity(PhysicalQuantity):
         value = super().coerce(raw)
         reason = self.bound_fault(float(value.value)) if isinstance(value, Number) else None
         if reason:
-            raise EntryError(f"{reason}, got {raw!r}")
+            raise EntryError(f"{reason}, {got(raw)}")
         return value
 
 

@@ -8,7 +8,7 @@ from fractions import Fraction
 from typing import Any, ClassVar
 
 from torsionnet.base.entries.spec import EntryError, Plural, Renaming, Schema, entry
-from torsionnet.base.errors import Fault, nearest, question
+from torsionnet.base.errors import Fault, got, nearest, question
 from torsionnet.base.expression_reading import scalar
 from torsionnet.base.plain_names import free_name
 from torsionnet.model.damping import DampingMeasure
@@ -36,7 +36,7 @@ class Stations(Plural[tuple[tuple[str, str], ...]]):
         if isinstance(raw, tuple):
             return raw
         if not isinstance(raw, Mapping) or not raw:
-            raise EntryError(f"expected {{mass of the sheet: node}}, as {{flywheel: fly}}, got {raw!r}")
+            raise EntryError(f"expected {{mass of the sheet: node}}, as {{flywheel: fly}}, {got(raw)}")
         found = []
         for mass, node in raw.items():
             try:

@@ -38,9 +38,6 @@ from torsionnet.model.parameters import resolve
 LONGEST_MESSAGE = 600
 """Length in characters of the longest message on a fault, of a longer one of which the middle is left out."""
 
-_PLAIN = {"got None": "got nothing", "got True": "got true", "got False": "got false"}
-_PYTHON = re.compile("got (None|True|False)$")
-
 
 def located_faults(faults: Iterable[Fault], document: LocatedDocument) -> list[Fault]:
     """Faults with their positions, in the order of the file, each cause once and each message one printable line."""
@@ -67,7 +64,6 @@ def _reading_order(fault: Fault) -> tuple[int, int]:
 
 def _one_line(message: str) -> str:
     half = LONGEST_MESSAGE // 2
-    message = _PYTHON.sub(lambda found: _PLAIN[found[0]], message)
     short = message if len(message) <= LONGEST_MESSAGE else f"{message[:half]} ... {message[-half:]}"
     return "".join(char if char.isprintable() else repr(char)[1:-1] for char in short)
 

@@ -10,7 +10,7 @@ from typing import Any, ClassVar, cast
 from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.scalars import Value
 from torsionnet.base.entries.spec import EntryError, Json, Plural, Schema, entry
-from torsionnet.base.errors import LEAVE_OUT, Fault, Remedy, UsageError
+from torsionnet.base.errors import LEAVE_OUT, Fault, Remedy, UsageError, got
 from torsionnet.base.units import RPM
 
 _SPEED = Value("a speed", "speed", below=1e6)
@@ -31,7 +31,7 @@ class TorqueOverSpeed(Plural[tuple[tuple[float, float], ...]]):
         if isinstance(raw, tuple):
             return raw, []
         if not isinstance(raw, Mapping) or len(raw) < 2:
-            return (), [Fault(f"expected two speeds or more, each with its torque: {self.example}; got {raw!r}")]
+            return (), [Fault(f"expected two speeds or more, each with its torque: {self.example}; {got(raw)}")]
         found: dict[float, float] = {}
         faults: list[Fault] = []
         for key, value in raw.items():

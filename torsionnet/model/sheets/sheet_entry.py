@@ -9,7 +9,7 @@ from typing import Any
 
 from torsionnet.base.entries.declared import nearby_file
 from torsionnet.base.entries.spec import EntryError, Schema, Spec, full_name
-from torsionnet.base.errors import Fault, ModelError
+from torsionnet.base.errors import Fault, ModelError, got
 from torsionnet.model.sheets.factor_readings import READINGS
 from torsionnet.model.sheets.mass_elastic_sheet import MassElasticSheet, SheetReading, read_sheet
 from torsionnet.model.sheets.sheet_remarks import SIDES
@@ -40,10 +40,10 @@ class SheetEntry(Spec[MassElasticSheet]):
                 allowed = _CHOICES.get(key, ())
                 if value not in allowed:
                     text = f"expected {' or '.join(allowed)}" if allowed else f"a sheet has {FILE}, values and factors"
-                    raise EntryError(Fault(f"{text}, got {value if allowed else key!r}", (key,), on_key=not allowed))
+                    raise EntryError(Fault(f"{text}, {got(value if allowed else key)}", (key,), on_key=not allowed))
             raw = raw.get(FILE)
         if not isinstance(raw, str | Path):
-            raise EntryError(f"expected the name of a sheet, as engine.csv, got {raw!r}")
+            raise EntryError(f"expected the name of a sheet, as engine.csv, {got(raw)}")
         reading = SheetReading(**said)
         try:
             if isinstance(raw, Path):

@@ -18,7 +18,7 @@ from torsionnet.base.entries.scalars import (
     plain_scalar,
 )
 from torsionnet.base.entries.spec import EntryError, Json, Schema, Spec
-from torsionnet.base.errors import MISSING_KEY, Fault, Path, unknown_key
+from torsionnet.base.errors import MISSING_KEY, Fault, Path, got, unknown_key
 from torsionnet.base.expressions import Expression, Number
 from torsionnet.model.elements import Values
 from torsionnet.motion.scenarios.time_history import HistoryPiece, TimeHistory, Wave
@@ -119,7 +119,7 @@ class HistoryEntry(Composite[Course]):
         if isinstance(raw, list | tuple):
             wrong = [place for place, row in enumerate(raw) if not isinstance(row, list | tuple) or len(row) != 2]
             if wrong:
-                return None, [Fault(f"a row is [time, value], got {raw[place]!r}", (place,)) for place in wrong]
+                return None, [Fault(f"a row is [time, value], {got(raw[place])}", (place,)) for place in wrong]
             return self._rows([(row[0], row[1]) for row in raw], keyed=False)
         try:
             return SteadyCourse(self.of.coerce(raw)), []

@@ -12,7 +12,7 @@ from typing import ClassVar
 from torsionnet.base.entries.composite import Listed, Nested
 from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.spec import EntryError, Schema, Spec, entry
-from torsionnet.base.errors import Fault
+from torsionnet.base.errors import Fault, got
 
 
 class TitleText(Spec[str]):
@@ -20,7 +20,8 @@ class TitleText(Spec[str]):
 
     def coerce(self, raw: object) -> str:
         if isinstance(raw, bool) or not isinstance(raw, str | int):
-            raise EntryError(f'expected text, got {raw!r}; put it in quotes, as in "{raw}"')
+            text = str(raw).lower() if isinstance(raw, bool) else raw
+            raise EntryError(f'expected text, {got(raw)}; put it in quotes, as in "{text}"')
         return str(raw).strip()
 
     @property
@@ -45,7 +46,7 @@ class IsoDate(TitleText):
         try:
             return dt.date.fromisoformat(text).isoformat() if text else ""
         except ValueError:
-            raise EntryError(f"expected a date as 2025-03-31 (year-month-day), got {raw!r}") from None
+            raise EntryError(f"expected a date as 2025-03-31 (year-month-day), {got(raw)}") from None
 
     def schema(self) -> Schema:
         return {"type": ["string", "null"], "format": "date", "description": self.description}

@@ -10,7 +10,7 @@ import numpy as np
 
 from torsionnet.base.entries.scalars import SCALAR_SCHEMA, Value, plain_number
 from torsionnet.base.entries.spec import Count, EntryError, Json, Schema, Spec, coerce_part, entry
-from torsionnet.base.errors import UsageError
+from torsionnet.base.errors import UsageError, got
 from torsionnet.signals.excitation.excitation import Excitation, FloatArray
 
 TURN = 2 * np.pi
@@ -105,7 +105,7 @@ class Frequencies(Spec[tuple[float, ...]]):
         if isinstance(raw, Mapping):
             return self._between(raw)
         if isinstance(raw, str) or not hasattr(raw, "__iter__"):
-            raise EntryError(f"expected a list of frequencies or {{from: 1 Hz, to: 40 Hz, count: 60}}, got {raw!r}")
+            raise EntryError(f"expected a list of frequencies or {{from: 1 Hz, to: 40 Hz, count: 60}}, {got(raw)}")
         return tuple(coerce_part(index, _FREQUENCY, value) for index, value in enumerate(raw))
 
     def _between(self, raw: Mapping[str, Any]) -> tuple[float, ...]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from torsionnet.base.entries.scalars import Value
 from torsionnet.base.entries.spec import EntryError, Schema, Spec
+from torsionnet.base.errors import got
 from torsionnet.signals.orders.vold_kalman import VoldKalman
 
 TICK = Value("the time of one count", "time", exclusive=True)
@@ -62,7 +63,7 @@ class OrderList(Spec[tuple[float, ...]]):
             else:
                 raise EntryError(f'"{part}": orders are numbers, or first:last:step as 0.5:12:0.5')
         if not found or min(found) <= 0:
-            raise EntryError(f"orders are positive numbers of vibrations per revolution, got {raw!r}")
+            raise EntryError(f"orders are positive numbers of vibrations per revolution, {got(raw)}")
         return tuple(sorted(set(found)))
 
     @staticmethod

@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from torsionnet.base.entries.spec import EntryError, Json, Schema, Spec, Text, entry
-from torsionnet.base.errors import Fault, UsageError, unknown_name
+from torsionnet.base.errors import Fault, UsageError, got, unknown_name
 from torsionnet.base.expression_reading import parse_expression
 from torsionnet.base.expressions import Algebra, Expression, ExpressionError
 from torsionnet.base.units import DIMENSIONS, Dimension, UnitError, parse_unit
@@ -30,7 +30,7 @@ class QuantityFormula(Spec[Expression]):
         if isinstance(raw, Expression):
             return raw
         if not isinstance(raw, str):
-            raise EntryError(f"expected an expression of other quantities, as f_2/f_1, got {raw!r}")
+            raise EntryError(f"expected an expression of other quantities, as f_2/f_1, {got(raw)}")
         try:
             found = parse_expression(raw)
         except ExpressionError as error:

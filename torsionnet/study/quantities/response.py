@@ -11,7 +11,7 @@ import numpy as np
 
 from torsionnet.base.entries.scalars import SCALAR_SCHEMA, Band, Value
 from torsionnet.base.entries.spec import Count, EntryError, Json, OneOf, Schema, Spec, coerce_part, entry, not_none
-from torsionnet.base.errors import Fault
+from torsionnet.base.errors import Fault, got
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.study.quantities.quantity import QuantityForm, register_quantity
@@ -29,7 +29,7 @@ class FrequencyList(Spec[tuple[float, ...]]):
             return (_FREQUENCY.coerce(raw),)
         found = tuple(coerce_part(place, _FREQUENCY, one) for place, one in enumerate(raw))
         if not found or any(second <= first for first, second in pairwise(found)):
-            raise EntryError(f"expected a frequency or a list of frequencies that rises, got {raw!r}")
+            raise EntryError(f"expected a frequency or a list of frequencies that rises, {got(raw)}")
         return found
 
     def plain(self, value: Any) -> Json:

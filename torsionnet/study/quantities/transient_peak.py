@@ -12,7 +12,7 @@ from torsionnet.base.entries.composite import Composite, Listed
 from torsionnet.base.entries.declared import nearby_file
 from torsionnet.base.entries.scalars import SCALAR_SCHEMA, Value
 from torsionnet.base.entries.spec import EntryError, Json, OneOf, Schema, Text, entry, not_none
-from torsionnet.base.errors import MISSING_KEY, Fault, TorsionnetError, UsageError
+from torsionnet.base.errors import MISSING_KEY, Fault, TorsionnetError, UsageError, got
 from torsionnet.base.remedies import remedy
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.identification.plan.fit_entries import READING, FileReading
@@ -51,7 +51,7 @@ class TorqueHistoryEntry(Composite[TorqueHistory]):
         if isinstance(raw, Mapping) and set(raw) == {"rate", "values"}:
             return self._listed(raw)
         if not isinstance(raw, Mapping) or set(raw) - {"reading"} != {"file", "channel"}:
-            return None, [Fault(f"expected {HISTORY_FORM}, got {raw!r}")]
+            return None, [Fault(f"expected {HISTORY_FORM}, {got(raw)}")]
         reading, wrong = READING.read(raw["reading"]) if "reading" in raw else (None, [])
         if wrong:
             return None, [fault.under("reading") for fault in wrong]
