@@ -7,9 +7,9 @@ model may leave out, which then has the value without effect.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from math import inf
-from typing import Any, TypeVar
+from typing import Any
 
 from torsionnet.base.entries.composite import Named, Nested
 from torsionnet.base.entries.declared import Declared
@@ -25,7 +25,6 @@ NEUTRAL_VALUES = {"misfire_share": 0.0, "factors": 1.0}
 """Value without effect of a cylinder that a table of an engine does not name, by entry."""
 LARGEST_BY_ENTRY = {"misfire_share": 1.0}
 """Largest value of numbers in a table by entry, where no specification says it: a whole misfire."""
-D = TypeVar("D", bound=Declared)
 
 
 @dataclass(frozen=True)
@@ -195,15 +194,7 @@ def _put(owner: Any, path: Sequence[Any], value: float, absent: Declared | None)
     if owner is None or isinstance(owner, Mapping):
         known = (owner or {}).get(path[0], absent)
         return {**(owner or {}), path[0]: _put(known, path[1:], value, absent)}
-    return _unchecked(owner, path[0], _put(getattr(owner, path[0]), path[1:], value, absent))
-
-
-def _unchecked(owner: D, entry: str, value: Any) -> D:
-    """Copy of a frozen object with another entry, without its checks and without what it has calculated from it."""
-    changed = object.__new__(type(owner))
-    for one in fields(owner):  # type: ignore[arg-type]
-        object.__setattr__(changed, one.name, value if one.name == entry else getattr(owner, one.name))
-    return changed
+    return owner.unchecked(**{path[0]: _put(getattr(owner, path[0]), path[1:], value, absent)})
 
 
 def _names(owner: Declared) -> Iterator[str]:
