@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import MappingProxyType
@@ -122,10 +122,10 @@ class Model:
 
     @classmethod
     def _of(cls, state: ModelState) -> Self:
-        """Model in a state whose definition has been checked."""
-        new = cls.__new__(cls)
-        new.__setstate__(state)
-        return new
+        """Model in a state whose definition has been checked, without the reading and checking of the constructor."""
+        made = object.__new__(cls)
+        made._state = state
+        return made
 
     def with_definition(self, definition: Definition) -> Self:
         """Model made of another definition, in no configuration and with the parameter values as written."""
@@ -470,12 +470,9 @@ class Model:
 
     _state: ModelState
 
-    def __getstate__(self) -> ModelState:
-        """State of the model for pickling: the definition and changes, without calculated results."""
-        return self._state
-
-    def __setstate__(self, state: ModelState) -> None:
-        self._state = state
+    def __reduce__(self) -> tuple[Callable[[ModelState], Self], tuple[ModelState]]:
+        """Constructor of a pickled or copied model, and its state: the definition and changes, without results."""
+        return self._of, (self._state,)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Model):

@@ -5,6 +5,7 @@ Each number carries a bound of what rounding may have done to it: sums of large 
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
@@ -19,6 +20,7 @@ OPERATION_ROUNDING = 2.0**-51
 """Relative rounding error assumed for one operation with complex doubles, 4 times their unit roundoff 2^-53."""
 
 
+@dataclass(eq=False, slots=True)
 class Scaled:
     """Complex array (mantissa +- error) * 2^exponent, element by element, with 0.5 <= |mantissa| < 1, or 0.
 
@@ -33,21 +35,24 @@ class Scaled:
     True
     """
 
-    __slots__ = ("error", "exponent", "mantissa")
+    mantissa: NDArray[np.complex128]
+    exponent: NDArray[np.int64]
+    error: NDArray[np.float64]
 
-    def __init__(self, mantissa: ComplexArray, exponent: NDArray[np.int64], error: FloatArray) -> None:
+    @classmethod
+    def normalised(cls, mantissa: ComplexArray, exponent: NDArray[np.int64], error: FloatArray) -> Scaled:
+        """Scaled array of numbers whose mantissas may have any size."""
         shift = np.frexp(np.abs(mantissa))[1].astype(np.int64)
         nothing, down = mantissa == 0, np.exp2(-shift)
-        self.mantissa: NDArray[np.complex128] = mantissa * down
-        self.error: NDArray[np.float64] = error * down
+        error = error * down
         # A zero of which something may be left by rounding keeps its exponent.
-        self.exponent = np.where(nothing & (error == 0), ZERO_EXPONENT, exponent + shift)
+        return cls(mantissa * down, np.where(nothing & (error == 0), ZERO_EXPONENT, exponent + shift), error)
 
     @classmethod
     def of(cls, array: Any) -> Scaled:
         """Scaled array of a complex array or number of ordinary size, which is taken for exact."""
         mantissa = np.atleast_1d(np.asarray(array, dtype=complex))
-        return cls(mantissa, np.zeros(mantissa.shape, dtype=np.int64), np.zeros(mantissa.shape))
+        return cls.normalised(mantissa, np.zeros(mantissa.shape, dtype=np.int64), np.zeros(mantissa.shape))
 
     @classmethod
     def rational(cls, value: Fraction) -> Scaled:
@@ -56,21 +61,23 @@ class Scaled:
         exact = value / Fraction(2) ** shift
         mantissa = float(exact)
         error = 0.0 if mantissa == exact else OPERATION_ROUNDING * abs(mantissa)
-        return cls(np.array([mantissa + 0j]), np.array([shift], dtype=np.int64), np.array([error]))
+        return cls.normalised(np.array([mantissa + 0j]), np.array([shift], dtype=np.int64), np.array([error]))
 
     def __add__(self, other: Scaled) -> Scaled:
         top = np.maximum(self.exponent, other.exponent)
         first = np.exp2(np.maximum(self.exponent - top, -2000))
         second = np.exp2(np.maximum(other.exponent - top, -2000))
         total = self.mantissa * first + other.mantissa * second
-        return Scaled(total, top, self.error * first + other.error * second + OPERATION_ROUNDING * np.abs(total))
+        return Scaled.normalised(
+            total, top, self.error * first + other.error * second + OPERATION_ROUNDING * np.abs(total)
+        )
 
     def __mul__(self, other: Scaled) -> Scaled:
         first, second = np.abs(self.mantissa), np.abs(other.mantissa)
         error = (
             first * other.error + second * self.error + self.error * other.error + OPERATION_ROUNDING * first * second
         )
-        return Scaled(self.mantissa * other.mantissa, self.exponent + other.exponent, error)
+        return Scaled.normalised(self.mantissa * other.mantissa, self.exponent + other.exponent, error)
 
     def __truediv__(self, other: Scaled) -> Scaled:
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -78,10 +85,7 @@ class Scaled:
             size = np.abs(quotient)
             error = (self.error + size * other.error) / np.abs(other.mantissa) + OPERATION_ROUNDING * size
         exponent = self.exponent - other.exponent
-        result = Scaled.__new__(Scaled)
-        result.mantissa, result.exponent = quotient, np.where(other.mantissa == 0, 0, exponent)
-        result.error = error
-        return result
+        return Scaled(quotient, np.where(other.mantissa == 0, 0, exponent), error)  # infinite where it divides by zero
 
     def __pow__(self, power: float) -> Scaled:
         result = Scaled.of(self.array() ** power)
