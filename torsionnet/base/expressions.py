@@ -23,6 +23,7 @@ from typing import Any, ClassVar, Literal, TypeAlias
 
 import torsionnet.base.units as units
 from torsionnet.base.errors import Fault, FaultyValueError, UsageError, unknown_name
+from torsionnet.base.registers import settle
 from torsionnet.base.units import DIMENSIONS, Dimension
 
 SMALLEST_SIZE, LARGEST_SIZE = 1e-40, 1e40
@@ -158,7 +159,7 @@ class Number(Expression):
     names: ClassVar[frozenset[str]] = frozenset()
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "value", units.exact(self.value))
+        settle(self, value=units.exact(self.value))
 
     @property
     def unit_written(self) -> str:

@@ -1,7 +1,7 @@
 """Registers of types, each type in a file of a package, that import only the files asked for.
 
 Here as well: cache of results that are computed once and kept beside frozen values; connected groups of names, joined
-one pair after the other (union-find).
+one pair after the other (union-find); values of a frozen object that are settled while it is made.
 """
 
 from __future__ import annotations
@@ -11,9 +11,19 @@ import pkgutil
 from collections import OrderedDict
 from collections.abc import Callable, Hashable, Iterable, Iterator, MutableMapping, Sequence
 from functools import cached_property
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 T = TypeVar("T")
+
+
+def settle(made: object, /, **values: Any) -> None:
+    """Store values in the fields of a frozen dataclass, from its ``__post_init__`` or in a copy that is being made.
+
+    What follows from the arguments, as the exact fraction of a float, has to be stored once. A frozen dataclass refuses
+    every assignment, also its own, and Python has no other way in ``__post_init__`` than this one.
+    """
+    for name, value in values.items():
+        object.__setattr__(made, name, value)
 
 
 class TypeRegister(MutableMapping[str, T], Generic[T]):

@@ -14,6 +14,7 @@ from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.errors import UsageError, did_you_mean
 from torsionnet.base.notes import NoteOrText
 from torsionnet.base.packages import NotebookResult
+from torsionnet.base.registers import settle
 
 if TYPE_CHECKING:
     import control
@@ -135,8 +136,7 @@ class FrequencyResponse(NotebookResult):
             elif array is not None and array.shape != wanted:
                 form = "(n_f,)" if len(wanted) == 1 else "(n_f, n_out, n_in)"
                 raise UsageError(f"{name} have the shape {array.shape}; expected {form} = {wanted}")
-        for name, value in settled.items():
-            object.__setattr__(self, name, value)
+        settle(self, **settled)
 
     @property
     def magnitude(self) -> FloatArray:

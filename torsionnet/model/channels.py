@@ -10,6 +10,7 @@ from typing import Any, ClassVar, TypeAlias, TypeVar, cast
 from torsionnet.base.entries.composite import Listed
 from torsionnet.base.entries.spec import EntryError, Json, Renaming, Schema, Spec, Text, reference
 from torsionnet.base.errors import LEAVE_OUT, NO_NODE, Fault, Remedy, UsageError, got, unfit_word, unknown_key
+from torsionnet.base.registers import settle
 from torsionnet.model.element_base.element_entries import ElementName, NodeText, PlaceOnElement
 from torsionnet.model.elements import GROUND, Element
 
@@ -203,7 +204,7 @@ def _settle_pair(channel: Sensor | Input) -> None:
     if fault:
         raise UsageError(fault)
     if channel.against == GROUND:
-        object.__setattr__(channel, "against", None)
+        settle(channel, against=None)
 
 
 def pair_fault(first: str, second: Any, quantity: str) -> str | None:

@@ -11,6 +11,7 @@ import torsionnet.model.sections as sections
 from torsionnet.base.entries.declared import FORMAT_VERSION, KEY, Declared
 from torsionnet.base.entries.spec import Json, Schema, Text, entry
 from torsionnet.base.errors import Fault
+from torsionnet.base.registers import settle
 from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.configurations import Overlay
 from torsionnet.model.elements import GROUND, Element
@@ -121,12 +122,10 @@ class Definition(Declared):
 
         Reading them again would cost as much as reading the file.
         """
-        for name, stored in self.defaults().items():
-            if getattr(self, name) is None:
-                object.__setattr__(self, name, stored)
+        self.settle_absent()
         if self.excitations:
             fitted = {name: one.with_element_data(self.elements) for name, one in self.excitations.items()}
-            object.__setattr__(self, "excitations", fitted)
+            settle(self, excitations=fitted)
 
     @property
     def is_flat(self) -> bool:

@@ -28,6 +28,7 @@ from torsionnet.base.entries.spec import (
 )
 from torsionnet.base.errors import Fault, got
 from torsionnet.base.expressions import Expression, ExpressionError, Number, Rows
+from torsionnet.base.registers import settle
 from torsionnet.base.units import DIMENSIONS, Dimension
 from torsionnet.model.element_base.element_entries import ElementName, NodeText
 
@@ -201,7 +202,7 @@ class Parameter(Declared):
         if self.by is not None and self.value is None:
             dimension = DIMENSIONS[FOLLOWED_QUANTITIES[self.by][1]]
             first = self.table[0][1] if self.table else Number(1, dimension)
-            object.__setattr__(self, "value", OperatingValue(first.value, first.unit_dimension))
+            settle(self, value=OperatingValue(first.value, first.unit_dimension))
 
     def contradictions(self) -> list[Fault]:
         if self.by is None:

@@ -31,6 +31,7 @@ from torsionnet.base.errors import (
     question,
     unknown_key,
 )
+from torsionnet.base.registers import settle
 
 FORMAT_VERSION = 1
 """Number of the version of the file format that this release reads and writes."""
@@ -76,17 +77,22 @@ class Declared:
     def coerced(self) -> list[Fault]:
         """Faults of the fields that cannot be stored, while all others are brought to their stored form."""
         faults: list[Fault] = []
-        defaults = self.defaults()
+        defaults, settled = self.defaults(), dict[str, Any]()
         for declared, (name, spec) in zip(self.declared(), self.specs(), strict=True):
             raw, default, stored = getattr(self, name), declared.default, defaults[name]
             if raw is default or (raw is stored and default is not MISSING):
-                object.__setattr__(self, name, stored)
+                settled[name] = stored
                 continue
             try:
-                object.__setattr__(self, name, spec.coerce(raw))
+                settled[name] = spec.coerce(raw)
             except EntryError as error:
                 faults += [fault.under(name) for fault in error.faults]
+        settle(self, **settled)
         return faults
+
+    def settle_absent(self) -> None:
+        """Store the default of every entry that is not given, where the others have their stored form already."""
+        settle(self, **{name: stored for name, stored in self.defaults().items() if getattr(self, name) is None})
 
     def contradictions(self) -> list[Fault]:
         """Faults of entries that are valid alone but contradict each other."""
@@ -98,9 +104,7 @@ class Declared:
         Nothing is checked: for what is known to be right, or may contradict the other entries.
         """
         copied = object.__new__(type(self))
-        for one in fields(self):  # type: ignore[arg-type]
-            name = one.name
-            object.__setattr__(copied, name, changes[name] if name in changes else getattr(self, name))
+        settle(copied, **{one.name: getattr(self, one.name) for one in fields(self)} | changes)  # type: ignore[arg-type]
         return copied
 
     @classmethod

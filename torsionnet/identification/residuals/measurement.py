@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsionnet.base.errors import UsageError
+from torsionnet.base.registers import settle
 from torsionnet.linear.between_samples import check_between
 from torsionnet.linear.frequency_response import FrequencyResponse
 from torsionnet.signals.orders.tracked_orders import MeasuredOrder, TrackedOrders
@@ -119,19 +120,19 @@ class Measurement:
     def _take_orders(self, data: TrackedOrders | Sequence[MeasuredOrder]) -> None:
         """Check what is said about orders, and bring them and their output to the stored form."""
         if isinstance(data, TrackedOrders):
-            object.__setattr__(self, "output", self.output or data.name)
+            settle(self, output=self.output or data.name)
         else:
             listed = tuple(data)
             if not listed or not all(isinstance(one, MeasuredOrder) for one in listed):
                 raise UsageError("a measurement is a record, a frequency response, tracked orders or MeasuredOrders")
-            object.__setattr__(self, "data", listed)
+            settle(self, data=listed)
         if not self.output:
             raise UsageError("name the output of the model that the orders were measured at")
         if self.input or self.model_input or self.excitation or self.between:
             raise UsageError("orders have no input: the excitations of the model cause them; leave input out")
         if self.settings or self.settling or self.reference:
             raise UsageError("settings, settling and reference belong to records; these are orders")
-        object.__setattr__(self, "orders_used", tuple(map(float, self.orders_used)))
+        settle(self, orders_used=tuple(map(float, self.orders_used)))
         if self.speeds is not None and not 0 <= self.speeds[0] < self.speeds[1]:
             raise UsageError(f"a range of speeds goes from a lower to a higher one, in rad/s, got {self.speeds}")
 

@@ -20,7 +20,7 @@ from torsionnet.base.entries.spec import Flag, Json, Renaming, Schema, Spec, Tex
 from torsionnet.base.errors import Fault, ModelError, Path, fault_of, got
 from torsionnet.base.expressions import Expression
 from torsionnet.base.packages import with_argument_hints
-from torsionnet.base.registers import TypeRegister
+from torsionnet.base.registers import TypeRegister, settle
 from torsionnet.model.catalogues.catalogue_entries import CATALOGUE, SIZE, CatalogueEntry, SizeName
 from torsionnet.model.damping import DampingMeasure
 from torsionnet.model.element_base.element_entries import (
@@ -153,14 +153,13 @@ class Element(Declared):
             return []
         row, faults = chosen_row({CATALOGUE: self.catalogue, SIZE: self.size or None})
         if row is None:
-            object.__setattr__(self, CATALOGUE, None)
+            settle(self, catalogue=None)
             return faults
         specs, defaults = dict(self.specs()), self.defaults()
         given = {name: getattr(self, name) for name in specs}
         given = {name: raw for name, raw in given.items() if raw is not None and raw is not defaults.get(name)}
         taken, faults = row_entries(row, specs, given)
-        for name, raw in {**taken, CATALOGUE: row}.items():
-            object.__setattr__(self, name, raw)
+        settle(self, **taken, catalogue=row)
         return faults
 
     def _resized(self) -> list[Fault]:
@@ -175,8 +174,7 @@ class Element(Declared):
         changes, faults = entries_of_other_size(
             row, str(self.size), specs, {name: getattr(self, name) for name in specs}
         )
-        for name, value in changes.items():
-            object.__setattr__(self, name, value)
+        settle(self, **changes)
         return faults
 
     @classmethod

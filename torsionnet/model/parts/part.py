@@ -43,13 +43,8 @@ class Part(Declared):
     limits: Mapping[str, Limit] = entry(sections.LIMITS, None)
 
     def __post_init__(self) -> None:
-        """Store the default value of the part's entries that are not given.
-
-        The other values have their types already.
-        """
-        for name, stored in self.defaults().items():
-            if getattr(self, name) is None:
-                object.__setattr__(self, name, stored)
+        """Accept the typed values of the part as they are, without checks."""
+        self.settle_absent()
 
     @classmethod
     def read(cls, raw: object) -> tuple[Self | None, list[Fault]]:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from torsionnet.base.entries.spec import Json
+from torsionnet.base.registers import settle
 from torsionnet.base.table import Column, Table
 from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.machinery.design.damper_optimum import DesignParameter
@@ -59,7 +60,7 @@ class ParetoFront:
 
     def __post_init__(self) -> None:
         if not self.units:
-            object.__setattr__(self, "units", ("",) * len(self.objectives))
+            settle(self, units=("",) * len(self.objectives))
 
     @property
     def compromise(self) -> int:
