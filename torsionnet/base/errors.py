@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TypeAlias
 
-Path: TypeAlias = tuple[str | int, ...]
+EntryPath: TypeAlias = tuple[str | int, ...]
 """Path to an entry of a model: keys and indices from the outside in."""
 
 LEAST_SIMILARITY = 0.6
@@ -88,7 +88,7 @@ class Fault:
     """
 
     message: str
-    path: Path = ()
+    path: EntryPath = ()
     severity: str = "error"
     position: Position | None = None
     on_key: bool = False
@@ -96,9 +96,9 @@ class Fault:
     about: str = ""
     meant: str = ""
     configuration: str = ""
-    uses: tuple[Path, ...] = ()
+    uses: tuple[EntryPath, ...] = ()
     used_at: tuple[Position, ...] = ()
-    defined: Path = ()
+    defined: EntryPath = ()
     defined_at: Position | None = None
     remedy: Remedy | None = None
     causes: tuple[str, ...] = ()
@@ -315,7 +315,7 @@ def question(meant: str) -> str:
     return f'; did you mean "{meant}"?' if meant else ""
 
 
-def unknown_key(key: object, known: Iterable[str], path: Path, rest: str) -> Fault:
+def unknown_key(key: object, known: Iterable[str], path: EntryPath, rest: str) -> Fault:
     """Fault of a key that an entry of the model does not have; ``rest`` says which keys do."""
     name, known = str(key), list(known)
     from torsionnet.base.familiar_words import familiar_key
@@ -327,7 +327,7 @@ def unknown_key(key: object, known: Iterable[str], path: Path, rest: str) -> Fau
 
 
 def unknown_name(
-    what: str, name: str, known: Iterable[str], path: Path = (), *, on_key: bool = False, rest: str = ""
+    what: str, name: str, known: Iterable[str], path: EntryPath = (), *, on_key: bool = False, rest: str = ""
 ) -> Fault:
     """Fault of a name in the model that nothing defines.
 
@@ -342,7 +342,7 @@ def unfit_word(
     text: str,
     word: str,
     known: Iterable[str],
-    path: Path = (),
+    path: EntryPath = (),
     rest: str = "",
     *,
     meant: str = "",

@@ -23,7 +23,7 @@ from typing import Any
 
 from torsionnet.base.entries.scalars import SCALAR_SCHEMA, QuantityKind, plain_scalar, read_scalar
 from torsionnet.base.entries.spec import EntryError, Json, Schema, full_name
-from torsionnet.base.errors import INSERT, Fault, Path, Remedy, TorsionnetError, did_you_mean, unfit_word
+from torsionnet.base.errors import INSERT, EntryPath, Fault, Remedy, TorsionnetError, did_you_mean, unfit_word
 from torsionnet.base.expressions import FLOAT, Algebra, Expression, Number
 from torsionnet.base.units import DIMENSIONS
 
@@ -233,10 +233,10 @@ class DampingQuantity(QuantityKind[Expression | DampingMeasure]):
         measure: Schema = {"type": "object", "properties": keys, "additionalProperties": False, "minProperties": 1}
         return {"anyOf": [SCALAR_SCHEMA, measure], "description": f"{self.description} [N*m*s/rad]"}
 
-    def expressions(self, value: Any) -> tuple[tuple[Path, Expression, str], ...]:
+    def expressions(self, value: Any) -> tuple[tuple[EntryPath, Expression, str], ...]:
         if not isinstance(value, DampingMeasure):
             return (((), value, self.dimension),)
-        entries: list[tuple[Path, Expression, str]] = [
+        entries: list[tuple[EntryPath, Expression, str]] = [
             ((value.measure,), value.value, "damping" if value.measure == "c" else "1")
         ]
         if value.at is not None:
@@ -280,7 +280,7 @@ class LossFactor(QuantityKind[Expression | DampingMeasure]):
         measure: Schema = {"type": "object", "properties": keys, "additionalProperties": False, "minProperties": 1}
         return {"anyOf": [SCALAR_SCHEMA, measure], "description": self.description}
 
-    def expressions(self, value: Any) -> tuple[tuple[Path, Expression, str], ...]:
+    def expressions(self, value: Any) -> tuple[tuple[EntryPath, Expression, str], ...]:
         if isinstance(value, DampingMeasure):
             return (((value.measure,), value.value, "1"),)
         return (((), value, "1"),)

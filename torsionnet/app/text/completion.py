@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from pathlib import Path as FolderPath
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from torsionnet.app.text.cursor_context import CursorContext, cursor_context
@@ -50,7 +50,7 @@ _KINDS = {"element": "word", "excitation": "word", "input": "sensor"}
 """Kind that a completion shows for things that have none of their own there."""
 
 
-def completions(text: str, offset: int, file: str = "", folder: FolderPath | None = None) -> list[Completion]:
+def completions(text: str, offset: int, file: str = "", folder: Path | None = None) -> list[Completion]:
     """Options for the word at an offset of a model text, the likeliest first; none in comments, quotes, free text.
 
     Nothing follows digits at once: whoever ends a number with Enter wants the number.
@@ -76,11 +76,11 @@ def completions(text: str, offset: int, file: str = "", folder: FolderPath | Non
         found = Completion(version, "word", "", "version of the file format", f"{blank}{version}", context.word)
         return [found] if version.startswith(text[context.word.start : offset]) else []
     if folder is None and file:
-        folder = FolderPath(file).parent
+        folder = Path(file).parent
     return list(_fitting(text, offset, context, folder))[:MOST_OPTIONS]
 
 
-def _fitting(text: str, offset: int, context: CursorContext, folder: FolderPath | None) -> Iterator[Completion]:
+def _fitting(text: str, offset: int, context: CursorContext, folder: Path | None) -> Iterator[Completion]:
     from torsionnet.app.text.completing.completion_keys import key_options
     from torsionnet.app.text.completing.completion_names import ModelNames
     from torsionnet.app.text.completing.completion_option import Writing

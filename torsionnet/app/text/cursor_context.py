@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from torsionnet.app.text.flow_place import flow_place
 from torsionnet.app.text.text_edits import TextLines, TextSpan
-from torsionnet.base.errors import Path
+from torsionnet.base.errors import EntryPath
 
 _DASHES = re.compile(r"\s*(?:-(?:\s+|$))*")
 _KEY = re.compile(r"""("[^"]*"|'[^']*'|[^\s{\[\]},:"'#&*!|>%@`][^{\[\]},:"'#]*?)\s*:(?:(?=\s)|$)(\s*)""")
@@ -25,7 +25,7 @@ class CursorContext:
     With ``is_text`` the cursor is in a comment, in quotes or after a value, where no word of a model can follow.
     """
 
-    path: Path
+    path: EntryPath
     is_key: bool
     word: TextSpan
     is_flow: bool = False
@@ -93,7 +93,7 @@ class _Cursor:
 
     def plain(
         self,
-        path: Path,
+        path: EntryPath,
         is_key: bool,
         column: int,
         *,
@@ -105,7 +105,7 @@ class _Cursor:
         word = TextSpan(self.starts[self.row] + min(column, self.column), self.offset)
         return CursorContext(path, is_key, word, False, is_list_item, is_text, indent, needs_blank)
 
-    def own(self, levels: list[_Level], indent: int) -> Path:
+    def own(self, levels: list[_Level], indent: int) -> EntryPath:
         """Keys and indices that the line of the cursor begins itself."""
         first = self.index_above(self.row, indent)
         return tuple(
@@ -125,7 +125,7 @@ class _Cursor:
             count += 1
         return count
 
-    def flow(self, row: int, column: int, above: Path, levels: list[_Level]) -> CursorContext | None:
+    def flow(self, row: int, column: int, above: EntryPath, levels: list[_Level]) -> CursorContext | None:
         """Place in a flow mapping that opens on a line, None where it is closed before the cursor."""
         place = flow_place(self.text, self.starts[row] + column, self.offset)
         if place is None:
@@ -140,12 +140,12 @@ class _Cursor:
             place.is_text, len(line) - len(line.lstrip()),
         )  # fmt: skip
 
-    def path_above(self, indent: int, is_dash: bool) -> Path:
+    def path_above(self, indent: int, is_dash: bool) -> EntryPath:
         """Keys and indices of the entries that the line of the cursor belongs to by its indentation alone."""
         found = self.above(indent, is_dash, by_indent=True)
         return () if isinstance(found, CursorContext) else found
 
-    def above(self, level: int, is_dash: bool, *, by_indent: bool = False) -> Path | CursorContext:
+    def above(self, level: int, is_dash: bool, *, by_indent: bool = False) -> EntryPath | CursorContext:
         """Keys and indices of the entries that the line of the cursor belongs to by its indentation.
 
         Where one of them opens a flow mapping or a text that still holds the cursor, the place in it.
@@ -187,7 +187,7 @@ class _Cursor:
             level = min(level, indent)
         return tuple(reversed(path))
 
-    def path_of(self, row: int) -> Path:
+    def path_of(self, row: int) -> EntryPath:
         """Keys and indices around a line above the cursor."""
         line = self.line(row)
         cursor = _Cursor(self.text, self.starts[row])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from pathlib import Path as FolderPath
+from pathlib import Path
 from typing import Any
 
 from yaml.events import AliasEvent, StreamEndEvent
@@ -13,7 +13,7 @@ from torsionnet.app.text.entry_edits import STEP, WrittenText
 from torsionnet.app.text.text_edits import TextEdit, TextSpan, edited
 from torsionnet.app.text.text_faults import LocatedFault, text_faults
 from torsionnet.base.entries.spec import Json
-from torsionnet.base.errors import ModelError, Path, UsageError, did_you_mean
+from torsionnet.base.errors import EntryPath, ModelError, UsageError, did_you_mean
 from torsionnet.model.files.located_yaml import compose, fastest_parser
 from torsionnet.model.files.value_editing import node_at
 
@@ -26,7 +26,7 @@ class Removal:
     faults: tuple[LocatedFault, ...]
 
 
-def value_edit(text: str, path: Path, value: Json, file: str = "") -> list[TextEdit]:
+def value_edit(text: str, path: EntryPath, value: Json, file: str = "") -> list[TextEdit]:
     """Edits that give an entry of a model text another value, or a table of entries a new one.
 
     Raises UsageError for a text that is broken, a path that leads nowhere, and a value that others share by an anchor.
@@ -84,7 +84,7 @@ def inserted_element(
     return _certain(written, [edit], new)
 
 
-def without_element(text: str, name: str, file: str = "", folder: FolderPath | None = None) -> Removal:
+def without_element(text: str, name: str, file: str = "", folder: Path | None = None) -> Removal:
     """Edits that remove an element with its comments, and what still names it as faults of the new text.
 
     Raises UsageError where the text is broken, has no such element, or uses an anchor (&) of it elsewhere.
@@ -154,7 +154,7 @@ def _put_in(known: Mapping[str, Any], name: str, value: Json, after: str | None)
     return found if after is not None else {**found, name: value}
 
 
-def _with_value(data: Any, path: Path, value: Json) -> Any:
+def _with_value(data: Any, path: EntryPath, value: Json) -> Any:
     """Plain data in which the entry at a path has another value."""
     if not path:
         return value

@@ -9,7 +9,7 @@ from functools import cached_property
 
 from torsionnet.app.text.text_edits import TextEdit, TextLines, TextSpan
 from torsionnet.base.entries.spec import Json
-from torsionnet.base.errors import Path, UsageError
+from torsionnet.base.errors import EntryPath, UsageError
 from torsionnet.model.files.located_yaml import LocatedDocument, LocatedNode
 from torsionnet.model.files.value_editing import node_at
 from torsionnet.model.files.writer import flow_text
@@ -40,7 +40,7 @@ class WrittenText:
         found = re.search("\r\n|\r|\n", self.text)
         return found[0] if found else "\n"
 
-    def node(self, path: Path) -> LocatedNode:
+    def node(self, path: EntryPath) -> LocatedNode:
         """Value at a path with its place; UsageError where there is none."""
         node = node_at(self.document, path)
         if node is None:
@@ -84,7 +84,7 @@ class WrittenText:
         """Text of a value with its name on one line."""
         return f"{self.written(key)}: {self.written(value)}"
 
-    def replacement(self, path: Path, value: Json) -> TextEdit:
+    def replacement(self, path: EntryPath, value: Json) -> TextEdit:
         """Edit that writes another value in the place of one."""
         node = self.node(path)
         span = self.value_span(node)
@@ -94,7 +94,7 @@ class WrittenText:
             span, blank = TextSpan(colon, span.end), " "
         return TextEdit(span, blank + self.written(value))
 
-    def insertion(self, parent: Path, key: str, value: Json, after: str | int | None = None) -> TextEdit:
+    def insertion(self, parent: EntryPath, key: str, value: Json, after: str | int | None = None) -> TextEdit:
         """Edit that writes a new entry into a mapping, behind one of its entries or as the last."""
         node, text = self.node(parent), self.entry_text(key, value)
         if not node.entries:
@@ -117,7 +117,7 @@ class WrittenText:
         place = self.line_end(self.lines.place(end)[0])
         return TextEdit(TextSpan(place, place), f"{self.line_break}{indent}{text},")
 
-    def _first(self, node: LocatedNode, text: str, parent: Path) -> TextEdit:
+    def _first(self, node: LocatedNode, text: str, parent: EntryPath) -> TextEdit:
         if isinstance(node.value, dict):
             inside = self.text.index("{", self.start(node)) + 1
             return TextEdit(TextSpan(inside, inside), text)
@@ -131,7 +131,7 @@ class WrittenText:
         place = self.line_end(line)
         return TextEdit(TextSpan(place, place), f"{self.line_break}{' ' * column}{STEP}{text}")
 
-    def _in_block(self, path: Path) -> bool:
+    def _in_block(self, path: EntryPath) -> bool:
         return not any(self.is_flow(self.node(path[:length])) for length in range(len(path)))
 
     def is_shared(self, node: LocatedNode) -> bool:
@@ -165,7 +165,7 @@ class WrittenText:
             first -= 1
         return first
 
-    def removal(self, path: Path) -> list[TextEdit]:
+    def removal(self, path: EntryPath) -> list[TextEdit]:
         """Edits that remove an entry with its name and comments; what is empty then becomes {} or []."""
         node, parent = self.node(path), self.node(path[:-1])
         if self.is_flow(parent):
@@ -189,7 +189,7 @@ class WrittenText:
             edits.insert(0, TextEdit(TextSpan(colon, colon), f" {empty}"))
         return edits
 
-    def _removal_in_flow(self, path: Path, node: LocatedNode, parent: LocatedNode) -> list[TextEdit]:
+    def _removal_in_flow(self, path: EntryPath, node: LocatedNode, parent: LocatedNode) -> list[TextEdit]:
         start, end = self.key_start(node), self.end(node)
         following, keys = self._following(path, parent), list(parent.entries)
         place = keys.index(path[-1])
@@ -214,7 +214,7 @@ class WrittenText:
                 return [TextEdit(TextSpan(self.end(before), end), "")]
         return edits
 
-    def _following(self, path: Path, parent: LocatedNode) -> LocatedNode | None:
+    def _following(self, path: EntryPath, parent: LocatedNode) -> LocatedNode | None:
         keys = list(parent.entries)
         place = keys.index(path[-1]) + 1
         return parent.entries[keys[place]] if place < len(keys) else None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path as FolderPath
+from pathlib import Path
 
 from torsionnet.app.text.explaining.entry_under import entry_under
 from torsionnet.app.text.explaining.hover_entries import key_words, value_words
@@ -22,7 +22,7 @@ class Hover:
     span: TextSpan
 
 
-def hover(text: str, offset: int, file: str = "", folder: FolderPath | None = None) -> Hover | None:
+def hover(text: str, offset: int, file: str = "", folder: Path | None = None) -> Hover | None:
     """Explanation of what stands at an offset of a model text, None where there is nothing to say.
 
     Of a name what it stands for, of a key what the entry is, of a value what it is in SI units. Catalogues lie in

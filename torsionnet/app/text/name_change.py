@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable
-from pathlib import Path as FolderPath
+from pathlib import Path
 
 from torsionnet.app.text.name_definition import place_at
 from torsionnet.app.text.named_places import NamedPlace, NamesInText
 from torsionnet.app.text.text_edits import TextEdit, TextSpan, edited
 from torsionnet.base.entries.spec import name_fault
-from torsionnet.base.errors import Path, UsageError, fault_of
+from torsionnet.base.errors import EntryPath, UsageError, fault_of
 from torsionnet.base.expression_reading import check_name
 from torsionnet.base.units import UnitError, parse_unit
 
@@ -24,7 +24,7 @@ _TOGETHER = (
 _CHOICES = ("axis", "configuration")
 
 
-def renamable(text: str, offset: int, file: str = "", folder: FolderPath | None = None) -> TextSpan | None:
+def renamable(text: str, offset: int, file: str = "", folder: Path | None = None) -> TextSpan | None:
     """Stretch of the name at an offset if it can be renamed, else None."""
     del folder
     names = NamesInText.of(text, file)
@@ -32,7 +32,7 @@ def renamable(text: str, offset: int, file: str = "", folder: FolderPath | None 
     return None if found is None or _not_here(found, names) else found.span
 
 
-def rename(text: str, offset: int, new: str, file: str = "", folder: FolderPath | None = None) -> list[TextEdit]:
+def rename(text: str, offset: int, new: str, file: str = "", folder: Path | None = None) -> list[TextEdit]:
     """Edits that give what is named at an offset another name everywhere in the text.
 
     Raises
@@ -115,10 +115,10 @@ def _taken(found: NamedPlace, new: str, places: Iterable[NamedPlace]) -> str:
     return ""
 
 
-def _homes(places: Iterable[NamedPlace], home: Path, new: str) -> Counter[Path]:
+def _homes(places: Iterable[NamedPlace], home: EntryPath, new: str) -> Counter[EntryPath]:
     """Number of times that each thing is named, after one of them has another name."""
 
-    def changed(path: Path) -> Path:
+    def changed(path: EntryPath) -> EntryPath:
         return (*home[:-1], new, *path[len(home) :]) if path[: len(home)] == home else path
 
     return Counter(changed(one.home) for one in places)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from pathlib import Path as FolderPath
+from pathlib import Path
 
 from torsionnet.app.text.named_places import NamedPlace, named_places
 from torsionnet.app.text.text_edits import TextSpan
@@ -14,7 +14,7 @@ def place_at(places: Iterable[NamedPlace], offset: int) -> NamedPlace | None:
     return next((one for one in places if one.span.start <= offset <= one.span.end), None)
 
 
-def definition(text: str, offset: int, file: str = "", folder: FolderPath | None = None) -> TextSpan | None:
+def definition(text: str, offset: int, file: str = "", folder: Path | None = None) -> TextSpan | None:
     """Stretch where the thing named at an offset is defined, None where nothing is named or it is defined elsewhere."""
     places = named_places(text, file, folder)
     found = place_at(places, offset)
@@ -22,7 +22,7 @@ def definition(text: str, offset: int, file: str = "", folder: FolderPath | None
     return next(same, None)
 
 
-def references(text: str, offset: int, file: str = "", folder: FolderPath | None = None) -> list[TextSpan]:
+def references(text: str, offset: int, file: str = "", folder: Path | None = None) -> list[TextSpan]:
     """Stretches that name the same thing as the one at an offset, its definition included, in the order of the text."""
     places = named_places(text, file, folder)
     found = place_at(places, offset)

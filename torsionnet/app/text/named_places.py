@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from pathlib import Path as FolderPath
+from pathlib import Path
 from typing import Any
 
 from torsionnet.app.text.naming.fixed_keys import properties_of
@@ -14,7 +14,7 @@ from torsionnet.app.text.naming.name_stretches import TextStretches, scalar_plac
 from torsionnet.app.text.text_edits import TextLines, TextSpan
 from torsionnet.base.entries.declared import files_beside
 from torsionnet.base.entries.spec import Spec
-from torsionnet.base.errors import Path
+from torsionnet.base.errors import EntryPath
 from torsionnet.model.files.located_yaml import LocatedNode, Place
 
 SECTION_KINDS = {
@@ -54,11 +54,11 @@ class NamedPlace:
     kind: str
     span: TextSpan
     is_definition: bool = False
-    path: Path = ()
-    home: Path = ()
+    path: EntryPath = ()
+    home: EntryPath = ()
 
 
-def named_places(text: str, file: str = "", folder: FolderPath | None = None) -> list[NamedPlace]:
+def named_places(text: str, file: str = "", folder: Path | None = None) -> list[NamedPlace]:
     """Places where a model text names something, in the order of the text."""
     del folder
     return list(NamesInText.of(text, file).places)
@@ -74,7 +74,7 @@ class NamesInText:
     root: LocatedNode | None
     stretches: TextStretches
     places: tuple[NamedPlace, ...] = ()
-    unplaced: set[Path] = field(default_factory=set)
+    unplaced: set[EntryPath] = field(default_factory=set)
 
     @classmethod
     def of(cls, text: str, file: str = "") -> NamesInText:
@@ -93,7 +93,7 @@ class NamesInText:
 class _Walk:
     """Walk through the entries of a model, each by its specification."""
 
-    def __init__(self, root: LocatedNode, stretches: TextStretches, unplaced: set[Path]) -> None:
+    def __init__(self, root: LocatedNode, stretches: TextStretches, unplaced: set[EntryPath]) -> None:
         self.root, self.stretches, self.unplaced = root, stretches, unplaced
         self.found: dict[TextSpan, NamedPlace] = {}
 
@@ -112,7 +112,7 @@ class _Walk:
     @staticmethod
     def with_first_mentions(places: list[NamedPlace]) -> tuple[NamedPlace, ...]:
         """Places in order, with the first mention of what has no entry of its own as its definition."""
-        first: dict[Path, NamedPlace] = {}
+        first: dict[EntryPath, NamedPlace] = {}
         for one in places:
             known = first.get(one.home)
             is_first = known is None or (_in_element(one) and not _in_element(known))
@@ -133,7 +133,7 @@ class _Walk:
             if section in specs and section != "parts":
                 self.entry(specs[section], table, path, scope)
 
-    def axes(self, spec: Spec[Any], table: LocatedNode, path: Path, scope: Scope) -> None:
+    def axes(self, spec: Spec[Any], table: LocatedNode, path: EntryPath, scope: Scope) -> None:
         """Axes of configurations and their alternatives, whose names are the keys of tables."""
         from torsionnet.model.configurations import ALTERNATIVES, DEFAULT_AXIS
 
@@ -151,13 +151,13 @@ class _Walk:
                     self.defined(str(label), "configuration", span, (*path, name, label))
         self.entry(spec, table, path, scope)
 
-    def defined(self, name: str, kind: str, span: TextSpan, home: Path) -> None:
+    def defined(self, name: str, kind: str, span: TextSpan, home: EntryPath) -> None:
         if self.stretches.lines.text[span.start : span.end] == name:
             self.found.setdefault(span, NamedPlace(name, kind, span, True, home, home))
         else:
             self.unplaced.add(home)
 
-    def entry(self, spec: Spec[Any], node: LocatedNode, path: Path, scope: Scope) -> None:
+    def entry(self, spec: Spec[Any], node: LocatedNode, path: EntryPath, scope: Scope) -> None:
         """Names in an entry, which its specification says, and those in the entries within it."""
         raw = node.value
         if raw is None or isinstance(raw, bool | int | float) or self.stretches.is_alias(node.place):
@@ -183,7 +183,7 @@ class _Walk:
         found = changed_section(str(key), scope) if "." in str(key) else None
         return found and found.spec
 
-    def mentioned(self, mentions: list[Mention], places: Sequence[Place], path: Path, scope: Scope) -> None:
+    def mentioned(self, mentions: list[Mention], places: Sequence[Place], path: EntryPath, scope: Scope) -> None:
         spans = self.stretches.located(places, [one.name for one in mentions]) if mentions else []
         for mention, span in zip(mentions, spans, strict=True):
             for one in homes(mention, scope, self.root):

@@ -8,7 +8,7 @@ from typing import Any
 
 from torsionnet.app.text.named_places import SECTION_KINDS, NamedPlace, NamesInText
 from torsionnet.app.text.text_edits import TextSpan
-from torsionnet.base.errors import Path
+from torsionnet.base.errors import EntryPath
 from torsionnet.model.files.located_yaml import LocatedNode
 
 
@@ -49,13 +49,13 @@ class _Outline:
 
     def __init__(self, names: NamesInText) -> None:
         self.names = names
-        self.nodes: dict[Path, list[NamedPlace]] = {}
+        self.nodes: dict[EntryPath, list[NamedPlace]] = {}
         for one in names.places:
             if one.kind == "node":
                 for length in range(2, len(one.path)):
                     self.nodes.setdefault(one.path[:length], []).append(one)
 
-    def sections(self, node: LocatedNode, path: Path) -> Iterator[OutlineItem]:
+    def sections(self, node: LocatedNode, path: EntryPath) -> Iterator[OutlineItem]:
         """Sections of a model or part."""
         for key, entry in node.entries.items():
             section = str(key)
@@ -66,7 +66,7 @@ class _Outline:
             if item is not None:
                 yield item
 
-    def thing(self, whole: LocatedNode, path: Path, node: LocatedNode, kind: str) -> OutlineItem | None:
+    def thing(self, whole: LocatedNode, path: EntryPath, node: LocatedNode, kind: str) -> OutlineItem | None:
         """Entry of a section by its name, with what is in it."""
         name = str(path[-1])
         if kind == "element":

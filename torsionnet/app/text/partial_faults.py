@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path as FolderPath
+from pathlib import Path
 
 from torsionnet.app.text.tolerant_reading import tolerant_document
 from torsionnet.base.entries.declared import files_beside
-from torsionnet.base.errors import UNKNOWN_NAME, Fault, Path
+from torsionnet.base.errors import UNKNOWN_NAME, EntryPath, Fault
 from torsionnet.base.packages import gc_paused
 from torsionnet.model.checks import names
 from torsionnet.model.defining import define
@@ -20,7 +20,7 @@ _MISPLACED = (INDENTATION, STRAY_COLON, OUTSIDE)
 
 
 @gc_paused()
-def partial_faults(text: str, file: str, folder: FolderPath | None, broken: Fault) -> list[Fault]:
+def partial_faults(text: str, file: str, folder: Path | None, broken: Fault) -> list[Fault]:
     """Errors in the entries that a break of the YAML does not touch, in the order of the text.
 
     What may follow from the break is left out: missing sections, whatever its own entry lacks, and names that the
@@ -48,7 +48,7 @@ def partial_faults(text: str, file: str, folder: FolderPath | None, broken: Faul
     ]
 
 
-def _certain_faults(document: LocatedDocument, text: str, folder: FolderPath | None) -> list[Fault]:
+def _certain_faults(document: LocatedDocument, text: str, folder: Path | None) -> list[Fault]:
     """Faults that an entry has by itself, and those of names that the text has nowhere else."""
     with files_beside(folder):
         include_parts(document)
@@ -68,16 +68,16 @@ def _times(name: str, text: str) -> int:
     return len(re.findall(rf"(?<!\w){re.escape(name)}(?!\w)", text))
 
 
-def _lost_sections(document: LocatedDocument, home: Path) -> set[str | int]:
+def _lost_sections(document: LocatedDocument, home: EntryPath) -> set[str | int]:
     """Sections into which entries of unclear indentation may have slipped, that of the break and those around it."""
     keys = list(document.root.entries) if document.root else []
     place = keys.index(home[0]) if home else 0
     return set(keys[max(0, place - 1) : place + 2])
 
 
-def _entry_at_line(document: LocatedDocument, line: int) -> Path:
+def _entry_at_line(document: LocatedDocument, line: int) -> EntryPath:
     """Path of the entry of a section, or of the section, in which a line lies."""
-    found: Path = ()
+    found: EntryPath = ()
     node = document.root
     while node is not None and len(found) < 2:
         before = [(key, one) for key, one in node.entries.items() if one.key_place and one.key_place[0] <= line]

@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 
 from torsionnet.app.text.flow_repair import mended
 from torsionnet.app.text.text_edits import TextLines
-from torsionnet.base.errors import ModelError, Path
+from torsionnet.base.errors import EntryPath, ModelError
 from torsionnet.model.files.located_yaml import (
     MOST_CHARACTERS,
     MOST_LEVELS,
@@ -218,7 +218,7 @@ class _Reading:
                 _move_to_origins(root, value, origins, rest, (first, 0))
             yield from self.of(root)
 
-    def joined(self, found: list[Entry], place: Place, path: Path) -> LocatedNode:
+    def joined(self, found: list[Entry], place: Place, path: EntryPath) -> LocatedNode:
         """Mapping or list of entries; the first one tells which of the two, and of equal keys the first is kept."""
         self.count += 1
         entries: dict[str | int, LocatedNode] = {}
@@ -246,7 +246,7 @@ def _depth(node: LocatedNode) -> int:
     return 1 + max((_depth(entry) for entry in node.entries.values()), default=-1)
 
 
-def _composed(text: str) -> tuple[LocatedNode | None, list[tuple[Path, Any]], int]:
+def _composed(text: str) -> tuple[LocatedNode | None, list[tuple[EntryPath, Any]], int]:
     """Value of a text, what duplicate keys hide in it, and its levels; no value where it is no sound YAML."""
     try:
         document = compose(text, "")

@@ -14,7 +14,7 @@ from itertools import pairwise
 from typing import Any, ClassVar, NamedTuple
 
 from torsionnet.base.entries.spec import EntryError, Json, Plural, Schema, Spec, Stored_co, coerce_part
-from torsionnet.base.errors import IN_UNIT, NO_NUMBER, WRITE, Fault, FaultyValueError, Path, Remedy, got
+from torsionnet.base.errors import IN_UNIT, NO_NUMBER, WRITE, EntryPath, Fault, FaultyValueError, Remedy, got
 from torsionnet.base.expression_reading import scalar
 from torsionnet.base.expressions import Expression, Number, Rows, is_beyond_range
 from torsionnet.base.units import DIMENSIONS, expected_unit, parse_quantity, with_forces
@@ -143,7 +143,7 @@ class QuantityKind(Spec[Stored_co]):
     def schema(self) -> Schema:
         return {**SCALAR_SCHEMA, "description": f"{self.description} [{expected_unit(self.dimension)}]"}
 
-    def expressions(self, value: Any) -> tuple[tuple[Path, Expression, str], ...]:
+    def expressions(self, value: Any) -> tuple[tuple[EntryPath, Expression, str], ...]:
         return (((), value, self.dimension),)
 
     def bound_fault(self, value: float) -> str | None:

@@ -12,7 +12,7 @@ from dataclasses import MISSING, Field, dataclass, field, fields, is_dataclass, 
 from numbers import Integral
 from typing import Any, ClassVar, Generic, TypeAlias, TypeVar, cast, overload
 
-from torsionnet.base.errors import INVALID_NAME, QUOTE, WRITE, Fault, Path, Remedy, got, unfit_word
+from torsionnet.base.errors import INVALID_NAME, QUOTE, WRITE, EntryPath, Fault, Remedy, got, unfit_word
 from torsionnet.base.expressions import Expression
 
 
@@ -129,7 +129,7 @@ Stored_co = TypeVar("Stored_co", covariant=True)
 class EntryError(ValueError):
     """Error of a value that does not fit its entry; paths of its faults are relative to the entry."""
 
-    def __init__(self, message: str | Fault | Iterable[Fault], path: Path = ()) -> None:
+    def __init__(self, message: str | Fault | Iterable[Fault], path: EntryPath = ()) -> None:
         if isinstance(message, str):
             message = Fault(message, path)
         self.faults: list[Fault] = [message] if isinstance(message, Fault) else list(message)
@@ -221,7 +221,7 @@ class Spec(Generic[Stored_co]):
         """Definitions that the JSON Schema of the entry refers to, by name."""
         return {}
 
-    def expressions(self, value: Any) -> tuple[tuple[Path, Expression, str], ...]:
+    def expressions(self, value: Any) -> tuple[tuple[EntryPath, Expression, str], ...]:
         """Triples (path, expression, dimension name) of every expression in the value, for the checks."""
         del value
         return ()

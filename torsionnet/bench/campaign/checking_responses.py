@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from torsionnet.base.errors import Fault, Path, TorsionnetError, UsageError
+from torsionnet.base.errors import EntryPath, Fault, TorsionnetError, UsageError
 from torsionnet.bench.campaign.campaign_file import CampaignFile
 from torsionnet.bench.campaign.campaign_responses import CampaignResponses
 from torsionnet.drivetrain import Drivetrain
@@ -31,7 +31,9 @@ def response_faults(plan: CampaignFile, model: Drivetrain) -> Iterator[Fault]:
         named = Pair(
             (channel.sensor if channel else "") or output, asked.model_input or asked.input, asked.excitation or ""
         )
-        at: Path = ("channels", output, "sensor") if channel and channel.sensor else ("responses", "outputs", place)
+        at: EntryPath = (
+            ("channels", output, "sensor") if channel and channel.sensor else ("responses", "outputs", place)
+        )
         found = [_placed(fault, named, asked, at, first=not place) for fault in pair_faults(named, model.definition)]
         known = [fault for fault in found if fault is not None]
         yield from known
@@ -39,7 +41,7 @@ def response_faults(plan: CampaignFile, model: Drivetrain) -> Iterator[Fault]:
             yield from _of_model(plan, model, named, at)
 
 
-def _placed(fault: Fault, pair: Pair, asked: CampaignResponses, at: Path, *, first: bool) -> Fault | None:
+def _placed(fault: Fault, pair: Pair, asked: CampaignResponses, at: EntryPath, *, first: bool) -> Fault | None:
     """Fault at its place in the file; None where an earlier output or the section channels had it already."""
     if fault.about == pair.output:
         hint = "; name its sensor in the model under channels" if at[0] == "responses" else ""
@@ -49,7 +51,7 @@ def _placed(fault: Fault, pair: Pair, asked: CampaignResponses, at: Path, *, fir
     return Fault(f"{fault.message}{hint}", ("responses", key)) if first else None
 
 
-def _of_model(plan: CampaignFile, model: Drivetrain, pair: Pair, at: Path) -> Iterator[Fault]:
+def _of_model(plan: CampaignFile, model: Drivetrain, pair: Pair, at: EntryPath) -> Iterator[Fault]:
     """Yield what the model answers where it has no such response in the configuration of the first record."""
     name = next((one.configuration for one in plan.records.values() if one.shows in (None, "responses")), "")
     try:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from torsionnet.base.entries.scalars import check_unit
 from torsionnet.base.entries.spec import EntryError, not_none
-from torsionnet.base.errors import MISSING_KEY, Fault, Path, did_you_mean
+from torsionnet.base.errors import MISSING_KEY, EntryPath, Fault, did_you_mean
 from torsionnet.base.expressions import Number
 from torsionnet.bench.plan.parts import Encoder, Transducer
 from torsionnet.bench.plan.plan import Plan, Sensing
@@ -33,7 +33,7 @@ def unfit_bench(definition: Definition) -> list[Fault]:
 
 
 def check_plan(
-    plan: Plan, definition: Definition, path: Path = ("bench",), values: Mapping[str, Any] | None = None
+    plan: Plan, definition: Definition, path: EntryPath = ("bench",), values: Mapping[str, Any] | None = None
 ) -> list[Fault]:
     """Faults of a bench plan for this model; sensors written out in full are left to the solver.
 
@@ -109,9 +109,9 @@ def _channel(name: str, part: Sensing, plan: Plan, definition: Definition) -> It
             yield error.fault.under(*place)
 
 
-def _in_unit_of_use(part: Transducer) -> dict[Path, Number | None]:
+def _in_unit_of_use(part: Transducer) -> dict[EntryPath, Number | None]:
     """Values of a transducer in the unit of what it measures, by their paths in its entries."""
-    found: dict[Path, Number | None] = {(key,): getattr(part, key) for key in ("range", "noise", "offset")}
+    found: dict[EntryPath, Number | None] = {(key,): getattr(part, key) for key in ("range", "noise", "offset")}
     if part.hum is not None:
         found["hum", "amplitude"] = part.hum.amplitude
     if isinstance(part, StrainGauge) and part.shunt is not None:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from torsionnet.base.errors import Fault, Path, UsageError, unknown_name
+from torsionnet.base.errors import EntryPath, Fault, UsageError, unknown_name
 from torsionnet.machinery.excitations import OrderExcitation
 from torsionnet.machinery.excitations.engine_phases import unlocked_engines
 from torsionnet.model.channels import Input, named_nodes
@@ -23,7 +23,7 @@ def unfit_excitations(definition: Definition) -> list[Fault]:
     """Faults of excitations, speeds and a load on nodes that do not exist or have no ratio to the reference shaft."""
     nodes = all_nodes(definition.elements.values())
     faults: list[Fault] = [*_unfit_elements(definition)]
-    places: list[tuple[str, Path]] = []
+    places: list[tuple[str, EntryPath]] = []
     if definition.speeds is not None:
         places.append((definition.speeds.of, ("speeds", "of")))
     for name, excitation in definition.excitations.items():
@@ -68,7 +68,7 @@ def excitation_faults(definition: Definition, name: str) -> Iterator[Fault]:
     yield from _unfit_element(definition, name)
 
 
-def _places(name: str, excitation: OrderExcitation) -> Iterator[tuple[str, Path]]:
+def _places(name: str, excitation: OrderExcitation) -> Iterator[tuple[str, EntryPath]]:
     """Pairs (node, path) of the nodes that an excitation names, and of the entries that name them."""
     reaction = (excitation.reaction_entry,) if excitation.reaction_entry else ()
     for path, node in (*excitation.node_entries, *reaction):

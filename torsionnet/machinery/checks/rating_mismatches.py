@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from torsionnet.base.errors import Fault, Path, UsageError
+from torsionnet.base.errors import EntryPath, Fault, UsageError
 from torsionnet.base.units import RPM
 from torsionnet.machinery.checks.likely_mistakes import Likely, likely_load, likely_power, likely_speed, power_text
 from torsionnet.machinery.excitations import OrderExcitation
@@ -41,7 +41,7 @@ class _Machine:
         """Powers in W of the machine at rated speed, as stated and by its torque curve."""
         return tuple(map(abs, self.rating.at(self.speed)))
 
-    def path(self, entry: Path) -> Path:
+    def path(self, entry: EntryPath) -> EntryPath:
         return ("excitations", self.name, *entry)
 
 
@@ -114,14 +114,14 @@ def _speeds(external: ExternalTorques, machines: list[_Machine], rated: float) -
             yield from _unlike(external, one.path(one.rating.speed_path), one.rating.speed, one.excitation.shaft, known)
     load = external.definition.load
     for place, absorber in zip(load.by_place if load else (), external.absorbers.items(), strict=True):
-        path: Path = ("load", "absorbers", place, "rated") if load and load.absorbers else ("load", "rated")
+        path: EntryPath = ("load", "absorbers", place, "rated") if load and load.absorbers else ("load", "rated")
         where, law = absorber
         if law.rated and where.against is None and where.of in known:
             yield from _unlike(external, path, law.rated, where.of, known)
 
 
 def _unlike(
-    external: ExternalTorques, path: Path, stated: float, node: str, known: Mapping[str, float]
+    external: ExternalTorques, path: EntryPath, stated: float, node: str, known: Mapping[str, float]
 ) -> Iterator[Fault]:
     expected = known[node]
     if abs(stated - expected) > SAME_SPEED_SHARE * expected:

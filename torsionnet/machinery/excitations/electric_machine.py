@@ -12,7 +12,7 @@ from torsionnet.base.entries.composite import Nested
 from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.scalars import Value
 from torsionnet.base.entries.spec import Count, entry, not_none
-from torsionnet.base.errors import LEAVE_OUT, Fault, Path, Remedy
+from torsionnet.base.errors import LEAVE_OUT, EntryPath, Fault, Remedy
 from torsionnet.machinery.excitations.harmonic_torque import FREQUENCY, PHASE, TableByOrder
 from torsionnet.machinery.excitations.order_excitation import (
     ComplexArray,
@@ -177,7 +177,7 @@ class ElectricMachine(OrderExcitation):
         if self.stator == self.node:
             yield Fault("rotor and stator are on one node; give two different nodes", ("stator",))
 
-    def _tables(self) -> Iterator[tuple[Path, Mapping[float, AirGapTorque]]]:
+    def _tables(self) -> Iterator[tuple[EntryPath, Mapping[float, AirGapTorque]]]:
         """Path and content of every table of pulsations that the machine gives."""
         yield from (((name,), getattr(self, name)) for name in ("orders", "electrical_orders", "frequencies"))
         if self.line:
@@ -188,11 +188,11 @@ class ElectricMachine(OrderExcitation):
         return str(self.node)
 
     @property
-    def node_entries(self) -> tuple[tuple[Path, str], ...]:
+    def node_entries(self) -> tuple[tuple[EntryPath, str], ...]:
         return ((("node",), self.node),)
 
     @property
-    def reaction_entry(self) -> tuple[Path, str] | None:
+    def reaction_entry(self) -> tuple[EntryPath, str] | None:
         return (("stator",), self.stator) if self.stator else None
 
     def remarks(self, speeds: FloatArray | None) -> list[Fault]:

@@ -13,7 +13,7 @@ import numpy as np
 from torsionnet.base.entries.composite import Listed, Named
 from torsionnet.base.entries.scalars import Value
 from torsionnet.base.entries.spec import Count, entry, not_none
-from torsionnet.base.errors import Path, UsageError
+from torsionnet.base.errors import EntryPath, UsageError
 from torsionnet.machinery.excitations.cylinder_entries import (
     CYLINDER,
     EACH,
@@ -214,7 +214,7 @@ class EngineEntries(ReactingExcitation):
         return bool(means) and max(means) < 0
 
     @property
-    def node_entries(self) -> tuple[tuple[Path, str], ...]:
+    def node_entries(self) -> tuple[tuple[EntryPath, str], ...]:
         return tuple((("cylinders", number), node) for number, node in self.cylinders.items())
 
     @cached_property
@@ -272,13 +272,13 @@ class EngineEntries(ReactingExcitation):
             return self._indicated(pressure, ("gas", "fired"), gas, "gas")
         return None
 
-    def _indicated(self, pressure: float, path: Path, at: Any, key: str) -> Rating:
+    def _indicated(self, pressure: float, path: EntryPath, at: Any, key: str) -> Rating:
         """Rated torque of the engine in N m by the mean gas torque on its pistons.
 
         ``at`` is the entry with the rated speed.
         """
         torque = pressure * self.crank.swept_volume * len(self.numbers) / (2 * math.pi * self.revolutions)
-        speed_path: Path = (key, "rated") if at.rated else ()
+        speed_path: EntryPath = (key, "rated") if at.rated else ()
         shares = MECHANICAL_EFFICIENCIES if torque > 0 else (1.0, 1 / MECHANICAL_EFFICIENCIES[0])
         return Rating(torque, path, at.rated, speed_path, exponent=at.exponent, shares=shares)
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from torsionnet.base.entries.composite import one_exactly
 from torsionnet.base.entries.spec import not_none
-from torsionnet.base.errors import Fault, Path, UsageError, comma_list
+from torsionnet.base.errors import EntryPath, Fault, UsageError, comma_list
 from torsionnet.machinery.excitations.cylinder_entries import EACH
 from torsionnet.machinery.excitations.engine_entries import EngineEntries
 from torsionnet.machinery.excitations.engine_sizes import impossible_lengths, unusual_sizes_of
@@ -211,7 +211,7 @@ def engine_remarks(engine: EngineEntries, speeds: FloatArray | None) -> Iterator
             yield Fault(str(error), ("load",))
 
 
-def _stretched(engine: EngineEntries, path: Path, trace: PressureTrace) -> Iterator[Fault]:
+def _stretched(engine: EngineEntries, path: EntryPath, trace: PressureTrace) -> Iterator[Fault]:
     """Warnings of pressure lists that cover one revolution instead of the two of a four-stroke cycle."""
     pressures = np.array(trace.values)
     wide = 360 * engine.revolutions * float(np.mean(pressures >= pressures.max() / 2))

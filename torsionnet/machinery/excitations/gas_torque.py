@@ -13,7 +13,7 @@ from torsionnet.base.entries.composite import Nested, one_at_most, one_exactly
 from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.scalars import Value
 from torsionnet.base.entries.spec import EntryError, Json, OneOf, Schema, Spec, entry, not_none
-from torsionnet.base.errors import Fault, Path, got
+from torsionnet.base.errors import EntryPath, Fault, got
 from torsionnet.machinery.excitations.harmonic_torque import TableByOrder
 from torsionnet.machinery.excitations.order_correction import OrderCorrection, corrections
 from torsionnet.machinery.excitations.order_excitation import ComplexArray, FloatArray
@@ -118,7 +118,7 @@ class GasPressure(Declared):
         return bool(self.motored or self.motored_harmonics)
 
     @property
-    def all_traces(self) -> Iterator[tuple[Path, PressureTrace]]:
+    def all_traces(self) -> Iterator[tuple[EntryPath, PressureTrace]]:
         """Path and trace of every pressure trace that the engine gives."""
         for key in ("fired", "motored", "crank_end"):
             if getattr(self, key):

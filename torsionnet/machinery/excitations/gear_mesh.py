@@ -12,7 +12,7 @@ from torsionnet.base.entries.composite import Nested, one_exactly
 from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.scalars import Value
 from torsionnet.base.entries.spec import Count, entry
-from torsionnet.base.errors import Fault, Path
+from torsionnet.base.errors import EntryPath, Fault
 from torsionnet.machinery.excitations.harmonic_torque import PHASE, TableByOrder
 from torsionnet.machinery.excitations.order_excitation import FloatArray, OrderTorques, register_excitation
 from torsionnet.machinery.excitations.twist_excitation import TwistExcitation
@@ -44,7 +44,7 @@ _ERROR = Nested("peak value and phase", lambda: MeshError, "mesh_error", shown="
 
 
 class _Line(NamedTuple):
-    path: Path
+    path: EntryPath
     order: float
     error: MeshError
 

@@ -12,7 +12,7 @@ from torsionnet.base.entries.composite import D, Nested
 from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.scalars import Value
 from torsionnet.base.entries.spec import EntryError, Plural, Schema, entry
-from torsionnet.base.errors import Fault, Path, got
+from torsionnet.base.errors import EntryPath, Fault, got
 from torsionnet.machinery.excitations.order_excitation import (
     ORDER,
     FloatArray,
@@ -172,7 +172,7 @@ class HarmonicTorque(ReactingExcitation):
         return "angle" if next(iter([*self.orders.values(), *self.frequencies.values()])).is_motion else "torque"
 
     @property
-    def node_entries(self) -> tuple[tuple[Path, str], ...]:
+    def node_entries(self) -> tuple[tuple[EntryPath, str], ...]:
         return ((("node",), self.node),)
 
     def remarks(self, speeds: FloatArray | None) -> list[Fault]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path as FilePath
+from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
@@ -13,7 +13,7 @@ from torsionnet.base.entries.composite import Listed, Nested
 from torsionnet.base.entries.declared import Declared, nearby_file
 from torsionnet.base.entries.scalars import Value
 from torsionnet.base.entries.spec import EntryError, Json, Schema, Text, entry
-from torsionnet.base.errors import Fault, ModelError, Path, UsageError
+from torsionnet.base.errors import EntryPath, Fault, ModelError, UsageError
 from torsionnet.machinery.excitations.measured_columns import FORM, POWERS, MeasuredLines, measured_lines
 from torsionnet.machinery.excitations.order_excitation import (
     FloatArray,
@@ -70,10 +70,10 @@ class OrderTableEntry(Nested[OrderTable]):
     """Entry for a table of orders or for the name of its file; written models hold the numbers."""
 
     def read(self, raw: object) -> tuple[Any, list[Fault]]:
-        if not isinstance(raw, str | FilePath):
+        if not isinstance(raw, str | Path):
             return super().read(raw)
         try:
-            columns, rows = read_order_table(raw if isinstance(raw, FilePath) else nearby_file(raw))
+            columns, rows = read_order_table(raw if isinstance(raw, Path) else nearby_file(raw))
         except EntryError as error:
             return None, error.faults
         except ModelError as error:
@@ -127,7 +127,7 @@ class MeasuredExcitation(ReactingExcitation):
         return "torque" if self.table.lines.quantity == "torque" else "angle"
 
     @property
-    def node_entries(self) -> tuple[tuple[Path, str], ...]:
+    def node_entries(self) -> tuple[tuple[EntryPath, str], ...]:
         return ((("node",), self.node),)
 
     def remarks(self, speeds: FloatArray | None) -> list[Fault]:

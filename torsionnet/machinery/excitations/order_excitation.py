@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.scalars import Value
 from torsionnet.base.entries.spec import Flag, entry
-from torsionnet.base.errors import Fault, Path
+from torsionnet.base.errors import EntryPath, Fault
 from torsionnet.machinery.excitations.rating import Rating
 from torsionnet.model.channels import Input
 from torsionnet.model.element_base.element_entries import NodeName
@@ -107,12 +107,12 @@ class OrderExcitation(Declared):
         return "torque"
 
     @property
-    def node_entries(self) -> tuple[tuple[Path, str], ...]:
+    def node_entries(self) -> tuple[tuple[EntryPath, str], ...]:
         """Path and node of every entry that names a node on which the excitation acts."""
         return ()
 
     @property
-    def element_entry(self) -> tuple[Path, str] | None:
+    def element_entry(self) -> tuple[EntryPath, str] | None:
         """Path and name of the element whose twist the excitation imposes, or None."""
         return None
 
@@ -122,7 +122,7 @@ class OrderExcitation(Declared):
         return tuple(dict.fromkeys(node for _, node in self.node_entries))
 
     @property
-    def reaction_entry(self) -> tuple[Path, str] | None:
+    def reaction_entry(self) -> tuple[EntryPath, str] | None:
         """Path and node of the entry for the node that takes reactions, or to which motions are relative, or None."""
         return None
 
@@ -218,7 +218,7 @@ class ReactingExcitation(OrderExcitation):
     )
 
     @property
-    def reaction_entry(self) -> tuple[Path, str] | None:
+    def reaction_entry(self) -> tuple[EntryPath, str] | None:
         return (("reaction",), self.reaction) if self.reaction else None
 
     def contradictions(self) -> list[Fault]:

@@ -12,7 +12,7 @@ from torsionnet.base.entries.composite import Named, Nested
 from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.scalars import Value
 from torsionnet.base.entries.spec import Count, OneOf, Text, entry, name_fault
-from torsionnet.base.errors import Fault, Path, unfit_word
+from torsionnet.base.errors import EntryPath, Fault, unfit_word
 from torsionnet.machinery.excitations.harmonic_torque import TableByOrder
 from torsionnet.machinery.excitations.order_excitation import (
     FloatArray,
@@ -103,7 +103,7 @@ class PropellerTorque(OrderExcitation):
         return [*self._wrong_orders(), *self._wrong_conditions(), *self._wrong_zero()]
 
     def _wrong_orders(self) -> Iterator[Fault]:
-        tables: dict[Path, Any] = {("blade_orders",): self.blade_orders}
+        tables: dict[EntryPath, Any] = {("blade_orders",): self.blade_orders}
         tables |= {("conditions", name, "blade_orders"): one.blade_orders for name, one in self.conditions.items()}
         for path, table in tables.items():
             for order in table:
@@ -121,7 +121,7 @@ class PropellerTorque(OrderExcitation):
 
         4 and 8 of 4 blades, without 1.
         """
-        tables: dict[Path, Any] = {("blade_orders",): self.blade_orders}
+        tables: dict[EntryPath, Any] = {("blade_orders",): self.blade_orders}
         tables |= {("conditions", name, "blade_orders"): one.blade_orders for name, one in self.conditions.items()}
         for path, table in tables.items():
             if table and all(order % self.blades == 0 for order in table):
@@ -153,7 +153,7 @@ class PropellerTorque(OrderExcitation):
         return str(self.node)
 
     @property
-    def node_entries(self) -> tuple[tuple[Path, str], ...]:
+    def node_entries(self) -> tuple[tuple[EntryPath, str], ...]:
         return ((("node",), self.node),)
 
     @property

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from torsionnet.base.errors import Path
+from torsionnet.base.errors import EntryPath
 
 MECHANICAL_EFFICIENCIES = (0.75, 1.0)
 """Smallest and largest usual power of engines at the coupling over the indicated power."""
@@ -31,9 +31,9 @@ class Rating:
     """
 
     torque: float
-    path: Path
+    path: EntryPath
     speed: float | None = None
-    speed_path: Path = ()
+    speed_path: EntryPath = ()
     power: float | None = None
     exponent: float = 0.0
     shares: tuple[float, float] = (1.0, 1.0)

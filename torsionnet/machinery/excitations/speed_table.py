@@ -10,7 +10,7 @@ import numpy as np
 
 from torsionnet.base.entries.scalars import SCALAR_SCHEMA, Value
 from torsionnet.base.entries.spec import EntryError, Json, Schema, Spec, coerce_part
-from torsionnet.base.errors import Fault, Path, UsageError, got
+from torsionnet.base.errors import EntryPath, Fault, UsageError, got
 from torsionnet.base.units import RPM
 from torsionnet.machinery.excitations.order_excitation import FloatArray
 
@@ -55,7 +55,7 @@ class SpeedTable(Spec[SpeedRows]):
         return {"type": "array", "items": row, "minItems": 2, "description": self.description}
 
 
-def not_covered(tables: Mapping[Path, SpeedRows | None], speeds: FloatArray | None) -> list[Fault]:
+def not_covered(tables: Mapping[EntryPath, SpeedRows | None], speeds: FloatArray | None) -> list[Fault]:
     """Faults of tables over speed, given by path, that do not cover the speeds in rad/s; none for unknown speeds."""
     if speeds is None:
         return []

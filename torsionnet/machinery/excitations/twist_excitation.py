@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
 from torsionnet.base.entries.spec import entry
-from torsionnet.base.errors import Path
+from torsionnet.base.errors import EntryPath
 from torsionnet.machinery.excitations.order_excitation import OrderExcitation
 from torsionnet.model.element_base.element_entries import NodeName
 from torsionnet.model.elements import GROUND, Element
@@ -39,7 +39,7 @@ class TwistExcitation(OrderExcitation):
         return "twist"
 
     @property
-    def element_entry(self) -> tuple[Path, str]:
+    def element_entry(self) -> tuple[EntryPath, str]:
         return (self.element_field,), getattr(self, self.element_field)
 
     def with_element_data(self, elements: Mapping[str, Element]) -> Self:

@@ -12,7 +12,7 @@ import numpy as np
 from torsionnet.base.entries.composite import Listed, one_exactly
 from torsionnet.base.entries.scalars import Value, check_unit
 from torsionnet.base.entries.spec import EntryError, OneOf, Text, entry, name_fault
-from torsionnet.base.errors import Fault, Path, unknown_name
+from torsionnet.base.errors import EntryPath, Fault, unknown_name
 from torsionnet.base.expressions import Number
 from torsionnet.base.units import RPM
 from torsionnet.linear.frequency_response import FloatArray
@@ -76,7 +76,7 @@ class CurveLimit(Limit):
         return None if self.passing_time is None else float(self.passing_time)
 
     @property
-    def named(self) -> tuple[tuple[Path, str, str], ...]:
+    def named(self) -> tuple[tuple[EntryPath, str, str], ...]:
         return ()
 
     def switched_off(self, subject: LimitSubject) -> str:
@@ -118,7 +118,7 @@ class CurveLimit(Limit):
 
     def _wrong_units(self, sensor: Sensor) -> Iterator[Fault]:
         dimension = DIMENSION_OF[sensor.quantity]
-        places: list[tuple[Path, Number]] = [(("value",), self.value)] if self.value else []
+        places: list[tuple[EntryPath, Number]] = [(("value",), self.value)] if self.value else []
         places += [(("over_speed",), value) for _, value in self.over_speed]
         places += [(("over_lambda",), value) for _, value in self.over_lambda]
         for path, value in places:

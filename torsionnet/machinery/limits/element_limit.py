@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from torsionnet.base.entries.spec import Text, entry
-from torsionnet.base.errors import Fault, ModelError, Path
+from torsionnet.base.errors import EntryPath, Fault, ModelError
 from torsionnet.machinery.limits.evidence import Evidence
 from torsionnet.machinery.limits.limit import Limit, LimitLine, line_without_data
 from torsionnet.machinery.limits.subject import LimitSubject
@@ -37,7 +37,7 @@ class ElementLimit(Limit):
         return str(self.element)
 
     @property
-    def named(self) -> tuple[tuple[Path, str, str], ...]:
+    def named(self) -> tuple[tuple[EntryPath, str, str], ...]:
         return ((("element",), "element", self.element),)
 
     @property

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.scalars import Value
-from torsionnet.base.errors import Fault, Path
+from torsionnet.base.errors import EntryPath, Fault
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.limits.evidence import Evidence
 from torsionnet.machinery.limits.subject import LimitSubject
@@ -68,7 +68,7 @@ class Limit(Declared):
         raise NotImplementedError
 
     @property
-    def named(self) -> tuple[tuple[Path, str, str], ...]:
+    def named(self) -> tuple[tuple[EntryPath, str, str], ...]:
         """Path, "element" or "node", and name of every entry of the limit that names an element or node."""
         raise NotImplementedError
 

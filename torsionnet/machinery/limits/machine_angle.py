@@ -8,7 +8,7 @@ from typing import ClassVar
 
 from torsionnet.base.entries.scalars import Value
 from torsionnet.base.entries.spec import Count, Text, entry
-from torsionnet.base.errors import Path
+from torsionnet.base.errors import EntryPath
 from torsionnet.machinery.limits.element_limit import constant_over_speed
 from torsionnet.machinery.limits.evidence import Evidence
 from torsionnet.machinery.limits.limit import LimitLine, register_rule
@@ -42,7 +42,7 @@ class MachineAngleLimit(InSpeedBand):
         return str(self.node)
 
     @property
-    def named(self) -> tuple[tuple[Path, str, str], ...]:
+    def named(self) -> tuple[tuple[EntryPath, str, str], ...]:
         return ((("node",), "node", self.node),)
 
     def order_sensors(self, subject: LimitSubject) -> list[Sensor]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from torsionnet.base.entries.scalars import Value
 from torsionnet.base.entries.spec import entry
-from torsionnet.base.errors import Fault, Path
+from torsionnet.base.errors import EntryPath, Fault
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.limits.evidence import Evidence, torques_of
 from torsionnet.machinery.limits.limit import Limit
@@ -55,7 +55,7 @@ class ShaftLimit(Limit):
         return str(self.element)
 
     @property
-    def named(self) -> tuple[tuple[Path, str, str], ...]:
+    def named(self) -> tuple[tuple[EntryPath, str, str], ...]:
         return ((("element",), "element", self.element),)
 
     def contradictions(self) -> list[Fault]:

@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.base.errors import UNUSED, Fault, ModelError, Path, comma_list, nearest, question, unknown_name
+from torsionnet.base.errors import UNUSED, EntryPath, Fault, ModelError, comma_list, nearest, question, unknown_name
 from torsionnet.base.expressions import Expression
 from torsionnet.base.packages import imported
 from torsionnet.model.channels import Input, Sensor, parse_pair, parse_sensor, port_fault
@@ -60,7 +60,7 @@ def at_override(fault: Fault, definition: Definition, choice: Mapping[str, str])
     return besides or fault
 
 
-def _alternatives(definition: Definition) -> Iterator[tuple[Path, Overlay]]:
+def _alternatives(definition: Definition) -> Iterator[tuple[EntryPath, Overlay]]:
     for axis, alternatives in definition.configurations.items():
         for label, overlay in alternatives.items():
             if overlay.entries:
@@ -75,7 +75,7 @@ def _changed(one: Element | Scenario, changes: Mapping[str, Any]) -> Element | S
         return None
 
 
-def _unfit(definition: Definition, overlay: Overlay, path: Path) -> Iterator[Fault]:
+def _unfit(definition: Definition, overlay: Overlay, path: EntryPath) -> Iterator[Fault]:
     unknown = {key: fault for key in overlay.entries if (fault := _meaningless(definition, key, (*path, key)))}
     yield from unknown.values()
     for (table, name), changes in by_section(definition, overlay.entries).items():
@@ -86,7 +86,7 @@ def _unfit(definition: Definition, overlay: Overlay, path: Path) -> Iterator[Fau
                 yield replace(fault, path=keys[str(about)])
 
 
-def _meaningless(definition: Definition, key: str, path: Path) -> Fault | None:
+def _meaningless(definition: Definition, key: str, path: EntryPath) -> Fault | None:
     """Fault that an entry which an alternative changes does not exist, or None."""
     name, _, entry = key.rpartition(".")
     found = section_of(definition, key)
@@ -96,7 +96,7 @@ def _meaningless(definition: Definition, key: str, path: Path) -> Fault | None:
     return None if entry in known else unknown_name(f"entry of {name}", entry, known, path, on_key=True)
 
 
-def _no_section(definition: Definition, name: str, path: Path) -> Fault:
+def _no_section(definition: Definition, name: str, path: EntryPath) -> Fault:
     """Fault that an alternative cannot change entries of the section it names."""
     if name in {declared.name for declared in definition.declared()} - {LOAD}:
         text = f"a configuration does not change entries of {name}:; it may change parameters, and entries of elements"
@@ -141,13 +141,13 @@ def _nodes(definition: Definition) -> dict[str, None]:
     return dict.fromkeys(all_nodes(definition.elements.values()))
 
 
-def _unknown_node(name: str, nodes: Collection[str], path: Path, *, on_key: bool = False) -> Fault:
+def _unknown_node(name: str, nodes: Collection[str], path: EntryPath, *, on_key: bool = False) -> Fault:
     if name == GROUND:
         return Fault("ground does not move; name a node", path, on_key=on_key)
     return unknown_name("node", name, nodes, path, on_key=on_key)
 
 
-def _expressions(definition: Definition) -> Iterator[tuple[Path, Expression]]:
+def _expressions(definition: Definition) -> Iterator[tuple[EntryPath, Expression]]:
     """Path and expression of everything that the model, its alternatives and its scenarios calculate."""
     for name, parameter in definition.parameters.items():
         yield ("parameters", name), parameter.value
@@ -174,7 +174,7 @@ def _expressions(definition: Definition) -> Iterator[tuple[Path, Expression]]:
             yield ("scenarios", name, *path), expression
 
 
-def _point_expressions(point: OperatingPoint | None, path: Path) -> Iterator[tuple[Path, Expression]]:
+def _point_expressions(point: OperatingPoint | None, path: EntryPath) -> Iterator[tuple[EntryPath, Expression]]:
     if point is not None:
         for table in ("speed", "torque"):
             for node, value in getattr(point, table).items():
@@ -214,7 +214,7 @@ def unknown_nodes(definition: Definition) -> list[Fault]:
     for index, port in enumerate(definition.ports):
         if port not in nodes:
             faults.append(_unknown_node(port, nodes, ("ports", index)))
-    points: list[tuple[Path, OperatingPoint | None]] = [(("operating_point",), definition.operating_point)]
+    points: list[tuple[EntryPath, OperatingPoint | None]] = [(("operating_point",), definition.operating_point)]
     for axis, alternatives in definition.configurations.items():
         points += [
             (("configurations", axis, label, "operating_point"), overlay.operating_point)
@@ -280,7 +280,7 @@ def unknown_elements(definition: Definition) -> list[Fault]:
     return faults
 
 
-def _no_element(name: str, definition: Definition, path: Path) -> Fault:
+def _no_element(name: str, definition: Definition, path: EntryPath) -> Fault:
     if name in _nodes(definition):
         return Fault(f'"{name}" is a node, no element; a torque is taken through an element', path)
     return unknown_name("element", name, definition.elements, path)

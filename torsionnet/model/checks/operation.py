@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.base.errors import USELESS, Fault, ModelError, Path, UsageError, unknown_name
+from torsionnet.base.errors import USELESS, EntryPath, Fault, ModelError, UsageError, unknown_name
 from torsionnet.base.expressions import Expression
 from torsionnet.base.packages import imported
 from torsionnet.base.units import RPM
@@ -86,7 +86,7 @@ SAME_TORQUE_SHARE = 0.01
 def unknown_in_load(definition: Definition, load: Load) -> Iterator[Fault]:
     """Faults of nodes and excitations that a load names and the model does not have."""
     nodes = all_nodes(definition.elements.values())
-    single: Path = ("load", "absorbed_at")
+    single: EntryPath = ("load", "absorbed_at")
     for place in load.by_place:
         path = ("load", "absorbers", place) if load.absorbers else single
         for node in torque_place(place).nodes:
@@ -219,7 +219,7 @@ def _beyond_curves(external: ExternalTorques) -> list[Fault]:
 
     One for each entry.
     """
-    faults: dict[Path, Fault] = {}
+    faults: dict[EntryPath, Fault] = {}
     for where, values in _working_points(external):
         for path, what in _beyond(external.definition, values):
             faults.setdefault(path, Fault(where + what, path))
@@ -241,7 +241,7 @@ def _working_points(external: ExternalTorques) -> Iterator[tuple[str, Mapping[st
         yield f"with {external.reference} at {speed * RPM:.6g} rpm, ", values
 
 
-def _beyond(definition: Definition, values: Mapping[str, Any]) -> Iterator[tuple[Path, str]]:
+def _beyond(definition: Definition, values: Mapping[str, Any]) -> Iterator[tuple[EntryPath, str]]:
     for element in (one for one in definition.active if one.reads_off):
         for path, spec, expression, _ in element.expressions():
             if reason := spec.curve_fault(float(expression.evaluate(values))):

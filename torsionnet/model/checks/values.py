@@ -11,7 +11,7 @@ from fractions import Fraction
 from typing import Any
 
 from torsionnet.base.entries.scalars import QuantityKind
-from torsionnet.base.errors import IN_UNIT, WRITE, Fault, Path, Remedy, TorsionnetError
+from torsionnet.base.errors import IN_UNIT, WRITE, EntryPath, Fault, Remedy, TorsionnetError
 from torsionnet.base.expressions import Compound, Expression, ExpressionError, Number, is_beyond_range
 from torsionnet.base.units import DIMENSIONS, Dimension, expected_unit
 from torsionnet.model.damping import MEASURES, DampingMeasure, DampingQuantity, LossFactor
@@ -111,7 +111,7 @@ def impossible_sizes(definition: Definition, numbers: Numbers) -> list[Fault]:
     return faults
 
 
-def is_in_measure(spec: object, path: Path) -> bool:
+def is_in_measure(spec: object, path: EntryPath) -> bool:
     """Whether an entry is part of a damping measure."""
     return isinstance(spec, DampingQuantity | LossFactor) and path[-1] in (*MEASURES, "at")
 
@@ -213,7 +213,7 @@ def unusual_sizes(definition: Definition, numbers: Numbers) -> list[Fault]:
     faults = []
     for name, element in definition.elements.items():
         for entry, (spec, value) in element.scalars().items():
-            path: Path = ("elements", name, entry)
+            path: EntryPath = ("elements", name, entry)
             if isinstance(value, DampingMeasure):
                 text, meant = _percent(value, numbers)
                 path = (*path, value.measure)

@@ -8,7 +8,7 @@ from typing import Any
 
 from torsionnet.base.entries.scalars import SCALAR_SCHEMA, plain_scalar, read_scalar
 from torsionnet.base.entries.spec import EntryError, Json, Renaming, Schema, Spec, coerce_part, full_name
-from torsionnet.base.errors import BRACKET, Fault, Path, Remedy, did_you_mean, got, unfit_word
+from torsionnet.base.errors import BRACKET, EntryPath, Fault, Remedy, did_you_mean, got, unfit_word
 from torsionnet.base.expressions import Expression, Number
 from torsionnet.model.element_base.control_law import GAIN, MATRICES, PID, POLYNOMIALS, ROOTS, ControlLaw
 from torsionnet.model.element_base.element_entries import TURNING_NODE, NodePair
@@ -168,7 +168,7 @@ class ControlLawEntry(Spec[ControlLaw]):
         return f"Scalar | {full_name(ControlLaw)} | GivenTransferFunction | GivenStateSpace | Entries"
 
 
-def law_expressions(law: ControlLaw, power: int) -> tuple[tuple[Path, Expression, str], ...]:
+def law_expressions(law: ControlLaw, power: int) -> tuple[tuple[EntryPath, Expression, str], ...]:
     """Path, expression and dimension of every coefficient of a control law on the motion s^power theta.
 
     The dimension is empty where the form of the law leaves it open.
@@ -185,7 +185,7 @@ def law_expressions(law: ControlLaw, power: int) -> tuple[tuple[Path, Expression
     return tuple(((name, *path), one, "") for name, entry in law.entries for path, one in _leaves(entry))
 
 
-def _leaves(entry: Any) -> list[tuple[Path, Expression]]:
+def _leaves(entry: Any) -> list[tuple[EntryPath, Expression]]:
     if not isinstance(entry, tuple):
         return [((), entry)]
     return [((place, *path), one) for place, part in enumerate(entry) for path, one in _leaves(part)]

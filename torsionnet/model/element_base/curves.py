@@ -9,7 +9,7 @@ from typing import Any
 
 from torsionnet.base.entries.scalars import PhysicalQuantity, QuantityKind, check_unit, read_scalar
 from torsionnet.base.entries.spec import EntryError, Schema, Spec
-from torsionnet.base.errors import Fault, Path
+from torsionnet.base.errors import EntryPath, Fault
 from torsionnet.base.expressions import Expression, Number, Rows
 from torsionnet.base.units import DIMENSIONS, expected_unit
 from torsionnet.model.parameters import LookupTable
@@ -86,8 +86,9 @@ def is_share(key: Number) -> bool:
 
 
 def with_curve_ranges(
-    found: Iterable[tuple[Path, Spec[object], Expression, str]], curves: Mapping[str, tuple[Rows, Fraction | float]]
-) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
+    found: Iterable[tuple[EntryPath, Spec[object], Expression, str]],
+    curves: Mapping[str, tuple[Rows, Fraction | float]],
+) -> Iterator[tuple[EntryPath, Spec[object], Expression, str]]:
     """Expressions of an element, each with its path, specification and dimension, operating values with their range.
 
     Operating values of a curve get a specification with the range of that curve.

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar, final
 from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.scalars import QuantityKind
 from torsionnet.base.entries.spec import Flag, Json, Renaming, Schema, Spec, Text, entry, name_fault
-from torsionnet.base.errors import Fault, ModelError, Path, fault_of, got
+from torsionnet.base.errors import EntryPath, Fault, ModelError, fault_of, got
 from torsionnet.base.expressions import Expression
 from torsionnet.base.packages import with_argument_hints
 from torsionnet.base.registers import TypeRegister, settle
@@ -357,7 +357,7 @@ class Element(Declared):
         """Specification and value of every entry that the element gives, by field name."""
         return {name: (spec, value) for name, spec in self.specs() if (value := getattr(self, name)) is not None}
 
-    def expressions(self) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
+    def expressions(self) -> Iterator[tuple[EntryPath, Spec[object], Expression, str]]:
         """Path, specification, expression and dimension name of every expression in the element's entries."""
         for name, spec in self._specs_of(QuantityKind, MultipleValues, QuantityGroup):
             value = getattr(self, name)

@@ -13,7 +13,7 @@ from numbers import Integral
 from typing import Any, ClassVar, Generic, TypeVar
 
 from torsionnet.base.entries.spec import EntryError, Json, Plural, Renaming, Schema, Spec, Stored_co, Text, name_fault
-from torsionnet.base.errors import NO_NODE, NO_NODES, Fault, Path, got
+from torsionnet.base.errors import NO_NODE, NO_NODES, EntryPath, Fault, got
 from torsionnet.base.expressions import Expression, Number
 from torsionnet.model.element_base.laws import GROUND, Values
 
@@ -145,11 +145,11 @@ class MultipleValues(Plural[tuple[Stored_co, ...]], Generic[Stored_co, One_co]):
 class QuantityGroup(Spec[Stored_co]):
     """Base class of entries with several quantities of different kinds, as the stages of a spring."""
 
-    def quantities(self, value: Any) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
+    def quantities(self, value: Any) -> Iterator[tuple[EntryPath, Spec[object], Expression, str]]:
         """Path, specification, expression and dimension name of every quantity in the stored value."""
         raise NotImplementedError
 
-    def expressions(self, value: Any) -> tuple[tuple[Path, Expression, str], ...]:
+    def expressions(self, value: Any) -> tuple[tuple[EntryPath, Expression, str], ...]:
         return tuple((path, expression, dimension) for path, _, expression, dimension in self.quantities(value))
 
 

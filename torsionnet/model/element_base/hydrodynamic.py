@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 from torsionnet.base.entries.scalars import PhysicalQuantity, RowColumn
 from torsionnet.base.entries.spec import Spec, entry
-from torsionnet.base.errors import Fault, Path
+from torsionnet.base.errors import EntryPath, Fault
 from torsionnet.base.expressions import Expression, Number, Rows, outside_message
 from torsionnet.model.element_base.characteristic import Characteristic
 from torsionnet.model.element_base.curves import with_curve_ranges
@@ -116,7 +116,7 @@ class Hydrodynamic(Element):
         given = float(self.speed_ratio.value)
         return [Fault(f"{text} in {name}; speed_ratio is {given:g}", ("speed_ratio",))] if text else []
 
-    def expressions(self) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
+    def expressions(self) -> Iterator[tuple[EntryPath, Spec[object], Expression, str]]:
         """Path, specification, expression and dimension of every expression in the element's entries.
 
         The speed ratio has to lie within every table over it.

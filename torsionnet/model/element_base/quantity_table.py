@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any, cast
 
 from torsionnet.base.entries.spec import EntryError, Json, Renaming, Schema, list_annotation, name_fault
-from torsionnet.base.errors import Fault, Path
+from torsionnet.base.errors import EntryPath, Fault
 from torsionnet.base.expressions import Expression
 from torsionnet.model.element_base.element_entries import MultipleValues, One_co
 
@@ -48,7 +48,7 @@ class TableByName(MultipleValues[tuple[str, One_co], One_co]):
             "additionalProperties": self.of.schema(),
         }
 
-    def expressions(self, value: Any) -> tuple[tuple[Path, Expression, str], ...]:
+    def expressions(self, value: Any) -> tuple[tuple[EntryPath, Expression, str], ...]:
         return tuple(
             ((name, *path), expression, dimension)
             for name, one in value
@@ -91,7 +91,7 @@ class ListOf(MultipleValues[One_co, One_co]):
             "description": self.description,
         }
 
-    def expressions(self, value: Any) -> tuple[tuple[Path, Expression, str], ...]:
+    def expressions(self, value: Any) -> tuple[tuple[EntryPath, Expression, str], ...]:
         return tuple(
             ((index, *path), expression, dimension)
             for index, one in enumerate(value)

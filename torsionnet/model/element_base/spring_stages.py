@@ -23,7 +23,7 @@ from torsionnet.base.entries.scalars import (
     read_scalar,
 )
 from torsionnet.base.entries.spec import EntryError, Json, Plural, Renaming, Schema, Spec, entry
-from torsionnet.base.errors import Fault, Path, got
+from torsionnet.base.errors import EntryPath, Fault, got
 from torsionnet.base.expressions import Expression, Number, Rows
 from torsionnet.base.units import DIMENSIONS
 from torsionnet.model.element_base.element_entries import QuantityGroup, exact_or_value, shown
@@ -107,7 +107,7 @@ class SpringStage(Declared):
             return name, given, "torque" if by_torque else "angle"
         return None
 
-    def quantities(self) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
+    def quantities(self) -> Iterator[tuple[EntryPath, Spec[object], Expression, str]]:
         """Path, specification, expression and dimension name of everything that the stage gives."""
         for name, spec in self.specs():
             given = getattr(self, name)
@@ -265,7 +265,7 @@ class SpringStages(
     def renamed(self, value: Any, names: Renaming) -> Any:
         return self._listed.renamed(value, names)
 
-    def quantities(self, value: Any) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
+    def quantities(self, value: Any) -> Iterator[tuple[EntryPath, Spec[object], Expression, str]]:
         for place, stage in enumerate(value):
             for path, spec, expression, dimension in stage.quantities():
                 yield (place, *path), spec, expression, dimension
@@ -314,7 +314,7 @@ class QuantityRows(NumberTable[ExpressionRows], QuantityGroup[ExpressionRows]):
             raise EntryError(error.fault.under(index, place)) from None
         return super()._cell(value, index, place) if isinstance(value, Number) else value
 
-    def quantities(self, value: Any) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
+    def quantities(self, value: Any) -> Iterator[tuple[EntryPath, Spec[object], Expression, str]]:
         specs = [_quantity(column) for column in self.columns]
         for index, row in enumerate(value):
             for place, cell in enumerate(row):

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 from torsionnet.base.entries.composite import one_at_most
 from torsionnet.base.entries.scalars import PhysicalQuantity, RowColumn
 from torsionnet.base.entries.spec import OneOf, Spec, entry, not_none
-from torsionnet.base.errors import Fault, Path
+from torsionnet.base.errors import EntryPath, Fault
 from torsionnet.base.expressions import Expression, Number, Rows, outside_message, slope_at
 from torsionnet.model.damping import DampingMeasure, DampingQuantity
 from torsionnet.model.element_base.characteristic import Characteristic
@@ -119,7 +119,7 @@ class Clutch(Element):
                 faults.append(Fault(text, ("stick",), on_key=True))
         return faults
 
-    def expressions(self) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
+    def expressions(self) -> Iterator[tuple[EntryPath, Spec[object], Expression, str]]:
         """Path, specification, expression and dimension of every expression in the clutch's entries.
 
         While it slips, the slip speed has to lie within its table.

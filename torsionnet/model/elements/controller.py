@@ -8,7 +8,7 @@ from typing import ClassVar
 
 from torsionnet.base.entries.scalars import PhysicalQuantity, check_unit
 from torsionnet.base.entries.spec import EntryError, Spec, entry
-from torsionnet.base.errors import Fault, Path
+from torsionnet.base.errors import EntryPath, Fault
 from torsionnet.base.expressions import Expression
 from torsionnet.model.element_base.control_entries import (
     ControlLawEntry,
@@ -76,7 +76,7 @@ class Controller(Element):
     def _pair(self) -> tuple[str, str]:
         return self.act[0], self.act[1] if len(self.act) > 1 else ""
 
-    def expressions(self) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
+    def expressions(self) -> Iterator[tuple[EntryPath, Spec[object], Expression, str]]:
         specs = dict(self.specs())
         for path, expression, dimension in law_expressions(self.law, self.sense.power):
             yield ("law", *path), specs["law"], expression, dimension

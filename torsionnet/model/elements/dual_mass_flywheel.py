@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 from torsionnet.base.entries.composite import one_exactly
 from torsionnet.base.entries.scalars import PhysicalQuantity
 from torsionnet.base.entries.spec import Spec, entry
-from torsionnet.base.errors import Fault, Path
+from torsionnet.base.errors import EntryPath, Fault
 from torsionnet.base.expressions import Expression, Number
 from torsionnet.model.damping import DampingMeasure, DampingQuantity, LossFactor, loss_factor
 from torsionnet.model.element_base.curves import with_curve_ranges
@@ -133,7 +133,7 @@ class DualMassFlywheel(Element):
             return []
         return [fault.under("stages") for fault in stage_faults(self.stages, value)] or self._torque_faults(value)
 
-    def expressions(self) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
+    def expressions(self) -> Iterator[tuple[EntryPath, Spec[object], Expression, str]]:
         """Path, specification, expression and dimension of every expression in the flywheel's entries.
 
         The mean torque has to lie within the stages.

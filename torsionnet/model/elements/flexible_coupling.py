@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 from torsionnet.base.entries.composite import Nested, Typed
 from torsionnet.base.entries.scalars import PhysicalQuantity
 from torsionnet.base.entries.spec import Count, Spec, entry, not_none
-from torsionnet.base.errors import Fault, Path
+from torsionnet.base.errors import EntryPath, Fault
 from torsionnet.base.expression_reading import scalar
 from torsionnet.base.expressions import Expression, Number, Rows, interpolate_in_algebra
 from torsionnet.model.damping import DampingMeasure, DampingQuantity, LossFactor, loss_factor
@@ -119,7 +119,7 @@ class FlexibleCoupling(Element):
     def contradictions(self) -> list[Fault]:
         return contradictions(self)
 
-    def expressions(self) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
+    def expressions(self) -> Iterator[tuple[EntryPath, Spec[object], Expression, str]]:
         """Path, specification, expression and dimension of every expression in the coupling's entries.
 
         Operating values have to lie within the curves that are read at them.

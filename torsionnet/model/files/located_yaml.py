@@ -22,7 +22,7 @@ from typing import Any, NamedTuple, TypeAlias
 import yaml
 from yaml.events import AliasEvent, MappingEndEvent, ScalarEvent, SequenceEndEvent, SequenceStartEvent, StreamEndEvent
 
-from torsionnet.base.errors import CLOSE, GIVEN_TWICE, Fault, ModelError, Path, Position, Remedy, fault_of
+from torsionnet.base.errors import CLOSE, GIVEN_TWICE, EntryPath, Fault, ModelError, Position, Remedy, fault_of
 
 OPEN_BRACKET, OPEN_QUOTE, NOT_CLOSED = "open bracket", "open quote", "not closed"
 """Kinds of breaks of the YAML at a bracket or quote that is never closed, or at a value that may be such a one."""
@@ -253,14 +253,14 @@ class LocatedDocument:
     lines: list[str]
     root: LocatedNode | None = None
     faults: list[Fault] = field(default_factory=list)
-    dropped: list[tuple[Path, Any]] = field(default_factory=list)
+    dropped: list[tuple[EntryPath, Any]] = field(default_factory=list)
 
     @property
     def data(self) -> Any:
         """Plain data of the whole file, None where the file is empty."""
         return None if self.root is None else self.root.value
 
-    def position(self, path: Path = (), *, on_key: bool = False) -> Position:
+    def position(self, path: EntryPath = (), *, on_key: bool = False) -> Position:
         """Position in the file of an entry, or of the nearest entry above it that exists.
 
         Of a value that fills several lines the key is shown.
@@ -334,7 +334,7 @@ class _Composer:
     def refusal(self, what: str | Fault, span: Span) -> ModelError:
         return ModelError([*self.result.faults, self.result.fault(what, span)])
 
-    def node(self, event: Any, path: Path, depth: int) -> LocatedNode:
+    def node(self, event: Any, path: EntryPath, depth: int) -> LocatedNode:
         if depth > MOST_LEVELS:
             raise self.refusal(f"entries are nested more than {MOST_LEVELS} levels deep", _span(event))
         kind = type(event)
@@ -362,7 +362,7 @@ class _Composer:
             raise self.refusal(Fault(text, kind=UNKNOWN_ALIAS), _span(event))
         return replace(self.anchors[event.anchor], place=_place(event, event), key_place=None)
 
-    def sequence(self, event: Any, path: Path, depth: int) -> LocatedNode:
+    def sequence(self, event: Any, path: EntryPath, depth: int) -> LocatedNode:
         entries: dict[str | int, LocatedNode] = {}
         size = 1
         while type(inner := self.events.get_event()) is not SequenceEndEvent:
@@ -371,7 +371,7 @@ class _Composer:
             size += entry.size
         return LocatedNode([entry.value for entry in entries.values()], _place(event, inner), entries, size)
 
-    def mapping(self, event: Any, path: Path, depth: int) -> LocatedNode:
+    def mapping(self, event: Any, path: EntryPath, depth: int) -> LocatedNode:
         entries: dict[str | int, LocatedNode] = {}
         size = 1
         while type(inner := self.events.get_event()) is not MappingEndEvent:
@@ -392,7 +392,7 @@ class _Composer:
         values = {key: entry.value for key, entry in entries.items()}
         return LocatedNode(values, _place(event, inner), entries, size)
 
-    def duplicate(self, first: LocatedNode, second: LocatedNode, path: Path) -> None:
+    def duplicate(self, first: LocatedNode, second: LocatedNode, path: EntryPath) -> None:
         """Report a key that occurs twice in a file, with both positions; the first entry is kept."""
         assert first.key is not None
         assert second.key is not None

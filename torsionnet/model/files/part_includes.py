@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from pathlib import Path as FilePath
+from pathlib import Path
 
 from torsionnet.base.entries.declared import KEY, files_beside, nearby_bytes, nearby_file
 from torsionnet.base.entries.spec import EntryError
-from torsionnet.base.errors import Fault, ModelError, Path
+from torsionnet.base.errors import EntryPath, Fault, ModelError
 from torsionnet.model.files.library import decode, library_parts
 from torsionnet.model.files.located_yaml import LocatedDocument, LocatedNode, compose
 
@@ -50,7 +50,7 @@ class _Including:
         self.document = document
         self.parts: dict[str, LocatedNode] = {}
         self.places: dict[str, str] = {}
-        self.read: set[FilePath] = set()
+        self.read: set[Path] = set()
 
     def own_parts(self, document: LocatedDocument) -> None:
         node = document.root.entries.get("parts") if document.root else None
@@ -58,7 +58,7 @@ class _Including:
             home = None if document is self.document else document
             self.add(str(name), replace(part, home=home), document, ("parts", str(name)))
 
-    def add(self, name: str, part: LocatedNode, document: LocatedDocument, path: Path) -> None:
+    def add(self, name: str, part: LocatedNode, document: LocatedDocument, path: EntryPath) -> None:
         if name in self.parts:
             text = f'two parts are named "{name}"; the other one is at {self.places[name]}'
             self.refuse(Fault(text, path, on_key=True), document)
@@ -72,7 +72,7 @@ class _Including:
         path = fault.path if document is self.document else ()
         self.document.faults.append(replace(fault, path=path, position=position))
 
-    def included(self, document: LocatedDocument, within: tuple[FilePath, ...]) -> None:
+    def included(self, document: LocatedDocument, within: tuple[Path, ...]) -> None:
         """Read the parts of the files that a document includes, and of those that they include."""
         node = document.root.entries.get("include") if document.root else None
         if node is None:
@@ -92,10 +92,10 @@ class _Including:
             except ModelError as error:
                 self.document.faults += error.faults
 
-    def file(self, name: str, within: tuple[FilePath, ...]) -> None:
+    def file(self, name: str, within: tuple[Path, ...]) -> None:
         path = nearby_file(name)
         home = path.resolve()
-        if home in within or home == FilePath(self.document.file).resolve():
+        if home in within or home == Path(self.document.file).resolve():
             raise EntryError(f'"{name}" includes itself, directly or by way of others; leave it out')
         if home in self.read:
             return
@@ -105,7 +105,7 @@ class _Including:
         with files_beside(path.parent):
             self.included(document, (*within, home))
 
-    def take(self, document: LocatedDocument, path: FilePath) -> None:
+    def take(self, document: LocatedDocument, path: Path) -> None:
         """Add the parts in a file, or the model that it holds as one part."""
         self.document.faults += document.faults
         root = document.root

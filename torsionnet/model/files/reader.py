@@ -18,13 +18,13 @@ from torsionnet.base.errors import (
     MISSING_KEY,
     UNKNOWN_KEY,
     UNKNOWN_NAME,
+    EntryPath,
     Fault,
     ModelError,
     UsageError,
     did_you_mean,
     nearest,
 )
-from torsionnet.base.errors import Path as EntryPath
 from torsionnet.base.packages import gc_paused
 from torsionnet.base.units import decimal_comma
 from torsionnet.model.checks import check_definition, has_errors, names, values

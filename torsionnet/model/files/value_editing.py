@@ -6,10 +6,10 @@ import itertools
 import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path as FolderPath
+from pathlib import Path
 
 from torsionnet.base.entries.scalars import plain_scalar
-from torsionnet.base.errors import ModelError, Path
+from torsionnet.base.errors import EntryPath, ModelError
 from torsionnet.base.expressions import Expression
 from torsionnet.model.changes import LOAD_SIZES, is_point_setting, with_point_settings
 from torsionnet.model.configurations import DEFAULT_AXIS, Overlay
@@ -35,7 +35,7 @@ class ValuePlace:
     alternative: str = ""
     is_setting: bool = False
 
-    def paths(self) -> tuple[Path, ...]:
+    def paths(self) -> tuple[EntryPath, ...]:
         """Paths at which the value of the parameter may be written in a file; a single axis needs no name."""
         if not self.axis:
             return (
@@ -44,7 +44,7 @@ class ValuePlace:
                 else (("parameters", *self.entry, "value"), ("parameters", *self.entry))
             )
         inner = (self.alternative, *self.entry)
-        named: Path = ("configurations", self.axis, *inner)
+        named: EntryPath = ("configurations", self.axis, *inner)
         return (named, ("configurations", *inner)) if self.axis == DEFAULT_AXIS else (named,)
 
     @property
@@ -107,7 +107,7 @@ def changed_text(
     definition: Definition,
     changes: Mapping[ValuePlace, Expression],
     file: str = "",
-    folder: FolderPath | None = None,
+    folder: Path | None = None,
 ) -> str:
     """Text of a model file in which only the changed parameter values differ.
 
@@ -170,7 +170,7 @@ def _span(document: LocatedDocument, place: ValuePlace, definition: Definition) 
     return None
 
 
-def node_at(document: LocatedDocument, path: Path) -> LocatedNode | None:
+def node_at(document: LocatedDocument, path: EntryPath) -> LocatedNode | None:
     """Value at a path of a document with its place, None if there is none."""
     node = document.root
     for key in path:
@@ -178,7 +178,7 @@ def node_at(document: LocatedDocument, path: Path) -> LocatedNode | None:
     return node
 
 
-def _in_use(place: ValuePlace, definition: Definition) -> Iterator[Path]:
+def _in_use(place: ValuePlace, definition: Definition) -> Iterator[EntryPath]:
     """Path of a part's parameter where a use of the part gives its value, for one copy and not for all."""
     found = (
         None

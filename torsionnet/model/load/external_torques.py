@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.base.errors import Fault, Path, UsageError, unfit_word
+from torsionnet.base.errors import EntryPath, Fault, UsageError, unfit_word
 from torsionnet.model.channels import Input, parse_pair
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.operating_point import torque_place
@@ -78,7 +78,7 @@ def on_nodes(acting: Iterable[tuple[Input, float]]) -> dict[str, float]:
     return found
 
 
-def unknown_driver(definition: Definition, name: str, path: Path) -> Fault | None:
+def unknown_driver(definition: Definition, name: str, path: EntryPath) -> Fault | None:
     """Fault, at a path, that a node or excitation of this name cannot drive, or None."""
     nodes = all_nodes(definition.elements.values())
     if name in definition.excitations or all(node in nodes for node in torque_place(name).nodes):

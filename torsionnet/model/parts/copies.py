@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from itertools import islice
 from typing import Any
 
-from torsionnet.base.errors import Fault, Path, unknown_name
+from torsionnet.base.errors import EntryPath, Fault, unknown_name
 from torsionnet.base.expressions import Expression
 from torsionnet.model.parts.use import Use
 
@@ -68,14 +68,14 @@ def use_faults(use: Use, ports: Collection[str], parameters: Collection[str]) ->
     if missing:
         nodes = ", ".join(f"{port}: ..." for port in missing)
         text = f"port{'s' if len(missing) > 1 else ''} {', '.join(missing)} of {use.part} not connected"
-        path: Path = ("at",) if use.at else ()
+        path: EntryPath = ("at",) if use.at else ()
         yield Fault(f"{text}; give the node in at: {{{nodes}}}", path, on_key=True, defined=_ports_of(use))
     for table in ("at", "parameters"):
         for key, value in getattr(use, table).items():
             yield from _wrong_length(use, table, key, value)
 
 
-def _ports_of(use: Use) -> Path:
+def _ports_of(use: Use) -> EntryPath:
     return ("parts", use.part, "ports")
 
 
@@ -89,7 +89,7 @@ def listing(what: str, names: Collection[str]) -> str:
 
 
 def _unknown(use: Use, ports: Collection[str], parameters: Collection[str]) -> Iterator[Fault]:
-    named: list[tuple[str, Path]] = [(port, ("at", port)) for port in use.at]
+    named: list[tuple[str, EntryPath]] = [(port, ("at", port)) for port in use.at]
     named += [(port, ("chain", index)) for index, port in enumerate(use.chain or ())]
     for port, path in named:
         if port not in ports:

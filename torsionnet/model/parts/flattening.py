@@ -8,7 +8,7 @@ from typing import Any
 
 from torsionnet.base.entries.declared import names_a_file
 from torsionnet.base.entries.spec import Renaming
-from torsionnet.base.errors import Fault, ModelError, Path, UsageError, unknown_name
+from torsionnet.base.errors import EntryPath, Fault, ModelError, UsageError, unknown_name
 from torsionnet.model.configurations import DEFAULT_AXIS, Overlay
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.elements import GROUND, Element
@@ -65,7 +65,7 @@ class _Flattening:
         self.done: dict[str, PartContent] = {}
         self.without_ports: set[str] = set()
         self.faults: list[Fault] = []
-        self.uses: tuple[Path, ...] = ()
+        self.uses: tuple[EntryPath, ...] = ()
 
     def tell(self, *faults: Fault) -> None:
         """Add faults of a part, each with the uses that led to it, outermost first."""
@@ -77,7 +77,7 @@ class _Flattening:
                 text = f'part "{name}" is not used'
                 self.faults.append(Fault(text, ("parts", name), "warning", on_key=True, about=name))
 
-    def content(self, owner: Definition | Part, path: Path, within: tuple[str, ...]) -> PartContent:
+    def content(self, owner: Definition | Part, path: EntryPath, within: tuple[str, ...]) -> PartContent:
         """Elements, parameters and other contents of a model or a part with everything it uses."""
         found = PartContent(**{name: dict(getattr(owner, name)) for name in SECTIONS})
         _expand(found)
@@ -91,7 +91,7 @@ class _Flattening:
                     self.put(found, name, use, part, place)
         return found
 
-    def is_known(self, use: Use, place: Path, within: tuple[str, ...]) -> bool:
+    def is_known(self, use: Use, place: EntryPath, within: tuple[str, ...]) -> bool:
         if use.part not in self.parts:
             rest = "a file goes into include:, its part then has the name of the file" if names_a_file(use.part) else ""
             self.tell(unknown_name("part", use.part, self.parts, (*place, "part"), rest=rest))
@@ -106,7 +106,7 @@ class _Flattening:
             return False
         return True
 
-    def is_joined(self, use: Use, place: Path) -> bool:
+    def is_joined(self, use: Use, place: EntryPath) -> bool:
         part = self.parts[use.part]
         found = [fault.under(*place) for fault in use_faults(use, part.ports, self.done[use.part].parameters)]
         if self.whole and use.part not in self.without_ports:
@@ -140,7 +140,7 @@ class _Flattening:
             self.tell(*(wrong if self.whole else []))
         return self.done[name]
 
-    def put(self, whole: PartContent, name: str, use: Use, part: PartContent, place: Path) -> None:
+    def put(self, whole: PartContent, name: str, use: Use, part: PartContent, place: EntryPath) -> None:
         count = whole.size + part.size * (use.repeat or 1)
         if count > MOST_ENTRIES:
             text = f"this makes {count} entries (elements, parameters, sensors, ...); a model may have {MOST_ENTRIES}"
@@ -195,7 +195,7 @@ def _quoting_shafts(content: PartContent) -> Iterator[str]:
             yield one.referred_to
 
 
-def _referred(part: Part, name: str) -> Iterator[tuple[Path, Any]]:
+def _referred(part: Part, name: str) -> Iterator[tuple[EntryPath, Any]]:
     """Path and object of elements and sensors of a part whose values are quoted at the speed of a shaft."""
     for section in ("elements", "sensors"):
         for key, one in getattr(part, section).items():
@@ -203,7 +203,7 @@ def _referred(part: Part, name: str) -> Iterator[tuple[Path, Any]]:
                 yield ("parts", name, section, key), one
 
 
-def _below(path: Path, section: str) -> Path:
+def _below(path: EntryPath, section: str) -> EntryPath:
     """Path within an entry of a part, without the section and the name with which faults of elements begin."""
     return path[2:] if path[:1] == (section,) else path
 

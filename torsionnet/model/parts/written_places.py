@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Iterator, Set
 from dataclasses import dataclass, replace
 
-from torsionnet.base.errors import Fault, Path
+from torsionnet.base.errors import EntryPath, Fault
 from torsionnet.model.configurations import DEFAULT_AXIS
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.parts.authored_model import owner
@@ -21,19 +21,19 @@ _DOTTED = re.compile(r"(?<![\w.])[A-Za-z]\w*(?:\.\w+)+")
 class PlaceInPart:
     """Path of a part's entry as written, the uses that lead to it, outermost first, and their prefix of names."""
 
-    path: Path
-    uses: tuple[Path, ...] = ()
+    path: EntryPath
+    uses: tuple[EntryPath, ...] = ()
     prefix: str = ""
 
 
-def place_in_part(definition: Definition, path: Path) -> PlaceInPart:
+def place_in_part(definition: Definition, path: EntryPath) -> PlaceInPart:
     """Place where an entry of the flat model is written in a model with parts."""
     if len(path) < 2 or path[0] not in SECTIONS:
         return PlaceInPart(path)
     section, name, rest = str(path[0]), str(path[1]), path[2:]
     model: Definition | Part = definition
-    base: Path = ()
-    uses: tuple[Path, ...] = ()
+    base: EntryPath = ()
+    uses: tuple[EntryPath, ...] = ()
     prefix = ""
     while name not in getattr(model, section):
         found = _owner(model, section, name)
@@ -66,7 +66,7 @@ def _short(model: Definition | Part, section: str, name: str) -> tuple[str]:
     return (short,) if section == "elements" and short in model.elements else (name,)
 
 
-def _renamed_back(section: str, rest: Path, before: str) -> Path:
+def _renamed_back(section: str, rest: EntryPath, before: str) -> EntryPath:
     """Path within an alternative with the name that the changed entry has in the part."""
     if section != "configurations" or len(rest) < 2:
         return rest

@@ -18,7 +18,7 @@ from torsionnet.base.entries.scalars import (
     plain_scalar,
 )
 from torsionnet.base.entries.spec import EntryError, Json, Schema, Spec
-from torsionnet.base.errors import MISSING_KEY, Fault, Path, got, unknown_key
+from torsionnet.base.errors import MISSING_KEY, EntryPath, Fault, got, unknown_key
 from torsionnet.base.expressions import Expression, Number
 from torsionnet.model.elements import Values
 from torsionnet.motion.scenarios.time_history import HistoryPiece, TimeHistory, Wave
@@ -133,7 +133,7 @@ class HistoryEntry(Composite[Course]):
         rows: list[tuple[float, Expression]] = []
         latest = -1.0
         for place, (key, given) in enumerate(raw):
-            at: Path = (key,) if keyed else (place, 0)
+            at: EntryPath = (key,) if keyed else (place, 0)
             try:
                 time = TIME.coerce(key)
             except EntryError as error:
@@ -169,7 +169,7 @@ class HistoryEntry(Composite[Course]):
                 faults += [fault.under(key) for fault in found]
         return (None, faults) if faults else (SineCourse(**values), [])
 
-    def expressions(self, value: Any) -> tuple[tuple[Path, Expression, str], ...]:
+    def expressions(self, value: Any) -> tuple[tuple[EntryPath, Expression, str], ...]:
         wanted = {"frequency": "frequency", "phase": "angle"}
         return tuple(((name,) if name else (), one, wanted.get(name, self.dimension)) for name, one in value.parts())
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, ClassVar, TypeVar
 from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.scalars import Value
 from torsionnet.base.entries.spec import OneOf, Spec, entry
-from torsionnet.base.errors import Fault, Path
+from torsionnet.base.errors import EntryPath, Fault
 from torsionnet.base.expressions import Expression
 from torsionnet.base.registers import TypeRegister
 from torsionnet.model.elements import Values
@@ -109,7 +109,7 @@ class Scenario(Declared):
         """Scenario in words, with names of the model in them."""
         raise NotImplementedError
 
-    def expressions(self) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
+    def expressions(self) -> Iterator[tuple[EntryPath, Spec[object], Expression, str]]:
         """Yield path, specification, expression and dimension name of every expression in the scenario's entries."""
         for name, spec in self.specs():
             value = getattr(self, name)

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 from torsionnet.base.entries.composite import Named
 from torsionnet.base.entries.scalars import Value
 from torsionnet.base.entries.spec import Json, Schema, Spec, entry, name_fault
-from torsionnet.base.errors import Fault, Path, TorsionnetError, unfit_word, unknown_name
+from torsionnet.base.errors import EntryPath, Fault, TorsionnetError, unfit_word, unknown_name
 from torsionnet.base.expressions import Expression
 from torsionnet.model.element_base.element_entries import ElementName
 from torsionnet.model.elements import GROUND, Element, MotionLaw, Values
@@ -119,7 +119,7 @@ class TorqueScenario(Scenario):
     def needed(self) -> tuple[str, ...]:
         return tuple(self.elements)
 
-    def expressions(self) -> Iterator[tuple[Path, Spec[object], Expression, str]]:
+    def expressions(self) -> Iterator[tuple[EntryPath, Spec[object], Expression, str]]:
         for place, one in self.torque.items():
             for path, expression, dimension in _TORQUE.expressions(one):
                 yield ("torque", place, *path), _TORQUE.of, expression, dimension

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from torsionnet.base.errors import Fault, Path, UsageError, unknown_name
+from torsionnet.base.errors import EntryPath, Fault, UsageError, unknown_name
 from torsionnet.base.units import RPM
 from torsionnet.model.channels import parse_sensor
 from torsionnet.model.checks.names import declared, pair_faults
@@ -29,7 +29,7 @@ def unfit_report(definition: Definition) -> list[Fault]:
     return [] if definition.report is None else check_report(definition.report, definition)
 
 
-def check_report(plan: ReportPlan, definition: Definition, path: Path = ("report",)) -> list[Fault]:
+def check_report(plan: ReportPlan, definition: Definition, path: EntryPath = ("report",)) -> list[Fault]:
     """Faults of a report plan for this model; sensors written out in full are left to the solver."""
     faults = [
         fault.under("transfer_functions", index)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
-from torsionnet.base.errors import Fault, Path, unknown_name
+from torsionnet.base.errors import EntryPath, Fault, unknown_name
 from torsionnet.model.checks.parameter_units import parameter_units
 from torsionnet.study.answers.answer import AskedStudy
 from torsionnet.study.quantities.quantity import QuantityForm
@@ -45,7 +45,7 @@ def unknown_names(
     return found
 
 
-def _names(key: str, value: Any) -> Iterator[tuple[str, Path, bool]]:
+def _names(key: str, value: Any) -> Iterator[tuple[str, EntryPath, bool]]:
     """Yield each name in an entry of an answer with its path, and whether it is a key of a table."""
     if isinstance(value, str):
         yield value, (key,), False

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 from torsionnet.base.entries.composite import Named, Nested
 from torsionnet.base.entries.spec import Count, entry
-from torsionnet.base.errors import Fault, ModelError, Path
+from torsionnet.base.errors import EntryPath, Fault, ModelError
 from torsionnet.linear.dynamic_stiffness.sweep import compiled_works
 from torsionnet.machinery.design.damper_optimum import DesignParameter
 from torsionnet.study.answers.answer import AskedStudy, StudyAnswer
@@ -56,7 +56,7 @@ class DesignAnswer(StudyAnswer):
                 unit = known[name].measured(study.model_in(study.configurations[0]), known).unit
                 yield from wrong_unit(value, name, unit, path)
 
-    def with_values(self) -> Iterator[tuple[str, float | None, Path]]:
+    def with_values(self) -> Iterator[tuple[str, float | None, EntryPath]]:
         """Yield the quantities with the values of their limits or targets in SI, and the paths of these in the file."""
         for name, limit in self.limits.items():
             yield name, limit.below, ("limits", name, "below")

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from torsionnet.base.entries.spec import entry
-from torsionnet.base.errors import Fault, Path
+from torsionnet.base.errors import EntryPath, Fault
 from torsionnet.study.answers.answer import AskedStudy, VariantValues, register_answer
 from torsionnet.study.design.design_answer import DesignAnswer
 from torsionnet.study.design.design_entries import NAMES, TARGETS, OneOrSeveral, TargetEntry
@@ -39,7 +39,7 @@ class SingleDesign(DesignAnswer):
         """Whether the answer needs targets or an objective beside limits."""
         return True
 
-    def with_values(self) -> Iterator[tuple[str, float | None, Path]]:
+    def with_values(self) -> Iterator[tuple[str, float | None, EntryPath]]:
         yield from super().with_values()
         yield from ((name, one.value, ("targets", name)) for name, one in self.targets.items())
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.scalars import AnyNumber, read_scalar
 from torsionnet.base.entries.spec import entry
-from torsionnet.base.errors import Fault, Path
+from torsionnet.base.errors import EntryPath, Fault
 from torsionnet.base.expressions import Number
 from torsionnet.base.units import CELSIUS, DIMENSIONS, Dimension, UnitError, parse_unit
 from torsionnet.linear.assembly.rows import FloatArray
@@ -39,7 +39,7 @@ class QuantityValue(AnyNumber):
         return found
 
 
-def wrong_unit(value: float | None, quantity: str, unit: str, path: Path) -> Iterator[Fault]:
+def wrong_unit(value: float | None, quantity: str, unit: str, path: EntryPath) -> Iterator[Fault]:
     """Yield a fault for a limit whose unit has not the dimension of its quantity; a bare number is in SI."""
     dimension = value.dimension if isinstance(value, ValueInUnit) else None
     try:

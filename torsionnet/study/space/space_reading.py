@@ -9,7 +9,7 @@ from math import inf
 import numpy as np
 
 from torsionnet.base.entries.scalars import QuantityKind
-from torsionnet.base.errors import UNKNOWN_NAME, Fault, Path, unknown_name
+from torsionnet.base.errors import UNKNOWN_NAME, EntryPath, Fault, unknown_name
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.model.changes import value_of_entry
 from torsionnet.model.elements import Element
@@ -144,7 +144,7 @@ def _unknown(name: str, model: Model) -> Fault:
     return unknown_name("parameter", name, model.parameters, path, on_key=True)
 
 
-def _no_entry(element: Element, key: str, path: Path) -> Fault:
+def _no_entry(element: Element, key: str, path: EntryPath) -> Fault:
     """Fault of a varied entry of an element that has no value in the model or does not exist."""
     varying = [name for name, spec in element.specs() if isinstance(spec, QuantityKind)]
     if key in varying:

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from pathlib import Path as FolderPath
+from pathlib import Path
 from typing import Any
 
 from torsionnet.app.text.tolerant_reading import tolerant_document
 from torsionnet.base.entries.declared import files_beside, nearby_file
 from torsionnet.base.entries.spec import EntryError, Spec
-from torsionnet.base.errors import Path
+from torsionnet.base.errors import EntryPath
 from torsionnet.model.channels import ChannelName, RecordedName
 from torsionnet.model.element_base.element import ELEMENT_TYPES
 from torsionnet.model.element_base.element_entries import ElementName, NodeName, NodePair, NodeText, PlaceOnElement
@@ -28,8 +28,8 @@ class ModelNames:
     """Names in the data of a model or part, with those of the parts that it can use."""
 
     data: Mapping[str, Any]
-    scope: Path = ()
-    folder: FolderPath | None = None
+    scope: EntryPath = ()
+    folder: Path | None = None
 
     @cached_property
     def own(self) -> Mapping[str, Any]:
@@ -211,7 +211,7 @@ def _node_entries(kind: str) -> tuple[tuple[str, bool], ...]:
     )
 
 
-def _read(path: FolderPath) -> Mapping[str, Any]:
+def _read(path: Path) -> Mapping[str, Any]:
     """Data of a file of parts, empty where it cannot be read."""
     try:
         stat = path.stat()
@@ -221,7 +221,7 @@ def _read(path: FolderPath) -> Mapping[str, Any]:
 
 
 @lru_cache(maxsize=64)
-def _read_once(path: FolderPath, changed: int, size: int) -> Mapping[str, Any]:
+def _read_once(path: Path, changed: int, size: int) -> Mapping[str, Any]:
     del changed, size
     data = tolerant_document(path.read_text(encoding="utf-8", errors="replace"), str(path)).data
     return data if isinstance(data, Mapping) else {}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path as FolderPath
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from torsionnet.app.text.completing.completion_names import ModelNames
@@ -40,7 +40,7 @@ class Writing:
     context: CursorContext
     place: EntryPlace
     names: ModelNames
-    folder: FolderPath | None = None
+    folder: Path | None = None
 
     @cached_property
     def word(self) -> str:

@@ -13,7 +13,7 @@ from torsionnet.base.entries.composite import Named, Nested, Typed
 from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.scalars import AnyQuantity, Band, Bands, NumberTable, PhysicalQuantity
 from torsionnet.base.entries.spec import OneOf, Schema, Spec, Text
-from torsionnet.base.errors import Path
+from torsionnet.base.errors import EntryPath
 from torsionnet.model.configurations import AlternativeEntry, AxesEntry
 from torsionnet.model.damping import DampingQuantity, LossFactor
 from torsionnet.model.element_base.element_entries import NodeName, NodePair
@@ -28,7 +28,7 @@ class EntryPlace:
     spec: Spec[Any] | None
     data: Any
     around: tuple[Any, ...] = ()
-    path: Path = ()
+    path: EntryPath = ()
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -59,7 +59,7 @@ def root_class(data: Any) -> type[Declared]:
     return Definition
 
 
-def entry_place(data: Any, path: Path) -> EntryPlace:
+def entry_place(data: Any, path: EntryPath) -> EntryPlace:
     """Place at a path of a file with some data, of which much may still be missing."""
     cls = root_class(data)
     spec: Spec[Any] | None = Nested("the file", lambda: cls, "file")
@@ -91,7 +91,7 @@ def _with_values(alternatives: Any, parameters: Any) -> Any:
     }
 
 
-def _changed_spec(data: Any, path: Path, key: str) -> Spec[Any] | None:
+def _changed_spec(data: Any, path: EntryPath, key: str) -> Spec[Any] | None:
     """Specification of an entry that an alternative changes, as ``box.engaged``."""
     inner = _inner_data(_inner_data(data, "parts"), path[1]) if path[:1] == ("parts",) else data
     changed = changed_section(key, Scope((), inner if isinstance(inner, Mapping) else {}))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from pathlib import Path as FolderPath
+from pathlib import Path
 from typing import Any
 
 from torsionnet.app.text.completing.completion_keys import kind_of, typed_options, usual_first
@@ -71,7 +71,7 @@ def _kinds(writing: Writing, typed: Typed[Any]) -> Iterator[CompletionOption]:
             yield option._replace(insert=option.insert.removeprefix(f"{typed.key}: "))
 
 
-def _words(spec: Spec[Any], folder: FolderPath | None) -> Iterator[CompletionOption]:
+def _words(spec: Spec[Any], folder: Path | None) -> Iterator[CompletionOption]:
     """Words of a fixed list, from the specification of the entry or its JSON Schema."""
     if isinstance(spec, SectionName):
         from torsionnet.report.plan.title_block import SECTIONS
@@ -243,14 +243,14 @@ def _sizes(writing: Writing) -> Iterable[str]:
         return ()
 
 
-def _catalogues(folder: FolderPath | None) -> Iterable[str]:
+def _catalogues(folder: Path | None) -> Iterable[str]:
     """Names of the library's catalogues, and of the tables beside the model."""
     from torsionnet.model.catalogues.catalogue_values import shipped_catalogues
 
     return [*_files(folder, "*.csv"), *shipped_catalogues()]
 
 
-def _files(folder: FolderPath | None, pattern: str) -> list[str]:
+def _files(folder: Path | None, pattern: str) -> list[str]:
     """Names of the files in a folder that fit a pattern."""
     try:
         return sorted(path.name for path in folder.glob(pattern)) if folder else []

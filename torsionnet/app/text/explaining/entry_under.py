@@ -11,7 +11,7 @@ from torsionnet.app.text.naming.mentions import Scope
 from torsionnet.app.text.naming.name_homes import changed_section
 from torsionnet.app.text.text_edits import TextSpan
 from torsionnet.base.entries.spec import Spec
-from torsionnet.base.errors import Path
+from torsionnet.base.errors import EntryPath
 from torsionnet.model.files.located_yaml import LocatedNode
 
 
@@ -23,7 +23,7 @@ class EntryUnder:
     and ``owner`` the specification of the entry around it.
     """
 
-    path: Path
+    path: EntryPath
     node: LocatedNode
     spec: Spec[Any] | None
     owner: Spec[Any] | None
@@ -42,7 +42,7 @@ def entry_under(names: NamesInText, offset: int) -> EntryUnder | None:
     scope = Scope((), names.root.value)
     specs: Mapping[Any, Spec[Any]] = Definition.entry_specs(names.root.value)
     node, owner = names.root, None
-    path: Path = ()
+    path: EntryPath = ()
     found: EntryUnder | None = None
     while True:
         hit = _child_at(names, node, offset)

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from torsionnet.base.entries.spec import Json, Spec
-from torsionnet.base.errors import Path
+from torsionnet.base.errors import EntryPath
 from torsionnet.base.units import expected_unit
 from torsionnet.model.element_base.element import ELEMENT_TYPES
 from torsionnet.model.element_base.element_entries import NodeName, NodePair, Teeth
@@ -16,7 +16,7 @@ from torsionnet.model.files.reader import entry_at
 _FIRST_ELEMENT: dict[str, Json] = {"type": "inertia", "node": "disc", "inertia": "1 kg*m^2"}
 
 
-def example_values(document: LocatedDocument, path: Path, key: str) -> Iterator[Json]:
+def example_values(document: LocatedDocument, path: EntryPath, key: str) -> Iterator[Json]:
     """Values that the entry ``key`` of the table at ``path`` may have, the likeliest first.
 
     Nodes are those that the model has; a reader has to find out whether a value fits.

@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 from torsionnet.base.entries.spec import Renaming, Spec
-from torsionnet.base.errors import Path, TorsionnetError
+from torsionnet.base.errors import EntryPath, TorsionnetError
 
 CHANGED = "changed entry"
 """Kind of a mention that an alternative changes, before it is known whether that is a parameter or an entry."""
@@ -26,7 +26,7 @@ class Mention(NamedTuple):
 class Scope:
     """Model or part within which names are unique, by its path in the document and its data."""
 
-    path: Path
+    path: EntryPath
     data: Mapping[str, Any]
 
     def table(self, section: str) -> Mapping[str, Any]:

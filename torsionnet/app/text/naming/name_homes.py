@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 from torsionnet.app.text.naming.mentions import CHANGED, Mention, Scope
 from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.spec import Spec
-from torsionnet.base.errors import Path
+from torsionnet.base.errors import EntryPath
 from torsionnet.model.files.located_yaml import LocatedNode
 
 _TABLES = {"element": "elements", "parameter": "parameters", "excitation": "excitations"}
@@ -19,7 +19,7 @@ class NameHome(NamedTuple):
 
     kind: str
     name: str
-    home: Path
+    home: EntryPath
     start: int = 0
 
 
@@ -105,7 +105,7 @@ class ChangedSection(NamedTuple):
 
     kind: str
     name: str
-    home: Path
+    home: EntryPath
     spec: Spec[Any] | None
 
 
