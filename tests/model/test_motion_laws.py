@@ -1,6 +1,7 @@
 """Laws of motion of springs, clearances, friction and backlash: torques, energies, tangents, and what is refused."""
 
 import math
+import pickle
 from dataclasses import replace
 from fractions import Fraction
 
@@ -314,6 +315,16 @@ def test_tangents_about_states_are_in_the_order_of_the_laws():
     assert found.stages == spring.stages
     assert found.whole_parts(Values({})) == spring.whole_parts(Values({}))
     assert spring.at_states([MotionState(0.1, piece=4)]).parts(Values({})) == (Constraint({"a": 1, "b": -1}),)
+
+
+def test_other_laws_go_with_an_element_into_its_pickle_but_not_to_other_entries():
+    spring = SPRINGS["preloaded stages"]
+    found = spring.at_states([MotionState(0.12, piece=5)])
+    restored = pickle.loads(pickle.dumps(found))
+    assert restored == found != spring
+    assert hash(restored) == hash(found)
+    assert restored.parts(Values({})) == found.parts(Values({}))
+    assert replace(found, description="as written") == replace(spring, description="as written")
 
 
 def test_damping_is_parallel_and_linear():
