@@ -117,6 +117,32 @@ def test_a_message_has_the_names_of_the_part_whatever_its_use_is_called(use, sti
     assert (fault.message, fault.position.line, [one.line for one in fault.used_at]) == (message, 9, [11])
 
 
+def test_a_file_named_like_a_node_keeps_its_name(tmp_path):
+    (tmp_path / "left.csv").write_text("size,stiffness [N*m/rad],colour\nA,1000,red\n", encoding="utf-8")
+    text = IN_PART % ("1", "left")
+    text = text.replace("stiffness: 1}", "catalogue: left.csv, size: A}")
+    text = text.replace("inner: x", "inner: left").replace("node: x", "node: left")
+    (note,) = [fault for fault in read_text(text, "m.yaml", tmp_path)[1] if "colour" in fault.message]
+    assert note.message == 'the column "colour" of left.csv fits no entry of a spring and no limit'
+
+
+STUB = "      stub: {type: spring, nodes: [hub, hubb], stiffness: 1}\n"
+
+
+@pytest.mark.parametrize(("old", "new", "message"), [
+    ("      wheel:", f"{STUB}      wheel:", 'only stub is attached to node "hubb"; did you mean "hub"?; it carries no'),
+    ("stiffness: k}", "stiffness: sqrt(-k)}", 'sqrt(-k) cannot be calculated: "-k" is -9000; a negative number has no square root here'),
+    ("stiffness: k}", "stiffness: k/J**2, referred_to: road}", '"k/J**2" has the dimension of'),
+    ("J: 0.9 kg*m^2}", "J: {value: 0.9, bounds: [1, 2]}}", "J = 0.9 is outside its bounds 1 to 2"),
+    ("k: 9 kN*m/rad,", "k: 2*m, m: k,", "parameters define each other in a circle: k -> m -> k"),
+])  # fmt: skip
+def test_messages_have_the_names_of_the_part(old, new, message):
+    found = read_text(MODEL.replace(old, new, 1).replace("{k: k_l}", "{}"), "m.yaml")[1]
+    (fault,) = [fault for fault in found if fault.message.startswith(message)]
+    assert fault.position.line < 13
+    assert not [one for one in found if "left." in one.message or "right." in one.message]
+
+
 def test_the_name_meant_in_a_part_is_that_of_the_part():
     (fault,) = errors(IN_PART % ("gg", "left"))
     assert (fault.about, fault.meant) == ("gg", "g")

@@ -22,7 +22,7 @@ from functools import cached_property
 from typing import Any, ClassVar, Literal, TypeAlias
 
 import torsionnet.base.units as units
-from torsionnet.base.errors import Fault, FaultyValueError, UsageError, unknown_name
+from torsionnet.base.errors import Fault, FaultyValueError, UsageError, Worded, unknown_name
 from torsionnet.base.registers import settle
 from torsionnet.base.units import DIMENSIONS, Dimension
 
@@ -111,9 +111,9 @@ class Expression:
         except OverflowError:
             finite = False
         except ZeroDivisionError:  # an exact fraction that no float is small enough for
-            raise ExpressionError(f'division in "{self}" by a value that is too small') from None
+            raise ExpressionError(Fault(Worded('division in "{}" by a value that is too small', self))) from None
         if not finite:
-            raise ExpressionError(f'the value of "{self}" is too large')
+            raise ExpressionError(Fault(Worded('the value of "{}" is too large', self)))
         return result
 
     def dimension(self, dimensions: Mapping[str, Dimension | None]) -> Dimension | None:
@@ -132,6 +132,10 @@ class Expression:
     def renamed(self, name: Callable[[str], str]) -> Expression:
         """Copy of the expression whose parameters are renamed."""
         raise NotImplementedError
+
+    def in_names(self, name: Callable[[str], str]) -> str:
+        """Text of the expression whose parameters are renamed."""
+        return str(self.renamed(name))
 
     def written(self) -> tuple[str, int]:
         """Text of the expression, and how strongly its outermost operator binds."""
@@ -288,7 +292,8 @@ def _power(compound: Compound, algebra: Algebra, base: Any, _: Any = None) -> An
     if exponent.denominator == 1:
         return float_if_long(base**exponent.numerator)
     if isinstance(base, int | float | Fraction) and base < 0:
-        raise ExpressionError(f'"{source}" is {float(base):g}; a negative number has no square root here')
+        said = '"{}" is {:g}; a negative number has no square root here'
+        raise ExpressionError(Fault(Worded(said, source, float(base))))
     return algebra.sqrt(base) ** exponent.numerator
 
 
@@ -300,13 +305,13 @@ def _exponent(compound: Compound) -> Any:
 def _refuse_zero(value: Any, source: Expression) -> None:
     zero = value == 0
     if getattr(zero, "ndim", 0) == 0 and bool(zero):
-        raise ExpressionError(f'division by zero: "{source}" is 0')
+        raise ExpressionError(Fault(Worded('division by zero: "{}" is 0', source)))
 
 
 def _common_kind(compound: Compound, left: _Kind, right: _Kind) -> _Kind:
     if isinstance(left, Dimension) and isinstance(right, Dimension) and left != right:
         word = "add" if compound.sign == "+" else "subtract"
-        raise ExpressionError(f'"{compound}" would {word} {left} and {right}')
+        raise ExpressionError(Fault(Worded('"{}" would {} {} and {}', compound, word, left, right)))
     return right if left == "bare" or (left == "unknown" and isinstance(right, Dimension)) else left
 
 

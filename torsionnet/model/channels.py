@@ -9,7 +9,18 @@ from typing import Any, ClassVar, TypeAlias, TypeVar, cast
 
 from torsionnet.base.entries.composite import Listed
 from torsionnet.base.entries.spec import EntryError, Json, Renaming, Schema, Spec, Text, reference
-from torsionnet.base.errors import LEAVE_OUT, NO_NODE, Fault, Remedy, UsageError, got, unfit_word, unknown_key
+from torsionnet.base.errors import (
+    LEAVE_OUT,
+    NO_NODE,
+    Fault,
+    ModelName,
+    Remedy,
+    UsageError,
+    Worded,
+    got,
+    unfit_word,
+    unknown_key,
+)
 from torsionnet.base.registers import settle
 from torsionnet.model.element_base.element_entries import ElementName, NodeText, PlaceOnElement
 from torsionnet.model.elements import GROUND, Element
@@ -104,9 +115,7 @@ class Sensor(ModelChannel):
             raise UsageError(STRESS_OF_OWN_SHAFT)
 
     def __str__(self) -> str:
-        second = self.at or self.against
-        referred = f"{REFERRED}{self.referred_to}" if self.referred_to else ""
-        return f"{self.quantity}({self.of}{', ' + second if second else ''}){referred}"
+        return str(channel_words(self))
 
     def to_data(self) -> dict[str, Json]:
         extra = {"at": self.at, "referred_to": self.referred_to}
@@ -155,7 +164,7 @@ class Input(ModelChannel):
             _settle_pair(self)
 
     def __str__(self) -> str:
-        return f"{self.quantity} on {self.of}{f' against {self.against}' if self.against else ''}"
+        return str(channel_words(self))
 
     def renamed(self, names: Renaming) -> Input:
         """Copy of the input of a part, with its names in the whole model."""
@@ -184,14 +193,25 @@ PAIR_COEFFICIENTS = (1, -1)
 """Coefficients of the first node and of the node that it is taken against, in the motion between them."""
 
 
-def named_nodes(channel: Sensor | Input) -> str:
+def channel_words(channel: Sensor | Input) -> Worded:
+    """Text of a sensor or input, which keeps the names in it."""
+    if isinstance(channel, Input):
+        nodes = map(ModelName, filter(None, (channel.of, channel.against)))
+        return Worded("{} on {} against {}" if channel.against else "{} on {}", channel.quantity, *nodes)
+    names = list(map(ModelName, filter(None, (channel.of, channel.at or channel.against))))
+    text = Worded("{}({}, {})" if len(names) > 1 else "{}({})", channel.quantity, *names)
+    return Worded("{}{}{}", text, REFERRED, ModelName(channel.referred_to)) if channel.referred_to else text
+
+
+def named_nodes(channel: Sensor | Input) -> Worded:
     """Text that names the nodes of a sensor or input: ``"pulley" against "block"``."""
-    return " against ".join(f'"{node}"' for node in (channel.of, channel.against) if node is not None)
+    nodes = [ModelName(node) for node in (channel.of, channel.against) if node is not None]
+    return Worded(" against ".join(['"{}"'] * len(nodes)), *nodes)
 
 
 def immobility_text(channel: Sensor | Input) -> str:
     """End of a sentence that says why the nodes of a sensor or input do not move."""
-    return "it is locked" if channel.against is None else f"{named_nodes(channel)} is held rigidly"
+    return "it is locked" if channel.against is None else Worded("{} is held rigidly", named_nodes(channel))
 
 
 def _plain(channel: Sensor | Input) -> str | list[str]:
@@ -413,10 +433,14 @@ def port_fault(element: Element, at: str) -> Fault | None:
     by_name, by_node = (
         [index for index, pair in enumerate(element.ports.items()) if pair[side] == at] for side in (0, 1)
     )
-    ports = ", ".join(f"{node} ({port})" for port, node in element.ports.items())
+    name, place = ModelName(element.name), ModelName(at)
+    pairs = [Worded("{} ({})", ModelName(node), port) for port, node in element.ports.items()]
+    ports = Worded(", ".join(["{}"] * len(pairs)), *pairs)
     if not by_name and not by_node:
         known = [*element.ports.values(), *element.ports]
-        return unfit_word(f'{element.name} is not attached to "{at}"', at, known, (), f"it is attached to {ports}")
+        attached = Worded("it is attached to {}", ports)
+        return unfit_word(Worded('{} is not attached to "{}"', name, place), at, known, (), attached)
     if len({*by_name, *by_node}) > 1:
-        return Fault(f'"{at}" could be two ports of {element.name}, which is attached to {ports}; rename the node')
+        said = '"{}" could be two ports of {}, which is attached to {}; rename the node'
+        return Fault(Worded(said, place, name, ports))
     return None

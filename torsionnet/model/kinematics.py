@@ -12,7 +12,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
-from torsionnet.base.errors import UsageError, did_you_mean
+from torsionnet.base.errors import Fault, ModelName, UsageError, Worded, did_you_mean, named_list
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.elements import Action, Constraint, Element, Law, Part, Row, Values
 from torsionnet.model.elimination import Reduction, exact, reduce_rows, rows_holding, smallest_failing_rows
@@ -307,7 +307,7 @@ def virtual_motion(kinematics: Kinematics, index: int, number: Callable[[Any], A
         loop = sorted(number - len(imposed) for number in origin if number >= len(imposed))
         owners = {names[number] for number in loop}
         loop_names = list(dict.fromkeys(name for name, _ in constraints if name in owners))
-        raise UsageError(_indeterminate(constraints[index][0], loop_names))
+        raise UsageError(Fault(_indeterminate(constraints[index][0], loop_names)))
     return {node: row[UNIT] for node, row in reduction.solved.items() if UNIT in row}
 
 
@@ -318,11 +318,9 @@ def torques_are_determinate(kinematics: Kinematics) -> bool:
 
 def _indeterminate(element: str, loop: list[str]) -> str:
     if len(loop) < 2:
-        return f"torque through {element} is statically indeterminate; give it a stiffness"
-    return (
-        f"torque through {element} is statically indeterminate: {', '.join(loop)} form a rigid loop; "
-        "give one of them a stiffness"
-    )
+        return Worded("torque through {} is statically indeterminate; give it a stiffness", ModelName(element))
+    said = "torque through {} is statically indeterminate: {} form a rigid loop; give one of them a stiffness"
+    return Worded(said, ModelName(element), named_list(loop))
 
 
 def free_motions(kinematics: Kinematics, answers: Callable[[Law], bool]) -> Reduction:
@@ -368,7 +366,9 @@ def twist_fault(element: Element, parts: Sequence[Part]) -> str | None:
     """
     laws = [part for part in parts if isinstance(part, Law) and part.acts]
     if len(laws) < len(parts):
-        return f"{element.name} is rigid: an imposed twist needs something that gives way; give it a stiffness"
+        said = "{} is rigid: an imposed twist needs something that gives way; give it a stiffness"
+        return Worded(said, ModelName(element.name))
     if len(laws) == 1 and laws[0].inertia == 0:
         return None
-    return f"{element.name} has inertia or several springs; impose the twist in a spring or a compliant gear beside it"
+    said = "{} has inertia or several springs; impose the twist in a spring or a compliant gear beside it"
+    return Worded(said, ModelName(element.name))

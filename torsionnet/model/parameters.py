@@ -26,7 +26,7 @@ from torsionnet.base.entries.spec import (
     entry,
     reference,
 )
-from torsionnet.base.errors import Fault, got
+from torsionnet.base.errors import Fault, ModelName, Worded, got, message_of, named_list
 from torsionnet.base.expressions import Expression, ExpressionError, Number, Rows
 from torsionnet.base.registers import settle
 from torsionnet.base.units import DIMENSIONS, Dimension
@@ -288,7 +288,10 @@ def resolve(parameters: Mapping[str, Parameter]) -> tuple[dict[str, Fraction | f
     order, cycles = evaluation_order(parameters)
     faults = [
         Fault(
-            f"parameters define each other in a circle: {' -> '.join([*cycle, cycle[0]])}; give one of them a value",
+            Worded(
+                "parameters define each other in a circle: {}; give one of them a value",
+                named_list([*cycle, cycle[0]], between=" -> "),
+            ),
             ("parameters", cycle[0]),
         )
         for cycle in cycles
@@ -302,7 +305,8 @@ def resolve(parameters: Mapping[str, Parameter]) -> tuple[dict[str, Fraction | f
             values[name] = expression.evaluate(values)
         except ExpressionError as error:
             causes = (name, *sorted(expression.names))
-            faults.append(Fault(f"{name} cannot be calculated: {error}", ("parameters", name), causes=causes))
+            text = Worded("{} cannot be calculated: {}", ModelName(name), message_of(error))
+            faults.append(Fault(text, ("parameters", name), causes=causes))
     return values, faults
 
 

@@ -13,8 +13,8 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from torsionnet.base.errors import UsageError
-from torsionnet.model.channels import Sensor, port_fault
+from torsionnet.base.errors import Fault, ModelName, UsageError, Worded
+from torsionnet.model.channels import Sensor, channel_words, port_fault
 from torsionnet.model.element_base.laws import own_node
 from torsionnet.model.element_base.round_section import section_modulus
 from torsionnet.model.elements import GROUND, Element, Row, Values
@@ -110,8 +110,14 @@ def referring_factor(sensor: Sensor, elements: Mapping[str, Element], value: Val
 
     path = SpeedPaths([one for one in elements.values() if one.enabled], value).between(own, shaft)
     if path is None:
-        text = f"{sensor}: no ratio leads from {own} to {shaft} in this configuration"
-        raise UsageError(f"{text}; close the clutch or gearbox in between, or measure at {own}")
+        text = Worded(
+            "{0}: no ratio leads from {1} to {2} in this configuration; close the clutch or gearbox in between, or "
+            "measure at {1}",
+            channel_words(sensor),
+            ModelName(own),
+            ModelName(shaft),
+        )
+        raise UsageError(Fault(text))
     ratio = path.ratio(value)
     return 1 / ratio if sensor.quantity == "torque" else ratio
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from torsionnet.base.entries.spec import not_none
-from torsionnet.base.errors import Fault, TorsionnetError
+from torsionnet.base.errors import Fault, ModelName, TorsionnetError, Worded
 from torsionnet.model.element_base.laws import own_node
 from torsionnet.model.element_base.speed_loops import second_ratio
 from torsionnet.model.element_base.speed_path import LawsAtOwnShaft, SpeedPath, SpeedPaths
@@ -49,12 +49,13 @@ def referral_faults(elements: Sequence[Element], values: Mapping[str, Any]) -> I
         path = ("elements", element.name, "referred_to")
         own = own_node(element.ports)
         tabled = any(isinstance(part, Law) and part.table for part in element.parts(Values(values)))
-        reason = f"{element.name} has a table over frequency; give it at its own shaft, {own}" if tabled else None
-        reason = reason or element.referral_fault
+        said = "{} has a table over frequency; give it at its own shaft, {}"
+        reason = Worded(said, ModelName(element.name), ModelName(own)) if tabled else element.referral_fault
         if reason is None and paths is not None and paths.between(own, not_none(element.referred_to)) is None:
-            reason = (
-                f"no ratio leads from {own} to {element.referred_to}: in between is an open clutch or gearbox, or a "
-                f"planetary set with two free members; give the values of {element.name} at its own shaft"
+            reason = Worded(
+                "no ratio leads from {} to {}: in between is an open clutch or gearbox, or a "
+                "planetary set with two free members; give the values of {} at its own shaft",
+                *map(ModelName, (own, not_none(element.referred_to), element.name)),
             )
         if reason is None and paths is not None:
             reason = _two_ratios(element, paths, own)
@@ -74,7 +75,8 @@ def _two_ratios(element: Element, paths: SpeedPaths, own: str) -> str | None:
         return None
     if second is None:
         return None
-    return (
-        f"two ways lead from {own} to {end}, and {end} turns {float(first):.6g} or {float(second):.6g} times as fast "
-        f"as {own} by them; give the values of {element.name} at its own shaft, {own}, without referred_to"
-    )
+    return Worded(
+        "two ways lead from {0} to {1}, and {1} turns {2:.6g} or {3:.6g} times as fast "
+        "as {0} by them; give the values of {4} at its own shaft, {0}, without referred_to",
+        ModelName(own), ModelName(end), float(first), float(second), ModelName(element.name),
+    )  # fmt: skip

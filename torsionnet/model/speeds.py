@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import Any, TypeAlias
 
-from torsionnet.base.errors import Fault, ModelError, UsageError, did_you_mean
+from torsionnet.base.errors import Fault, ModelError, ModelName, UsageError, Worded, named_list, unknown_name
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.element_base.laws import AT_REST
 from torsionnet.model.elements import MotionLaw, Values
@@ -109,7 +109,7 @@ def total_ratio(definition: Definition, values: Mapping[str, Any], first: str, s
     nodes = all_nodes(definition.active)
     for node in (first, second):
         if node not in nodes:
-            raise UsageError(f'no node is named "{node}"{did_you_mean(node, nodes)}')
+            raise UsageError(unknown_name("node", node, nodes))
     order = {node: index for index, node in enumerate(nodes)}
     rows, rest = _rows_on_average(definition, values)
     turning = [
@@ -119,13 +119,18 @@ def total_ratio(definition: Definition, values: Mapping[str, Any], first: str, s
     reduction = reduce_rows([*rows, *still], order)
     row, other = (reduction.reduced({node: Fraction(1)}) for node in (first, second))
     if not other:
-        raise UsageError(f"{second} cannot turn, there is no ratio to it; name a node that turns")
+        text = Worded("{} cannot turn, there is no ratio to it; name a node that turns", ModelName(second))
+        raise UsageError(Fault(text))
     if row and row.keys() != other.keys():
-        free = ", ".join(sorted(row.keys() | other.keys()))
-        raise UsageError(f"no fixed ratio between {first} and {second}: {free} turn independently")
+        free = named_list(sorted(row.keys() | other.keys()))
+        text = Worded(
+            "no fixed ratio between {} and {}: {} turn independently", ModelName(first), ModelName(second), free
+        )
+        raise UsageError(Fault(text))
     ratios = {row.get(node, Fraction(0)) / other[node] for node in other}
     if len(ratios) > 1:
-        raise UsageError(f"no fixed ratio between {first} and {second}: the speed splits in between")
+        said = "no fixed ratio between {} and {}: the speed splits in between"
+        raise UsageError(Fault(Worded(said, ModelName(first), ModelName(second))))
     return Fraction(ratios.pop())
 
 

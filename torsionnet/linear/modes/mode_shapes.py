@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.base.conventions import mode_numbers
+from torsionnet.base.errors import ModelName, Worded, joined
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.linear.assembly.system import Assembly
 from torsionnet.linear.modes.eigen import RIGID, EigenSolution
@@ -102,19 +103,18 @@ def _rigid(assembly: Assembly, shape: ComplexArray) -> str:
     )
 
 
-def _leading(elements: tuple[str, ...], shares: FloatArray) -> str:
+def _leading(elements: tuple[str, ...], shares: FloatArray) -> Worded:
     largest = np.argsort(-np.round(shares, 9), kind="stable")[:3]  # the first of equal shares
     order = [index for index in largest if shares[index] >= LEAST_SHARE] or list(largest[:1])
-    return ", ".join(f"{elements[index]} {100 * shares[index]:.0f} %" for index in order if shares[index] > 0)
+    return joined(Worded("{} {:.0f} %", ModelName(elements[i]), float(100 * shares[i])) for i in order if shares[i] > 0)
 
 
 def _decaying(fall: str, value: complex, elements: tuple[str, ...], strain: FloatArray, dissipated: FloatArray) -> str:
     time = 1 / abs(value.real) if value.real else math.inf
-    damping = _leading(elements, dissipated)
     text = f"{fall}{time:.3g} s" if value.real <= 0 else f"e times as much every {time:.3g} s"
-    damping = damping if value.real <= 0 else ""
-    text += f"; damped by {damping}" if damping else ""
-    return text if strain.any() else f"{text}; no spring involved"
+    damping = _leading(elements, dissipated) if value.real <= 0 else ""
+    text = Worded("{}; damped by {}", text, damping) if damping else text
+    return text if strain.any() else Worded("{}; no spring involved", text)
 
 
 def _is_critical(solution: EigenSolution, index: int) -> bool:
@@ -129,12 +129,12 @@ def _vibration(elements: tuple[str, ...], strain: FloatArray, crossings: list[st
     if not strain.any():
         return "no spring involved"
     if crossings is None:
-        return f"strain in {_leading(elements, strain)}"
+        return Worded("strain in {}", _leading(elements, strain))
     count = len(crossings)
     nodes = "no node of vibration" if not count else f"{count} node{'s' if count > 1 else ''} of vibration"
     places = list(dict.fromkeys(crossings))
-    where = f" {', '.join(places)}" if 0 < len(places) <= 3 else ""
-    return f"strain in {_leading(elements, strain)}; {nodes}{where}"
+    where = Worded(" {}", joined(places)) if 0 < len(places) <= 3 else ""
+    return Worded("strain in {}; {}{}", _leading(elements, strain), nodes, where)
 
 
 @dataclass(frozen=True)
@@ -181,12 +181,12 @@ class Links:
         crossing = (sides[:, 0] * sides[:, 1] < 0) & (size.min(axis=1) > STILL_NODE * size.max(axis=1))
         crossings: dict[frozenset[int], str] = {}
         for number in np.flatnonzero(crossing):
-            crossings.setdefault(frozenset(self.ends[number].tolist()), f"in {self.owners[number]}")
+            crossings.setdefault(frozenset(self.ends[number].tolist()), Worded("in {}", ModelName(self.owners[number])))
         low, high = np.zeros(len(angle)), np.zeros(len(angle))
         np.minimum.at(low, self.ends, sides[:, ::-1] / self.factors)
         np.maximum.at(high, self.ends, sides[:, ::-1] / self.factors)
         rests = (low < 0) & (high > 0) & (np.abs(angle) <= STILL_NODE * np.minimum(-low, high))
-        return [*crossings.values(), *(f"at {self.names[node]}" for node in np.flatnonzero(rests))]
+        return [*crossings.values(), *(Worded("at {}", ModelName(self.names[node])) for node in np.flatnonzero(rests))]
 
 
 EQUAL_EIGENVALUES = 1e-9

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from torsionnet.base.errors import EntryPath, Fault, UsageError, unknown_name
+from torsionnet.base.errors import EntryPath, Fault, ModelName, UsageError, Worded, message_of, unknown_name
 from torsionnet.machinery.excitations import OrderExcitation
 from torsionnet.machinery.excitations.engine_phases import unlocked_engines
 from torsionnet.model.channels import Input, named_nodes
@@ -102,7 +102,7 @@ def _shaft_ratios(definition: Definition, values: Mapping[str, Any]) -> tuple[di
         try:
             ratios[name] = abs(float(total_ratio(definition, values, excitation.shaft, definition.speeds.of)))
         except UsageError as error:
-            faults.append(Fault(str(error), ("excitations", name, "speed_of")))
+            faults.append(Fault(message_of(error), ("excitations", name, "speed_of")))
     return ratios, faults
 
 
@@ -124,9 +124,13 @@ def _between_engines(definition: Definition) -> Iterator[Fault]:
     first = next(iter(engines.values()), "")
     for name in dict.fromkeys(engines.values()):
         if name != first:
-            text = f"no phase is given between {name} and {first}: the worst angle between their crankshafts counts"
-            hint = f"if they are fixed to each other, give the crank angle by which {name} fires later, phase: 30 deg"
-            yield Fault(f"{text}; {hint}", ("excitations", name), on_key=True, severity="note")
+            text = Worded(
+                "no phase is given between {0} and {1}: the worst angle between their crankshafts counts; if they are "
+                "fixed to each other, give the crank angle by which {0} fires later, phase: 30 deg",
+                ModelName(name),
+                ModelName(first),
+            )
+            yield Fault(text, ("excitations", name), on_key=True, severity="note")
 
 
 def _on_imposed(definition: Definition) -> Iterator[Fault]:
@@ -139,7 +143,8 @@ def _on_imposed(definition: Definition) -> Iterator[Fault]:
             channel = one.channel(node)
             by = imposed.get(frozenset(channel.nodes)) or _all_imposed(channel, imposed)
             if by is not None:
-                text = f"the motion of {named_nodes(channel)} is imposed by {by}; a torque there does nothing"
+                said = "the motion of {} is imposed by {}; a torque there does nothing"
+                text = Worded(said, named_nodes(channel), ModelName(by))
                 yield Fault(text, ("excitations", name, *path))
 
 

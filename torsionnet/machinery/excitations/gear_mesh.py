@@ -12,7 +12,7 @@ from torsionnet.base.entries.composite import Nested, one_exactly
 from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.scalars import Value
 from torsionnet.base.entries.spec import Count, entry
-from torsionnet.base.errors import EntryPath, Fault
+from torsionnet.base.errors import EntryPath, Fault, ModelName, Worded
 from torsionnet.machinery.excitations.harmonic_torque import PHASE, TableByOrder
 from torsionnet.machinery.excitations.order_excitation import FloatArray, OrderTorques, register_excitation
 from torsionnet.machinery.excitations.twist_excitation import TwistExcitation
@@ -114,31 +114,29 @@ class GearMesh(TwistExcitation):
         return replace(fitted, teeth=self.teeth or own, mate_teeth=self.mate_teeth or mate)
 
     def element_faults(self, elements: Mapping[str, Element]) -> list[Fault]:
-        gear = elements[self.mesh]
+        gear, mesh = elements[self.mesh], ModelName(self.mesh)
         if not isinstance(gear, Gear):
-            text = f"{self.mesh} is a {gear.kind}; mesh is the name of an element of type gear"
+            text = Worded("{} is a {}; mesh is the name of an element of type gear", mesh, gear.kind)
             if gear.kind in KINDS_WITH_SEVERAL_MESHES:
-                text += (
-                    "; write the pair in question as an element of its own, {type: gear, teeth: ..., stiffness: ...}"
-                )
+                own = "write the pair in question as an element of its own, {type: gear, teeth: ..., stiffness: ...}"
+                text = Worded("{}; {}", text, own)
             return [Fault(text, ("mesh",))]
         if self.speed_of not in gear.nodes:
-            return [
-                Fault(
-                    f"{self.mesh} connects {gear.nodes[0]} and {gear.nodes[1]}; speed_of is one of them", ("speed_of",)
-                )
-            ]
+            said = "{} connects {} and {}; speed_of is one of them"
+            return [Fault(Worded(said, mesh, *map(ModelName, gear.nodes)), ("speed_of",))]
         if gear.housing is not None:
-            return [Fault(f"{self.mesh} is in a housing that turns; its tooth frequency is not known", ("mesh",))]
+            said = "{} is in a housing that turns; its tooth frequency is not known"
+            return [Fault(Worded(said, mesh), ("mesh",))]
         given = [gear.teeth, gear.teeth and gear.teeth[::-1]][gear.nodes.index(self.speed_of)]
         faults = []
         for place, name in enumerate(("teeth", "mate_teeth")):
             count = getattr(self, name)
             needed = self.mate_run_out or (name == "teeth" and self.transmission_error)
             if count is None and needed:
-                faults.append(Fault(f"{self.mesh} is given by its ratio; give {name}: 23 too", on_key=True))
+                faults.append(Fault(Worded("{} is given by its ratio; give {}: 23 too", mesh, name), on_key=True))
             elif count is not None and given is not None and count != abs(given[place]):
-                faults.append(Fault(f"{self.mesh} has {abs(given[place])} teeth there, not {count}", (name,)))
+                text = Worded("{} has {} teeth there, not {}", mesh, abs(given[place]), count)
+                faults.append(Fault(text, (name,)))
         return faults
 
     def torques(self, speeds: FloatArray) -> OrderTorques:

@@ -11,7 +11,7 @@ import numpy as np
 
 from torsionnet.base.entries.scalars import Value
 from torsionnet.base.entries.spec import Count, entry
-from torsionnet.base.errors import Fault
+from torsionnet.base.errors import Fault, ModelName, Worded, named_list
 from torsionnet.machinery.excitations.order_excitation import FloatArray, OrderTorques, register_excitation
 from torsionnet.machinery.excitations.twist_excitation import TwistExcitation, shafts_of
 from torsionnet.model.element_base.element_entries import ElementName
@@ -58,13 +58,13 @@ class UniversalJoint(TwistExcitation):
     def element_faults(self, elements: Mapping[str, Element]) -> list[Fault]:
         element = elements[self.joint]
         if element.glyph not in ("spring", "shaft"):
-            return [
-                Fault(f"{self.joint} is a {element.kind}; a joint is in a spring between its two shafts", ("joint",))
-            ]
+            said = "{} is a {}; a joint is in a spring between its two shafts"
+            return [Fault(Worded(said, ModelName(self.joint), element.kind), ("joint",))]
         shafts = shafts_of(element)
         if self.speed_of in shafts:
             return []
-        text = f"the input of a joint is an end of its element; {self.joint} connects {' and '.join(shafts)}"
+        said = "the input of a joint is an end of its element; {} connects {}"
+        text = Worded(said, ModelName(self.joint), named_list(shafts, between=" and "))
         return [Fault(text, ("speed_of",))]
 
     def torques(self, speeds: FloatArray) -> OrderTorques:

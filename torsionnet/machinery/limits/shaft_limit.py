@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from torsionnet.base.entries.scalars import Value
 from torsionnet.base.entries.spec import entry
-from torsionnet.base.errors import EntryPath, Fault
+from torsionnet.base.errors import EntryPath, Fault, ModelName, Worded
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.limits.evidence import Evidence, torques_of
 from torsionnet.machinery.limits.limit import Limit
@@ -64,18 +64,18 @@ class ShaftLimit(Limit):
         return []
 
     def unfit(self, subject: LimitSubject) -> Iterator[Fault]:
-        element = subject.elements[self.element]
+        element, name = subject.elements[self.element], ModelName(self.element)
         if element.diameters is None and self.diameter is None:
-            text = f"{self.element}, a {element.kind}, has no diameter, and so no stress"
-            yield Fault(f"{text}; give the limit one, diameter: 300 mm, or make the element a shaft", ("element",))
+            said = "{}, a {}, has no diameter, and so no stress; give the limit one, diameter: 300 mm, or make the "
+            yield Fault(Worded(f"{said}element a shaft", name, element.kind), ("element",))
         elif len(element.ports) != 2:
-            yield Fault(f"{self.element}, a {element.kind}, is no shaft between two nodes", ("element",))
+            yield Fault(Worded("{}, a {}, is no shaft between two nodes", name, element.kind), ("element",))
         else:
             section = self.section(subject)
             if section.inner >= section.outer:
                 key = "diameter" if self.diameter is not None else "bore"
-                text = f"the bore of {self.element}, {1000 * section.inner:g} mm, is no smaller than its diameter"
-                yield Fault(f"{text}, {1000 * section.outer:g} mm", (key,))
+                said = "the bore of {}, {:g} mm, is no smaller than its diameter, {:g} mm"
+                yield Fault(Worded(said, name, 1000 * section.inner, 1000 * section.outer), (key,))
 
     def order_sensors(self, subject: LimitSubject) -> list[Sensor]:
         return torques_of(subject.elements[self.element])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from torsionnet.base.errors import Fault, unfit_word
+from torsionnet.base.errors import Fault, Worded, unfit_word
 from torsionnet.model.catalogues.catalogue_entries import SIZE
 from torsionnet.model.definition import Definition
 from torsionnet.model.sections import section_class
@@ -25,7 +25,8 @@ def unfit_columns(definition: Definition) -> list[Fault]:
         limited = _limited() if others else set()
         for one in others:
             if one not in limited:
-                text = f'the column "{one}" of {element.catalogue.file} fits no entry of a {element.kind} and no limit'
+                said = 'the column "{}" of {} fits no entry of a {} and no limit'
+                text = Worded(said, one, element.catalogue.file, element.kind)
                 place = ("elements", name, "catalogue")
                 faults.append(replace(unfit_word(text, one, [*known, *limited], place), severity="note"))
     return faults

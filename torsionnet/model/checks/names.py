@@ -9,10 +9,21 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.base.errors import UNUSED, EntryPath, Fault, ModelError, comma_list, nearest, question, unknown_name
+from torsionnet.base.errors import (
+    UNUSED,
+    EntryPath,
+    Fault,
+    ModelError,
+    ModelName,
+    Worded,
+    comma_list,
+    nearest,
+    question,
+    unknown_name,
+)
 from torsionnet.base.expressions import Expression
 from torsionnet.base.packages import imported
-from torsionnet.model.channels import Input, Sensor, parse_pair, parse_sensor, port_fault
+from torsionnet.model.channels import Input, Sensor, channel_words, parse_pair, parse_sensor, port_fault
 from torsionnet.model.configurations import Overlay
 from torsionnet.model.definition import (
     ELEMENTS,
@@ -126,11 +137,14 @@ def _wrong_values(definition: Definition, table: str, name: str, changes: Mappin
 def _moved(before: Element, after: Element, changes: Mapping[str, Any]) -> Iterator[Fault]:
     """Faults of elements that an alternative switches by an entry or moves to other nodes, which it may not."""
     if before.enabled != after.enabled:
-        text = f"write on: [{before.name}] or off: [{before.name}] to switch an element"
+        text = Worded("write on: [{0}] or off: [{0}] to switch an element", ModelName(before.name))
         yield Fault(text, ("enabled",), on_key=True)
     if before.ports != after.ports:
-        text = f"a configuration does not move {before.name} to other nodes; write two elements, and switch them"
-        yield Fault(f"{text} with on: and off:", (next(iter(changes)),), on_key=True)
+        text = Worded(
+            "a configuration does not move {} to other nodes; write two elements, and switch them with on: and off:",
+            ModelName(before.name),
+        )
+        yield Fault(text, (next(iter(changes)),), on_key=True)
 
 
 MOST_HINTS = 20
@@ -194,11 +208,12 @@ def undefined_parameters(definition: Definition) -> list[Fault]:
 def unused_parameters(definition: Definition) -> list[Fault]:
     """Warnings about parameters that nothing uses; the model is complete without them."""
     used = {name for _, expression in _expressions(definition) for name in expression.names}
-    return [
-        Fault(f'parameter "{name}" is not used', ("parameters", name), "warning", on_key=True, kind=UNUSED, about=name)
-        for name in definition.parameters
-        if name not in used
-    ]
+    faults = []
+    for name in definition.parameters:
+        if name not in used:
+            text = Worded('parameter "{}" is not used', ModelName(name))
+            faults.append(Fault(text, ("parameters", name), "warning", on_key=True, kind=UNUSED, about=name))
+    return faults
 
 
 def unknown_nodes(definition: Definition) -> list[Fault]:
@@ -282,7 +297,7 @@ def unknown_elements(definition: Definition) -> list[Fault]:
 
 def _no_element(name: str, definition: Definition, path: EntryPath) -> Fault:
     if name in _nodes(definition):
-        return Fault(f'"{name}" is a node, no element; a torque is taken through an element', path)
+        return Fault(Worded('"{}" is a node, no element; a torque is taken through an element', ModelName(name)), path)
     return unknown_name("element", name, definition.elements, path)
 
 
@@ -301,7 +316,8 @@ def unknown_in_configurations(definition: Definition) -> list[Fault]:
                     if name not in definition.elements:
                         faults.append(unknown_name("element", name, definition.elements, (*path, switch, index)))
             both = set(overlay.on) & set(overlay.off)
-            faults += [Fault(f"{name} is switched on and off at once", (*path, "off")) for name in sorted(both)]
+            text = "{} is switched on and off at once"
+            faults += [Fault(Worded(text, ModelName(name)), (*path, "off")) for name in sorted(both)]
     return faults
 
 
@@ -313,7 +329,11 @@ def competing_axes(definition: Definition) -> list[Fault]:
         for label, overlay in alternatives.items():
             for name in (*overlay.parameters, *overlay.on, *overlay.off, *overlay.entries):
                 if homes.setdefault(name, axis) != axis:
-                    text = f"{name} is set on axis {homes[name]} too; different axes must change different things"
+                    text = Worded(
+                        "{} is set on axis {} too; different axes must change different things",
+                        ModelName(name),
+                        ModelName(homes[name]),
+                    )
                     key = "on" if name in overlay.on else "off" if name in overlay.off else name
                     faults.append(Fault(text, ("configurations", axis, label, key), on_key=True, about=name))
     return faults
@@ -327,12 +347,14 @@ def hidden_names(definition: Definition) -> list[Fault]:
         for name, channel in getattr(definition, table).items():
             same = table == "inputs" and (channel.quantity, *channel.nodes) == ("torque", name)
             if name in nodes and not same:
-                what = "a measured input" if table == "sensors" else channel
-                text = f'"{name}" is also a node; as input= it means {what}, as output= {channel}, not the node'
+                what = "a measured input" if table == "sensors" else channel_words(channel)
+                said = '"{}" is also a node; as input= it means {}, as output= {}, not the node'
+                text = Worded(said, ModelName(name), what, channel_words(channel))
                 faults.append(Fault(text, (table, name), "warning", on_key=True))
     for name in definition.sensors:
         if name in definition.inputs:
-            text = f'"{name}" is a sensor and an input; as input= it means the excitation, as output= the sensor'
+            said = '"{}" is a sensor and an input; as input= it means the excitation, as output= the sensor'
+            text = Worded(said, ModelName(name))
             faults.append(Fault(text, ("sensors", name), "warning", on_key=True))
     return faults
 
@@ -355,7 +377,8 @@ def dead_ends(definition: Definition) -> list[Fault]:
         if len(names) == 1 and node not in used and len(definition.elements[names[0]].ports) > 1:
             others = (other for other in touching if other != node)
             meant = nearest(node, others) if len(faults) < MOST_HINTS else ""
-            text = f'only {names[0]} is attached to node "{node}"{question(meant)}; it carries no torque there'
+            said = 'only {} is attached to node "{}"{}; it carries no torque there'
+            text = Worded(said, ModelName(names[0]), ModelName(node), question(meant))
             place = ("elements", names[0])
             faults.append(Fault(text, place, "warning", on_key=True, about=node, meant=meant))
     return faults

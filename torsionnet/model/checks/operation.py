@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.base.errors import USELESS, EntryPath, Fault, ModelError, UsageError, unknown_name
+from torsionnet.base.errors import USELESS, EntryPath, Fault, ModelError, ModelName, UsageError, Worded, unknown_name
 from torsionnet.base.expressions import Expression
 from torsionnet.base.packages import imported
 from torsionnet.base.units import RPM
@@ -222,7 +222,7 @@ def _beyond_curves(external: ExternalTorques) -> list[Fault]:
     faults: dict[EntryPath, Fault] = {}
     for where, values in _working_points(external):
         for path, what in _beyond(external.definition, values):
-            faults.setdefault(path, Fault(where + what, path))
+            faults.setdefault(path, Fault(Worded("{}{}", where, what), path))
     return list(faults.values())
 
 
@@ -238,14 +238,14 @@ def _working_points(external: ExternalTorques) -> Iterator[tuple[str, Mapping[st
         speeds += [definition.speeds.values[0], definition.speeds.values[-1]]
     for speed in speeds:
         values = resolve(with_operating_values(definition, points.at(speed)).parameters)[0]
-        yield f"with {external.reference} at {speed * RPM:.6g} rpm, ", values
+        yield Worded("with {} at {:.6g} rpm, ", ModelName(external.reference), speed * RPM), values
 
 
 def _beyond(definition: Definition, values: Mapping[str, Any]) -> Iterator[tuple[EntryPath, str]]:
     for element in (one for one in definition.active if one.reads_off):
         for path, spec, expression, _ in element.expressions():
             if reason := spec.curve_fault(float(expression.evaluate(values))):
-                yield ("elements", element.name, *path), f"{expression} {reason}"
+                yield ("elements", element.name, *path), Worded("{} {}", expression, reason)
 
 
 def _unlike_working_speeds(external: ExternalTorques) -> Iterator[Fault]:
@@ -257,8 +257,10 @@ def _unlike_working_speeds(external: ExternalTorques) -> Iterator[Fault]:
         own, expected = abs(float(speed.evaluate(values))), _turning(element, turning)
         if expected and abs(own - expected) > SAME_SPEED_SHARE * expected:
             reference = external.reference
-            where = f" with {reference} at {abs(turning[reference]) * RPM:.6g} rpm" if reference in turning else ""
-            text = f"{element.name} is calculated at {own * RPM:.6g} rpm, but turns at {expected * RPM:.6g} rpm{where}"
+            said = "{} is calculated at {:.6g} rpm, but turns at {:.6g} rpm"
+            text = Worded(said, ModelName(element.name), own * RPM, expected * RPM)
+            if reference in turning:
+                text = Worded("{} with {} at {:.6g} rpm", text, ModelName(reference), abs(turning[reference]) * RPM)
             yield Fault(text, ("elements", element.name, SPEED_ENTRY), "warning")
 
 

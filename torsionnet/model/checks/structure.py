@@ -9,7 +9,19 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from torsionnet.base.errors import UNCONNECTED, USELESS, Fault, UsageError, comma_list, nearest, question
+from torsionnet.base.errors import (
+    UNCONNECTED,
+    USELESS,
+    Fault,
+    ModelName,
+    UsageError,
+    Worded,
+    comma_list,
+    message_of,
+    named_list,
+    nearest,
+    question,
+)
 from torsionnet.base.registers import Groups
 from torsionnet.model.channels import Input, Sensor, immobility_text, named_nodes
 from torsionnet.model.definition import Definition, all_nodes
@@ -44,7 +56,8 @@ def unreachable_shafts(definition: Definition, values: Mapping[str, Any]) -> lis
             try:
                 referring_factor(sensor, elements, Values(values))
             except UsageError as error:
-                faults.append(Fault(f"{name}: {error}", ("sensors", name, "referred_to")))
+                text = Worded("{}: {}", ModelName(name), message_of(error))
+                faults.append(Fault(text, ("sensors", name, "referred_to")))
     return faults
 
 
@@ -83,7 +96,8 @@ def _unconnected(definition: Definition, names: Sequence[str], main: Sequence[st
     likely = ((node, nearest(node, main)) for node in order[:MOST_GROUPS])
     about, meant = next((pair for pair in likely if pair[1]), (order[0], ""))
     verb = "is" if len(order) == 1 else "are"
-    text = f"{comma_list(order, MOST_NAMES)} {verb} not connected to the rest of the drivetrain{question(meant)}"
+    said = "{} {} not connected to the rest of the drivetrain{}"
+    text = Worded(said, named_list(order, MOST_NAMES), verb, question(meant))
     return Fault(text, ("elements", owner), on_key=True, kind=UNCONNECTED, about=about, meant=meant)
 
 
@@ -96,12 +110,15 @@ def contradicting_gears(definition: Definition, kinematics: Kinematics) -> list[
     mismatch = loop_mismatch(kinematics.parts, kinematics.nodes, loop)
     both = ""
     if mismatch:
-        turns = f"{mismatch.nodes[0]} turns {float(mismatch.own):.9g} times as fast as {mismatch.nodes[1]}"
+        first, second = map(ModelName, mismatch.nodes)
         by_others = f"by the others {float(mismatch.others):.9g} times, {100 * abs(mismatch.deviation):.3g} % apart"
-        both = f"by {mismatch.element} {turns}, {by_others}; "
-    text = (
-        f"the rigid ratios of {', '.join(loop)} contradict each other: the loop could not turn; {both}"
-        "correct a ratio or give one of them a stiffness"
+        turns = "by {} {} turns {:.9g} times as fast as {}, {}; "
+        both = Worded(turns, ModelName(mismatch.element), first, float(mismatch.own), second, by_others)
+    text = Worded(
+        "the rigid ratios of {} contradict each other: the loop could not turn; {}"
+        "correct a ratio or give one of them a stiffness",
+        named_list(loop),
+        both,
     )
     return [Fault(text, ("elements", loop[-1]), on_key=True)] if loop[-1] in definition.elements else [Fault(text)]
 
@@ -123,7 +140,8 @@ def massless_without_hold(definition: Definition, kinematics: Kinematics) -> lis
         owner = owners.get(nodes[0])
         verb = "moves" if len(nodes) == 1 else "move together"
         them = "it" if len(nodes) == 1 else "them"
-        text = f"{comma_list(nodes, MOST_NAMES)} {verb} freely, with no inertia, spring or damper to hold {them}"
+        said = "{} {} freely, with no inertia, spring or damper to hold {}"
+        text = Worded(said, named_list(nodes, MOST_NAMES), verb, them)
         faults.append(Fault(text, ("elements", owner) if owner else (), on_key=True))
     return faults
 
@@ -133,27 +151,29 @@ def locked_channels(definition: Definition, kinematics: Kinematics) -> list[Faul
     faults, nodes = [], set(kinematics.nodes)
     for name, channel in definition.inputs.items():
         if nodes.issuperset(channel.nodes) and kinematics.holds_row(channel.row):
-            text = f"input {name} does nothing: {_still(channel)}"
+            text = Worded("input {} does nothing: {}", ModelName(name), _still(channel))
             faults.append(Fault(text, ("inputs", name, channel.quantity), "warning", kind=USELESS))
     for name, excitation in definition.excitations.items():
         for path, node in excitation.node_entries if excitation.enabled else ():
             acting = excitation.channel(node)
             if nodes.issuperset(acting.nodes) and kinematics.holds_row(acting.row):
                 held = (
-                    f'"{node}", which is locked' if acting.against is None else f"{named_nodes(acting)}, held rigidly"
+                    Worded('"{}", which is locked', ModelName(node))
+                    if acting.against is None
+                    else Worded("{}, held rigidly", named_nodes(acting))
                 )
-                text = f"{name} acts on {held}, and has no effect; move it to a node that turns"
+                text = Worded("{} acts on {}, and has no effect; move it to a node that turns", ModelName(name), held)
                 faults.append(Fault(text, ("excitations", name, *path), "warning", kind=USELESS))
     for name, sensor in definition.sensors.items():
         moves = not sensor.is_on_element and nodes.issuperset(sensor.nodes)
         if moves and kinematics.holds_row(sensor.row):
-            text = f"sensor {name} reads zero: {_still(sensor)}"
+            text = Worded("sensor {} reads zero: {}", ModelName(name), _still(sensor))
             faults.append(Fault(text, ("sensors", name, sensor.quantity), "warning"))
     return faults
 
 
 def _still(channel: Input | Sensor) -> str:
-    return f'"{channel.of}" is locked' if channel.against is None else immobility_text(channel)
+    return Worded('"{}" is locked', ModelName(channel.of)) if channel.against is None else immobility_text(channel)
 
 
 def contradicting_inputs(definition: Definition, kinematics: Kinematics) -> list[Fault]:
@@ -163,16 +183,19 @@ def contradicting_inputs(definition: Definition, kinematics: Kinematics) -> list
     for name, channel in definition.inputs.items():
         driven = imposed.get(frozenset(channel.nodes))
         if channel.quantity == "torque" and driven is not None:
-            text = f"the angle of {named_nodes(channel)} is imposed by {driven}; a torque there does nothing"
+            said = "the angle of {} is imposed by {}; a torque there does nothing"
+            text = Worded(said, named_nodes(channel), ModelName(driven))
             faults.append(Fault(text, ("inputs", name, channel.quantity)))
     fixed = [index for index in kinematics.reduction.blocked if index < len(kinematics.imposed)]
     for index in fixed:
         name = kinematics.imposed[index]
-        text = f"the angle imposed by {name} contradicts a rigid connection to another imposed angle"
+        text = Worded(
+            "the angle imposed by {} contradicts a rigid connection to another imposed angle", ModelName(name)
+        )
         faults.append(Fault(text, ("inputs", name)))
     if not fixed and kinematics.reduction.blocked:
-        text = "two imposed angles act on nodes that are rigidly connected"
-        faults.append(Fault(text, ("inputs", kinematics.imposed[-1])))
+        both = "two imposed angles act on nodes that are rigidly connected"
+        faults.append(Fault(both, ("inputs", kinematics.imposed[-1])))
     return faults
 
 
@@ -190,7 +213,7 @@ def indeterminate_torques(definition: Definition, kinematics: Kinematics) -> lis
                     virtual_motion(kinematics, index)
                 except UsageError as error:
                     path = ("sensors", name, "torque")
-                    faults.append(Fault(str(error), path, "warning", kind=USELESS))
+                    faults.append(Fault(message_of(error), path, "warning", kind=USELESS))
     return faults
 
 
@@ -204,7 +227,7 @@ def idle_channels(definition: Definition, kinematics: Kinematics) -> list[Fault]
             named = (channel.of,) if channel.is_on_element else channel.nodes
             missing = [one for one in named if one not in (active if channel.is_on_element else nodes)]
             if missing:
-                text = f"{name} has nothing to act on: {missing[0]} is switched off"
+                text = Worded("{} has nothing to act on: {} is switched off", ModelName(name), ModelName(missing[0]))
                 faults.append(Fault(text, (table, name), "note", on_key=True, causes=("off",)))
     return faults
 
@@ -288,6 +311,6 @@ def _stuck_channels(stuck: Sequence[Fault], always: Sequence[Fault]) -> list[Fau
     paths = {fault.path for fault in always}
     text = "{}, in linear results at an operating point where friction sticks or a preload holds"
     return [
-        fault if fault.path in paths else replace(fault, message=text.format(fault.message), severity="note", kind="")
+        fault if fault.path in paths else replace(fault, message=Worded(text, fault.message), severity="note", kind="")
         for fault in stuck
     ]

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar, final
 from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.scalars import QuantityKind
 from torsionnet.base.entries.spec import Flag, Json, Renaming, Schema, Spec, Text, entry, name_fault
-from torsionnet.base.errors import EntryPath, Fault, ModelError, fault_of, got
+from torsionnet.base.errors import EntryPath, Fault, ModelError, ModelName, Worded, fault_of, got
 from torsionnet.base.expressions import Expression
 from torsionnet.base.packages import with_argument_hints
 from torsionnet.base.registers import TypeRegister, settle
@@ -311,9 +311,10 @@ class Element(Declared):
     def referral_fault(self) -> str | None:
         """Message if the values of the element cannot be quoted at another shaft, else None."""
         if self.diameters is not None:
-            return f"{self.name} follows from its dimensions, which are those of its own shaft"
+            return Worded("{} follows from its dimensions, which are those of its own shaft", ModelName(self.name))
         if not any(dimension in REFERRED for _, _, _, dimension in self.expressions()):
-            return f"{self.name} has no stiffness, damping or inertia that could be quoted at another shaft"
+            said = "{} has no stiffness, damping or inertia that could be quoted at another shaft"
+            return Worded(said, ModelName(self.name))
         return None
 
     @property

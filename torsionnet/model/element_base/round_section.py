@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.base.errors import Fault, UsageError
+from torsionnet.base.errors import Fault, ModelName, UsageError, Worded
 from torsionnet.base.expressions import Number
 from torsionnet.model.element_base.laws import Values
 
@@ -29,7 +29,8 @@ def section_fault(element: Element) -> str | None:
     """Message if an element has no diameter and so no shear stress, else None."""
     if element.diameters is not None:
         return None
-    return f"{element.name}, a {element.kind}, has no diameter, and so no stress; take a shaft, or measure its torque"
+    said = "{}, a {}, has no diameter, and so no stress; take a shaft, or measure its torque"
+    return Worded(said, ModelName(element.name), element.kind)
 
 
 def section_modulus(element: Element, value: Values) -> Any:

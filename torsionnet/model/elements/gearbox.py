@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 from torsionnet.base.entries.composite import one_exactly
 from torsionnet.base.entries.scalars import PhysicalQuantity
 from torsionnet.base.entries.spec import OneOf, Text, entry
-from torsionnet.base.errors import Fault
+from torsionnet.base.errors import Fault, ModelName, Worded
 from torsionnet.base.expression_reading import scalar
 from torsionnet.base.expressions import Expression
 from torsionnet.model.damping import DampingMeasure, DampingQuantity
@@ -112,12 +112,14 @@ class Gearbox(Element):
             faults.append(Fault(text, on_key=True))
         elif self.engaged not in (*self.gears, NEUTRAL):
             known = f"it has {', '.join(self.gears)} and {NEUTRAL}"
-            faults.append(Fault(f'no gear of {self.name} is named "{self.engaged}"; {known}', ("engaged",)))
+            text = Worded('no gear of {} is named "{}"; {}', ModelName(self.name), self.engaged, known)
+            faults.append(Fault(text, ("engaged",)))
         for field in ("wheel_inertias", "stiffness"):
             for name, _ in getattr(self, field):
                 if name not in self.gears:
-                    text = f'no gear of {self.name} is named "{name}"'
-                    faults.append(Fault(f"{text}; it has {', '.join(self.gears)}", (field, name), on_key=True))
+                    said = 'no gear of {} is named "{}"; it has {}'
+                    text = Worded(said, ModelName(self.name), name, ", ".join(self.gears))
+                    faults.append(Fault(text, (field, name), on_key=True))
         if NEUTRAL in self.gears:
             faults.append(Fault(f"{NEUTRAL} is the state without a gear; give the gear another name", (self._field,)))
         if self.damping is not None and not self.stiffness:

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Iterator, Set
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
-from torsionnet.base.errors import EntryPath, Fault
+from torsionnet.base.errors import EntryPath, Fault, Worded
 from torsionnet.model.configurations import DEFAULT_AXIS
-from torsionnet.model.definition import Definition, all_nodes
+from torsionnet.model.definition import Definition
 from torsionnet.model.parts.authored_model import owner
 from torsionnet.model.parts.flattening import SECTIONS
 from torsionnet.model.parts.part import Part
-
-_DOTTED = re.compile(r"(?<![\w.])[A-Za-z]\w*(?:\.\w+)+")
-"""Expression of a word with dots, as which a message has the names of a flat model."""
 
 
 @dataclass(frozen=True)
@@ -80,30 +76,22 @@ def at_written_places(flat: Definition, faults: Iterable[Fault]) -> list[Fault]:
     """
     if flat.authored is None:
         return list(faults)
-    names = {name for section in SECTIONS for name in getattr(flat, section)} | {*all_nodes(flat.elements.values())}
     found: dict[tuple[object, ...], Fault] = {}
     for fault in faults:
-        told = _in_part(fault, place_in_part(flat.authored.authored, fault.path), names)
+        told = _in_part(fault, place_in_part(flat.authored.authored, fault.path))
         found.setdefault((told.message, told.severity, told.configuration, told.path), told)
     return list(found.values())
 
 
-def _in_part(fault: Fault, place: PlaceInPart, names: Set[str]) -> Fault:
+def _in_part(fault: Fault, place: PlaceInPart) -> Fault:
     """Fault at its place in a part, in whose words the names of the flat model have no prefix."""
     if not place.prefix:
         return replace(fault, path=place.path)
-    known = names | {fault.about, fault.meant}
 
-    def own(word: str) -> str:
-        return word.removeprefix(place.prefix) if any(name in known for name in _leading(word)) else word
+    def own(name: str) -> str:
+        return name.removeprefix(place.prefix)
 
-    message = _DOTTED.sub(lambda found: own(found[0]), fault.message)
-    about, meant = own(fault.about), own(fault.meant)
-    return replace(fault, path=place.path, message=message, about=about, meant=meant, uses=place.uses)
-
-
-def _leading(word: str) -> Iterator[str]:
-    """Names with which a word with dots may begin, itself first: an entry stands behind the name of its element."""
-    while word:
-        yield word
-        word = word.rpartition(".")[0]
+    message = fault.message.in_names(own) if isinstance(fault.message, Worded) else fault.message
+    return replace(
+        fault, path=place.path, message=message, about=own(fault.about), meant=own(fault.meant), uses=place.uses
+    )
