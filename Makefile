@@ -88,8 +88,8 @@ move: $(VENV)/.group-test  ## a module elsewhere, with all that names it: make m
 	PYTHONPATH=tests $(RUN) -m structure.move $(OLD) $(NEW)
 	$(MAKE) format
 
-join: $(VENV)/.group-test  ## a module into the one that imports it: make join OLD=... INTO=...; without, which could be
-	PYTHONPATH=tests $(RUN) -m structure.join $(OLD) $(INTO)
+join: $(VENV)/.group-test  ## modules into files of one subject, with all that names them: make join PLAN=file
+	PYTHONPATH=tests $(RUN) -m structure.join $(PLAN)
 	$(MAKE) format
 
 outputs: $(VENV)/.group-test  ## what every command says of every library model: ARGS="record A", ARGS="same A B"

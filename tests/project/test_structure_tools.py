@@ -4,7 +4,6 @@ import subprocess
 import sys
 
 import pytest
-from structure.modules import modules_below
 from structure.outputs import run, same
 
 
@@ -122,56 +121,55 @@ def pair(tmp_path):
     return tmp_path
 
 
-def test_a_joined_module_is_part_of_the_one_that_imported_it(pair):
-    from structure.join import join
+def planned(text, root):
+    from structure.join import join, read_plan
 
-    assert join("gears/teeth", "gears/gear", pair) == "Teeth."
+    return join(read_plan(text), root)
+
+
+def test_joined_modules_stand_in_the_order_of_their_imports(pair):
+    assert not planned("@gears\nwheel = gear teeth sizes | Wheels.", pair)
     assert not (pair / "torsionnet/gears/teeth.py").exists()
-    text = (pair / "torsionnet/gears/gear.py").read_text("utf-8")
-    assert text.startswith('"""Gears."""\nfrom __future__ import annotations\n')
-    kept = ["KINDS = math.e", "SHARE = 0.5", "# Half a tooth.\nclass Tooth:", "class Helical(Tooth):", "def angle():"]
+    text = (pair / "torsionnet/gears/wheel.py").read_text("utf-8")
+    assert text.startswith('"""Wheels."""\n\nfrom __future__ import annotations\n')
+    kept = [
+        "import math",
+        "SIZES = 1",
+        "# Teeth.",
+        "SHARE = 0.5",
+        "class Tooth:",
+        "# Gears.",
+        "KINDS = math.e",
+        "class Helical(Tooth):",
+    ]
     places = [text.index(part) for part in kept]
     assert places == sorted(places)
-    assert ">>> _turned(Tooth())" in text
     assert "if TYPE_CHECKING:\n    from fractions import Fraction\n" in text
+    assert "torsionnet.gears" not in text
     code = "import sys; sys.path.insert(0, 'tests'); import test_two; print(test_two.SUM)"
     done = subprocess.run([sys.executable, "-c", code], cwd=pair, check=True, capture_output=True, text=True)
     assert done.stdout == "271.0\n"
-    assert (pair / "docs/way.md").read_text("utf-8") == "`gears/gear.py`\n"
+    assert (pair / "docs/way.md").read_text("utf-8") == "`gears/wheel.py`\n"
 
 
-def test_what_nothing_needs_at_import_goes_to_the_end(pair):
-    from structure.join import join
-
-    join("gears/angles", "gears/kinds", pair)
+def test_what_functions_import_from_their_own_file_is_there(pair):
+    assert not planned("@gears\nkinds = kinds late", pair)
     text = (pair / "torsionnet/gears/kinds.py").read_text("utf-8")
-    parts = ["TURN = 360", "def f():", "    return KINDS + SIZES + _whole()", "def _whole():\n    return TURN\n"]
-    places = [text.index(part) for part in parts]
-    assert places == sorted(places)
+    assert "def f():\n\n    return KINDS + SIZES + angles.whole()" in text
 
 
 @pytest.mark.parametrize(
-    ("old", "into", "why"),
+    ("plan", "why"),
     [
-        ("gears/late", "gears/kinds", "quicker to start"),
-        ("gears/names", "gears/other", "both .* say what KINDS is"),
-        ("gears/sizes", "gears/gear", "is imported by torsionnet.gears.teeth"),
-        ("gears/none", "gears/gear", "there is no torsionnet/gears/none"),
+        ("names = names other", "KINDS is two things, in names and other"),
+        ("sizes = sizes gear", "a circle of imports: torsionnet.gears.sizes, torsionnet.gears.teeth"),
+        ("gear = gear none", "torsionnet.gears.gear: there is no torsionnet.gears.none"),
+        ("names = sizes gear", "there is such a file already"),
     ],
 )
-def test_a_join_that_cannot_be_changes_nothing(pair, old, into, why):
-    from structure.join import join
-
-    with pytest.raises(SystemExit, match=why):
-        join(old, into, pair)
+def test_a_join_that_cannot_be_changes_nothing(pair, plan, why):
+    assert why in "\n".join(planned(f"@gears\n{plan}", pair))
     assert not subprocess.run(["git", "diff", "--quiet"], cwd=pair, check=False).returncode
-
-
-def test_modules_that_could_be_joined_are_listed(pair):
-    from structure.join import candidates
-
-    found = [(old.path.stem, into.path.stem) for old, into in candidates(modules_below(pair / "torsionnet"))]
-    assert found == [("angles", "kinds"), ("gear", "kinds"), ("names", "other"), ("sizes", "teeth"), ("teeth", "gear")]
 
 
 @pytest.mark.slow

@@ -1,307 +1,348 @@
-"""``make join OLD=... INTO=...``: join a module with the only one that imports it; without OLD and INTO, list
-candidates.
+"""``make join PLAN=file``: join modules into files of one subject, and rewrite all text that names them.
 
-OLD and INTO are paths below ``torsionnet``, and INTO is alone in importing OLD. Its constants go to the constants,
-its definitions behind those of INTO, or before the first that needs one while it is imported; a function that is used
-there alone gets an underscore.
-Everything that names OLD names INTO then: package, tests, docs, the table of mutation. The sentences that OLD began with
-are printed: what they say and INTO does not is for whoever joins to write down, as is whether the two are one thing at all.
+A line of the plan is ``target = member member ... | First sentence.``; paths are below the folder that a line ``@folder``
+above names, and the last part may be missing. The first member gives the docstring, what the others began with stands
+above their parts, and the rest of their docstrings in that of the file. Members stand in the order in which they import
+each other. A private function that two members define alike stays once; names that mean two things are refused, as are
+circles of imports: both are for whoever joins to mend.
 """
 
 from __future__ import annotations
 
 import ast
 import re
+import subprocess
 import sys
+import textwrap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
+from typing import NamedTuple
 
-import libcst as cst
-
+from structure.measures import circles
 from structure.modules import Module, modules_below
 from structure.move import PACKAGE, ROOT, dotted, rewritten, texts
 
-MOST_LINES = 250
-"""Lines that two modules may have together."""
 FUTURE = "from __future__ import annotations"
-_DEFINITIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
+WIDTH = 118
+"""Columns of a comment behind its sign."""
 
 
-def candidates(modules: Sequence[Module]) -> Iterator[tuple[Module, Module]]:
-    """Pairs of a module and the only one that imports it, in the same folder, at the top, and both short."""
-    known = {module.name: module for module in modules}
-    users: dict[str, set[str]] = {name: set() for name in known}
-    for module in modules:
-        for name in {found.name for found in module.imports} & known.keys() - {module.name}:
-            users[name].add(module.name)
-    for name, (user, *others) in ((name, sorted(found)) for name, found in users.items() if found):
-        old, into = known[name], known[user]
-        apart = old.path.parent != into.path.parent or "__" in old.path.stem + into.path.stem
-        if others or apart or _lines(old) + _lines(into) >= MOST_LINES or old.layer_name == old.path.stem:
-            continue
-        if not _imported_later(old, into):
-            yield old, into
+class Join(NamedTuple):
+    """File to be made, the modules that it is made of, the main one first, and its first sentence if it is a new one."""
+
+    target: str
+    members: tuple[str, ...]
+    sentence: str
 
 
-def _lines(module: Module) -> int:
-    return len(module.text.splitlines())
+def read_plan(text: str) -> list[Join]:
+    """Files that a plan asks for.
 
-
-def _imported_later(old: Module, into: Module) -> bool:
-    """Whether a module is imported in a function or for type checkers alone, to start up faster."""
-    top = {line for node in _runtime(into.tree) for line in range(node.lineno, (node.end_lineno or 0) + 1)}
-    return any(found.name == old.name and found.line not in top for found in into.imports)
-
-
-def _is_import(node: ast.stmt) -> bool:
-    return isinstance(node, ast.Import | ast.ImportFrom)
-
-
-def _runtime(tree: ast.Module) -> list[ast.Import | ast.ImportFrom]:
-    return [node for node in tree.body if isinstance(node, ast.Import | ast.ImportFrom)]
-
-
-def _type_blocks(tree: ast.Module) -> list[ast.If]:
-    return [node for node in tree.body if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"]
-
-
-def _for_types(tree: ast.Module) -> list[ast.Import | ast.ImportFrom]:
-    inside = (one for block in _type_blocks(tree) for one in block.body)
-    return [one for one in inside if isinstance(one, ast.Import | ast.ImportFrom)]
-
-
-def _body(tree: ast.Module) -> list[ast.stmt]:
-    """Statements of a module behind docstring and imports."""
-    rest = [node for node in tree.body if not _is_import(node) and node not in _type_blocks(tree)]
-    return rest[1:] if rest and ast.get_docstring(tree) is not None else rest
-
-
-def _bound(nodes: Iterable[ast.stmt]) -> set[str]:
-    """Names that statements at the top of a module assign or define."""
-    found: set[str] = set()
-    for node in nodes:
-        if isinstance(node, _DEFINITIONS):
-            found.add(node.name)
-        elif isinstance(node, ast.Import | ast.ImportFrom):
-            found |= {alias.asname or alias.name.partition(".")[0] for alias in node.names}
-        else:
-            found |= {one.id for one in ast.walk(node) if isinstance(one, ast.Name) and isinstance(one.ctx, ast.Store)}
+    >>> read_plan("@motion\\ncourses = exact torques | Courses of torques.")
+    [Join(target='torsionnet.motion.courses', members=('torsionnet.motion.exact', 'torsionnet.motion.torques'), \
+sentence='Courses of torques.')]
+    """
+    folder, found = Path(PACKAGE), []
+    for line in text.splitlines():
+        if line.startswith("@"):
+            folder = Path(PACKAGE) / line[1:].strip()
+        elif line.strip():
+            files, _, sentence = line.partition("|")
+            target, _, members = files.partition("=")
+            names = tuple(dotted(_plain(folder / member)) for member in members.split())
+            found.append(Join(dotted(_plain(folder / target.strip())), names, sentence.strip()))
     return found
 
 
-def _parts(module: Module) -> tuple[str, str]:
-    """Source behind the imports with its comments: constants, and the rest."""
-    lines, body = module.text.splitlines(keepends=True), _body(module.tree)
-    top = [*_runtime(module.tree), *_type_blocks(module.tree)]
-    late = {number for node in top for number in range(node.lineno, (node.end_lineno or 0) + 1)}
-    start = _start(lines, body[0])
-    split = next((_start(lines, node) for node in body if isinstance(node, _DEFINITIONS)), len(lines))
-    kept = [(at, line) for at, line in enumerate(lines[start:], start) if at + 1 not in late]
-    parts = ([line for at, line in kept if at < split], [line for at, line in kept if at >= split])
-    return "".join(parts[0]).strip("\n") + "\n", "".join(parts[1]).strip("\n") + "\n"
+def _plain(path: Path) -> Path:
+    """Path without ``..``."""
+    parts: list[str] = []
+    for part in path.parts:
+        parts = parts[:-1] if part == ".." else [*parts, part]
+    return Path(*parts)
 
 
-def _start(lines: Sequence[str], node: ast.stmt) -> int:
-    """First line of a statement, counted from 0, with its decorators and comments right above."""
-    decorators: list[ast.expr] = getattr(node, "decorator_list", [])
-    above = min([node.lineno, *(one.lineno for one in decorators)]) - 1
-    while above and lines[above - 1].startswith("#"):
-        above -= 1
-    return above
+@dataclass(frozen=True)
+class Member:
+    """Module that becomes part of a file, with ``inside``, the names of all modules of that file."""
 
+    module: Module
+    inside: frozenset[str]
 
-def _needed_at_import(body: Sequence[ast.stmt], names: set[str]) -> ast.stmt | None:
-    """First statement that needs one of the names while the module is imported, as a base, a decorator, a constant."""
-    inside = {
-        node.name: {one.id for one in ast.walk(node) if isinstance(one, ast.Name)}
-        for node in body
-        if isinstance(node, _DEFINITIONS)
-    }
-    for node in body:
-        reached, new = set(names) - names, set(_evaluated(node))
-        while new:
-            reached |= new
-            new = set().union(*(inside.get(name, set()) for name in new)) - reached
-        if reached & names:
-            return node
-    return None
+    @cached_property
+    def top(self) -> list[ast.Import | ast.ImportFrom]:
+        """Imports when the module is."""
+        return [node for node in self.module.tree.body if isinstance(node, ast.Import | ast.ImportFrom)]
 
+    @cached_property
+    def for_types(self) -> list[ast.If]:
+        """Blocks for type checkers that hold imports alone."""
+        return [
+            node
+            for node in self.module.tree.body
+            if isinstance(node, ast.If)
+            and ast.unparse(node.test) == "TYPE_CHECKING"
+            and all(isinstance(one, ast.Import | ast.ImportFrom) for one in node.body)
+        ]
 
-def _evaluated(node: ast.AST) -> Iterator[str]:
-    """Names that are looked up when a statement is executed: not in functions, and not in annotations."""
-    for field, value in ast.iter_fields(node):
-        if field in {"annotation", "returns"} or (
-            field == "body" and isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda)
-        ):
-            continue
-        for one in value if isinstance(value, list) else [value]:
-            if isinstance(one, ast.Name):
-                yield one.id
-            elif isinstance(one, ast.AST):
-                yield from _evaluated(one)
+    @cached_property
+    def needs(self) -> set[str]:
+        """Other members of the file that have to stand before this one."""
+        return {source for node in self.top for source in _sources(node)} & self.inside - {self.module.name}
 
+    @cached_property
+    def defined(self) -> dict[str, str]:
+        """Names that the module defines at its top, with the source of each."""
+        found = {}
+        for node in self.module.tree.body:
+            for name in _bound(node):
+                found[name] = ast.unparse(node)
+        return found
 
-def joined(old: Module, into: Module) -> str:
-    """Source of the module that OLD and INTO become together; imports are left for ruff to sort.
+    @cached_property
+    def imports(self) -> dict[str, str]:
+        """Imports of one name each from outside the file, by the name that they bind."""
+        return _single(self.top, self.inside)
 
-    Raises
-    ------
-    SystemExit
-        OLD is imported by a function, for types alone or under another name, or both give something to one name.
-    """
-    if _imported_later(old, into):
-        raise SystemExit(f"{into.relative} does without {old.name} until it is used, which is quicker to start")
-    ours = [node for node in _runtime(into.tree) if _comes_from(node, old)]
-    if any(alias.asname not in (None, old.path.stem) for node in ours for alias in node.names):
-        raise SystemExit(f"{into.relative} uses other names for what it imports from {old.name}")
-    if any(not _is_import(one) for module in (old, into) for block in _type_blocks(module.tree) for one in block.body):
-        raise SystemExit("there is more than imports for type checkers alone")
-    there = (_bound(into.tree.body) | _bound(_for_types(into.tree))) - _bound(ours)
-    brought = _bound([*_runtime(old.tree), *_for_types(old.tree)])
-    if same := (_bound(_body(old.tree)) & there) | (brought & _bound(_body(into.tree))):
-        raise SystemExit(f"both {old.relative} and {into.relative} say what {', '.join(sorted(same))} is")
-    lines = into.text.splitlines(keepends=True)
-    if any(_source(node) != old.name for node in ours):
-        lines = [re.sub(rf"(?<![\w.]){old.path.stem}\.(?=[A-Za-z_])", "", line) for line in lines]
-    body, constants, definitions = _body(into.tree), *_parts(old)
-    needing = _needed_at_import(body, _bound(_body(old.tree)) | {old.path.stem})
-    at = _start(lines, needing) if needing else len(lines)
-    first = next((_start(lines, node) for node in body if isinstance(node, _DEFINITIONS)), len(lines))
-    lines[at:at] = ["\n\n", definitions, "\n\n"]
-    lines[min(first, at) : min(first, at)] = ["\n", constants, "\n\n"]
-    for node in reversed(ours):
-        kept = [alias.name for alias in node.names if f"{_source(node)}.{alias.name}" != old.name]
-        others = (
-            [f"from {_source(node)} import {', '.join(kept)}\n"] if kept and _source(node) not in ("", old.name) else []
+    @cached_property
+    def type_imports(self) -> dict[str, str]:
+        return _single((one for block in self.for_types for one in block.body), self.inside)
+
+    def body(self, left_out: Iterable[str], renamed: Mapping[str, str]) -> str:
+        """Source behind docstring and imports, without imports from the file and definitions that it has already."""
+        tree, lines = self.module.tree, self.module.text.splitlines()
+        gone = [*self.top, *self.for_types]
+        if ast.get_docstring(tree) is not None:
+            gone.append(tree.body[0])
+        gone += [node for node in tree.body if set(_bound(node)) & set(left_out)]
+        kept: dict[int, str] = {}
+        elsewhere = [*self.top, *(one for block in self.for_types for one in block.body)]
+        for node in ast.walk(tree):
+            # A name that a function imports from the file is there anyway.
+            if isinstance(node, ast.ImportFrom) and node not in elsewhere:
+                inside = [alias for alias in node.names if _comes_from(node, alias) & self.inside]
+                if inside:
+                    rest = [ast.unparse(alias) for alias in node.names if alias not in inside]
+                    gone.append(node)
+                    if rest:
+                        kept[node.lineno] = f"{' ' * node.col_offset}from {node.module} import {', '.join(rest)}"
+        dropped = {number for node in gone for number in range(_first_line(node), (node.end_lineno or 0) + 1)}
+        # What stands below a constant to describe it goes with it.
+        for before, node in zip(tree.body, tree.body[1:], strict=False):
+            if before in gone and set(_bound(before)) & set(left_out) and _is_text(node):
+                dropped |= set(range(node.lineno, (node.end_lineno or 0) + 1))
+        source = "\n".join(
+            kept.get(number, line) for number, line in enumerate(lines, 1) if number not in dropped or number in kept
         )
-        lines[node.lineno - 1 : node.end_lineno] = others
-    return _with_imports("".join(lines), old)
+        for name in self._module_names:
+            source = re.sub(rf"(?<![\w.]){name}\.(?=[A-Za-z_])", "", source)
+        for old, new in renamed.items():
+            source = re.sub(rf"(?<![\w.\"'`]){old}\b(?!=[^=])", new, source)
+        return source.strip("\n")
+
+    @cached_property
+    def _module_names(self) -> set[str]:
+        """Names by which other modules of the file are used as modules."""
+        nodes = [node for node in ast.walk(self.module.tree) if isinstance(node, ast.ImportFrom)]
+        return {
+            alias.asname or alias.name
+            for node in nodes
+            for alias in node.names
+            if f"{node.module}.{alias.name}" in self.inside
+        }
+
+    @cached_property
+    def faults(self) -> list[str]:
+        """Imports from the file by other names, which a join cannot follow."""
+        nodes = [node for node in ast.walk(self.module.tree) if isinstance(node, ast.ImportFrom)]
+        return [
+            f"{self.module.relative}:{node.lineno}: imports {alias.name} as {alias.asname}"
+            for node in nodes
+            for alias in node.names
+            if node.module in self.inside and alias.asname not in (None, alias.name)
+        ]
 
 
-def _source(node: ast.Import | ast.ImportFrom) -> str:
-    return (node.module or "") if isinstance(node, ast.ImportFrom) else ""
+def _is_text(node: ast.stmt) -> bool:
+    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
 
 
-def _comes_from(node: ast.Import | ast.ImportFrom, old: Module) -> bool:
-    names = [alias.name for alias in node.names]
-    return old.name in (_source(node), *names, *(f"{_source(node)}.{name}" for name in names))
+def _first_line(node: ast.stmt) -> int:
+    return min([node.lineno, *(one.lineno for one in getattr(node, "decorator_list", []))])
 
 
-def _with_imports(text: str, old: Module) -> str:
-    """Source with the imports of the other module added, those for type checkers in one block."""
-    tree = ast.parse(text)
-    there = _single(_runtime(tree))
-    anyway = there | _single(_runtime(old.tree))
-    types = (_single(_for_types(tree)) | _single(_for_types(old.tree))) - anyway
-    lines = text.splitlines(keepends=True)
-    docstring = tree.body[0].end_lineno or 0 if ast.get_docstring(tree) is not None else 0
-    new = anyway - there - {FUTURE} | ({"from typing import TYPE_CHECKING"} if types else set())
-    block = ["if TYPE_CHECKING:\n", *(f"    {line}\n" for line in sorted(types)), "\n"] if types else []
-    at = max((node.end_lineno or 0 for node in _runtime(tree)), default=docstring)
-    for old_block in reversed(_type_blocks(tree)):
-        del lines[old_block.lineno - 1 : old_block.end_lineno]
-    lines[at:at] = [*(f"{line}\n" for line in sorted(new)), "\n", *block]
-    lines[docstring:docstring] = [f"{FUTURE}\n"] if FUTURE in anyway - there else []
-    return "".join(lines)
+def _sources(node: ast.Import | ast.ImportFrom) -> set[str]:
+    return {source for alias in node.names for source in _comes_from(node, alias)}
 
 
-def _single(nodes: Iterable[ast.Import | ast.ImportFrom]) -> set[str]:
-    """Imports of one name each."""
-    found: set[str] = set()
+def _comes_from(node: ast.Import | ast.ImportFrom, alias: ast.alias) -> set[str]:
+    """Modules that one name of an import may be, or come from."""
+    return {alias.name} if isinstance(node, ast.Import) else {node.module or "", f"{node.module}.{alias.name}"}
+
+
+def _bound(node: ast.stmt) -> list[str]:
+    """Names that a statement at the top of a module assigns or defines."""
+    if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
+        return [node.name]
+    if isinstance(node, ast.Assign | ast.AnnAssign | ast.For):
+        targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+        return [one.id for target in targets for one in ast.walk(target) if isinstance(one, ast.Name)]
+    return []
+
+
+def _single(nodes: Iterable[ast.stmt], inside: frozenset[str]) -> dict[str, str]:
+    found = {}
     for node in nodes:
-        source = f"from {_source(node)} " if isinstance(node, ast.ImportFrom) else ""
-        found |= {f"{source}import {ast.unparse(alias)}" for alias in node.names}
+        if isinstance(node, ast.Import | ast.ImportFrom):
+            for alias in node.names:
+                if not _comes_from(node, alias) & inside:
+                    source = f"from {node.module} " if isinstance(node, ast.ImportFrom) else ""
+                    found[alias.asname or alias.name] = f"{source}import {ast.unparse(alias)}"
     return found
 
 
-def inner(text: str, names: Iterable[str], elsewhere: str) -> str:
-    """Source in which names that no other module uses begin with an underscore.
+def in_order(members: Sequence[Member]) -> list[Member]:
+    """Members, each behind those that it needs; else in the order of the plan."""
+    left, placed = list(members), []
+    while left:
+        waiting = {one.module.name for one in left}
+        free = next((one for one in left if not one.needs & waiting), None)
+        if free is None:
+            raise SystemExit(f"{', '.join(sorted(waiting))} import each other")
+        placed.append(free)
+        left.remove(free)
+    return placed
 
-    Examples
-    --------
-    >>> both = "def half(x): return x / 2\\n\\ndef quarter(x): return half(half(x))"
-    >>> print(inner(both, ["half", "quarter"], "from halves import quarter"))
-    def _half(x): return x / 2
-    <BLANKLINE>
-    def quarter(x): return _half(_half(x))
+
+@dataclass(frozen=True)
+class Joined:
+    """Members of one file in their order, with the main one and the first sentence if it is new."""
+
+    main: Member
+    members: Sequence[Member]
+    sentence: str
+
+    @cached_property
+    def repeated(self) -> dict[str, set[str]]:
+        """By member, names that a member before it defines in the same words."""
+        found: dict[str, set[str]] = {}
+        there: dict[str, str] = {}
+        for member in self.members:
+            found[member.module.name] = {name for name, source in member.defined.items() if there.get(name) == source}
+            there = member.defined | there
+        return found
+
+    @cached_property
+    def faults(self) -> list[str]:
+        """Names that mean two things, each with the modules."""
+        homes: dict[str, dict[str, list[str]]] = {}
+        for member in self.members:
+            bound = member.defined | member.type_imports | member.imports
+            for name, meaning in bound.items():
+                homes.setdefault(name, {}).setdefault(meaning, []).append(member.module.path.stem)
+        twice = [
+            f"{self.main.module.relative}: {name} is two things, in {' and '.join(', '.join(of) for of in meanings.values())}"
+            for name, meanings in homes.items()
+            if len(meanings) > 1 and not name.startswith("_")
+        ]
+        return twice + [fault for member in self.members for fault in member.faults]
+
+    @cached_property
+    def renamed(self) -> dict[str, dict[str, str]]:
+        """By member, private names that another member before it, or the main one, has for something else."""
+        found: dict[str, dict[str, str]] = {}
+        there: dict[str, str] = dict(self.main.defined)
+        for member in self.members:
+            found[member.module.name] = {
+                name: f"_{member.module.path.stem}{name}"
+                for name, source in member.defined.items()
+                if name.startswith("_") and member is not self.main and there.get(name, source) != source
+            }
+            there = member.defined | there
+        return found
+
+    def text(self) -> str:
+        doc = ast.get_docstring(self.main.module.tree, clean=False) or ""
+        if self.sentence:
+            doc = self.sentence + "".join(re.findall(r"\n\n.*", doc, re.DOTALL))
+        rest = [
+            "\n\n" + more.strip("\n")
+            for member in self.members
+            if member is not self.main
+            for more in [(ast.get_docstring(member.module.tree) or "").partition("\n\n")[2]]
+            if more
+        ]
+        doc = doc.rstrip("\n") + "".join(rest)
+        imports: dict[str, None] = {}
+        types: dict[str, None] = {}
+        for member in self.members:
+            imports |= dict.fromkeys(member.imports.values())
+            types |= dict.fromkeys(member.type_imports.values())
+        types = {line: None for line in types if line not in imports}
+        lines = [line for line in imports if line != FUTURE]
+        if not types:
+            lines = [line for line in lines if line != "from typing import TYPE_CHECKING"]
+        block = ["if TYPE_CHECKING:", *(f"    {line}" for line in types), ""] if types else []
+        end = "\n" if "\n" in doc else ""
+        head = [f'"""{doc}{end}"""', "", FUTURE, "", *lines, "", *block]
+        return "\n".join(head) + "\n\n" + "\n\n\n".join(self._parts()) + "\n"
+
+    def _parts(self) -> Iterator[str]:
+        for member in self.members:
+            name = member.module.name
+            source = member.body(self.repeated[name], self.renamed[name])
+            if member is self.main and not self.sentence:
+                yield source
+            elif source:
+                said = (ast.get_docstring(member.module.tree) or "").partition("\n\n")[0].replace("\n", " ")
+                comment = textwrap.fill(said, WIDTH, initial_indent="# ", subsequent_indent="# ")
+                yield f"{comment}\n\n{source}"
+
+
+def join(plan: Sequence[Join], root: Path = ROOT) -> list[str]:
+    """Join modules as planned and rewrite all text that names them; nothing is changed where there are faults.
+
+    Returns
+    -------
+    list of str
+        Faults.
     """
-    tree = ast.parse(text)
-    taken = _bound(tree.body) | {f"_{name}" for name in _local(tree)}
-    alone = [name for name in names if not name.startswith("_") and f"_{name}" not in taken]
-    alone = [name for name in alone if not re.search(rf"\b{name}\b", elsewhere)]
-    return cst.parse_module(text).visit(_Underscores({name: f"_{name}" for name in alone})).code
-
-
-def _local(tree: ast.Module) -> Iterator[str]:
-    """Names that are also arguments, attributes or local variables."""
-    for node in ast.walk(tree):
-        if isinstance(node, ast.arg | ast.keyword):
-            yield node.arg or ""
-        elif isinstance(node, ast.Attribute):
-            yield node.attr
-        elif isinstance(node, ast.FunctionDef | ast.ClassDef):
-            inside = [one for part in node.body for one in ast.walk(part)]
-            yield from (one.id for one in inside if isinstance(one, ast.Name) and isinstance(one.ctx, ast.Store))
-            yield from (one.name for one in inside if isinstance(one, _DEFINITIONS))
-
-
-class _Underscores(cst.CSTTransformer):
-    """Transformer that puts underscores before names, in the examples of docstrings too."""
-
-    def __init__(self, names: Mapping[str, str]) -> None:
-        super().__init__()
-        self.names = names
-
-    def leave_Name(self, original_node: cst.Name, updated_node: cst.Name) -> cst.Name:
-        del original_node
-        return updated_node.with_changes(value=self.names.get(updated_node.value, updated_node.value))
-
-    def leave_SimpleString(self, original_node: cst.SimpleString, updated_node: cst.SimpleString) -> cst.SimpleString:
-        del original_node
-        lines = updated_node.value.splitlines(keepends=True)
-        for at, line in enumerate(lines):
-            if re.match(r"\s*(>>>|\.\.\.) ", line):
-                lines[at] = re.sub(r"(?<![\w.])\w+", lambda found: self.names.get(found[0], found[0]), line)
-        return updated_node.with_changes(value="".join(lines))
-
-
-def join(old: str, into: str, root: Path = ROOT) -> str:
-    """Join a module into another, rewrite all text that names it, and print its docstring."""
-    known = {module.name: module for module in modules_below(root / PACKAGE)}
-    one, other = (known.get(dotted(Path(PACKAGE) / name)) for name in (old, into))
-    if one is None or other is None:
-        raise SystemExit(f"there is no {PACKAGE}/{into if one else old}")
-    saying = [module for module in known.values() if one.path.stem in module.text]
-    users = {module.name for module in saying for found in module.imports if found.name == one.name}
-    if users != {other.name}:
-        raise SystemExit(f"{one.relative} is imported by {', '.join(sorted(users)) or 'none'}")
-    names = {one.name: other.name}
-    read = {path: path.read_text(encoding="utf-8") for path in texts(root) if path not in (one.path, other.path)}
-    new = {path: rewritten(text, names, code=path.suffix in {".py", ".pyi"}) for path, text in read.items()}
-    public = _bound(node for node in _body(one.tree) if isinstance(node, ast.FunctionDef))
-    text = rewritten(joined(one, other), names, code=False)
-    both = inner(text, sorted(public), "\n".join(_naming(other, new.values())))
-    for path in (path for path in new if new[path] != read[path]):
-        path.write_text(new[path], encoding="utf-8")
-    other.path.write_text(both, encoding="utf-8")
-    one.path.unlink()
-    return ast.get_docstring(one.tree) or ""
-
-
-def _naming(module: Module, found: Iterable[str]) -> list[str]:
-    """Paths of the texts that name a module."""
-    package, _, name = module.name.rpartition(".")
-    dots, short = re.escape(module.name), rf"from {re.escape(package)} import[^()\n]*\b{name}\b"
-    named = re.compile(rf"{dots}\b|{short}|import \([^)]*\b{name}\b")
-    return [text for text in found if name in text and named.search(text)]
+    modules = modules_below(root / PACKAGE)
+    known = {module.name: module for module in modules}
+    files, faults = {}, []
+    for target, names, sentence in plan:
+        if missing := [name for name in names if name not in known]:
+            faults.append(f"{target}: there is no {', '.join(missing)}")
+            continue
+        members = [Member(known[name], frozenset(names)) for name in names]
+        if target in known and target not in names:
+            faults.append(f"{target}: there is such a file already")
+        files[target] = Joined(members[0], in_order(members), sentence)
+        faults += files[target].faults
+    homes = {name: target for target, names, _ in plan for name in names if name != target}
+    faults += [f"a circle of imports: {', '.join(part)}" for part in circles(modules, homes)]
+    if faults:
+        return faults
+    written = {target: rewritten(file.text(), homes, code=True) for target, file in files.items()}
+    gone = {known[name].path for _, names, _ in plan for name in names}
+    for path in texts(root):
+        if path not in gone:
+            before = path.read_text(encoding="utf-8")
+            after = rewritten(before, homes, code=path.suffix in {".py", ".pyi"})
+            if after != before:
+                path.write_text(after, encoding="utf-8")
+    for target, names, _ in plan:
+        place = root / f"{target.replace('.', '/')}.py"
+        if names[0] != target:
+            subprocess.run(["git", "mv", str(known[names[0]].path), str(place)], cwd=root, check=True)
+        for name in names[1:]:
+            known[name].path.unlink()
+        place.write_text(written[target], encoding="utf-8")
+    return []
 
 
 if __name__ == "__main__":
-    match sys.argv[1:]:
-        case []:
-            for one, other in candidates(modules_below(ROOT / PACKAGE)):
-                print(f"{one.relative} ({_lines(one)} lines) into {other.path.name} ({_lines(other)})")
-        case [old, into]:
-            print(join(old, into))
-        case _:
-            sys.exit(__doc__)
+    told = join(read_plan(Path(sys.argv[1]).read_text("utf-8")))
+    sys.exit("\n".join(told) or 0)

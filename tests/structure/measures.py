@@ -3,22 +3,26 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
+from types import MappingProxyType
 
 from structure.modules import Module, modules_below
 
 
-def circles(modules: Iterable[Module]) -> list[list[str]]:
-    """Groups of modules that import each other, the largest first; imports in functions count, too."""
+def circles(modules: Iterable[Module], homes: Mapping[str, str] = MappingProxyType({})) -> list[list[str]]:
+    """Groups of modules that import each other, the largest first; imports in functions count, too.
+
+    ``homes`` are other modules in which some stand.
+    """
     import networkx as nx
 
     graph: nx.DiGraph[str] = nx.DiGraph()
     known = {module.name for module in modules}
     for module in modules:
-        graph.add_edges_from(
-            (module.name, found.name) for found in module.imports if found.name in known - {module.name}
-        )
+        own = homes.get(module.name, module.name)
+        used = {homes.get(found.name, found.name) for found in module.imports if found.name in known}
+        graph.add_edges_from((own, other) for other in used - {own})
     found = [sorted(part) for part in nx.strongly_connected_components(graph) if len(part) > 1]
     return sorted(found, key=len, reverse=True)
 

@@ -9,8 +9,9 @@ from __future__ import annotations
 import importlib
 import pkgutil
 from collections import OrderedDict
-from collections.abc import Callable, Hashable, Iterable, Iterator, MutableMapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, MutableMapping, Sequence
 from functools import cached_property
+from types import MappingProxyType
 from typing import Any, Generic, TypeVar
 
 T = TypeVar("T")
@@ -30,30 +31,28 @@ class TypeRegister(MutableMapping[str, T], Generic[T]):
     """Register of types by kind, in alphabetical order, whatever the order in which files were imported.
 
     A type puts itself in when its file is imported. A kind that is asked for comes out of the file of that name, or of
-    the one whose name begins with the kind and ``_of_`` or ``_answer``; where there is none, out of the first family
-    that has it. Only if no family has, and when all kinds are listed, every file of the packages is imported.
+    its family; only if there is neither, and when all kinds are listed, every file of the packages is imported.
 
     Parameters
     ----------
     packages : str or sequence of str
         Full names of the packages.
-    families : sequence of str
-        Files with several types, those first that are asked for most.
+    families : mapping from str to sequence of str
+        Kinds in files of other names, by the file.
     """
 
-    def __init__(self, packages: str | Sequence[str], families: Sequence[str] = ()) -> None:
+    def __init__(
+        self, packages: str | Sequence[str], families: Mapping[str, Sequence[str]] = MappingProxyType({})
+    ) -> None:
         self.packages = (packages,) if isinstance(packages, str) else tuple(packages)
-        self.families = families
+        self.families = {kind: file for file, kinds in families.items() for kind in kinds}
         self._types: dict[str, T] = {}
         self._complete = False
 
     def __getitem__(self, kind: str) -> T:
-        if kind not in self._types:
-            own = [file for file in self._files if file == kind or file.startswith((f"{kind}_of_", f"{kind}_answer"))]
-            for file in own or self.families:
-                importlib.import_module(f"{self._files[file]}.{file}")
-                if kind in self._types:
-                    break
+        file = self.families.get(kind, kind)
+        if kind not in self._types and file in self._files:
+            importlib.import_module(f"{self._files[file]}.{file}")
         if kind not in self._types:
             self._import_all()
         return self._types[kind]

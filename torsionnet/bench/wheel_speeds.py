@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from torsionnet.bench.plan import Plan, ToothedWheel
+from torsionnet.bench.plan import Plan
+from torsionnet.bench.plan.toothed_wheel import ToothedWheel
 from torsionnet.signals.recording import FloatArray, Recording, Signal
 
 

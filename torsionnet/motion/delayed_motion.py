@@ -73,11 +73,11 @@ def delayed_response(
             f"the shortest delay, {form.delays.min():.3g} s, needs more than {MOST_TIME_STEPS} steps over {n * h:.3g} s"
         )
         raise UsageError(f"{text}; simulate a shorter time")
-    last = _stepped(form, torques, h, fineness)
+    last = _delayed_steps(form, torques, h, fineness)
     found, error = last, math.inf
     while error > ERROR_TOLERANCE and used <= MOST_TIME_STEPS:
         fineness *= 2
-        finer = _stepped(form, torques, h, fineness)
+        finer = _delayed_steps(form, torques, h, fineness)
         extrapolated = finer + (finer - last) / 3
         sizes = np.abs(extrapolated).max(axis=1, keepdims=True)
         error = float((np.abs(extrapolated - found) / np.where(sizes > 0, sizes, 1.0)).max(initial=0.0))
@@ -127,7 +127,7 @@ def _sensed(law: LawStates, form: StateSpaceForm) -> tuple[FloatArray, FloatArra
     return y, direct, y @ form.A, y @ form.B
 
 
-def _stepped(form: DelayedForm, torques: TorqueCourses, h: float, fineness: int) -> FloatArray:
+def _delayed_steps(form: DelayedForm, torques: TorqueCourses, h: float, fineness: int) -> FloatArray:
     """Readings (n_out, n) in SI units at the samples, with ``fineness`` time steps from each to the next."""
     n_in, n = torques.samples.shape
     count, step = (n - 1) * fineness + 1, h / fineness

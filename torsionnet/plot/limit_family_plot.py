@@ -24,7 +24,7 @@ from torsionnet.plot.limit_plot import quantity_label
 PANEL_HEIGHT = 2.1
 """Height in inches of the panel of one limited quantity: three rows of panels leave room for another picture on the
 page."""
-LABEL_WIDTH = 30
+FAMILY_LABEL_WIDTH = 30
 """Largest number of characters in a line of an axis label: as many as fit the height of a panel."""
 HEADROOM = 1.12
 """Factor from the largest value or limit drawn to the upper end of the axis."""
@@ -93,7 +93,7 @@ def limit_families(
     figure = style.new_figure(style.WIDTH, 0.3 * bool(title) + (PANEL_HEIGHT if columns > 1 else 3.0) * rows)
     panels = figure.subplots(rows, columns, squeeze=False).ravel()
     for panel, family in zip(panels, families, strict=False):
-        _draw(panel, family, conventions)
+        _draw_family(panel, family, conventions)
     for panel in panels[len(families) :]:
         panel.remove()
     style.set_title(figure, title)
@@ -117,7 +117,7 @@ def _use(one: LimitVerdict) -> float:
     return -1.0 if one.worst is None else float(one.utilisation[one.worst])
 
 
-def _draw(panel: Axes, family: LimitFamily, conventions: Conventions) -> None:
+def _draw_family(panel: Axes, family: LimitFamily, conventions: Conventions) -> None:
     check, verdicts = family.members[family.worst]
     first = verdicts[0]
     largest = max(float(np.nanmax(some[0].values)) for _, some in family.members)
@@ -137,7 +137,7 @@ def _draw(panel: Axes, family: LimitFamily, conventions: Conventions) -> None:
     for one in verdicts:
         _limit_line(panel, check, one, scale, top)
     panel.set_title(first.limit.replace("_", " "), fontsize=style.FONT, color=style.INK, loc="left", pad=25)
-    panel.set_ylabel(axis_label(quantity_label(first), unit, LABEL_WIDTH), fontsize=style.SMALL)
+    panel.set_ylabel(axis_label(quantity_label(first), unit, FAMILY_LABEL_WIDTH), fontsize=style.SMALL)
     panel.set_xlabel(speed_label(check.reference), fontsize=style.SMALL)
     panel.set_ylim(0, top)
     if len(check.rpm) > 1:

@@ -12,11 +12,12 @@ from numpy.typing import ArrayLike
 
 import torsionnet.plot.drawing.style as style
 from torsionnet.base.conventions import SI, Conventions
-from torsionnet.linear.frequency_response import Channel, FloatArray
+from torsionnet.linear.frequency_response import Channel
 from torsionnet.machinery.passage.passage_response import PassageResponse
 from torsionnet.machinery.passage.vibration_cycles import cycles_above, envelopes
 from torsionnet.plot.drawing.torque_units import axis_unit
 from torsionnet.plot.histories import thin_out
+from torsionnet.signals.recording import FloatArray
 
 LIMIT_DASHES = ("-", (0, (6, 2)), (0, (2, 1.5)))
 """Line styles of matplotlib for the limits drawn over a passage, in the order of the limits."""

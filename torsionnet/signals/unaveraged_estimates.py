@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from torsionnet.base.errors import UsageError
 from torsionnet.linear.between_samples import course_remark
@@ -14,9 +14,9 @@ from torsionnet.linear.frequency_response import Channel, FrequencyResponse
 from torsionnet.signals.detrending import Trend, without_trend
 from torsionnet.signals.record_blocks import check_processable, stacked
 from torsionnet.signals.recording import FloatArray, Recording
+from torsionnet.signals.spectral_matrix import ComplexArray
 
-ComplexArray = NDArray[np.complex128]
-Names = str | Sequence[str]
+Names: TypeAlias = str | Sequence[str]
 
 
 @dataclass(frozen=True)

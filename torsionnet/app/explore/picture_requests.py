@@ -38,7 +38,7 @@ def motion_answer(session: Session, state: State) -> dict[str, Any]:
 
     Reasons under ``refused`` if the state is impossible.
     """
-    return _kept(session, state, "motion", _motion)
+    return _kept(session, state, "motion", _mode_motion)
 
 
 def _schematic(session: Session, state: State) -> dict[str, Any]:
@@ -53,7 +53,7 @@ def _schematic(session: Session, state: State) -> dict[str, Any]:
     }
 
 
-def _motion(session: Session, state: State) -> dict[str, Any]:
+def _mode_motion(session: Session, state: State) -> dict[str, Any]:
     rig = session.model_for(state)
     with collected_notes() as notes:
         is_large = len(rig.nodes) > MANY_NODES

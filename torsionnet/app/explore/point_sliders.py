@@ -169,10 +169,12 @@ def point_sliders(plain: Drivetrain, changed: Drivetrain, values: Mapping[str, A
     largest = {
         entry: max((abs(_value(plain, row)) for row in rows if row.entry == entry), default=0.0) for entry in UNITS
     }
-    return [_slider(row, plain, changed, values, largest[row.entry]) for row in rows]
+    return [_point_slider(row, plain, changed, values, largest[row.entry]) for row in rows]
 
 
-def _slider(row: PointRow, plain: Drivetrain, changed: Drivetrain, values: Mapping[str, Any], largest: float) -> Slider:
+def _point_slider(
+    row: PointRow, plain: Drivetrain, changed: Drivetrain, values: Mapping[str, Any], largest: float
+) -> Slider:
     own = _written(plain, row)
     derived = own is not None and bool(own.names)
     unit = ("" if own is None else written_unit(own)) or UNITS[row.entry]

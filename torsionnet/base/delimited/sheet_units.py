@@ -12,11 +12,11 @@ from fractions import Fraction
 from torsionnet.base.delimited.headings import plain_unit, split_heading
 from torsionnet.base.units import DIMENSIONS, Dimension, Real, UnitError, parse_unit
 
-_RAISED = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
-_POWER = r"(?:10\s*(?:\^|\*\*)?\s*\(?(?P<ten{0}>[+-]?[1-9]\d?)\)?|1?\s?[eE](?P<e{0}>[+-]?\d\d?))"
+_RAISED_UNIT = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
+_UNIT_POWER = r"(?:10\s*(?:\^|\*\*)?\s*\(?(?P<ten{0}>[+-]?[1-9]\d?)\)?|1?\s?[eE](?P<e{0}>[+-]?\d\d?))"
 """Regular expression of a power of ten before or after a unit; the braces number its groups."""
-_BEFORE = re.compile(rf"[x×*·]?\s*{_POWER.format(1)}\s*[*·x×]?\s*(?P<unit>[A-Za-z(1µμ°].*)")
-_AFTER = re.compile(rf"(?P<unit>.*\S)\s*[*·x×]\s*{_POWER.format(2)}")
+_BEFORE = re.compile(rf"[x×*·]?\s*{_UNIT_POWER.format(1)}\s*[*·x×]?\s*(?P<unit>[A-Za-z(1µμ°].*)")
+_AFTER = re.compile(rf"(?P<unit>.*\S)\s*[*·x×]\s*{_UNIT_POWER.format(2)}")
 _DOUBTFUL = re.compile(r"10\s?[eE][+-]?\d+")
 _KNOWN = {DIMENSIONS[name] for name in ("inertia", "stiffness", "compliance", "damping", "length")}
 
@@ -52,7 +52,7 @@ def sheet_unit(text: str) -> SheetUnit:
     bare = text.strip().strip("[]").strip()
     if _DOUBTFUL.match(bare):
         raise UnitError(f'"{bare}" is ambiguous: it may be 1e... or 10 times as much; write 1e-9 or 10^-9')
-    plain = re.sub(r"10([⁰¹²³⁴⁵⁶⁷⁸⁹⁻]+)", lambda found: "10^" + found[1].translate(_RAISED), bare)
+    plain = re.sub(r"10([⁰¹²³⁴⁵⁶⁷⁸⁹⁻]+)", lambda found: "10^" + found[1].translate(_RAISED_UNIT), bare)
     found = _BEFORE.fullmatch(plain) or _AFTER.fullmatch(plain)
     power = next(int(group) for name, group in found.groupdict().items() if name != "unit" and group) if found else 0
     spelled = _spelled(found["unit"] if found else plain)

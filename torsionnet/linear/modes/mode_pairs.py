@@ -15,7 +15,8 @@ import numpy as np
 
 from torsionnet.base.errors import UsageError
 from torsionnet.linear.assembly.assembled import AssembledModel
-from torsionnet.linear.assembly.rows import ComplexArray, FloatArray, RowSystem
+from torsionnet.linear.assembly.rows import FloatArray, RowSystem
+from torsionnet.linear.frequency_response import ComplexArray
 from torsionnet.linear.modes.eigen import undamped_modes, unit_shapes
 from torsionnet.linear.modes.modes import OSCILLATORY, Modes
 from torsionnet.linear.modes.natural_modes import modes as damped_modes

@@ -10,7 +10,8 @@ from typing import TypeAlias
 import numpy as np
 
 from torsionnet.base.errors import UsageError
-from torsionnet.linear.frequency_response import FloatArray, FrequencyResponse
+from torsionnet.linear.assembly.rows import FloatArray
+from torsionnet.linear.frequency_response import FrequencyResponse
 
 Solver: TypeAlias = Callable[[FloatArray], FrequencyResponse]
 """Function that returns the frequency response of a drivetrain at given frequencies in Hz."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from torsionnet.linear.frequency_response import ComplexArray, FloatArray
 from torsionnet.machinery.orders.synthesis import waveforms
 
-POINTS_PER_PERIOD = 8
+COARSE_POINTS_PER_PERIOD = 8
 """Number of points of the coarse grid over a cycle for each period of the highest order: a quarter of its maxima is
 wider than a step."""
 MOST_WAVEFORM_POINTS = 4_000_000
@@ -46,7 +46,7 @@ def cycle_extremes(amplitudes: ComplexArray, periods: Sequence[int]) -> FloatArr
     for line, place in enumerate(np.searchsorted(counts, periods)):
         waves[:, :, place] += amplitudes[:, line]
     counts //= max(1, math.gcd(*counts.tolist()))
-    together = max(1, MOST_WAVEFORM_POINTS // (POINTS_PER_PERIOD * int(counts[-1] + 1) * waves.shape[1]))
+    together = max(1, MOST_WAVEFORM_POINTS // (COARSE_POINTS_PER_PERIOD * int(counts[-1] + 1) * waves.shape[1]))
     parts = (waves[start : start + together] for start in range(0, len(waves), together))
     return np.concatenate([np.zeros((2, 0, waves.shape[1])), *(_of_part(part, counts) for part in parts)], axis=1)
 
@@ -55,7 +55,7 @@ def _of_part(amplitudes: ComplexArray, counts: NDArray[np.int64]) -> FloatArray:
     """Highest and lowest values (2, n_speeds, n_out) of waves in the unit of their amplitudes (n_speeds, n_out, n)."""
     spectrum = np.zeros((len(amplitudes), int(counts[-1]) + 1, amplitudes.shape[1]), dtype=complex)
     spectrum[:, counts] = amplitudes.transpose(0, 2, 1)
-    waves = waveforms(spectrum, max(POINTS_PER_PERIOD * int(counts[-1]), 1))
+    waves = waveforms(spectrum, max(COARSE_POINTS_PER_PERIOD * int(counts[-1]), 1))
     rise = (2 * np.pi / waves.shape[2]) ** 2 / 8 * (np.abs(amplitudes) * np.square(counts)).sum(axis=2)
     highest = _highest(waves, rise, amplitudes, counts)
     return np.array([highest, -_highest(np.negative(waves, out=waves), rise, -amplitudes, counts)])

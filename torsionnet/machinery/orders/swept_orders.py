@@ -10,13 +10,14 @@ import numpy as np
 
 from torsionnet.base.errors import UsageError
 from torsionnet.linear.assembly.assembled import AssembledModel
+from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.passage.passage_response import PassageResponse
 from torsionnet.machinery.passage.passage_solution import MOST_SPEED_POINTS, passage_response
 from torsionnet.model.channels import Sensor
 from torsionnet.signals.orders.cycle_average import averaged_blocks
 from torsionnet.signals.orders.mean_rotation import MeanRotation
 from torsionnet.signals.orders.tracked_orders import TrackedOrders
-from torsionnet.signals.recording import QUANTITY_UNITS, FloatArray
+from torsionnet.signals.recording import QUANTITY_UNITS
 
 SHORTEST_CYCLE, LONGEST_CYCLE = 2, 8
 """Revolutions of the cycles that are averaged: two hold half orders, and eight all orders that a tracker averages."""

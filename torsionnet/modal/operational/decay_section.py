@@ -14,7 +14,7 @@ BLOCKS = 100
 """Blocks into which a record is divided to find where its vibration is largest."""
 LIVELY = 0.6
 """Standard deviation of a block over the largest from which the decay can begin in it: those of half cycles differ."""
-OVER_NOISE = 3.0
+FLOOR_OVER_NOISE = 3.0
 """Standard deviation of a block over that of the noise at the end, down to which the decay is read."""
 SMALLEST_SHARE = 1e-3
 """Standard deviation of a block over the largest, down to which a decay without noise is read."""
@@ -81,7 +81,7 @@ def _limits(values: FloatArray) -> tuple[int, int]:
     begin = top * size
     first = begin + int(np.abs(values[begin : begin + 2 * size] - rest).argmax())
     spread = np.array([np.std(values[k * size : (k + 4) * size]) for k in range(count)])
-    floor = max(float(np.median(spread[-max(count // 10, 1) :])) * OVER_NOISE, SMALLEST_SHARE * spread.max())
+    floor = max(float(np.median(spread[-max(count // 10, 1) :])) * FLOOR_OVER_NOISE, SMALLEST_SHARE * spread.max())
     quiet = np.flatnonzero(spread[top + 1 :] < floor)
     last = (top + 1 + int(quiet[0])) * size if len(quiet) else len(values) - 1
     return first, min(last, len(values) - 1)

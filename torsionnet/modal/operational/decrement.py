@@ -10,7 +10,7 @@ from torsionnet.base.number_text import screen_text
 from torsionnet.modal.operational.operational_modes import NORMAL_95
 from torsionnet.modal.spectral_lines import FloatArray
 
-OVER_NOISE = 4.0
+CYCLES_OVER_NOISE = 4.0
 """Amplitude over its standard error down to which the regression takes it: smaller ones are lifted by noise."""
 ROUNDING = 1e-9
 """Amplitude over the largest below which it is rounding."""
@@ -88,7 +88,7 @@ def logarithmic_decrement(times: FloatArray, values: FloatArray, pole: complex, 
         RMS of the noise.
     """
     middle, size, error = _cycle_amplitudes(times, values, pole, noise)
-    low = np.flatnonzero(size < np.maximum(OVER_NOISE * error, ROUNDING * size.max()) if len(size) else size)
+    low = np.flatnonzero(size < np.maximum(CYCLES_OVER_NOISE * error, ROUNDING * size.max()) if len(size) else size)
     middle, size = (middle[: low[0]], size[: low[0]]) if len(low) else (middle, size)
     if len(size) < FEWEST_AMPLITUDES:
         return None

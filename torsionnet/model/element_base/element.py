@@ -45,7 +45,13 @@ from torsionnet.model.element_base.laws import (
 if TYPE_CHECKING:
     from torsionnet.model.catalogues.catalogue import CatalogueRow
 
-ELEMENT_TYPES: TypeRegister[type[Element]] = TypeRegister("torsionnet.model.elements", ("springs", "rigid"))
+ELEMENT_TYPES: TypeRegister[type[Element]] = TypeRegister(
+    "torsionnet.model.elements",
+    {
+        "springs": ("spring", "damper"),
+        "rigid": ("inertia", "gear", "planetary", "differential", "rigid_coupling", "lock"),
+    },
+)
 """Class of every element type, by the word in ``type:``, in alphabetical order; a module is imported when its kind is
 first used."""
 

@@ -136,7 +136,9 @@ class Scenario(Declared):
         raise NotImplementedError
 
 
-SCENARIOS: TypeRegister[type[Scenario]] = TypeRegister("torsionnet.motion.scenarios", ("torques_of_nodes",))
+SCENARIOS: TypeRegister[type[Scenario]] = TypeRegister(
+    "torsionnet.motion.scenarios", {"torques_of_nodes": ("torques",)}
+)
 """Classes of scenarios by the word that a model file writes as their ``type``."""
 
 

@@ -13,7 +13,7 @@ from torsionnet.linear.assembly.rows import FloatArray
 
 NODES = 13
 """Number of Chebyshev points in a step, on which a polynomial of degree 12 is exact: dense output has degree 7."""
-ROUNDING = 1e-12
+GUARD_ROUNDING = 1e-12
 """Share of the sizes of its terms up to which a guard counts as zero."""
 
 
@@ -45,8 +45,8 @@ def first_event(values: FloatArray, sizes: FloatArray, guard_at: Callable[[int, 
     """
     found, which = -1.0, -1
     swing = np.abs(np.diff(values, axis=1)).max(axis=1)
-    for guard in np.flatnonzero(values.min(axis=1) <= swing + ROUNDING * sizes).tolist():
-        place = _first_root(values[guard], ROUNDING * float(sizes[guard]), guard, guard_at)
+    for guard in np.flatnonzero(values.min(axis=1) <= swing + GUARD_ROUNDING * sizes).tolist():
+        place = _first_root(values[guard], GUARD_ROUNDING * float(sizes[guard]), guard, guard_at)
         if place >= 0 and (which < 0 or place < found):
             found, which = place, guard
     return found, which

@@ -32,7 +32,7 @@ from torsionnet.signals.motion_event import MotionEvent
 
 STORM_WINDOW, MOST_EVENTS = 64.0, 2_000
 """Angle in rad that the fastest vibration turns in a window, and most events in it: as in :mod:`.piece_system`."""
-MOST_STEPS, STEPS_BETWEEN_LOOKS = 2_000_000, 20_000
+MOST_STEPS, STEPS_BETWEEN_REPORTS = 2_000_000, 20_000
 """Most steps of the Runge-Kutta method, some ten minutes of work, and steps after which those to come are estimated."""
 BOUNCE_STEP = 0.1
 """Angle in rad of the fastest vibration in the step that says how short a flight may be, see :mod:`.contact_states`."""
@@ -177,10 +177,10 @@ class _SmoothMotion:
 
     def _is_too_long(self, time: float) -> bool:
         """Whether the rest of the motion needs too many steps if these stay as long as the last ones."""
-        if self.steps % STEPS_BETWEEN_LOOKS:
+        if self.steps % STEPS_BETWEEN_REPORTS:
             return False
         passed, self.looked = time - self.looked, time
-        left = (self.driving.duration - time) * STEPS_BETWEEN_LOOKS
+        left = (self.driving.duration - time) * STEPS_BETWEEN_REPORTS
         return self.steps + left / max(passed, 1e-300) > MOST_STEPS
 
     def _event(

@@ -7,7 +7,7 @@ import textwrap
 from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.number_text import typeset_unit
 
-PREFIXES = (("M", 1e7, 1e-6), ("k", 1e4, 1e-3))
+LARGE_PREFIXES = (("M", 1e7, 1e-6), ("k", 1e4, 1e-3))
 """Prefixes of N m, each as (letter, torque in N m from which it is used, factor from N m to the unit with it)."""
 
 
@@ -19,7 +19,7 @@ def axis_unit(unit: str, largest: float, conventions: Conventions = SI) -> tuple
     >>> axis_unit("N*m", 45e3), axis_unit("N*m", 900.0), axis_unit("rad", 0.1, Conventions(angle="deg"))[1]
     ((0.001, 'kN·m'), (1.0, 'N·m'), 'deg')
     """
-    for prefix, least, factor in PREFIXES:
+    for prefix, least, factor in LARGE_PREFIXES:
         if unit == "N*m" and abs(largest) >= least:
             return factor, typeset_unit(prefix + unit)
     return conventions.scale(unit), typeset_unit(conventions.unit(unit))

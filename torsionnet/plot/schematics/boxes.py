@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 HALF_HEIGHT = 35.0
 """Half the height in points of a box of the schematic: room for a symbol and the names of the ports below it."""
-GAP, STUB = 10.0, 12.0  # points: more than the texts in width, piece of shaft below a port
+BOX_GAP, STUB = 10.0, 12.0  # points: more than the texts in width, piece of shaft below a port
 
 
 def draw_box(
@@ -39,7 +39,7 @@ def _draw(
     below = _ports_below(line, vertex, element, leaving)
     side = max((text_width(link.port, "port") + 8 for link in (before, after) if link is not None), default=8.0)
     slots = [max(30.0, text_width(port, "port") + 8) for port in below]
-    width = max(2 * (box_symbols.HALF_SIZE + side), label_width(texts) + GAP, sum(slots) + 8)
+    width = max(2 * (box_symbols.HALF_SIZE + side), label_width(texts) + BOX_GAP, sum(slots) + 8)
     before_x, middle = line.x, line.keep_free(width)
     start, end = middle - width / 2, middle + width / 2
     line.block.line((before_x, 0), (start, 0))

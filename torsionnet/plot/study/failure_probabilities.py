@@ -51,7 +51,7 @@ def failure_probabilities(
     axes = figure.subplots()
     style.style_axes(axes)
     for place, (_, one) in enumerate(events):
-        _drawn(axes, place, one)
+        _drawn_probabilities(axes, place, one)
     if ends:
         low, high = min(ends) / 1.5, max(ends) * 1.5
         axes.set_xlim(low, high)
@@ -66,7 +66,7 @@ def failure_probabilities(
     return figure
 
 
-def _drawn(axes: Axes, place: int, one: RareEvent) -> None:
+def _drawn_probabilities(axes: Axes, place: int, one: RareEvent) -> None:
     color = BEYOND_COLOR if one.doubts else style.PALETTE[0]
     if np.isfinite(one.low):
         axes.hlines(place, one.low, one.high, color=color, linewidth=2.0)

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from torsionnet.linear.frequency_response import FloatArray
     from torsionnet.study.answers.parallel_coordinates_answer import ParallelCoordinatesResult
 
-WIDE_RANGE = 100.0
+WIDE_AXIS = 100.0
 """Ratio of the largest to the smallest value from which an axis is logarithmic."""
 TITLE_PAD = 15.0
 """Distance in points between the axes and a title, room for the values at the upper ends of the axes."""
@@ -88,7 +88,7 @@ def _shares(values: FloatArray, every: FloatArray) -> FloatArray:
     Logarithmic if values are decades apart.
     """
     low, high = axis_ends(every)
-    if is_wide(every, WIDE_RANGE):
+    if is_wide(every, WIDE_AXIS):
         return np.asarray(np.log(values / low) / np.log(high / low))
     return (values - low) / (high - low)
 

@@ -47,12 +47,12 @@ def sobol_indices(result: SobolResult, *, units: ShownUnits = IN_SI, title: str 
     cases = list(dict.fromkeys(case for case, _ in result.indices))
     rows = min(MOST_PARAMETERS, len(result.parameters))
     if fills_a_page(len(result.indices), rows):
-        figure = _matrix(result, cases)
+        figure = _index_matrix(result, cases)
         style.set_title(figure, result.title if title is None else title)
         return figure
     figure, panels, width = study_bars(len(result.indices), rows, result.parameters)
     for axes, ((case, quantity), one) in zip(panels, _by_quantity(result), strict=True):
-        _bars(axes, one, result.parameters, width)
+        _index_bars(axes, one, result.parameters, width)
         panel_title(axes, f"{quantity}, {case}" if len(cases) > 1 else quantity, width - 0.4)
     columns = round(style.WIDTH / width)
     for axes in panels[-columns:]:
@@ -62,7 +62,7 @@ def sobol_indices(result: SobolResult, *, units: ShownUnits = IN_SI, title: str 
     return figure
 
 
-def _matrix(result: SobolResult, cases: list[str]) -> Figure:
+def _index_matrix(result: SobolResult, cases: list[str]) -> Figure:
     """Figure of matrices of the total Sobol indices in colours, parameters in rows, configurations in columns.
 
     First-order indices are left out.
@@ -78,7 +78,7 @@ def _by_quantity(result: SobolResult) -> list[tuple[tuple[str, str], SobolEstima
     return sorted(result.indices.items(), key=lambda one: names.index(one[0][1]))
 
 
-def _bars(axes: Axes, one: SobolEstimates, parameters: tuple[str, ...], width: float) -> None:
+def _index_bars(axes: Axes, one: SobolEstimates, parameters: tuple[str, ...], width: float) -> None:
     order = np.argsort(-np.nan_to_num(one.total, nan=-np.inf), kind="stable")[:MOST_PARAMETERS].tolist()
     style.style_axes(axes)
     parameter_rows(axes, [parameters[place] for place in order], width)

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsionnet.base.errors import UsageError
-from torsionnet.linear.frequency_response import ComplexArray, FloatArray
+from torsionnet.linear.frequency_response import ComplexArray
+from torsionnet.signals.recording import FloatArray
 
 
 @dataclass(frozen=True, eq=False)

@@ -120,7 +120,13 @@ class StudyAnswer(Declared):
         raise NotImplementedError
 
 
-ANSWERS: TypeRegister[type[StudyAnswer]] = TypeRegister(("torsionnet.study.answers", "torsionnet.study.design"))
+ANSWERS: TypeRegister[type[StudyAnswer]] = TypeRegister(
+    ("torsionnet.study.answers", "torsionnet.study.design"),
+    {
+        f"{kind}_answer": (kind,)
+        for kind in ("map", "parallel_coordinates", "percentile_bands", "scatter", "tornado", "worst_case", "yield")
+    },
+)
 """Classes of answers by the word that a study file writes as their ``type``."""
 
 

@@ -14,7 +14,7 @@ from torsionnet.study.design.design_problem import DesignProblem
 
 MOST_STEPS, MOST_PEAK_STEPS = 200, 60
 """Most steps of one local search, and of one after which the points of peaks are chosen anew."""
-MOST_ROUNDS, MOST_PEAK_ROUNDS = 12, 40
+MOST_LOCAL_ROUNDS, MOST_PEAK_ROUNDS = 12, 40
 """Most rounds of local search with new active points, without and with curves over frequency, which have any number."""
 OBJECTIVE_TOLERANCE = 1e-14
 """Relative change of the objective at which quadratic programming stops, a little above rounding."""
@@ -25,7 +25,7 @@ def solve_programme(problem: DesignProblem, place: FloatArray) -> FloatArray:
     best, best_rank = place, problem.ranks(problem.at(place))[0]
     try:
         chosen = BoundedPoints.highest(problem, place).with_curve_points(problem, place)
-        for _ in range(MOST_PEAK_ROUNDS if chosen.peaks else MOST_ROUNDS):
+        for _ in range(MOST_PEAK_ROUNDS if chosen.peaks else MOST_LOCAL_ROUNDS):
             rows = BoundedRows(problem, chosen, place)
             place = _solved(rows, place)
             rank = problem.ranks(problem.at(place))[0]

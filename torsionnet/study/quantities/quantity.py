@@ -81,7 +81,7 @@ class StudyQuantity(Declared):
 
 
 QUANTITIES: TypeRegister[type[StudyQuantity]] = TypeRegister(
-    "torsionnet.study.quantities", ("natural_frequency", "peak")
+    "torsionnet.study.quantities", {"natural_frequency": ("damping_ratio",), "peak": ("peak_frequency",)}
 )
 """Classes of quantities by the word that a study file writes as their ``type``."""
 

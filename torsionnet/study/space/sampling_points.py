@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from torsionnet.linear.frequency_response import FloatArray
 
-Words = NDArray[np.uint64]
+HashWords = NDArray[np.uint64]
 FEISTEL_ROUNDS = 4
 """Rounds of the Feistel network that permutes draws, as with fewer, orders look less random."""
 MOST_SORTED = 4096
@@ -51,7 +51,7 @@ def permuted(places: NDArray[np.int64], count: int, seed: np.random.SeedSequence
     return found.astype(np.int64)
 
 
-def _shuffled(numbers: Words, side: np.uint64, keys: Words) -> Words:
+def _shuffled(numbers: HashWords, side: np.uint64, keys: HashWords) -> HashWords:
     first, second = numbers // side, numbers % side
     for key in keys.reshape(-1, 2):
         first = (first + _mixed(second, key[0]) % side) % side
@@ -59,7 +59,7 @@ def _shuffled(numbers: Words, side: np.uint64, keys: Words) -> Words:
     return np.asarray(first * side + second)
 
 
-def _mixed(numbers: Words, key: np.uint64) -> Words:
+def _mixed(numbers: HashWords, key: np.uint64) -> HashWords:
     """Hash (n,) of numbers (n,) with a key (the finaliser of SplitMix64)."""
     z = numbers * np.uint64(0x9E3779B97F4A7C15) + key
     z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)

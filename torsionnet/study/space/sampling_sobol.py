@@ -14,7 +14,7 @@ COORDINATE_BITS = 30
 """Number of bits of every Sobol coordinate, and of the number of points, the default of scipy."""
 LOW_BITS = 12
 """Number of low bits of a point's index that one table of 4096 points covers, as a table of more takes longer."""
-Words = NDArray[np.uint32]
+SobolWords = NDArray[np.uint32]
 
 
 class SobolPoints:
@@ -38,7 +38,7 @@ class SobolPoints:
         return np.asarray((found + 0.5) * 2.0**-COORDINATE_BITS)
 
 
-def _sums(indices: Words, directions: Words) -> Words:
+def _sums(indices: SobolWords, directions: SobolWords) -> SobolWords:
     """Sums modulo 2 (m, n) of the direction numbers (bits, n) over the Gray codes of indices (m,)."""
     gray = indices ^ (indices >> np.uint32(1))
     found = np.zeros((len(indices), directions.shape[1]), dtype=np.uint32)
@@ -48,7 +48,7 @@ def _sums(indices: Words, directions: Words) -> Words:
 
 
 @lru_cache(maxsize=8)
-def _table(dimension: int, bits: int, seed: int) -> tuple[Words, Words]:
+def _table(dimension: int, bits: int, seed: int) -> tuple[SobolWords, SobolWords]:
     """First points (2^LOW_BITS, n) of the Sobol sequence and its direction numbers (bits, n)."""
     from scipy.stats.qmc import Sobol
 
@@ -61,7 +61,7 @@ def _table(dimension: int, bits: int, seed: int) -> tuple[Words, Words]:
     return first ^ _sums(np.arange(1 << LOW_BITS, dtype=np.uint32), directions), directions
 
 
-def _taken(engine: Any, index: int) -> Words:
+def _taken(engine: Any, index: int) -> SobolWords:
     if index > engine.num_generated:
         engine.fast_forward(index - engine.num_generated)
     return np.asarray(np.rint(engine.random(1)[0] * 2.0**COORDINATE_BITS), dtype=np.uint32)

@@ -140,7 +140,10 @@ class Variation(Declared):
         raise NotImplementedError
 
 
-VARIATIONS: TypeRegister[type[Variation]] = TypeRegister("torsionnet.study.space.variations", ("triangle",))
+VARIATIONS: TypeRegister[type[Variation]] = TypeRegister(
+    "torsionnet.study.space.variations",
+    {"list_of_values": ("list",), "range_of_values": ("range",), "triangle": ("triangular",)},
+)
 """Classes of variations by the word that a study file writes as their ``type``."""
 
 
