@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from support import campaigns
 from support.report_blocks import blocks, of, rows, words
+from support.report_phrases import unphrased
 
 import torsionnet as tn
 from torsionnet.app.cli.commands.report import command as report_command
@@ -407,6 +408,7 @@ def test_every_library_model_has_a_report(name):
     of_kind = {"rig": {"summary", "modes"}, "approval": {"conclusion", "natural_frequencies", "forced_response"}}
     wanted = of_kind[document_kind(tn.load(name))] | {"schematic", "validity"}
     assert wanted <= {section.name for section in found.sections}
+    assert unphrased(found) == {}
     for picture in found.pictures:
         assert inlines(picture.caption)
         assert picture.alt

@@ -13,6 +13,7 @@ from support.command_line import run
 from support.models import EVERY_ELEMENT
 
 import torsionnet as tn
+from torsionnet.base.phrases import PLACEHOLDER, joined, phrase
 from torsionnet.model.element_base.sheared_shapes import RUBBER_SHAPES, FilmGap
 from torsionnet.model.element_base.viscoelastic import Viscoelastic
 from torsionnet.model.elements import ELEMENT_TYPES
@@ -28,10 +29,10 @@ from torsionnet.report.document_tree import (
     TableBlock,
     TableGroup,
 )
-from torsionnet.report.report_text import as_words, capital
+from torsionnet.report.report_text import as_words, capital, sentence
 from torsionnet.report.rewording import Rewording
 from torsionnet.report.template_reading import read_template
-from torsionnet.report.wording import PLACEHOLDER, Wording, replaceable_texts
+from torsionnet.report.wording import Wording, replaceable_texts
 from torsionnet.report.writers import templating
 from torsionnet.report.writers.html import html_page
 from torsionnet.report.writers.latex import latex_document
@@ -169,33 +170,23 @@ class TestExample:
 
 
 class TestWords:
-    def test_longest_text_wins_and_pieces_are_replaced(self):
-        wording = Wording({"Modes of{a}": "1{a}", "Modes of{a} in {b}": "2 {b}{a}", ", by {a}": ", nach {a}", "x": "y"})
-        assert wording("Modes of x in z") == "2 z x"
-        assert wording("Modes of x") == "1 x"
-        assert wording("Modes of, by x") == "1, nach x"
+    def test_phrases_are_replaced_with_those_inserted_into_them(self):
+        wording = Wording({"Modes of {a}{by}": "1 {a}{by}", ", by {a}": ", nach {a}", "x": "y", "in balance": "gleich"})
+        assert wording(phrase("Modes of {a}{by}", a="x", by=phrase(", by {a}", a="x"))) == "1 x, nach x"
+        assert wording(phrase("Modes of {a}{by}", a="in balance", by="")) == "1 in balance", "a name"
+        assert wording(phrase("Modes of {a}{by}", a=phrase("in balance"), by="")) == "1 gleich"
+        assert wording(joined("; ", (phrase("in balance"), "x"))) == "gleich; x"
+        assert wording("Modes of x") == "Modes of x", "prose that looks like a phrase"
+        assert wording("x") == "y"
 
-    def test_places_beside_each_other_and_phrases_that_are_inserted(self):
-        """The second of two places begins with a sign; a phrase is replaced, a word or a name of the model is not."""
-        wording = Wording(
-            {"Speed of {node}{rated}.": "n {node}{rated}.", "; rated {n} rpm": "; Nenn {n}", "up to": "bis"}
-        )
-        assert wording("Speed of main shaft; rated 5 rpm.") == "n main shaft; Nenn 5."
-        assert wording("Speed of main shaft.") == "n main shaft."
-        phrases = Wording(
-            {
-                "It is {what}.": "Es ist {what}.",
-                "in balance": "ausgeglichen",
-                "barred range": "Sperrbereich",
-                "shaft": "Welle",
-                "{a} to {b} rpm": "{a} bis {b}",
-            },
-            frozenset({"barred range"}),
-        )
-        assert phrases("It is in balance.") == "Es ist ausgeglichen."
-        assert phrases("It is barred range.") == "Es ist barred range."
-        assert phrases("It is shaft.") == "Es ist shaft."
-        assert phrases("It is 5 to 7 rpm.") == "Es ist 5 bis 7."
+    def test_words_of_names_and_first_letters_change_in_a_phrase(self):
+        """A sentence goes through several hands before it is said in other words."""
+        wording = Wording({"Torque of {a}": "Moment {a}", "{a} % of {b}": "{b}: {a} %"})
+        assert wording(capital(as_words(phrase("torque of {a}", a="half_shaft")))) == "Moment half shaft"
+        first = capital(joined("; ", (phrase("torque of {a}", a="half_shaft"), "else")))
+        assert (first, wording(first)) == ("Torque of half_shaft; else", "Moment half_shaft; else")
+        (text,) = sentence(phrase("{a} % of {b}", a=3, b="half_shaft"), tn.load("amt_rig"))
+        assert (text, wording(text)) == ("3\N{NO-BREAK SPACE}% of half shaft", "half shaft: 3 %")
 
     @pytest.mark.slow
     def test_every_text_stands_in_the_code(self):

@@ -65,7 +65,7 @@ def untranslated(place: str, file: str, texts: Iterable[str]) -> Iterator[Fault]
 
 def unlisted(modules: Iterable[Module], texts: Iterable[str]) -> Iterator[Fault]:
     """Strings of a report's sections that look like a text and are not listed among those that can be replaced."""
-    from torsionnet.report.wording import PLACEHOLDER
+    from torsionnet.base.phrases import PLACEHOLDER
 
     listed = [*texts]
     known = {*listed, *(piece for text in listed for piece in PLACEHOLDER.split(text)[::2])}
@@ -79,10 +79,10 @@ def unlisted(modules: Iterable[Module], texts: Iterable[str]) -> Iterator[Fault]
 
 def strings(module: Module) -> Iterator[tuple[int, str]]:
     """Lines with the strings of a module, those of formatted ones in pieces, without docstrings."""
-    from torsionnet.report.wording import PLACEHOLDER
+    from torsionnet.base.phrases import FORMATTED
 
     documentation = {id(node.value) for node in ast.walk(module.tree) if isinstance(node, ast.Expr)}
     for node in ast.walk(module.tree):
         if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in documentation:
-            for piece in PLACEHOLDER.split(node.value)[::2]:
+            for piece in FORMATTED.split(node.value)[::3]:
                 yield node.lineno, piece

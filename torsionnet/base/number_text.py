@@ -13,6 +13,8 @@ from typing import Any
 
 SMALLEST_PLAIN, LARGEST_PLAIN = 1e-4, 1e6
 """Smallest and largest size of a number that is typeset without a power of ten."""
+UNBROKEN_PERCENT = "\N{NO-BREAK SPACE}%"
+"""Percent sign behind its number, with a blank at which no line ends."""
 MISSING, MISSING_TYPESET = "-", "–"
 """Dash for a missing value, on a screen and in a document."""
 MOST_DECIMALS = 4

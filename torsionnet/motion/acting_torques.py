@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Container, Iterable, Iterator, Mapping
 
 from torsionnet.base.errors import ModelError
+from torsionnet.base.phrases import phrase
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.model.balanced_state import BalancedState
 from torsionnet.model.element_base.laws import MotionLaw, Values
@@ -75,7 +76,8 @@ def held_load(drivetrain: AssembledModel, nodes: Container[str]) -> tuple[str, .
         and any(node in nodes for node in torque_place(place).nodes)
         and torque_place(place).of not in following
     ]
-    return (f"the torques of the load at {', '.join(held)} are held, whatever the speed",) if held else ()
+    text = "the torques of the load at {places} are held, whatever the speed"
+    return (phrase(text, places=", ".join(held)),) if held else ()
 
 
 def scale_notes(drivetrain: AssembledModel, scales: Mapping[Scale, TimeHistory]) -> Iterator[str]:
@@ -86,8 +88,11 @@ def scale_notes(drivetrain: AssembledModel, scales: Mapping[Scale, TimeHistory])
             if isinstance(law, MotionLaw) and law.scaled_by == what:
                 own, first = float(law.scale), history.first
                 if abs(own - first) > EQUAL * max(abs(own), abs(first)):
-                    text = f"{own:g} at the operating point and {first:g} from the start on, in SI units"
-                    yield f"the {what} of {element} is {text}"
+                    text = (
+                        "the {what} of {element} is {own:g} at the operating point and {first:g} from the start on, "
+                        "in SI units"
+                    )
+                    yield phrase(text, what=what, element=element, own=own, first=first)
 
 
 def given_speeds(drivetrain: AssembledModel) -> dict[str, float]:

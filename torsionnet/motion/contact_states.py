@@ -11,6 +11,7 @@ import scipy
 from numpy.typing import NDArray
 
 from torsionnet.base.errors import SolveError
+from torsionnet.base.phrases import phrase
 from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.motion.contact_form import NEGLIGIBLE_ENTRY, ContactForm, contact_form, relative_form
 from torsionnet.motion.loose_motions import LooseMotionError, Slip, balanced_slips
@@ -327,7 +328,7 @@ def _in_words(law: LawPhases, before: Phase, after: Phase) -> str:
         return "closes" if touching else "opens"
     if before.kind == "free" or after.kind == "free":
         return ""
-    return f"stage {_stage(law, after)}"
+    return phrase("stage {number}", number=_stage(law, after))
 
 
 def _stage(law: LawPhases, phase: Phase) -> int:

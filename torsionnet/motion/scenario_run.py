@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from torsionnet.base.errors import UsageError
 from torsionnet.base.expressions import Number
+from torsionnet.base.phrases import phrase
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.law_stiffness import functional
 from torsionnet.linear.assembly.rows import FloatArray
@@ -225,14 +226,17 @@ def _linear(
     names, histories = list(driven.histories), list(driven.histories.values())
     torques = np.array([one.samples(rate, count) for one in histories])
     request = driven_request(drivetrain, outputs, dict(zip(names, torques, strict=True)))
-    notes = [f"simulated: {drivetrain.title}, at rest before the first sample"]
+    begun = "simulated: {model}, at rest before the first sample"
     offsets: FloatArray | None = np.zeros(len(request.outputs))
     if driven.start == OPERATING_POINT:
         offsets = _mean_readings(drivetrain, driven, request)
-        text = ", from the mean torques at the start; angles and speeds count from the mean motion"
+        begun = "simulated: {model}, from the mean torques at the start; angles and speeds count from the mean motion"
         if offsets is None:
-            text = ", the torques at the start are not in balance: it begins in steady acceleration, without vibration"
-        notes = [f"simulated: {drivetrain.title}{text}"]
+            begun = (
+                "simulated: {model}, the torques at the start are not in balance: it begins in steady acceleration, "
+                "without vibration"
+            )
+    notes = [phrase(begun, model=drivetrain.title)]
     if offsets is not None and driven.start == OPERATING_POINT:
         histories = [one + constant(-one.first) for one in histories]
     if _is_sampled(drivetrain):

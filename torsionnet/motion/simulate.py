@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from torsionnet.base.errors import UsageError
+from torsionnet.base.phrases import phrase
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.linear.assembly.table_range import range_notes
@@ -55,7 +56,10 @@ def simulate_linear(
     read = reading_courses(drivetrain, request, torques.between, sampling_rate)
     read_so = zip(signals[-len(read) :], read, strict=True)
     signals = (*signals[: -len(read)], *(replace(signal, between=way) for signal, way in read_so))
-    notes = (f"simulated: {drivetrain.title}, at rest before the first sample", *read_notes(drivetrain, sampling_rate))
+    notes = (
+        phrase("simulated: {model}, at rest before the first sample", model=drivetrain.title),
+        *read_notes(drivetrain, sampling_rate),
+    )
     return Recording(signals, sampling_rate, title=drivetrain.title, notes=notes)
 
 

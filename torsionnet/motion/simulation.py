@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from torsionnet.base.errors import SolveError, UsageError
+from torsionnet.base.phrases import phrase
 from torsionnet.base.threads import one_thread
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.law_stiffness import functional
@@ -105,14 +106,18 @@ def simulate_torques(
     if tie is not None and onto is not None:
         place = next(number for number, name in enumerate(whole) if nodes_of(drivetrain, name) == nodes)
         torques[place] += tie.samples(motion.values[-1], onto.twist, tie.slip(onto.first), sampling_rate)
-    notes = [f"simulated: {drivetrain.title}, {begun.words}", *held_load(drivetrain, {*whole} - {*inputs})]
+    notes = [
+        phrase(f"simulated: {{model}}, {begun.words}", model=drivetrain.title),
+        *held_load(drivetrain, {*whole} - {*inputs}),
+    ]
     if tie is not None and onto is not None:
         notes.append(tie.words(onto.first))
     if start == OPERATING_POINT:
         notes += scale_notes(drivetrain, scales or {})
     if split.smooth:
         names = ", ".join(dict.fromkeys(one.owner for one in split.smooth))
-        notes.append(f"the torques of {names} by a Runge-Kutta method to {RELATIVE:g} in each step")
+        text = "the torques of {names} by a Runge-Kutta method to {tolerance:g} in each step"
+        notes.append(phrase(text, names=names, tolerance=RELATIVE))
         late = ", ".join(f"{one.owner} with {one.lag:.6g} s" for one in split.smooth if one.lag)
         if late:
             text = "from that of its speed" if begun.settled else "from zero at the first sample, as after switching on"

@@ -10,6 +10,7 @@ import numpy as np
 
 from torsionnet.base.equal_remarks import condition_words, configurations_in_words
 from torsionnet.base.errors import UsageError
+from torsionnet.base.phrases import phrase
 from torsionnet.base.units import RPM
 from torsionnet.machinery.excitations.cylinder_entries import EACH
 from torsionnet.machinery.excitations.cylinder_harmonics import lost_harmonics
@@ -24,8 +25,8 @@ from torsionnet.report.report_text import as_words, unit
 
 LOST_TORQUE = (
     "Where a cylinder is out, the others keep the pressures of the same speed and nothing makes up for the torque that "
-    "is lost. Left of the mean torque at {speed} rpm: {shares}. Couplings and the reversal of tooth load are judged by "
-    "the mean torque of the condition, shares of the rated torque by that with all cylinders working."
+    "is lost. Left of the mean torque at {speed:.6g} rpm: {shares}. Couplings and the reversal of tooth load are "
+    "judged by the mean torque of the condition, shares of the rated torque by that with all cylinders working."
 )
 """Paragraph on the mean torque of conditions with a cylinder out."""
 NOT_SHOWN = 5e-4
@@ -36,7 +37,8 @@ LOST_NOTE = (
 )
 """Note below a cylinder's harmonics on what is lost with it."""
 OUT_NOTE = (
-    "With a cylinder out as in {name}: that cylinder {share} % of the pressure, all together {whole} % of the torque."
+    "With a cylinder out as in {name}: that cylinder {share:g} % of the pressure, all together {whole:.3g} % of the "
+    "torque."
 )
 """Note below the mean indicated pressure over speed."""
 
@@ -59,7 +61,7 @@ def lost_torque_words(subject: ReportData) -> str:
             found.setdefault(f"{100 * kept:.3g}", []).append(case.configuration)
     every = subject.model.configurations
     shares = [f"{share} % ({_choices(names, every)})" for share, names in found.items()]
-    return LOST_TORQUE.format(speed=f"{speed * RPM:.6g}", shares=", ".join(shares)) if shares else ""
+    return phrase(LOST_TORQUE, speed=speed * RPM, shares=", ".join(shares)) if shares else ""
 
 
 def _choices(names: Sequence[str], every: Sequence[str]) -> str:
@@ -122,7 +124,7 @@ def with_lost_torque(
     lost = lost_harmonics(engine, speed)[list(places)] * 1e-3
     (group,) = block.groups
     rows = tuple((*row, NumberText(float(one))) for row, one in zip(group.rows, lost, strict=True))
-    note = LOST_NOTE.format(name=condition_words(case.configuration))
+    note = phrase(LOST_NOTE, name=condition_words(case.configuration))
     return replace(
         block,
         columns=(*block.columns, Heading("Lost", unit("kN*m"), numeric=True)),
@@ -149,7 +151,11 @@ def with_sums_out(subject: ReportData, name: str, sums: VectorSums, block: Table
         for row, orders in zip(group.rows, sums.groups(), strict=True)
     )
     numbers = ", ".join(map(str, out))
-    title = "One cylinder out, the largest of all" if engine.misfire == EACH else f"Without cylinder {numbers}"
+    title = (
+        "One cylinder out, the largest of all"
+        if engine.misfire == EACH
+        else phrase("Without cylinder {numbers}", numbers=numbers)
+    )
     return replace(block, groups=(TableGroup(group.rows, "All cylinders working"), TableGroup(rows, title)))
 
 
@@ -165,4 +171,4 @@ def pressure_notes(subject: ReportData, name: str, speed: float) -> list[str]:
     whole = np.mean([*engine.mean_torque_shares(at).values()])
     share = alone.mean_torque_shares(at)[one][0]
     words = condition_words(case.configuration)
-    return [OUT_NOTE.format(name=words, share=f"{round(100 * float(share), 1) + 0.0:g}", whole=f"{100 * whole:.3g}")]
+    return [phrase(OUT_NOTE, name=words, share=round(100 * float(share), 1) + 0.0, whole=100 * whole)]

@@ -8,6 +8,7 @@ import numpy as np
 
 from torsionnet.base.conventions import Conventions
 from torsionnet.base.number_text import NumberText, aligned_numbers
+from torsionnet.base.phrases import phrase
 from torsionnet.base.units import RPM
 from torsionnet.machinery.orders.common_turn import common_turn
 from torsionnet.machinery.orders.order_agreement import OrderAgreement
@@ -35,20 +36,22 @@ RANGE_NOTE = (
 
 
 def measured_order_tables(
-    run: OrderResponse, output: str, tests: Sequence[PlaceTest], conventions: Conventions, words: str
+    run: OrderResponse, output: str, tests: Sequence[PlaceTest], conventions: Conventions, place: str, where: str
 ) -> list[TableBlock]:
     """Tables of the peaks of measured and calculated orders, with a verdict, and of their differences over speed.
 
-    Orders of a run-up too fast for steady peaks are compared with those along its speed over time. ``words`` say the
-    place and the condition.
+    Orders of a run-up too fast for steady peaks are compared with those along its speed over time. ``place`` says how
+    and ``where`` on what and in which condition was measured.
     """
     pairs = [pair for one in tests for pair in compared_orders(run, output, one.orders, one.swept)]
     notes = [*meaning_notes(run, pairs), *dict.fromkeys(remark for one in tests for remark in one.remarks)]
     notes += filter(None, [common_turn([one.pair for one in pairs])])
     notes += not_compared([order for one in tests for order in one.orders], pairs)
+    peaks = phrase("Measured and calculated peaks: {place}{where}", place=place, where=where)
+    differences = phrase("Measured beside calculated orders over speed: {place}{where}", place=place, where=where)
     return [
-        _peaks(pairs, run.outputs[run.output(output)].unit, conventions, f"Measured and calculated peaks: {words}"),
-        _differences(pairs, f"Measured beside calculated orders over speed: {words}", list(map(as_words, notes))),
+        _peaks(pairs, run.outputs[run.output(output)].unit, conventions, peaks),
+        _differences(pairs, differences, list(map(as_words, notes))),
     ]
 
 

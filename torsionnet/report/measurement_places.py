@@ -16,8 +16,10 @@ from torsionnet.model.element_base.round_section import section_fault
 from torsionnet.report.free_end import free_end
 from torsionnet.report.measured_orders import MeasuredFile
 from torsionnet.report.report_data import Case, ReportData
-from torsionnet.report.report_text import as_words
 from torsionnet.signals.orders.tracked_orders import MeasuredOrder
+
+MEANS = {"torque": "torque by strain gauges", "angle": "angle by torsiograph or encoder"}
+"""Words on how quantities are measured on board, by quantity."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,11 +31,8 @@ class MeasuringPlace:
 
     @property
     def means(self) -> str:
-        if self.sensor.quantity == "torque":
-            return f"torque by strain gauges, {as_words(self.sensor.of)}"
-        if self.sensor.quantity == "angle":
-            return f"angle by torsiograph or encoder, {as_words(self.sensor.of)}"
-        return f"{self.sensor.quantity}, {as_words(self.sensor.of)}"
+        """Quantity that is measured, and with what."""
+        return MEANS.get(self.sensor.quantity, self.sensor.quantity)
 
 
 def measuring_places(subject: ReportData) -> tuple[MeasuringPlace, ...]:

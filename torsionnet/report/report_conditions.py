@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from torsionnet.base.expressions import Expression, Number
 from torsionnet.base.number_text import typeset_unit
+from torsionnet.base.phrases import joined, phrase
 from torsionnet.base.units import RPM
 from torsionnet.model.checks.parameter_units import parameter_units
 from torsionnet.model.definition import EXCITATIONS, LOAD, section_of
@@ -101,8 +102,14 @@ def speed_words(model: Drivetrain) -> str:
     if speeds is None:
         return ""
     low, high = speeds.values[0] * RPM, speeds.values[-1] * RPM
-    rated = f"; rated speed {speeds.rated * RPM:.6g} rpm" if speeds.rated else ""
-    return f"Speeds in every condition: {low:.6g} to {high:.6g} rpm of {as_words(speeds.of)}{rated}."
+    rated = phrase("; rated speed {speed:.6g} rpm", speed=speeds.rated * RPM) if speeds.rated else ""
+    return phrase(
+        "Speeds in every condition: {low:.6g} to {high:.6g} rpm of {node}{rated}.",
+        low=low,
+        high=high,
+        node=as_words(speeds.of),
+        rated=rated,
+    )
 
 
 def load_words(model: Drivetrain) -> str:
@@ -112,7 +119,8 @@ def load_words(model: Drivetrain) -> str:
         return ""
     shares = ", ".join(f"{as_words(name)} {100 * share:.4g} %" for name, share in load.driven_by.items())
     absorbers = ", ".join(map(as_words, load.by_place))
-    return f"Power is absorbed at {absorbers}" + (f" and given by {shares}." if shares else ".")
+    given = phrase(" and given by {shares}.", shares=shares) if shares else "."
+    return joined("", (phrase("Power is absorbed at {nodes}", nodes=absorbers), given))
 
 
 def unexamined(model: Drivetrain, examined: Sequence[str]) -> Iterator[str]:

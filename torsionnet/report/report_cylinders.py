@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from torsionnet.base.phrases import phrase
 from torsionnet.base.table import result_table
 from torsionnet.base.units import RPM
 from torsionnet.machinery.excitations.cylinder_entries import EACH
@@ -49,10 +50,18 @@ def engine_blocks(subject: ReportData, case: Case, name: str, engine: Reciprocat
     found = cylinder_harmonics(engine, own)
     largest = sorted(found, key=lambda one: -one.torque)[:MOST_ORDERS]
     kept = tuple(one for one in found if one in largest)
-    caption = f"{_name(name)}: tangential pressure of one cylinder by order at {own * RPM:.5g} r/min"
+    caption = phrase(
+        "{name}: tangential pressure of one cylinder by order at {speed:.5g} r/min", name=_name(name), speed=own * RPM
+    )
     notes = ["Over piston area and crank radius, peak values; phase of the cosine from firing top dead centre on."]
     if len(kept) < len(found):
-        notes.append(f"{len(found) - len(kept)} further orders have less than {1e-3 * _least(kept):.3g} kN·m.")
+        notes.append(
+            phrase(
+                "{count} further orders have less than {torque:.3g} kN·m.",
+                count=len(found) - len(kept),
+                torque=1e-3 * _least(kept),
+            )
+        )
     made = result_table("", [_shown(one) for one in kept], CylinderHarmonic, notes=notes)
     places = [number for number, one in enumerate(found) if one in largest]
     shown = with_lost_torque(subject, name, own, results_table(made, caption), places)
@@ -80,13 +89,27 @@ def _firing(name: str, engine: ReciprocatingEngine) -> str:
     degrees = [math.degrees(one) for one in intervals.values()]
     order = "–".join(map(str, intervals))
     even = max(intervals.values()) - min(intervals.values()) < EVEN_INTERVAL
-    each = f"every {degrees[0]:.4g}°" if even else f"at intervals of {', '.join(f'{one:.4g}' for one in degrees)}°"
-    what = "Top dead centres" if engine.absorbs else "Firing order"
-    sizes = f"bore {1e3 * engine.bore:.4g} mm, stroke {1e3 * engine.stroke:.4g} mm"
-    masses = (
-        f"crank radius over rod length {engine.crank.ratio:.4g}, reciprocating mass {engine.reciprocating_mass:.4g} kg"
+    each = (
+        phrase("every {angle:.4g}°", angle=degrees[0])
+        if even
+        else phrase("at intervals of {angles}°", angles=", ".join(f"{one:.4g}" for one in degrees))
     )
-    return f"{_name(name)}: {sizes}, {masses}. {what} {order}, {each} of crank angle."
+    what = phrase("Top dead centres" if engine.absorbs else "Firing order")
+    sizes = phrase("bore {bore:.4g} mm, stroke {stroke:.4g} mm", bore=1e3 * engine.bore, stroke=1e3 * engine.stroke)
+    masses = phrase(
+        "crank radius over rod length {ratio:.4g}, reciprocating mass {mass:.4g} kg",
+        ratio=engine.crank.ratio,
+        mass=engine.reciprocating_mass,
+    )
+    return phrase(
+        "{name}: {sizes}, {masses}. {what} {order}, {each} of crank angle.",
+        name=_name(name),
+        sizes=sizes,
+        masses=masses,
+        what=what,
+        order=order,
+        each=each,
+    )
 
 
 def _pressures(subject: ReportData, case: Case, name: str, engine: ReciprocatingEngine, ratio: float) -> list[Block]:
@@ -104,7 +127,9 @@ def _pressures(subject: ReportData, case: Case, name: str, engine: Reciprocating
     ):
         found, what = (found[chosen.index(rated)],), "mean indicated pressure, the same at all speeds"
     made = result_table("", found, IndicatedPressure, notes=pressure_notes(subject, name, rated * ratio))
-    block = results_table(made, f"{_name(name)}: {what}, all cylinders working")
+    block = results_table(
+        made, phrase("{name}: {pressures}, all cylinders working", name=_name(name), pressures=phrase(what))
+    )
     return [with_decimals(block, {"bar": 2, "kW": 0, "r/min": 1})]
 
 
@@ -124,12 +149,17 @@ def _vectors(subject: ReportData, case: Case, name: str) -> list[Block]:
     made = replace(sums.table(), notes=(note,))
     drawn, groups = modes[:MOST_MODES_DRAWN], _largest(sums)
     caption = (
-        f"{_name(name)}: phase stars; numbers are cylinders, black is their sum, the circle one cylinder at the "
-        "largest amplitude. Of orders with equal sums the first is drawn.",
+        phrase(
+            "{name}: phase stars; numbers are cylinders, black is their sum, the circle one cylinder at the "
+            "largest amplitude. Of orders with equal sums the first is drawn.",
+            name=_name(name),
+        ),
     )
-    alt = f"Phase stars of {as_words(name)} on modes {', '.join(map(str, drawn))}"
+    alt = phrase("Phase stars of {name} on modes {numbers}", name=as_words(name), numbers=", ".join(map(str, drawn)))
     return [
-        with_sums_out(subject, name, sums, results_table(made, f"{_name(name)}: relative vector sums")),
+        with_sums_out(
+            subject, name, sums, results_table(made, phrase("{name}: relative vector sums", name=_name(name)))
+        ),
         Picture(f"phase_stars_{name.replace('.', '_')}", phase_stars(sums, modes=drawn, groups=groups), caption, alt),
     ]
 
@@ -177,7 +207,11 @@ def _states(engine: ReciprocatingEngine) -> list[tuple[str, str]]:
         states.append((cylinders, without))
     if engine.gas_off:
         states.append((", ".join(map(str, engine.gas_off)), "none (factor 0), the mass moves on"))
-    states += [(number, f"factor {factor:.4g}") for number, factor in (engine.factors or {}).items() if factor != 1]
+    states += [
+        (number, phrase("factor {factor:.4g}", factor=factor))
+        for number, factor in (engine.factors or {}).items()
+        if factor != 1
+    ]
     if engine.spread:
-        states.append(("all", f"factor 1 ± {engine.spread:.3g}, the worst combination"))
+        states.append(("all", phrase("factor 1 ± {spread:.3g}, the worst combination", spread=engine.spread)))
     return states

@@ -13,6 +13,7 @@ import numpy as np
 
 from torsionnet.base.conventions import Conventions
 from torsionnet.base.errors import UsageError
+from torsionnet.base.phrases import phrase
 from torsionnet.linear.assembly.table_range import TableReads
 from torsionnet.linear.dynamic_stiffness.transfer_request import usable_channels
 from torsionnet.linear.frequency_response import FrequencyResponse
@@ -203,7 +204,13 @@ class ReportData:
         """
         if not self.left_out:
             return ()
-        return (f" Of {len(self.model.configurations)} configurations {len(self.cases)} are examined here.",)
+        return (
+            phrase(
+                " Of {all} configurations {count} are examined here.",
+                all=len(self.model.configurations),
+                count=len(self.cases),
+            ),
+        )
 
     @cached_property
     def limit_conclusion(self) -> LimitConclusion | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from torsionnet.base.number_text import aligned_numbers
+from torsionnet.base.phrases import phrase
 from torsionnet.machinery.excitations.engine_phases import conditions_running_alone
 from torsionnet.machinery.orders.engine_angles import EngineAngle
 from torsionnet.machinery.orders.worst_response import WorstResponse
@@ -23,9 +24,9 @@ def engine_remarks(subject: ReportData) -> list[Block]:
     found = [
         *(f"{note[0].upper()}{note[1:]}." for note in notes),
         *(
-            f"Running on {engine} alone: examined in {', '.join(names)}."
+            phrase("Running on {engine} alone: examined in {names}.", engine=engine, names=", ".join(names))
             if names
-            else f"Running on {engine} alone: not examined."
+            else phrase("Running on {engine} alone: not examined.", engine=engine)
             for engine, names in conditions_running_alone(conditions).items()
         ),
     ]

@@ -6,6 +6,7 @@ import math
 from dataclasses import replace
 from itertools import islice
 
+from torsionnet.base.phrases import phrase
 from torsionnet.base.table import Table
 from torsionnet.machinery.holzer.holzer_table import NEGLIGIBLE_TORQUE, HolzerStation, HolzerTable
 from torsionnet.report.document_tree import TableBlock, TableGroup
@@ -27,9 +28,16 @@ def holzer_blocks(holzer: HolzerTable) -> list[TableBlock]:
     first = as_words(holzer.branches[0].stations[0].node)
     blocks = []
     for place, branch in enumerate(holzer.tables(referred=True), 1):
-        part = f", branch {place}" if len(holzer.branches) > 1 else ""
-        what = f"Holzer table of mode {holzer.mode}, {holzer.frequency:.5g} Hz{part}; 1 rad at {first}"
-        blocks.append(results_table(_short(branch), f"{what}, referred to {as_words(holzer.referred_to)}"))
+        part = phrase(", branch {number}", number=place) if len(holzer.branches) > 1 else ""
+        caption = phrase(
+            "Holzer table of mode {number}, {frequency:.5g} Hz{branch}; 1 rad at {first}, referred to {node}",
+            number=holzer.mode,
+            frequency=holzer.frequency,
+            branch=part,
+            first=first,
+            node=as_words(holzer.referred_to),
+        )
+        blocks.append(results_table(_short(branch), caption))
     return blocks
 
 
@@ -43,10 +51,16 @@ def holzer_block(holzer: HolzerTable, stress_unit: str = "MPa") -> TableBlock:
     found = replace(found, branches=tuple(moving) or found.branches)
     made = _short(found.table(referred=True))  # the number of the branch in front, for stations that look alike
     columns = tuple(replace(one, unit=stress_unit) if one.unit == "MPa" else one for one in made.columns)
-    first = as_words("the mass that moves most" if found.first_rests else found.branches[0].stations[0].node)
-    caption = f"Holzer table of mode {found.mode}, {found.frequency:.5g} Hz; 1 rad at {first}"
+    node = found.branches[0].stations[0].node
+    caption = phrase(
+        "Holzer table of mode {number}, {frequency:.5g} Hz; 1 rad at {first}, referred to {node}",
+        number=found.mode,
+        frequency=found.frequency,
+        first=phrase("the mass that moves most") if found.first_rests else as_words(node),
+        node=as_words(found.referred_to),
+    )
     made = replace(made, columns=columns, notes=found.notes)
-    block = results_table(made, f"{caption}, referred to {as_words(found.referred_to)}")
+    block = results_table(made, caption)
     cells = iter(row[1:] for row in block.groups[0].rows)
     several = len(found.branches) > 1
     groups = [

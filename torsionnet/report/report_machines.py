@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from torsionnet.base.entries.scalars import QuantityKind, Value
 from torsionnet.base.expressions import Expression
+from torsionnet.base.phrases import phrase
 from torsionnet.base.units import RPM, expected_unit
 from torsionnet.machinery.excitations.propeller_torque import PropellerTorque
 from torsionnet.model.damping import MEASURES, DampingMeasure
@@ -146,7 +147,7 @@ def _joined(parts: Iterator[tuple[Inline, str]]) -> Text:
 def _of_excitation(model: Drivetrain, one: Any) -> Iterator[tuple[Inline, str]]:
     """Labels and values of an engine, compressor or electric machine by its excitation."""
     if one.kind == ENGINE:
-        yield f"{len(one.cylinders)} cylinders", ""
+        yield phrase("{count} cylinders", count=len(one.cylinders)), ""
         if not one.absorbs:
             yield "four-stroke" if one.cycle == 4 else "two-stroke", ""
         if one.firing_order:
@@ -178,8 +179,8 @@ def _of_element(model: Drivetrain, element: Element) -> Iterator[tuple[Inline, s
     node = getattr(element, "node", None)
     for one in model.definition.excitations.values():
         if isinstance(one, PropellerTorque) and element.kind == one.kind and one.shaft == node:
-            yield f"{one.blades} blades", ""
-            yield f"{one.pitch} pitch", ""
+            yield phrase("{count} blades", count=one.blades), ""
+            yield phrase("{kind} pitch", kind=one.pitch), ""
             torque, power = quantity_text(one.torque, "torque"), quantity_text(one.torque * one.rated, "power")
             yield "rated torque", f"{torque} at {quantity_text(one.rated, 'speed')} ({power})"
     defaults = element.defaults()
@@ -188,7 +189,11 @@ def _of_element(model: Drivetrain, element: Element) -> Iterator[tuple[Inline, s
             continue
         if isinstance(value, DampingMeasure):
             number = float(value.value.evaluate(model.exact_values))
-            at = f" at {float(value.at.evaluate(model.exact_values)):g} Hz" if value.at is not None else ""
+            at = (
+                phrase(" at {frequency:g} Hz", frequency=float(value.at.evaluate(model.exact_values)))
+                if value.at is not None
+                else ""
+            )
             words = MEASURES[value.measure].name
             yield words, quantity_text(number, MEASURES[value.measure].dimension) + at
         elif isinstance(spec, QuantityKind) and isinstance(value, Expression):

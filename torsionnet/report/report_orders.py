@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 
 from torsionnet.base.number_text import MISSING_TYPESET, NumberText, aligned_numbers
+from torsionnet.base.phrases import phrase
 from torsionnet.base.units import RPM
 from torsionnet.machinery.excitations.propeller_torque import PropellerTorque
 from torsionnet.machinery.phasors.excitation_lines import excitation_lines
@@ -42,9 +43,21 @@ def propeller_block(case: Case, name: str, propeller: PropellerTorque) -> TableB
         strict=True,
     )
     state = f", {as_words(propeller.condition)}" if propeller.condition else ""
-    law = f"mean torque {KILO * torque:.4g} {unit('kN*m')} at {propeller.rated * RPM:.5g} r/min"
-    follows = f", with the speed to the power {exponent:g}" if exponent else ""
-    caption = f"Propeller {as_words(name)}{state}: {propeller.blades} blades, {law}{follows}"
+    law = phrase(
+        "mean torque {torque:.4g} {unit} at {speed:.5g} r/min",
+        torque=KILO * torque,
+        unit=unit("kN*m"),
+        speed=propeller.rated * RPM,
+    )
+    follows = phrase(", with the speed to the power {exponent:g}", exponent=exponent) if exponent else ""
+    caption = phrase(
+        "Propeller {name}{state}: {blades} blades, {law}{exponent}",
+        name=as_words(name),
+        state=state,
+        blades=propeller.blades,
+        law=law,
+        exponent=follows,
+    )
     return table(caption, columns, list(rows), ("Phase of the torque taken; 0 where the first cylinder fires.",))
 
 

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 from torsionnet.base.equal_remarks import condition_words
 from torsionnet.base.errors import comma_list
-from torsionnet.base.number_text import MISSING_TYPESET, typeset_unit
+from torsionnet.base.number_text import MISSING_TYPESET, UNBROKEN_PERCENT, typeset_unit
+from torsionnet.base.phrases import PLACEHOLDER, Phrase, with_values
 from torsionnet.model.channels import parse_sensor
 from torsionnet.model.definition import all_nodes
 from torsionnet.report.document_tree import Inline, Math, Text
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
 def as_words(name: str) -> str:
     """Name of a node or element from the model as words: ``input_shaft`` is the input shaft."""
-    return name.replace("_", " ")
+    return with_values(name, lambda value: value.replace("_", " "))
 
 
 def names_in_reports(rig: Drivetrain) -> frozenset[str]:
@@ -78,7 +79,7 @@ def sentence(text: str, rig: Drivetrain, further: Sequence[str] = ()) -> Text:
     >>> sentence("cut at T_T, without half_shaft", tn.load("amt_rig"))
     ('cut at ', Math(latex='T_{T}'), ', without half shaft')
     """
-    text = text.replace(" %", "\N{NO-BREAK SPACE}%")
+    text = _unbroken_percent(text)
     symbols = {
         name
         for table in (rig.inputs, rig.sensors, rig.parameters, further)
@@ -97,7 +98,17 @@ def sentence(text: str, rig: Drivetrain, further: Sequence[str] = ()) -> Text:
             parts[-1] += as_words(piece) if piece in words else piece
         elif piece:
             parts.append(as_words(piece) if piece in words else piece)
+    if isinstance(text, Phrase) and len(parts) == 1:
+        return (with_values(text, lambda value: "".join(map(str, sentence(value, rig, further)))),)
     return tuple(parts)
+
+
+def _unbroken_percent(text: str) -> str:
+    """Text, of a phrase its template too, in which no line ends before a percent sign."""
+    if isinstance(text, Phrase):
+        values = {place: _unbroken_percent(value) for place, value in text.values.items()}
+        return Phrase(text.template.replace(" %", UNBROKEN_PERCENT), values)
+    return text.replace(" %", UNBROKEN_PERCENT)
 
 
 def _is_quantity_name(name: str) -> bool:
@@ -116,7 +127,13 @@ def capital(text: str) -> str:
     >>> capital("measured input"), capital("theta_1 moves")
     ('Measured input', 'theta_1 moves')
     """
-    return text if "_" in text.partition(" ")[0] else text[:1].upper() + text[1:]
+    if "_" in text.partition(" ")[0]:
+        return text
+    if not isinstance(text, Phrase):
+        return text[:1].upper() + text[1:]
+    if place := PLACEHOLDER.match(text.template):
+        return Phrase(text.template, {**text.values, place[1]: capital(text.values[place[1]])})
+    return Phrase(text.template[:1].upper() + text.template[1:], text.values)
 
 
 def first_names(names: Sequence[str], most: int = 12) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any
 
+from torsionnet.base.phrases import phrase
 from torsionnet.report.document_tree import (
     Details,
     Facts,
@@ -103,6 +104,6 @@ class Rewording:
             )
             for group in table.groups
         )
-        more = [(self.wording(f"… and {table.more} more"),)] if table.more else []
+        more = [(self.wording(phrase("… and {count} more", count=table.more)),)] if table.more else []
         said = {name: self.reworded(getattr(table, name)) for name in ("caption", "columns", "notes")}
         return replace(table, **said | {"groups": tuple(groups), "notes": (*said["notes"], *more), "more": 0})

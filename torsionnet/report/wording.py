@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field
-from functools import cache, cached_property
+from functools import cache
 from importlib.resources import files
 from typing import ClassVar
 
@@ -19,6 +19,8 @@ from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.scalars import QuantityKind, Value
 from torsionnet.base.entries.spec import Count, EntryError, OneOf, Spec, Text, entry
 from torsionnet.base.errors import Fault, suggestion_or
+from torsionnet.base.number_text import UNBROKEN_PERCENT
+from torsionnet.base.phrases import PLACEHOLDER, Phrase
 from torsionnet.model.element_base.characteristic import Characteristic
 from torsionnet.model.element_base.control_entries import ControlLawEntry
 from torsionnet.model.element_base.curves import LookupCurve
@@ -29,12 +31,6 @@ from torsionnet.model.elements import ELEMENT_TYPES
 from torsionnet.model.files.located_yaml import compose
 from torsionnet.model.given_values import has_own_column
 
-PLACEHOLDER = re.compile(r"\{(\w+)\}")
-"""Regular expression of the place in a text at which something is inserted, such as ``{name}``."""
-CONTINUED = r"(?:(?:[,;:]| in | of | at | for | \().*?)?"
-"""Regular expression of what continues a sentence right behind a name that is inserted, or of nothing."""
-FEWEST_WORDS = 2
-"""Number of words from which on an inserted text is a phrase of the report, and no word from elsewhere."""
 REPORTED_ENTRIES = (QuantityKind, Value, Teeth, Count, OneOf, TableEntry, Characteristic, QuantityRows, LookupCurve)
 """Kinds of entries that a report on a model has a row for; an entry of several values has a row for each."""
 LIST_OF_TEXTS = 'the page "A report in your own words" lists them'
@@ -85,9 +81,11 @@ class Wording:
 
     Examples
     --------
+    >>> from torsionnet.base.phrases import phrase
     >>> wording = Wording({"Elements{where}; values": "Teile{where}", " in configuration {name}": " bei {name}"})
-    >>> wording("Elements in configuration V; values"), wording("Elements; values"), wording("else")
-    ('Teile bei V', 'Teile', 'else')
+    >>> where = phrase(" in configuration {name}", name="V")
+    >>> [wording(phrase("Elements{where}; values", where=text)) for text in (where, "")], wording("else")
+    (['Teile bei V', 'Teile'], 'else')
     """
 
     texts: Mapping[str, str] = field(default_factory=dict)
@@ -95,53 +93,19 @@ class Wording:
     """Names of a model, which stay as they are in headings and where they are inserted into a text."""
 
     def __call__(self, text: str) -> str:
-        """Text in the words of the mapping, or as it is where the mapping has no other words."""
+        """Text in the words of the mapping, or as it is where the mapping has no other words.
+
+        What is inserted into a phrase stays as it is, but for phrases of the report.
+        """
         if text in self.texts:
             return self.texts[text]
-        for pattern, said in self._patterns:
-            if found := pattern.fullmatch(text):
-                return self._filled(said, found.groupdict())
-        return text
-
-    def _filled(self, said: str, inserted: Mapping[str, str]) -> str:
-        return PLACEHOLDER.sub(lambda place: self._inserted(inserted[place[1]]), said)
-
-    @cached_property
-    def _patterns(self) -> list[tuple[re.Pattern[str], str]]:
-        """Regular expressions of the texts into which something is inserted, longest first, with their other words."""
-        found = [text for text in self.texts if PLACEHOLDER.search(text)]
-        found.sort(key=lambda text: -len(PLACEHOLDER.sub("", text)))
-        return [(_pattern(text), self.texts[text]) for text in found]
-
-    def _inserted(self, text: str) -> str:
-        """Inserted text in other words where it continues the sentence of the report, or is a phrase of it.
-
-        A name of the model stays as it is, and so does a single word, as a name that is put together may be.
-        """
-        if text in self.names:
+        if not isinstance(text, Phrase):
             return text
-        if text[:1] in (" ", ",", ";"):
-            return self(text)
-        if text in self.texts:
-            return self.texts[text] if _is_phrase(text) else text
-        for pattern, said in self._patterns:
-            if _is_phrase(pattern.pattern) and (found := pattern.fullmatch(text)):
-                return self._filled(said, found.groupdict())
-        return text
+        said = self.texts.get(text.template.replace(UNBROKEN_PERCENT, " %"), text.template)
+        return PLACEHOLDER.sub(lambda place: self._inserted(text.values[place[1]]), said)
 
-
-def _is_phrase(text: str) -> bool:
-    """Whether a text, or the regular expression of one, has at least two words beside what is inserted."""
-    return len(re.findall(r"[^\W\d_]{2,}", re.sub(r"\(\?P<\w+>\.\*\?\)", "", text))) >= FEWEST_WORDS
-
-
-def _pattern(text: str) -> re.Pattern[str]:
-    literal, *rest = PLACEHOLDER.split(text)
-    # What is inserted right behind another place begins with a sign, as " in ..." does, or is not there.
-    any_text = [".*?" if before else CONTINUED for before in ["-", *rest[1:-1:2]]]
-    places = zip(rest[::2], any_text, rest[1::2], strict=True)
-    parts = (f"(?P<{name}>{some}){re.escape(after)}" for name, some, after in places)
-    return re.compile(re.escape(literal) + "".join(parts), re.DOTALL)
+    def _inserted(self, value: str) -> str:
+        return self(value) if isinstance(value, Phrase) else value
 
 
 def _unknown(text: str) -> str | None:

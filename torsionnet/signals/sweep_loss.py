@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
+from torsionnet.base.phrases import phrase
 from torsionnet.base.units import RPM
 from torsionnet.linear.frequency_response import ComplexArray, FloatArray
 from torsionnet.linear.modes.modes import Modes
@@ -120,9 +121,18 @@ def sweep_remarks(times: FloatArray, speeds: FloatArray, orders: Sequence[float]
             if worst is not None and worst[0].loss >= LEAST_LOSS:
                 rpm = natural * 2 * math.pi / order * RPM
                 found.append(
-                    f"order {order:g} passed {natural:.4g} Hz (damping ratio {ratio:.3g}, {rpm:.4g} rpm) at "
-                    f"{abs(worst[1]):.3g} Hz/s: the model's steady peak loses {100 * worst[0].loss:.2g} % and moves by "
-                    f"{100 * worst[0].shift:+.2g} % in speed"
+                    phrase(
+                        "order {order:g} passed {frequency:.4g} Hz (damping ratio {ratio:.3g}, {speed:.4g} rpm) at "
+                        "{rate:.3g} Hz/s: the model's steady peak loses {loss:.2g} % and moves by {shift:+.2g} % in "
+                        "speed",
+                        order=order,
+                        frequency=natural,
+                        ratio=ratio,
+                        speed=rpm,
+                        rate=abs(worst[1]),
+                        loss=100 * worst[0].loss,
+                        shift=100 * worst[0].shift,
+                    )
                 )
     return tuple(found)
 

@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.base.conventions import mode_numbers
-from torsionnet.base.errors import ModelName, Worded, joined
+from torsionnet.base.errors import ModelName
+from torsionnet.base.phrases import joined, phrase
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.linear.assembly.system import Assembly
 from torsionnet.linear.modes.eigen import RIGID, EigenSolution
@@ -54,9 +55,9 @@ def describe(
         if kind == "rigid body":
             sentences.append(_rigid(assembly, shapes[:, index]))
         elif kind == "real pole":
-            fall = (
-                "critically damped, time constant " if _is_critical(solution, index) else "overdamped, time constant "
-            )
+            fall = "overdamped, time constant {time:.3g} s{more}"
+            if _is_critical(solution, index):
+                fall = "critically damped, time constant {time:.3g} s{more}"
             value = solution.eigenvalues[index]
             sentences.append(_decaying(fall, value, elements, strain[:, index], dissipated[:, index]))
         else:
@@ -68,7 +69,9 @@ def describe(
 def with_growth(solution: EigenSolution, motions: tuple[str, ...]) -> tuple[str, ...]:
     """Description of each mode: what moves, behind the word that it is unstable where it grows."""
     pairs = zip(solution.kinds, solution.eigenvalues.real.tolist(), motions, strict=True)
-    return tuple(f"{UNSTABLE}; {text}" if kind != "rigid body" and real > 0 else text for kind, real, text in pairs)
+    return tuple(
+        joined("; ", (UNSTABLE, text)) if kind != "rigid body" and real > 0 else text for kind, real, text in pairs
+    )
 
 
 def convergence_warnings(solution: EigenSolution) -> tuple[str, ...]:
@@ -99,22 +102,33 @@ def _rigid(assembly: Assembly, shape: ComplexArray) -> str:
     return (
         "rigid-body rotation"
         if not still
-        else f"rigid-body rotation of {len(assembly.nodes) - still} of {len(assembly.nodes)} nodes"
+        else phrase(
+            "rigid-body rotation of {count} of {all} nodes", count=len(assembly.nodes) - still, all=len(assembly.nodes)
+        )
     )
 
 
-def _leading(elements: tuple[str, ...], shares: FloatArray) -> Worded:
+def _leading(elements: tuple[str, ...], shares: FloatArray) -> str:
     largest = np.argsort(-np.round(shares, 9), kind="stable")[:3]  # the first of equal shares
     order = [index for index in largest if shares[index] >= LEAST_SHARE] or list(largest[:1])
-    return joined(Worded("{} {:.0f} %", ModelName(elements[i]), float(100 * shares[i])) for i in order if shares[i] > 0)
+    return joined(
+        ", ",
+        (
+            phrase("{name} {share:.0f} %", name=ModelName(elements[index]), share=100 * shares[index])
+            for index in order
+            if shares[index] > 0
+        ),
+    )
 
 
 def _decaying(fall: str, value: complex, elements: tuple[str, ...], strain: FloatArray, dissipated: FloatArray) -> str:
     time = 1 / abs(value.real) if value.real else math.inf
-    text = f"{fall}{time:.3g} s" if value.real <= 0 else f"e times as much every {time:.3g} s"
-    damping = _leading(elements, dissipated) if value.real <= 0 else ""
-    text = Worded("{}; damped by {}", text, damping) if damping else text
-    return text if strain.any() else Worded("{}; no spring involved", text)
+    damping = _leading(elements, dissipated)
+    more = [] if strain.any() else ["; no spring involved"]
+    if value.real > 0:
+        return joined("", (f"e times as much every {time:.3g} s", *more))
+    damped = [phrase("; damped by {shares}", shares=damping)] if damping else []
+    return phrase(fall, time=time, more=joined("", (*damped, *more)))
 
 
 def _is_critical(solution: EigenSolution, index: int) -> bool:
@@ -129,12 +143,14 @@ def _vibration(elements: tuple[str, ...], strain: FloatArray, crossings: list[st
     if not strain.any():
         return "no spring involved"
     if crossings is None:
-        return Worded("strain in {}", _leading(elements, strain))
-    count = len(crossings)
-    nodes = "no node of vibration" if not count else f"{count} node{'s' if count > 1 else ''} of vibration"
-    places = list(dict.fromkeys(crossings))
-    where = Worded(" {}", joined(places)) if 0 < len(places) <= 3 else ""
-    return Worded("strain in {}; {}{}", _leading(elements, strain), nodes, where)
+        return phrase("strain in {shares}", shares=_leading(elements, strain))
+    count, places = len(crossings), list(dict.fromkeys(crossings))
+    template = "strain in {shares}; no node of vibration"
+    if count:
+        several = "strain in {shares}; {count} nodes of vibration{where}"
+        template = several if count > 1 else "strain in {shares}; 1 node of vibration{where}"
+    where = joined("", (" ", joined(", ", places))) if 0 < len(places) <= 3 else ""
+    return phrase(template, shares=_leading(elements, strain), count=count, where=where)
 
 
 @dataclass(frozen=True)
@@ -181,12 +197,17 @@ class Links:
         crossing = (sides[:, 0] * sides[:, 1] < 0) & (size.min(axis=1) > STILL_NODE * size.max(axis=1))
         crossings: dict[frozenset[int], str] = {}
         for number in np.flatnonzero(crossing):
-            crossings.setdefault(frozenset(self.ends[number].tolist()), Worded("in {}", ModelName(self.owners[number])))
+            crossings.setdefault(
+                frozenset(self.ends[number].tolist()), phrase("in {element}", element=ModelName(self.owners[number]))
+            )
         low, high = np.zeros(len(angle)), np.zeros(len(angle))
         np.minimum.at(low, self.ends, sides[:, ::-1] / self.factors)
         np.maximum.at(high, self.ends, sides[:, ::-1] / self.factors)
         rests = (low < 0) & (high > 0) & (np.abs(angle) <= STILL_NODE * np.minimum(-low, high))
-        return [*crossings.values(), *(Worded("at {}", ModelName(self.names[node])) for node in np.flatnonzero(rests))]
+        return [
+            *crossings.values(),
+            *(phrase("at {node}", node=ModelName(self.names[node])) for node in np.flatnonzero(rests)),
+        ]
 
 
 EQUAL_EIGENVALUES = 1e-9

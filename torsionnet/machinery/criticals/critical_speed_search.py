@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from torsionnet.base.errors import UsageError, comma_list
 from torsionnet.base.number_text import screen_text
+from torsionnet.base.phrases import phrase
 from torsionnet.base.units import RPM
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.table_range import range_notes
@@ -259,7 +260,7 @@ class CrossingSearch:
         yield from range_notes(self.drivetrain.assembly, [mode.damped_frequency for mode in self.modes])
         low, high = self.over_speed.known
         if low > self.limits[0] or high < self.limits[1]:
-            ends = f"{screen_text(low * RPM, 6)} to {screen_text(high * RPM, 6)} rpm"
+            ends = phrase("{low} to {high} rpm", low=screen_text(low * RPM, 6), high=screen_text(high * RPM, 6))
             yield f"tables and laws give the modes from {ends}; critical speeds beyond are unknown"
         for name, known in self.known.items():
             if known != self.limits:
@@ -330,7 +331,9 @@ class CrossingSearch:
         if excitation.quantity != "torque":
             return replace(one, excited=bool(found.amplitudes[at].any()))
         force = generalised_force(excitation, found, at, shape, largest)
-        title = f"{self.title}, mode {one.mode.number}" + (f", {force.case}" if force.case else "")
+        title = phrase("{order}, mode {mode}", order=self.title, mode=one.mode.number) + (
+            f", {force.case}" if force.case else ""
+        )
         return replace(
             one,
             generalised_force=force.value,

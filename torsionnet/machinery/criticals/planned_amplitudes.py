@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from torsionnet.base.phrases import Phrase, extended, joined, phrase
 from torsionnet.base.units import RPM
 from torsionnet.machinery.orders.order_comparison import SAME_ORDER_DIFFERENCE
 from torsionnet.machinery.orders.order_response import OrderResponse
@@ -84,7 +85,7 @@ def critical_peaks(run: OrderResponse, output: str | None = None) -> tuple[Plann
             continue
         inside = np.flatnonzero((size[1:-1] > size[:-2]) & (size[1:-1] >= size[2:])) + 1
         inside = inside[size[inside] >= SMALLEST_SHARE * largest]
-        reason = f"peak of order {float(line.relative):.4g}"
+        reason = phrase("peak of order {order:.4g}", order=float(line.relative))
         peaks += [(float(size[at]), PlannedSpeed(float(run.speeds[at]), reason)) for at in inside]
     peaks.sort(key=lambda peak: -peak[0])
     return tuple(sorted((one for _, one in peaks[:MOST_CRITICAL]), key=lambda one: one.speed))
@@ -101,10 +102,17 @@ def merged_speeds(speeds: Sequence[PlannedSpeed]) -> tuple[PlannedSpeed, ...]:
     found: list[PlannedSpeed] = []
     for one in sorted(speeds, key=lambda one: one.speed):
         if found and math.isclose(found[-1].speed, one.speed, rel_tol=SAME_SPEED):
-            found[-1] = PlannedSpeed(found[-1].speed, f"{found[-1].reason}; {one.reason}")
+            found[-1] = PlannedSpeed(found[-1].speed, _both(found[-1].reason, one.reason))
         else:
             found.append(one)
     return tuple(found)
+
+
+def _both(first: str, second: str) -> str:
+    """Two reasons for a speed; fixed words beside the one with a place belong to its template."""
+    if isinstance(second, Phrase) and not isinstance(first, Phrase):
+        return Phrase(f"{first}; {second.template}", second.values)
+    return joined("; ", (first, second)) if isinstance(second, Phrase) else extended(first, f"; {second}")
 
 
 def planned_amplitudes(

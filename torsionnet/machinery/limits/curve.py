@@ -14,6 +14,7 @@ from torsionnet.base.entries.scalars import Value, check_unit
 from torsionnet.base.entries.spec import EntryError, OneOf, Text, entry, name_fault
 from torsionnet.base.errors import EntryPath, Fault, unknown_name
 from torsionnet.base.expressions import Number
+from torsionnet.base.phrases import phrase
 from torsionnet.base.units import RPM
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.excitations.order_excitation import ORDER
@@ -135,7 +136,7 @@ class CurveLimit(Limit):
         pairs = getattr(self, key)
         low, high = pairs[0][0] * factor, pairs[-1][0] * factor
         if speeds[0] < low * (1 - 1e-9) or speeds[-1] > high * (1 + 1e-9):
-            covered = f"{low * RPM:.6g} to {high * RPM:.6g} rpm"
+            covered = phrase("{low:.6g} to {high:.6g} rpm", low=low * RPM, high=high * RPM)
             text = f"the table covers {covered}, the speeds go from {speeds[0] * RPM:.6g} to {speeds[-1] * RPM:.6g} rpm"
             yield Fault(
                 f"{text}; other speeds are not judged, extend the table to them", (key,), "warning", on_key=True

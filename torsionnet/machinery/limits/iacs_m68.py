@@ -12,6 +12,7 @@ import numpy as np
 from torsionnet.base.entries.scalars import Value
 from torsionnet.base.entries.spec import Count, OneOf, entry
 from torsionnet.base.errors import Fault
+from torsionnet.base.phrases import phrase
 from torsionnet.base.units import RPM
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.limits.class_rule_shaft import ClassRuleShaft
@@ -127,7 +128,7 @@ class IacsM68(ClassRuleShaft):
             return
         low, high = subject.speeds[0], subject.speeds[-1]
         if not low * (1 - 1e-9) <= self.safe_speed <= high * (1 + 1e-9):
-            examined = f"{low * RPM:.6g} to {high * RPM:.6g} rpm"
+            examined = phrase("{low:.6g} to {high:.6g} rpm", low=low * RPM, high=high * RPM)
             text = f"safe_speed of {self.safe_speed * RPM:.6g} rpm is not among the speeds examined, {examined}"
             yield Fault(text, ("safe_speed",))
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from torsionnet.base.phrases import phrase
 from torsionnet.linear.frequency_response import ComplexArray, FloatArray
 from torsionnet.machinery.orders.engine_blocks import engine_blocks
 from torsionnet.machinery.orders.order_response import OrderResponse
@@ -51,14 +52,23 @@ def bound_note(response: OrderResponse) -> str:
     if isinstance(response, WorstResponse):
         cases, engines = len(response.labels), " and ".join(one.engine for one in response.angles)
         if cases > 1 and engines:
-            why.append(f"the worst of {cases} cases and the worst angle of {engines}")
+            why.append(
+                phrase("the worst of {count} cases and the worst angle of {engines}", count=cases, engines=engines)
+            )
         elif cases > 1 or engines:
-            why.append(f"the worst angle of {engines}" if engines else f"the worst of {cases} cases")
-        why += [f"the worst scatter of {', '.join(response.scattered)}"] if response.scattered else []
+            why.append(
+                phrase("the worst angle of {engines}", engines=engines)
+                if engines
+                else phrase("the worst of {count} cases", count=cases)
+            )
+        why += (
+            [phrase("the worst scatter of {names}", names=", ".join(response.scattered))] if response.scattered else []
+        )
     else:
         why += ["every angle between engines of which the model gives none"]
     reason = " and ".join(why) or "all cases"
-    return (
-        f"calculated amplitudes are upper bounds, over {reason}, and have no phase: name the case that was tested, or "
-        "give the phases between engines, to compare phases"
+    return phrase(
+        "calculated amplitudes are upper bounds, over {why}, and have no phase: name the case that was "
+        "tested, or give the phases between engines, to compare phases",
+        why=reason,
     )

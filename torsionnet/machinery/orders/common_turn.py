@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from torsionnet.base.phrases import phrase
 from torsionnet.machinery.orders.difference_explanations import LEAST_EXPLAINED, delay_words, offset_words
 from torsionnet.machinery.orders.order_pair import OrderPair
 from torsionnet.signals.phase_turns import LONGEST_DELAY, best_turn
@@ -47,7 +48,11 @@ def common_turn(pairs: Sequence[OrderPair]) -> str:
     removed = 1 - left[words] / before
     if removed < LEAST_EXPLAINED:
         return ""
-    return f"all orders together: {words}, which removes {100 * removed:.0f} % of the squared difference"
+    return phrase(
+        "all orders together: {words}, which removes {share:.0f} % of the squared difference",
+        words=words,
+        share=100 * removed,
+    )
 
 
 def _period(orders: Sequence[float]) -> float:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from torsionnet.base.phrases import phrase
 from torsionnet.base.units import RPM
 from torsionnet.linear.frequency_response import ComplexArray, FloatArray
 from torsionnet.machinery.orders.order_pair import OrderPair
@@ -75,9 +76,9 @@ def explanations(pair: OrderPair, weights: FloatArray) -> Iterator[DifferenceExp
     if factor > 0:
         share = f"{abs(factor - 1) * 100:.3g}"
         words = (
-            f"amplitudes {share} % above the calculated ones at every speed"
+            phrase("amplitudes {share} % above the calculated ones at every speed", share=share)
             if factor > 1
-            else f"amplitudes {share} % below the calculated ones at every speed"
+            else phrase("amplitudes {share} % below the calculated ones at every speed", share=share)
         )
         yield DifferenceExplanation(FACTOR, words, factor * model, factor=factor)
 
@@ -87,21 +88,34 @@ def offset_words(offset: float, period: float = 0.0) -> str:
     size, more = f"{abs(math.degrees(offset)):.3g}", f"{math.degrees(period):.4g}"
     if period:
         return (
-            f"the zero of the angle lies {size} degrees later than in the calculation (or {more} degrees more)"
+            phrase(
+                "the zero of the angle lies {degrees} degrees later than in the calculation (or {period} degrees more)",
+                degrees=size,
+                period=more,
+            )
             if offset > 0
-            else f"the zero of the angle lies {size} degrees earlier than in the calculation (or {more} degrees more)"
+            else phrase(
+                "the zero of the angle lies {degrees} degrees earlier than in the calculation (or {period} "
+                "degrees more)",
+                degrees=size,
+                period=more,
+            )
         )
     return (
-        f"the zero of the angle lies {size} degrees later than in the calculation"
+        phrase("the zero of the angle lies {degrees} degrees later than in the calculation", degrees=size)
         if offset > 0
-        else f"the zero of the angle lies {size} degrees earlier than in the calculation"
+        else phrase("the zero of the angle lies {degrees} degrees earlier than in the calculation", degrees=size)
     )
 
 
 def delay_words(delay: float) -> str:
     """Text on a delay of the measured signal in s, with its size in ms."""
     size = f"{abs(delay) * 1e3:.3g}"
-    return f"the signal comes {size} ms late" if delay > 0 else f"the signal comes {size} ms early"
+    return (
+        phrase("the signal comes {time} ms late", time=size)
+        if delay > 0
+        else phrase("the signal comes {time} ms early", time=size)
+    )
 
 
 def holds(one: DifferenceExplanation, pair: OrderPair) -> bool:
@@ -146,9 +160,12 @@ def damping_difference(pair: OrderPair) -> str:
     if abs(math.log(height * width)) > DAMPING_TOLERANCE or abs(math.log(width)) < DAMPING_TOLERANCE:
         return ""
     damping = math.sqrt(width / height)
-    return (
-        f"the peak is {height:.3g} times as high and {width:.3g} times as wide as calculated, as with {damping:.3g} "
-        "times the damping"
+    return phrase(
+        "the peak is {height:.3g} times as high and {width:.3g} times as wide as calculated, as with "
+        "{damping:.3g} times the damping",
+        height=height,
+        width=width,
+        damping=damping,
     )
 
 
@@ -167,4 +184,9 @@ def peak_shift(pair: OrderPair, half_width: float) -> str:
     if low <= speeds[of] <= high:
         return ""
     share = 100 * (pair.speeds[at] / speeds[of] - 1)
-    return f"peak at {pair.speeds[at] * RPM:.5g} rpm instead of {speeds[of] * RPM:.5g} rpm ({share:+.2g} %)"
+    return phrase(
+        "peak at {measured:.5g} rpm instead of {calculated:.5g} rpm ({share:+.2g} %)",
+        measured=pair.speeds[at] * RPM,
+        calculated=speeds[of] * RPM,
+        share=share,
+    )

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from torsionnet.base.phrases import phrase
 from torsionnet.base.units import RPM
 from torsionnet.machinery.orders.difference_explanations import (
     DELAY,
@@ -39,8 +40,8 @@ OFFSET_OR_DELAY, PHASE = "offset or delay", "phase differs"
 SHIFTED, DAMPING, DIFFERS = "peak at another speed", "damping differs", "amplitude differs"
 """Verdicts on an order whose amplitude does not agree."""
 UNSTATED = "the test states no interval, so nothing says which difference is too large"
-UNSTATED_BUT = "the test states no interval, so nothing says which difference is too large; "
-"""Sentence on an order without interval, and its beginning where another one follows."""
+UNSTATED_BUT = "the test states no interval, so nothing says which difference is too large; {text}"
+"""Sentence on an order without interval, and that where another one follows."""
 UNEXPLAINED = "the amplitude agrees; no single offset or delay explains the phase"
 """Sentence on an order whose phase nothing explains."""
 CALCULATED_ZERO = "the calculated order is zero"
@@ -138,9 +139,9 @@ def _without_interval(pair: OrderPair) -> DifferenceExplanation:
         return DifferenceExplanation(ABOVE_BOUND if over else WITHIN_BOUND, "", pair.calculated)
     best = best_explanation(pair, np.ones(len(pair.speeds)))
     if best is not None:
-        return replace(best, verdict=NO_INTERVAL, sentence=UNSTATED_BUT + best.sentence)
+        return replace(best, verdict=NO_INTERVAL, sentence=phrase(UNSTATED_BUT, text=best.sentence))
     shift = peak_shift(pair, 0.0)
-    return DifferenceExplanation(NO_INTERVAL, UNSTATED_BUT + shift if shift else UNSTATED, pair.calculated)
+    return DifferenceExplanation(NO_INTERVAL, phrase(UNSTATED_BUT, text=shift) if shift else UNSTATED, pair.calculated)
 
 
 def is_resolved(pair: OrderPair) -> bool:
@@ -171,7 +172,9 @@ def _bounded(pair: OrderPair) -> DifferenceExplanation:
         return DifferenceExplanation(NOT_RESOLVED, UNRESOLVED, pair.calculated)
     if over[at] <= LARGEST_EXCESS:
         return DifferenceExplanation(WITHIN_BOUND, "", pair.calculated)
-    text = f"at {pair.speeds[at] * RPM:.5g} rpm by {over[at]:.3g} half widths of the interval"
+    text = phrase(
+        "at {speed:.5g} rpm by {count:.3g} half widths of the interval", speed=pair.speeds[at] * RPM, count=over[at]
+    )
     return DifferenceExplanation(ABOVE_BOUND, text, pair.calculated)
 
 
@@ -188,7 +191,11 @@ def _judged(pair: OrderPair) -> DifferenceExplanation:
     holding = {one.verdict: one for one in explanations(pair, weights) if holds(one, pair)}
     if OFFSET in holding and DELAY in holding and WRONG_SIGN not in holding:
         offset, delay = holding[OFFSET], holding[DELAY]
-        text = f"{offset.sentence}, or {delay.sentence}: these speeds do not tell one from the other"
+        text = phrase(
+            "{first}, or {second}: these speeds do not tell one from the other",
+            first=offset.sentence,
+            second=delay.sentence,
+        )
         return replace(offset, verdict=OFFSET_OR_DELAY, sentence=text, delay=delay.delay)
     if holding:
         return next(iter(holding.values()))

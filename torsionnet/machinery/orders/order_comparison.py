@@ -10,6 +10,7 @@ import numpy as np
 
 from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.errors import UsageError
+from torsionnet.base.phrases import phrase
 from torsionnet.base.table import Column, Table
 from torsionnet.base.units import RPM
 from torsionnet.linear.frequency_response import FloatArray
@@ -180,8 +181,11 @@ def comparison_notes(response: OrderResponse, pairs: Sequence[ComparedOrder]) ->
 def meaning_notes(response: OrderResponse, pairs: Sequence[ComparedOrder]) -> tuple[str, ...]:
     """Notes on what the differences of compared orders are, and whether the calculated side is a bound."""
     notes = [
-        f"orders of {response.reference}; peak amplitudes; differences are (measured - calculated)/calculated, RMS "
-        "over the measured speeds"
+        phrase(
+            "orders of {reference}; peak amplitudes; differences are (measured - calculated)/calculated, "
+            "RMS over the measured speeds",
+            reference=response.reference,
+        )
     ]
     if any(pair.pair.has_phase for pair in pairs):
         notes.append("RMS differences are of complex values; phases are measured less calculated")
@@ -195,8 +199,11 @@ def meaning_notes(response: OrderResponse, pairs: Sequence[ComparedOrder]) -> tu
     orders = ", ".join(f"{pair.measured.order:g}" for pair in pairs if pair.pair.swept)
     if orders:
         notes.append(
-            f"order {orders} compared with the response along the measured speed over time, averaged over whole cycles "
-            "as the test"
+            phrase(
+                "order {orders} compared with the response along the measured speed over time, averaged over "
+                "whole cycles as the test",
+                orders=orders,
+            )
         )
     return tuple(notes)
 
@@ -204,4 +211,4 @@ def meaning_notes(response: OrderResponse, pairs: Sequence[ComparedOrder]) -> tu
 def not_compared(measured: Sequence[MeasuredOrder], pairs: Sequence[ComparedOrder]) -> tuple[str, ...]:
     """Note that names the measured orders that were not calculated; nothing if all were."""
     left_out = [f"{one.order:g}" for one in measured if all(one.order != pair.measured.order for pair in pairs)]
-    return (f"measured, but not calculated: {', '.join(left_out)}",) if left_out else ()
+    return (phrase("measured, but not calculated: {orders}", orders=", ".join(left_out)),) if left_out else ()

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from torsionnet.base.errors import UsageError
+from torsionnet.base.phrases import phrase
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.modes.natural_modes import modes
 from torsionnet.machinery.orders.calculated_order import largest_amplitudes
@@ -59,6 +60,6 @@ def swept_comparison(
     try:
         found = swept_orders(drivetrain, outputs, tracked, excitations)
     except UsageError as error:
-        return SweptComparison(remarks=(*remarks, f"compared with steady peaks: {error}"))
+        return SweptComparison(remarks=(*remarks, phrase("compared with steady peaks: {reason}", reason=error)))
     by_output = {channel.name: one.measured() for channel, one in zip(run.outputs, found, strict=True)}
     return SweptComparison(by_output, remarks)

@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from torsionnet.base.errors import UsageError
+from torsionnet.base.phrases import phrase
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.passage.passage_response import PassageResponse
@@ -69,7 +70,7 @@ def _cycle(orders: FloatArray) -> int:
     for cycle in range(SHORTEST_CYCLE, LONGEST_CYCLE + 1):
         if np.abs(orders * cycle - np.rint(orders * cycle)).max() < 1e-6:
             return cycle
-    raise UsageError(f"the orders have no common cycle of {LONGEST_CYCLE} revolutions or fewer")
+    raise UsageError(phrase("the orders have no common cycle of {count} revolutions or fewer", count=LONGEST_CYCLE))
 
 
 def _edges(times: FloatArray) -> FloatArray:

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 from torsionnet.base.errors import UsageError, did_you_mean
+from torsionnet.base.phrases import phrase
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.modes.mode_pairs import vibration_modes
 from torsionnet.linear.modes.natural_modes import modes as damped_modes
@@ -66,7 +67,7 @@ def vector_sums(
         raise UsageError(f"there is no mode {missing[0]}; there are {len(shapes)}, counted from 1")
     chosen = tuple(engine.acting_orders.tolist() if orders is None else orders)
     stars = {
-        (mode, order): star_diagram(sound, excitation, order, shapes[mode], f"mode {mode}")
+        (mode, order): star_diagram(sound, excitation, order, shapes[mode], phrase("mode {number}", number=mode))
         for mode in numbers
         for order in chosen
     }

@@ -8,6 +8,7 @@ from typing import Annotated
 
 import numpy as np
 
+from torsionnet.base.phrases import phrase
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Column, Table
 from torsionnet.machinery.phasors.star_diagram import StarDiagram
@@ -75,9 +76,9 @@ class VectorSums:
 
     def table(self) -> Table:
         """Table of relative vector sums, a row for each group of orders and a column for each mode."""
-        columns = (Column("orders"), *(Column(f"mode {mode}", "", 4, 4) for mode in self.modes))
+        columns = (Column("orders"), *(Column(phrase("mode {number}", number=mode), "", 4, 4) for mode in self.modes))
         rows = tuple((order_names(group), *map(_shown, self._sums(group[0]))) for group in self.groups())
-        return Table(f"{self.excitation}: relative vector sums", columns, rows)
+        return Table(phrase("{name}: relative vector sums", name=self.excitation), columns, rows)
 
     def _sums(self, order: float) -> list[float]:
         return [self.of(mode, order) for mode in self.modes]

@@ -13,6 +13,7 @@ from torsionnet.base.entries.spec import Schema
 from torsionnet.base.equal_remarks import grouped_remarks
 from torsionnet.base.errors import UsageError, comma_list, did_you_mean
 from torsionnet.base.packages import NotebookResult
+from torsionnet.base.phrases import joined, phrase
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Column, Table, result_table
 from torsionnet.base.units import RPM
@@ -64,11 +65,11 @@ def unexamined_sentence(missing: Sequence[str], known: Sequence[str], examined: 
     """
     if not missing:
         return []
-    lead = f"{len(missing)} of {len(known)} configurations not examined: "
     kept = [name for name in known if name not in missing]
-    if not kept:
-        return [f"{lead}all but {listed_names([name or 'the model as written' for name in examined])}"]
-    return [lead + (f"all but {listed_names(kept)}" if len(kept) < len(missing) else listed_names(missing))]
+    rest = kept or [name or "the model as written" for name in examined]
+    names = f"all but {listed_names(rest)}" if len(kept) < len(missing) else listed_names(missing)
+    text = "{count} of {all} configurations not examined: {names}"
+    return [phrase(text, count=len(missing), all=len(known), names=names)]
 
 
 def starts_sentence(rpm: float, shaft: str) -> str:
@@ -79,7 +80,7 @@ def starts_sentence(rpm: float, shaft: str) -> str:
     >>> starts_sentence(675, "flywheel")
     'starts and stops not examined: speeds below 675 rpm of flywheel'
     """
-    return f"starts and stops not examined: speeds below {rpm:g} rpm of {shaft}"
+    return phrase("starts and stops not examined: speeds below {speed:g} rpm of {shaft}", speed=rpm, shaft=shaft)
 
 
 def listed_names(names: Sequence[str]) -> str:
@@ -94,6 +95,11 @@ def utilisation_of(values: FloatArray, allowed: FloatArray) -> FloatArray:
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray(np.where(np.isfinite(allowed), values / allowed, np.nan))
+
+
+ALL_HOLD = "all limits hold{where} at the speeds examined, {low:g} to {high:g} rpm of {shaft}"
+ALL_EXAMINED_HOLD = "the limits examined hold{where} at the speeds examined, {low:g} to {high:g} rpm of {shaft}"
+"""Findings where no limit restricts the speeds: of all limits, and where some were left out."""
 
 
 @dataclass(frozen=True)
@@ -301,34 +307,39 @@ class LimitCheck(NotebookResult):
     @property
     def conclusion(self) -> str:
         """Sentence that concludes from all verdicts on limits in one configuration, with what was not examined."""
-        return "; ".join(self.findings)
+        return joined("; ", self.findings)
 
     @property
     def findings(self) -> tuple[str, ...]:
         """Texts that conclude from all verdicts on limits, on what was not examined and on what was found."""
         missing = unexamined_sentence(self.others, self.configurations, [self.configuration])
-        where = f" in {self.configuration or 'the model as written'}" if self.others else ""
+        where = phrase(" in {names}", names=self.configuration or "the model as written") if self.others else ""
         return (*missing, *self.left_out, starts_sentence(self.rpm[0], self.reference), self.finding(where))
 
     def finding(self, where: str = "") -> str:
         """Sentence that concludes on the limits in one configuration, in which ``where`` names the configuration."""
         failed = list(dict.fromkeys(one.limit for one in self.verdicts if one.verdict == FAIL))
         unjudged = list(dict.fromkeys(one.limit for one in self.verdicts if one.verdict == OPEN))
-        parts = [f"{', '.join(failed)} {'do' if len(failed) > 1 else 'does'} not hold{where}"] if failed else []
-        shaft = f" of {self.reference}"
+        template = "{limit} do not hold{where}" if len(failed) > 1 else "{limit} does not hold{where}"
+        parts = [phrase(template, limit=", ".join(failed), where=where)] if failed else []
+        shaft, barred = f" of {self.reference}", span_words(self.barred)
         if self.highest is not None:
-            parts.append(f"with a cylinder out{where}: {restriction_words(self.passed, self.highest, shaft)}")
+            restriction = restriction_words(self.passed, self.highest, shaft)
+            parts.append(phrase("with a cylinder out{where}: {restriction}", where=where, restriction=restriction))
         elif self.barred and not failed:
-            parts.append(f"limits hold{where} with {span_words(self.barred)}{shaft} barred")
+            template = "limits hold{where} with {speeds} of {shaft} barred"
+            parts.append(phrase(template, speeds=barred, shaft=self.reference, where=where))
         elif self.barred:
-            parts.append(f"to be barred: {span_words(self.barred)}{shaft}")
-        parts += [f"{', '.join(unjudged)} not judged{'' if parts else where}"] if unjudged else []
-        examined = f"{self.rpm[0]:g} to {self.rpm[-1]:g} rpm of {self.reference}"
-        return "; ".join(parts) or f"{self._those} hold{where} at the speeds examined, {examined}"
-
-    @property
-    def _those(self) -> str:
-        return "the limits examined" if self.left_out else "all limits"
+            parts.append(phrase("to be barred: {speeds}{shaft}", speeds=barred, shaft=shaft))
+        parts += (
+            [phrase("{limit} not judged{where}", limit=", ".join(unjudged), where="" if parts else where)]
+            if unjudged
+            else []
+        )
+        if parts:
+            return joined("; ", parts)
+        template = ALL_EXAMINED_HOLD if self.left_out else ALL_HOLD
+        return phrase(template, where=where, low=self.rpm[0], high=self.rpm[-1], shaft=self.reference)
 
     def of(self, limit: str, criterion: str | None = None) -> LimitVerdict:
         """Verdict on a limit by its name, or on one of its criteria if it has several.

@@ -9,10 +9,13 @@ from typing import Annotated
 
 from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.errors import UsageError
+from torsionnet.base.phrases import joined, phrase
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Column, Table
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.verdicts.limit_check import (
+    ALL_EXAMINED_HOLD,
+    ALL_HOLD,
     FAIL,
     INCOMPLETE,
     OPEN,
@@ -186,7 +189,7 @@ class LimitConclusion:
     @property
     def sentence(self) -> str:
         """Sentence that concludes from all checks of limits, with what was not examined."""
-        return "; ".join(self.findings)
+        return joined("; ", self.findings)
 
     @property
     def findings(self) -> tuple[str, ...]:
@@ -206,19 +209,21 @@ class LimitConclusion:
 
     def _found(self) -> list[str]:
         failed, unjudged, restricted = self._of(FAIL), self._of(OPEN), self._restrictions()
-        parts = [f"{name} does not hold{where}" for name, where in failed.items()]
+        parts = [phrase("{limit} does not hold{where}", limit=name, where=where) for name, where in failed.items()]
         if restricted:
-            first, *rest = restricted
-            parts += [f"beside that, {first}" if failed else first, *rest]
+            parts += restricted
         elif not failed and not unjudged:
             parts.append(self._all_hold())
-        return [*parts, *(f"{name} not judged{where}" for name, where in unjudged.items())]
+        return [
+            *parts,
+            *(phrase("{limit} not judged{where}", limit=name, where=where) for name, where in unjudged.items()),
+        ]
 
     def _all_hold(self) -> str:
         low, high = min(one.rpm[0] for one in self.checks), max(one.rpm[-1] for one in self.checks)
-        those = "the limits examined hold" if self.left_out else "all limits hold"
         where = self._where([one.configuration for one in self.checks])
-        return f"{those}{where} at the speeds examined, {low:g} to {high:g} rpm of {self._shaft}"
+        template = ALL_EXAMINED_HOLD if self.left_out else ALL_HOLD
+        return phrase(template, where=where, low=low, high=high, shaft=self._shaft)
 
     @property
     def _shaft(self) -> str:
@@ -241,14 +246,24 @@ class LimitConclusion:
         if barred:
             spans = span_words(joined_spans([span for one in barred for span in one.passed]))
             where = self._where([one.configuration for one in barred])
-            lead = "" if failed else "limits hold with "
-            parts.append(f"{lead}{spans} of {self._shaft} barred{where}")
+            template = "limits hold with {speeds} of {shaft} barred{where}"
+            if failed:
+                template = "beside that, {speeds} of {shaft} barred{where}"
+            parts.append(phrase(template, speeds=spans, shaft=self._shaft, where=where))
         if reduced:
             calm = [one.configuration for one in self.checks if one.verdict == PASS]
-            parts += [f"limits hold{self._where(calm)}"] if calm and not barred and not failed else []
+            parts += (
+                [phrase("limits hold{where}", where=self._where(calm))] if calm and not barred and not failed else []
+            )
             highest = min(one.highest for one in reduced if one.highest is not None)
             where = self._where([one.configuration for one in reduced])
-            parts.append(f"with a cylinder out{where}: at most {whole_rpm(highest, math.floor)} rpm of {self._shaft}")
+            text = phrase(
+                "with a cylinder out{where}: at most {speed} rpm of {shaft}",
+                where=where,
+                speed=whole_rpm(highest, math.floor),
+                shaft=self._shaft,
+            )
+            parts.append(phrase("beside that, {restriction}", restriction=text) if failed and not barred else text)
         return parts
 
     def _where(self, names: Sequence[str]) -> str:
@@ -256,8 +271,8 @@ class LimitConclusion:
         if not named:
             return ""
         if len(self.configurations) > 1 and len(named) == len(self.configurations):
-            return f" in all {len(named)} configurations"
-        return f" in {listed_names(named)}"
+            return phrase(" in all {count} configurations", count=len(named))
+        return phrase(" in {names}", names=listed_names(named))
 
 
 def _use(one: LimitVerdict) -> float:

@@ -9,6 +9,7 @@ from typing import Annotated
 import numpy as np
 
 from torsionnet.base.conventions import SI, Conventions
+from torsionnet.base.phrases import joined, phrase
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Column, Table
 from torsionnet.base.units import RPM
@@ -95,14 +96,15 @@ class MeasuredRange:
         """Sentence on where the measured half range is nearest to the limit, and where it passes it."""
         found = self.utilisation
         if not np.isfinite(found).any():
-            return f"the rule covers none of the measured speeds of {self.channel}"
+            return phrase("the rule covers none of the measured speeds of {channel}", channel=self.channel)
         shown = np.where(self._free, found, np.nan) if self.verdict == EXCEEDS else found
         at = int(np.nanargmax(shown))
-        text = f"measured at most {100 * found[at]:.3g} % of the limit, at {self.speeds[at] * RPM:.5g} rpm"
-        if self.verdict == KEEPS:
-            return text
-        spans = ", ".join(map(str, self.above))
-        return f"{text}; above it from {spans}" + ("" if self.verdict == EXCEEDS else ", which is barred")
+        template = "measured at most {share:.3g} % of the limit, at {speed:.5g} rpm"
+        if self.verdict != KEEPS:
+            template += "; above it from {spans}" + ("" if self.verdict == EXCEEDS else ", which is barred")
+        return phrase(
+            template, share=100 * found[at], speed=self.speeds[at] * RPM, spans=joined(", ", map(str, self.above))
+        )
 
     @property
     def peak_difference(self) -> float:

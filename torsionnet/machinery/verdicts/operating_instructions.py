@@ -10,9 +10,10 @@ from typing import Annotated
 import numpy as np
 
 from torsionnet.base.conventions import SI, Conventions
+from torsionnet.base.phrases import extended, phrase
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Table, result_table
-from torsionnet.machinery.verdicts.limit_check import FAIL, STARTS, LimitCheck, LimitVerdict, listed_names
+from torsionnet.machinery.verdicts.limit_check import FAIL, LimitCheck, LimitVerdict, listed_names
 from torsionnet.machinery.verdicts.speed_spans import SpeedSpan, joined_spans, spans_above, spans_below
 
 
@@ -69,9 +70,12 @@ class Instruction:
     @property
     def instruction(self) -> Annotated[str, Out("action and marking", json=None, after="unit")]:
         """Text of what the crew has to do in a speed range, and of how the range is marked."""
-        return f"{self.action}; {self.marking}"
+        return extended(self.action, f"; {self.marking}")
 
 
+UNRESTRICTED = "No restrictions from {low:g} to {high:g} rpm of {shaft}; starts and stops not examined."
+UNRESTRICTED_ELSEWHERE = "No other restrictions from {low:g} to {high:g} rpm of {shaft}; starts and stops not examined."
+"""Notes on the speeds that no instruction restricts."""
 NOTICE = "notice at each control station"
 """Marking of every range for the crew."""
 PASS_QUICKLY, PASS_WITHIN, NOT_AT_ALL = range(3)
@@ -166,11 +170,11 @@ def instruction_table(checks: Sequence[LimitCheck], conventions: Conventions = S
     shown = [_in_units(one, conventions) for one in rows]
     low, high = max(check.rpm[0] for check in checks), min(check.rpm[-1] for check in checks)
     shaft = checks[0].reference
-    last = f"No restrictions from {low:g} to {high:g} rpm of {shaft}; {STARTS}."
-    if rows:
-        last = f"No other restrictions from {low:g} to {high:g} rpm of {shaft}; {STARTS}."
+    template = UNRESTRICTED_ELSEWHERE if rows else UNRESTRICTED
+    last = phrase(template, low=low, high=high, shaft=shaft)
     if failed:
-        last = f"Not to be run as it is: {listed_names(list(failed))} not kept; {STARTS}."
+        template = "Not to be run as it is: {limits} not kept; starts and stops not examined."
+        last = phrase(template, limits=listed_names(list(failed)))
     return result_table(title or "operating instructions", shown, Instruction, notes=[last])
 
 
@@ -219,10 +223,10 @@ def _action(found: PassedRange, passage: int) -> tuple[int, int | None, str, str
     low, high = found.span.rpm_outward
     reduced = any(place.verdict.highest is not None and place.passage == NOT_AT_ALL for place in found.places)
     if reduced and found.span.low > found.check.speeds[0]:
-        return low, None, f"not above {low} rpm, reduce power", NOTICE
+        return low, None, phrase("not above {speed} rpm, reduce power", speed=low), NOTICE
     action = {
         PASS_QUICKLY: "pass without stopping",
-        PASS_WITHIN: f"pass without stopping within {found.seconds_to_pass or 0.0:g} s",
+        PASS_WITHIN: phrase("pass without stopping within {time:g} s", time=found.seconds_to_pass or 0.0),
         NOT_AT_ALL: "not to be run or passed",
     }[passage]
     return low, high, action, "tachometer red, notice at each control station"

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from torsionnet.base.phrases import joined, phrase
 from torsionnet.base.units import RPM
 from torsionnet.linear.frequency_response import FloatArray
 
@@ -61,7 +62,7 @@ class SpeedSpan:
 
     def __str__(self) -> str:
         low, high = self.rpm_outward
-        return f"{low} to {high} rpm"
+        return phrase("{low} to {high} rpm", low=low, high=high)
 
     @property
     def rpm_outward(self) -> tuple[int, int]:
@@ -148,7 +149,7 @@ def spans_below(spans: Iterable[SpeedSpan], highest: float | None) -> tuple[Spee
 
 def span_words(spans: Iterable[SpeedSpan]) -> str:
     """Text of speed ranges in rpm, joined by commas."""
-    return ", ".join(map(str, spans))
+    return joined(", ", map(str, spans))
 
 
 def restriction_words(passed: Sequence[SpeedSpan], highest: float | None, shaft: str = "") -> str:
@@ -163,5 +164,8 @@ def restriction_words(passed: Sequence[SpeedSpan], highest: float | None, shaft:
     """
     words = span_words(passed)
     if highest is None:
-        return words + (shaft if words else "")
-    return f"at most {whole_rpm(highest, math.floor)} rpm{shaft}" + (f", {words} barred" if words else "")
+        return joined("", (words, shaft)) if words else ""
+    most = phrase("at most {speed} rpm", speed=whole_rpm(highest, math.floor))
+    if not words:
+        return joined("", (most, shaft)) if shaft else most
+    return phrase("{most}{shaft}, {speeds} barred", most=most, shaft=shaft, speeds=words)

@@ -12,6 +12,7 @@ from torsionnet.base.entries.scalars import PhysicalQuantity, Value
 from torsionnet.base.entries.spec import Count, entry
 from torsionnet.base.errors import MISSING_KEY, Fault, unknown_name
 from torsionnet.base.expressions import Expression, Number
+from torsionnet.base.phrases import phrase
 from torsionnet.model.operating_point import MachineName
 from torsionnet.motion.scenarios.grid_tie import GridTie
 from torsionnet.motion.scenarios.scenario import (
@@ -131,14 +132,18 @@ class ShortCircuitScenario(Scenario):
     @property
     def what(self) -> str:
         """Fault of the scenario in words."""
-        return "faulty synchronisation" if self.phases is None else f"short circuit of {self.phases} phases"
+        return (
+            "faulty synchronisation"
+            if self.phases is None
+            else phrase("short circuit of {phases} phases", phases=self.phases)
+        )
 
     @property
     def words(self) -> str:
-        when = f" at {self.at:g} s, simulated over {self.length:g} s"
+        template = "short circuit of {phases} phases of {machine} at {time:g} s, simulated over {length:g} s"
         if self.phases is None:
-            return f"faulty synchronisation of {self.machine}{when}"
-        return f"short circuit of {self.phases} phases of {self.machine}{when}"
+            template = "faulty synchronisation of {machine} at {time:g} s, simulated over {length:g} s"
+        return phrase(template, phases=self.phases, machine=self.machine, time=self.at, length=self.length)
 
     @property
     def needed(self) -> tuple[str, ...]:

@@ -11,6 +11,7 @@ from torsionnet.base.entries.scalars import Value
 from torsionnet.base.entries.spec import Json, Schema, Spec, entry, name_fault
 from torsionnet.base.errors import EntryPath, Fault, TorsionnetError, unfit_word, unknown_name
 from torsionnet.base.expressions import Expression
+from torsionnet.base.phrases import extended, joined, phrase
 from torsionnet.model.element_base.element_entries import ElementName
 from torsionnet.model.elements import GROUND, Element, MotionLaw, Values
 from torsionnet.model.operating_point import TorqueInput, place_fault, torque_place
@@ -36,8 +37,6 @@ _SCALES = Named(
 )
 
 NOTHING_SCALES = "nothing scales its torque; a clutch with state: slipping, friction and clamp_torque follows its clamp"
-_SCALE_WORDS = {"clamp": "clamp of "}
-"""Words before the name of an element for what scales its torque, as reports in other languages know them."""
 
 
 @register_scenario
@@ -103,13 +102,17 @@ class TorqueScenario(Scenario):
 
     @property
     def words(self) -> str:
-        torques = [f"torque on {', '.join(self.torque)}"] if self.torque else []
+        clamp = "clamp of {element}"
         scales = [
-            f"{_SCALE_WORDS.get(what, f'{what} of ')}{element}"
+            phrase(clamp if what == "clamp" else f"{what} of {{element}}", element=element)
             for element, one in self.elements.items()
             for what in one
         ]
-        return f"{' and '.join([*torques, *scales])} over {self.duration:g} s"
+        places, length = ", ".join(self.torque), f"{self.duration:g}"
+        if not places:
+            return extended(joined(" and ", scales) if scales[1:] else scales[0], f" over {length} s")
+        template = "torque on {places} and {scales} over {length} s" if scales else "torque on {places} over {length} s"
+        return phrase(template, places=places, scales=joined(" and ", scales), length=length)
 
     @property
     def places(self) -> tuple[str, ...]:

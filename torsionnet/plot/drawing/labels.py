@@ -11,6 +11,7 @@ from torsionnet.base.entries.scalars import QuantityKind
 from torsionnet.base.entries.spec import Spec, spec_of
 from torsionnet.base.expressions import Name
 from torsionnet.base.number_text import NumberText, typeset_unit
+from torsionnet.base.phrases import phrase
 from torsionnet.base.units import expected_unit
 from torsionnet.model.damping import MEASURES, DampingMeasure
 from torsionnet.model.element_base.element_entries import Teeth
@@ -96,7 +97,9 @@ def _line(spec: Spec[object], raw: Any, values: Mapping[str, Any]) -> str:
     if not isinstance(spec, QuantityKind):
         return ""
     if isinstance(raw, DampingMeasure):
-        at = "" if raw.at is None else f" at {NumberText(float(raw.at.evaluate(values)))} Hz"
+        at = (
+            "" if raw.at is None else phrase(" at {frequency} Hz", frequency=NumberText(float(raw.at.evaluate(values))))
+        )
         dimension = MEASURES[raw.measure].dimension
         shown = quantity(float(raw.value.evaluate(values)), dimension)
         return f"{symbol(MEASURES[raw.measure].symbol)} = {shown}{at}"

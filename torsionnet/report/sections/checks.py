@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from torsionnet.base.errors import Fault, FreeTurningWarning, UsageError
+from torsionnet.base.phrases import phrase
 from torsionnet.report.document_tree import Block, Cell, Heading, Math, NumberText, Paragraph, Remark, Section
 from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_tables import table
@@ -78,6 +79,9 @@ def _comparisons(subject: ReportData) -> Iterator[tuple[Cell, ...]]:
             worst = max(worst, float(np.max(np.abs(first - second) / size)))
         text = (
             Math(pair_latex(pair)),
-            f" at {COMPARED_FREQUENCIES} frequencies: elimination along the drivetrain, and the matrices",
+            phrase(
+                " at {count} frequencies: elimination along the drivetrain, and the matrices",
+                count=COMPARED_FREQUENCIES,
+            ),
         )
         yield text, NumberText(worst, 1)

@@ -7,6 +7,7 @@ from dataclasses import replace
 from torsionnet.base.conventions import Conventions
 from torsionnet.base.errors import UsageError
 from torsionnet.base.notes import Note
+from torsionnet.base.phrases import phrase
 from torsionnet.linear.frequency_response import FrequencyResponse
 from torsionnet.report.document_tree import Block, Heading, Math, NumberText, Paragraph, Picture, Section, TableBlock
 from torsionnet.report.plan import Pair
@@ -41,9 +42,9 @@ def _test(subject: ReportData, test: Measured, number: int) -> list[Block]:
     case, measured = _case(subject, test), test.response
     model = calculated(case, measured, test.excitation)
     shown = subject.conventions
-    where = f", configuration {case.configuration}" if case.configuration else ""
+    where = phrase(", configuration {name}", name=case.configuration) if case.configuration else ""
     pair = f"{channel_latex(measured.outputs[0].name)} / {channel_latex(measured.inputs[0].name)}"
-    caption = (Math(pair), f", test and model{where}. Differences are test minus model.")
+    caption = (Math(pair), phrase(", test and model{where}. Differences are test minus model.", where=where))
     alt = f"Test over model of {measured.outputs[0].name}/{measured.inputs[0].name}{where}"
     notes = [capital(note.named if isinstance(note, Note) else note) + "." for note in measured.notes]
     drawn = comparison(measured, model, conventions=shown, title="")
@@ -77,4 +78,4 @@ def _agreement(
         for row in found.rows
     ]
     notes = [capital(note) + "." for note in found.notes]
-    return table((Math(pair), f", how far test and model are apart{where}"), columns, rows, notes)
+    return table((Math(pair), phrase(", how far test and model are apart{where}", where=where)), columns, rows, notes)

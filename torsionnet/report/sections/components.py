@@ -8,6 +8,7 @@ import numpy as np
 
 from torsionnet.base.equal_remarks import condition_words
 from torsionnet.base.number_text import aligned_numbers
+from torsionnet.base.phrases import phrase
 from torsionnet.machinery.limits.iacs_m68 import IacsM68
 from torsionnet.machinery.limits.m68_factors import BORE
 from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion, WorstLimit
@@ -233,12 +234,14 @@ def _throws(subject: ReportData, rows: Sequence[ComponentRow]) -> Iterator[Block
         list(aligned_numbers([float(size) * scale for size in sizes])),
         list(aligned_numbers([float(run.rpm[at]) for at in places], 3)),
     ]
-    where = f" in condition {condition_words(case.configuration)}" if case.configuration else ""
+    where = phrase(" in condition {name}", name=condition_words(case.configuration)) if case.configuration else ""
     most = as_words(elements[int(np.argmax(sizes))])
     compared = as_words(worst.of)
     beyond = worst.value is not None and float(sizes.max()) * scale > (1 + SAME_TORQUE) * worst.value
-    notes = [f"The largest is in {most}; the maker's limit is for {compared}."] if beyond else []
-    yield table(f"Vibratory torque by throw{where}", columns, list(zip(*cells, strict=True)), notes)
+    notes = (
+        [phrase("The largest is in {most}; the maker's limit is for {of}.", most=most, of=compared)] if beyond else []
+    )
+    yield table(phrase("Vibratory torque by throw{where}", where=where), columns, list(zip(*cells, strict=True)), notes)
 
 
 def _numbered(found: LimitConclusion) -> dict[tuple[str, str], list[str]]:

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from torsionnet.base.equal_remarks import condition_words
 from torsionnet.base.number_text import aligned_numbers
+from torsionnet.base.phrases import phrase
 from torsionnet.machinery.verdicts.governing_peaks import line_name, little_damped
 from torsionnet.machinery.verdicts.limit_check import STARTS, listed_names
 from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion, WorstLimit
@@ -34,8 +35,8 @@ NO_LIMITS = (
 """Sentence of a calculation without limits in place of a verdict."""
 
 LITTLE_DAMPED = (
-    "{name}, {share} % of the limit: at {speed} rpm {order} is in resonance with mode {mode}, whose calculated damping "
-    "ratio is only {damping} %. The value depends on this damping; a measurement is advised."
+    "{name}, {share:.3g} % of the limit: at {speed:.4g} rpm {order} is in resonance with mode {mode}, whose calculated "
+    "damping ratio is only {damping:.1g} %. The value depends on this damping; a measurement is advised."
 )
 """Sentence on a governing value that stands at a resonance with little damping."""
 
@@ -65,13 +66,14 @@ def _by_small_damping(subject: ReportData, found: LimitConclusion) -> Iterator[s
     """Sentences on governing values that stand at a resonance of a mode with little damping."""
     peaks = subject.governing_peaks.peaks if subject.governing_peaks else ()
     for worst, peak in little_damped(found.worst(), peaks):
-        yield LITTLE_DAMPED.format(
+        yield phrase(
+            LITTLE_DAMPED,
             name=capital(as_words(worst.verdict.limit)),
-            share=f"{100 * (worst.utilisation or 0.0):.3g}",
-            speed=f"{peak.rpm:.4g}",
+            share=100 * (worst.utilisation or 0.0),
+            speed=peak.rpm,
             order=as_words(line_name(peak)),
             mode=peak.critical.mode.number,
-            damping=f"{100 * peak.critical.mode.damping_ratio:.1g}",
+            damping=100 * peak.critical.mode.damping_ratio,
         )
 
 
@@ -122,14 +124,19 @@ def _sizes(subject: ReportData, worst: WorstLimit) -> tuple[float | None, float 
 def _not_covered(subject: ReportData, found: LimitConclusion) -> Iterator[Text]:
     """Points that the verdict does not cover: conditions, excitations, and what each rule leaves out."""
     if found.not_examined:
-        yield (f"Conditions not examined: {listed_names(found.not_examined)}.",)
+        yield (phrase("Conditions not examined: {names}.", names=listed_names(found.not_examined)),)
     for words in found.left_out:
         yield (f"{capital(as_words(words))}.",)
     definition = subject.model.definition
     judged = {getattr(limit, "element", "") for limit in definition.limits.values()}
     open_shafts = [name for name, one in definition.elements.items() if isinstance(one, Shaft) and name not in judged]
     if open_shafts:
-        yield (f"Shafts without a limit, which are not judged: {listed_names([*map(as_words, open_shafts)])}.",)
+        yield (
+            phrase(
+                "Shafts without a limit, which are not judged: {names}.",
+                names=listed_names([*map(as_words, open_shafts)]),
+            ),
+        )
     of_rules: dict[str, dict[str, None]] = {}
     for check in found.checks:
         for text, names in check.texts().items():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
+from torsionnet.base.phrases import joined, phrase
 from torsionnet.base.units import RPM
 from torsionnet.machinery.excitations.engine_entries import EngineEntries
 from torsionnet.machinery.excitations.engine_phases import conditions_running_alone
@@ -29,7 +30,7 @@ def conditions_section(subject: ReportData) -> Section | None:
     if not subject.has_excitations:
         return None
     model = subject.model
-    lead = " ".join(filter(None, [speed_words(model), load_words(model), _idling(subject)]))
+    lead = joined(" ", filter(None, [speed_words(model), load_words(model), _idling(subject)]))
     blocks: list[Block] = [Paragraph((lead,))]
     axes = model.definition.configurations
     if len(axes) > 1:
@@ -60,9 +61,11 @@ def _idling(subject: ReportData) -> str:
     words = []
     for speed in speeds:
         barred = [name for name, one in _checks(subject).items() if any(span.holds(speed) for span in one.barred)]
-        where = f" (within speeds that are barred in {first_names(barred, 3)})" if any(barred) else ""
+        where = (
+            phrase(" (within speeds that are barred in {names})", names=first_names(barred, 3)) if any(barred) else ""
+        )
         words.append(f"{speed * RPM:.6g} rpm{where or (' (barred)' if barred else '')}")
-    return f"Longer idling at {', '.join(words)}."
+    return phrase("Longer idling at {speeds}.", speeds=", ".join(words))
 
 
 def _alternatives(subject: ReportData) -> TableBlock:
@@ -97,7 +100,7 @@ def _conditions(subject: ReportData) -> TableBlock:
         check = checks.get(case.configuration)
         rows.append((*own, *(("", "") if check is None else _verdict(check))))
     return table(
-        f"Conditions examined, {len(names)} of {len(subject.model.configurations)}",
+        phrase("Conditions examined, {count} of {all}", count=len(names), all=len(subject.model.configurations)),
         heads,
         rows,
         [] if checks else ["The model gives no limits: nothing is judged."],
@@ -124,9 +127,11 @@ def _examined(subject: ReportData) -> str:
     if not every:
         return "The model has one condition, and it was examined."
     if len(judged) == len(every):
-        combined = ", every combination of the choices above" if len(subject.model.axes) > 1 else ""
-        return f"All conditions of the model ({len(every)}) were examined{combined}."
-    return f"{len(judged)} of {len(every)} conditions of the model were examined."
+        combined = phrase(", every combination of the choices above") if len(subject.model.axes) > 1 else ""
+        return phrase(
+            "All conditions of the model ({count}) were examined{combined}.", count=len(every), combined=combined
+        )
+    return phrase("{count} of {all} conditions of the model were examined.", count=len(judged), all=len(every))
 
 
 def _not_examined(subject: ReportData) -> Iterator[Text]:
@@ -138,20 +143,20 @@ def _not_examined(subject: ReportData) -> Iterator[Text]:
     missing = [name for name in every if name not in judged] if len(judged) < len(every) else []
     if missing:
         reason = "this document is on chosen conditions" if len(judged) < MOST_JUDGED_CASES else ""
-        reason = reason or f"the first {MOST_JUDGED_CASES} are judged unless others are named"
+        reason = reason or phrase("the first {count} are judged unless others are named", count=MOST_JUDGED_CASES)
         yield (f"{capital(choices_of_some(missing[:MOST_ROWS], every))}: {reason}.",)
         unused = list(unexamined(subject.model, judged))
         if unused and len(subject.model.axes) > 1:
-            yield (f"In no condition examined: {', '.join(unused)}.",)
+            yield (phrase("In no condition examined: {names}.", names=", ".join(unused)),)
     found = subject.limit_conclusion
     for text in found.left_out if found else ():
         yield (f"{capital(text)}.",)
     conditions = [(case.configuration, case.drivetrain.definition.excitations) for case in subject.judged_cases]
     for alone, names in conditions_running_alone(conditions).items():
         if not names:
-            yield (f"Running on {as_words(alone)} alone: no condition of the model has it.",)
+            yield (phrase("Running on {engine} alone: no condition of the model has it.", engine=as_words(alone)),)
     for name, engine in subject.model.definition.excitations.items():
         states = [now[name] for _, now in conditions]
         fired = engine.kind == ENGINE and not engine.absorbs
         if fired and not any(isinstance(one, EngineEntries) and one.has_lost_cylinder for one in states):
-            yield (f"Misfire of {as_words(name)}: no condition of the model has it.",)
+            yield (phrase("Misfire of {engine}: no condition of the model has it.", engine=as_words(name)),)

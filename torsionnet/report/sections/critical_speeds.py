@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from torsionnet.base.phrases import phrase
 from torsionnet.report.document_tree import Block, Details, Paragraph, Picture, Section
 from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_holzer import holzer_blocks
@@ -52,20 +53,28 @@ def _of_drivetrain(cases: tuple[Case, ...], number: int, *, several: bool) -> li
         for case in cases
     ]
     found = runs[0].in_conditions(runs) if len(runs) > 1 else runs[0]
-    where = f" in configuration {shared_choices(names)}" if several and names[0] else ""
+    where = phrase(" in configuration {name}", name=shared_choices(names)) if several and names[0] else ""
     excited, others = _split(found, len(runs))
-    blocks: list[Block] = [results_table(_reached(found), f"Natural frequencies without and with damping{where}")]
+    blocks: list[Block] = [
+        results_table(_reached(found), phrase("Natural frequencies without and with damping{where}", where=where))
+    ]
     if number <= MOST_DRAWN:
         blocks.append(_diagram(found, number, where))
     chosen = _largest(excited, runs)
-    few = f", the {MOST_ROWS} with the largest generalised force" if len(excited.crossings) > MOST_ROWS else ""
-    blocks.append(results_table(_narrow(chosen), f"Critical speeds{where}{few}"))
+    few = (
+        phrase(", the {count} with the largest generalised force", count=MOST_ROWS)
+        if len(excited.crossings) > MOST_ROWS
+        else ""
+    )
+    blocks.append(results_table(_narrow(chosen), phrase("Critical speeds{where}{few}", where=where, few=few)))
     if others.crossings:
         rest = results_table(
-            _narrow(_largest(others, runs)), f"Crossings that no condition here excites{where}", notes=False
+            _narrow(_largest(others, runs)),
+            phrase("Crossings that no condition here excites{where}", where=where),
+            notes=False,
         )
         count = len(others.crossings)
-        instead = (f"{count} further crossings are not excited in these conditions.",)
+        instead = (phrase("{count} further crossings are not excited in these conditions.", count=count),)
         blocks.append(Details(("Crossings that are not excited",), (rest,), instead))
     if number == 1:
         blocks += _holzer_tables(cases[0], excited)
@@ -118,7 +127,7 @@ def _split(found: CriticalSpeeds, conditions: int) -> tuple[CriticalSpeeds, Crit
 def _diagram(found: CriticalSpeeds, number: int, where: str) -> Picture:
     from torsionnet.plot.interference_plot import interference_diagram
 
-    caption = (f"Interference diagram{where}: natural frequencies and orders over speed.",)
+    caption = (phrase("Interference diagram{where}: natural frequencies and orders over speed.", where=where),)
     alt = f"Interference diagram{where}: {len(found.modes)} modes, {len(found.crossings)} crossings"
     return Picture(f"interference_{number}", interference_diagram(found, title=""), caption, alt)
 

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 from torsionnet.base.entries.scalars import QuantityKind, Value
 from torsionnet.base.entries.spec import Spec
 from torsionnet.base.expressions import Expression, Name, Number
+from torsionnet.base.phrases import phrase
 from torsionnet.base.units import expected_unit
-from torsionnet.model.channels import PORT_QUANTITIES, UNITS
+from torsionnet.model.channels import PORT_QUANTITIES, UNITS, Input
 from torsionnet.model.damping import MEASURES, DampingMeasure
 from torsionnet.model.element_base.characteristic import Characteristic
 from torsionnet.model.element_base.curves import LookupCurve
@@ -25,13 +26,24 @@ from torsionnet.report.document_tree import Block, Cell, Heading, Inline, Math, 
 from torsionnet.report.expression_latex import expression_latex
 from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_tables import shown_cells, table
-from torsionnet.report.report_text import as_words, capital, first_names, symbol_or_words, unit
+from torsionnet.report.report_text import as_words, first_names, symbol_or_words, unit
 from torsionnet.report.wording import REPORTED_ENTRIES
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
     from torsionnet.model.elements import Element
 
+DRIVEN = {"torque": "Torque on {node}", "angle": "Angle on {node}", "twist": "Twist on {element}"}
+"""Words on what an input drives, by quantity."""
+SENSED = {
+    "torque": "Torque through {element}",
+    "twist": "Twist of {element}",
+    "stress": "Stress of {element}",
+    "angle": "Angle of {node}",
+    "velocity": "Velocity of {node}",
+    "acceleration": "Acceleration of {node}",
+}
+"""Words on what a sensor shows, by quantity."""
 MOST_ELEMENTS = 40
 """Largest number of rows in the report's table of elements; of more it gives the number."""
 Row = tuple[Cell, ...]
@@ -59,8 +71,8 @@ def _elements(rig: Drivetrain, *, several: bool) -> TableBlock:
     )
     shown = _alike(rig)
     rows = [row for group in shown[:MOST_ELEMENTS] for row in _rows(group, rig)]
-    where = f" in configuration {rig.configuration}" if several and rig.configuration else ""
-    found = table(f"Elements{where}; values in SI units", columns, rows)
+    where = phrase(" in configuration {name}", name=rig.configuration) if several and rig.configuration else ""
+    found = table(phrase("Elements{where}; values in SI units", where=where), columns, rows)
     return replace(found, more=sum(map(len, shown[MOST_ELEMENTS:])))
 
 
@@ -105,14 +117,14 @@ def _values(element: Element, rig: Drivetrain) -> Iterator[tuple[Cell, Cell, Cel
         elif isinstance(spec, QuantityKind) and isinstance(value, Expression):
             number = float(value.evaluate(rig.exact_values))
             if number or isinstance(value, Name):
-                yield as_words(name), _symbol(value), NumberText(number, 5), unit(expected_unit(spec.dimension))
+                yield _property(name), _symbol(value), NumberText(number, 5), unit(expected_unit(spec.dimension))
         elif isinstance(spec, MultipleValues):
             for key, one in value if isinstance(spec, TableByName) else enumerate(value, 1):
-                yield as_words(f"{name} {key}"), *_of_table(spec.of, one, rig)
+                yield _property(name, key), *_of_table(spec.of, one, rig)
         elif isinstance(spec, Value):
-            yield as_words(name), "", NumberText(float(value), 5), unit(expected_unit(spec.dimension))
+            yield _property(name), "", NumberText(float(value), 5), unit(expected_unit(spec.dimension))
         elif isinstance(spec, REPORTED_ENTRIES) and value != ():
-            yield as_words(name), "", _plain(spec, value), "–"
+            yield _property(name), "", _plain(spec, value), "–"
         elif not isinstance(spec, REPORTED_ENTRIES) and value != defaults.get(name, ()):
             yield from _in_words(element, name, spec, value, rig)
 
@@ -124,9 +136,15 @@ def _in_words(
     found = [(path, one, of) for path, _, one, of in element.expressions() if path[0] == name]
     for path, one, of in found:
         number = NumberText(float(one.evaluate(rig.exact_values)), 5)
-        yield as_words(" ".join(map(str, path))), _symbol(one), number, unit(expected_unit(of)) if of else "SI"
+        yield _property(*path), _symbol(one), number, unit(expected_unit(of)) if of else "SI"
     if not found:
-        yield as_words(name), "", in_words(spec, value), "–"
+        yield _property(name), "", in_words(spec, value), "–"
+
+
+def _property(*path: object) -> str:
+    """Words on an entry of an element; behind the first blank of its path is the key of one of several values."""
+    name, _, key = " ".join(map(str, path)).partition(" ")
+    return phrase(f"{as_words(name)} {{key}}", key=as_words(key)) if key else as_words(name)
 
 
 def _of_table(spec: Spec[object], value: Any, rig: Drivetrain) -> tuple[Cell, Cell, Cell]:
@@ -157,11 +175,20 @@ def _plain(spec: Spec[object], value: Any) -> str:
 def _measure(element: Element, value: DampingMeasure, rig: Drivetrain) -> Iterator[tuple[Cell, Cell, Cell, Cell]]:
     """Cells on a measure of damping and on the damping coefficient that follows from the measure."""
     dimension = MEASURES[value.measure].dimension
-    at = f" at {float(value.at.evaluate(rig.exact_values)):g} Hz" if value.at is not None else ""
+    at = (
+        phrase(" at {frequency:g} Hz", frequency=float(value.at.evaluate(rig.exact_values)))
+        if value.at is not None
+        else ""
+    )
     number = float(value.value.evaluate(rig.exact_values))
     what = MEASURES[value.measure].description
     symbol = Math(expression_latex(value.value)) if not isinstance(value.value, Number) else ""
-    yield f"damping as {what}{at}", symbol, NumberText(number, 5), unit(expected_unit(dimension))
+    yield (
+        phrase("damping as {measure}{at}", measure=phrase(what), at=at),
+        symbol,
+        NumberText(number, 5),
+        unit(expected_unit(dimension)),
+    )
     laws = [part for part in element.parts(Values(rig.exact_values)) if isinstance(part, Law)]
     if len(laws) == 1 and laws[0].damping:
         yield "damping, from that", "", NumberText(float(laws[0].damping), 5), unit(expected_unit("damping"))
@@ -170,16 +197,25 @@ def _measure(element: Element, value: DampingMeasure, rig: Drivetrain) -> Iterat
 def _channels(rig: Drivetrain) -> TableBlock:
     columns = (Heading("Symbol"), Heading("Kind"), Heading("Quantity"), Heading("Unit"), Heading("Sign", wide=True))
     rows: list[Row] = [
-        (symbol_or_words(name), "input", capital(as_words(str(entry))), unit(UNITS[entry.quantity]), "")
+        (symbol_or_words(name), "input", _place_driven(entry), unit(UNITS[entry.quantity]), "")
         for name, entry in rig.inputs.items()
     ]
     for name, sensor in rig.sensors.items():
         element = rig.elements.get(sensor.of) if sensor.quantity in PORT_QUANTITIES else None
         sign = element.sign_at(sensor.at) if element else ""
-        at = f" at {as_words(sensor.at)}" if sensor.at else ""
-        at += f" against {as_words(sensor.against)}" if sensor.against else ""
-        at += f" referred to {as_words(sensor.referred_to)}" if sensor.referred_to else ""
-        link = "through" if sensor.quantity == "torque" else "of"
-        what = f"{capital(sensor.quantity)} {link} {as_words(sensor.of)}{at}"
+        template = SENSED[sensor.quantity]
+        template += " at {port}" if sensor.at else ""
+        template += " against {other}" if sensor.against else ""
+        template += " referred to {shaft}" if sensor.referred_to else ""
+        place = as_words(sensor.of)
+        names = {"port": sensor.at, "other": sensor.against, "shaft": sensor.referred_to}
+        named = {key: as_words(name) for key, name in names.items() if name}
+        what = phrase(template, element=place, node=place, **named)
         rows.append((symbol_or_words(name), "sensor", what, unit(UNITS[sensor.quantity]), sign.replace("_", " ")))
     return table("Inputs and sensors", columns, rows, most=MOST_ELEMENTS)
+
+
+def _place_driven(entry: Input) -> str:
+    """Text of what an input drives, and against what."""
+    template = DRIVEN[entry.quantity] + (" against {other}" if entry.against else "")
+    return phrase(template, node=as_words(entry.of), element=as_words(entry.of), other=as_words(entry.against or ""))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from torsionnet.base.phrases import phrase
 from torsionnet.report.document_tree import (
     Block,
     BreakableMath,
@@ -67,7 +68,9 @@ MOST_NUMERIC_COORDINATES = 12
 def equations_section(subject: ReportData) -> Section:
     """Section of a report with the equations of motion, in symbols for models of few coordinates."""
     if (n := subject.n_coordinates) > MOST_SYMBOLIC:
-        lead = f"The model has {n} coordinates; its equations are given by the entries of their matrices."
+        lead = phrase(
+            "The model has {count} coordinates; its equations are given by the entries of their matrices.", count=n
+        )
         return Section("equations", ("Equations of motion",), (Paragraph((lead,)), *_entries(subject)))
     few = subject.symbolic_equations if len(subject.symbolic_equations) <= FEW_CASES else subject.symbolic_equations[:1]
     others = subject.symbolic_equations[len(few) :]
@@ -77,11 +80,16 @@ def equations_section(subject: ReportData) -> Section:
         if _is_short(form.system):
             blocks += written
         else:
-            title = f"Equations of motion in symbols{f', configuration {_where(form.cases)}' if len(few) > 1 else ''}"
+            title = phrase(
+                "Equations of motion in symbols{where}",
+                where=f", configuration {_where(form.cases)}" if len(few) > 1 else "",
+            )
             lead = "In symbols the equations are too long to be read; the report as HTML has them."
             blocks.append(Details((title,), tuple(written), (lead,)))
     if others:
-        title = f"Equations of motion of the other {sum(len(form.cases) for form in others)} configurations"
+        title = phrase(
+            "Equations of motion of the other {count} configurations", count=sum(len(form.cases) for form in others)
+        )
         inner = tuple(block for form in others for block in _form(form, several=True))
         blocks.append(Details((title,), inner, (title, ": in the report as HTML.")))
     blocks += _numbers(subject)
@@ -107,7 +115,7 @@ def _form(form: SymbolicEquations, *, several: bool) -> list[Block]:
     system = form.system
     blocks: list[Block] = []
     if several:
-        blocks.append(Paragraph((Strong(f"Configuration {_where(form.cases)}"),)))
+        blocks.append(Paragraph((Strong(phrase("Configuration {name}", name=_where(form.cases))),)))
     rows = tuple(BreakableMath(tuple(equation_terms(system, row))) for row in range(len(system.coordinates)))
     blocks += [Paragraph(_introduction(system)), Equations(rows)]
     if all(matrix_letters(getattr(system, key)) <= WIDEST_MATRIX for key in MATRIX_UNITS):
@@ -234,13 +242,13 @@ def _entries(subject: ReportData) -> list[Block]:
         Heading("Column"),
         *(Heading((Math(rf"\mathbf{{{key}}}"),), shown, numeric=True) for key, shown in MATRIX_UNITS.items()),
     )
-    where = f" in configuration {case.configuration}" if case.configuration else ""
+    where = phrase(" in configuration {name}", name=case.configuration) if case.configuration else ""
     notes: list[Cell] = ["The matrices are symmetric: entries below the diagonal are those above it."]
     notes += ["In other configurations other values and ratios take their places."] if len(subject.cases) > 1 else []
     notes += [COMPLEX_NOTE] if any(one.drivetrain.assembly.system.dynamic for one in subject.cases) else []
     notes.append(_export())
     found = table(
-        f"Entries of the matrices of inertia, viscous damping and stiffness{where}",
+        phrase("Entries of the matrices of inertia, viscous damping and stiffness{where}", where=where),
         columns,
         rows,
         notes,
@@ -248,7 +256,7 @@ def _entries(subject: ReportData) -> list[Block]:
     )
     if len(rows) <= MOST_UNFOLDED_ENTRIES:
         return [found]
-    text = f"{len(rows)} entries of M, C and K are not zero"
+    text = phrase("{count} entries of M, C and K are not zero", count=len(rows))
     return [Details((text,), (found,), (text, "; the report as HTML lists them. ", *_export()))]
 
 

@@ -13,6 +13,7 @@ from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.scalars import Value
 from torsionnet.base.entries.spec import Spec
 from torsionnet.base.number_text import MISSING_TYPESET, aligned_numbers
+from torsionnet.base.phrases import phrase
 from torsionnet.base.units import RPM, expected_unit
 from torsionnet.machinery.excitations.pressure_trace import PressureTrace
 from torsionnet.machinery.excitations.table_by_pressure import TableByPressure
@@ -55,15 +56,24 @@ def excitations_section(subject: ReportData) -> Section | None:
 
 def _speeds(speeds: SpeedRange) -> str:
     low, high = speeds.values[0] * RPM, speeds.values[-1] * RPM
-    rated = f"; rated speed {speeds.rated * RPM:.6g} r/min" if speeds.rated else ""
+    rated = phrase("; rated speed {speed:.6g} r/min", speed=speeds.rated * RPM) if speeds.rated else ""
     count = len(speeds.values)
-    return f"The speed of {as_words(speeds.of)} runs from {low:.6g} to {high:.6g} r/min, {count} values{rated}."
+    return phrase(
+        "The speed of {node} runs from {low:.6g} to {high:.6g} r/min, {count} values{rated}.",
+        node=as_words(speeds.of),
+        low=low,
+        high=high,
+        count=count,
+        rated=rated,
+    )
 
 
 def _entries(name: str, excitation: OrderExcitation) -> TableBlock:
     columns = (Heading("Property"), Heading("Value", wide=True), Heading("Unit"))
     rows = [*_properties(excitation)]
-    return table(f"Excitation {as_words(name)}: {as_words(excitation.kind)}", columns, rows)
+    return table(
+        phrase("Excitation {name}: {type}", name=as_words(name), type=as_words(excitation.kind)), columns, rows
+    )
 
 
 def _properties(entry: Declared, over: str = "") -> Iterator[Row]:
@@ -90,7 +100,9 @@ def _shown(spec: Spec[object], value: Any) -> tuple[Cell, Cell]:
     if isinstance(spec, TableByPressure) and all(isinstance(one, PressureTrace) for one in value.values()):
         return as_words("; ".join(f"at {pressure / 1e5:.6g} bar {one}" for pressure, one in value.items())), "–"
     if isinstance(value, tuple) and len(value) > LONGEST_LIST:
-        return f"{len(value)} values between {min(value):.6g} and {max(value):.6g}", "SI"
+        return phrase(
+            "{count} values between {low:.6g} and {high:.6g}", count=len(value), low=min(value), high=max(value)
+        ), "SI"
     if isinstance(value, Mapping) and value and all(isinstance(one, Declared) for one in value.values()):
         return "; ".join(f"{_text(key)}: {_given(one)}" for key, one in value.items()), "–"
     return _text(spec.plain(value)), "–"
@@ -149,16 +161,22 @@ def _torques(case: Case, name: str, excitation: OrderExcitation) -> TableBlock:
         [_node(torques.nodes, place, int(count)) for place, count in zip(where, same.sum(axis=1), strict=True)],
         strict=True,
     )
-    other = "" if math.isclose(own, speed) else f", where the reference shaft has {speed * RPM:.6g} r/min"
-    what = "Torques of " if excitation.quantity == "torque" else "Imposed motion of "
-    caption = f"{what}{as_words(name)} by order of its shaft at {own * RPM:.6g} r/min{other}"
+    other = (
+        ""
+        if math.isclose(own, speed)
+        else phrase(", where the reference shaft has {speed:.6g} r/min", speed=speed * RPM)
+    )
+    what = "Imposed motion of {name} by order of its shaft at {speed:.6g} r/min{reference}"
+    if excitation.quantity == "torque":
+        what = "Torques of {name} by order of its shaft at {speed:.6g} r/min{reference}"
+    caption = phrase(what, name=as_words(name), speed=own * RPM, reference=other)
     notes = ["Of several nodes the one with the largest amplitude, of equal ones the first; cylinders differ in phase."]
     return table(caption, columns, list(rows), notes if len(torques.nodes) > 1 else [], most=MOST_ORDERS)
 
 
 def _node(nodes: Sequence[str], place: int, alike: int) -> str:
     """Text with the node whose phase is given, and the number of nodes with the same amplitude."""
-    return as_words(nodes[place]) + (f" (of {alike} alike)" if alike > 1 else "")
+    return as_words(nodes[place]) + (phrase(" (of {count} alike)", count=alike) if alike > 1 else "")
 
 
 def _changes(subject: ReportData) -> Iterator[Row]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from torsionnet.base.number_text import digits_to_error
+from torsionnet.base.phrases import phrase
 from torsionnet.report.document_tree import (
     Block,
     Cell,
@@ -74,8 +75,10 @@ def _table(subject: ReportData, fit: Fit) -> TableBlock:
         )
         for name, value in fit.values.items()
     ]
-    chi = (
-        f"Chi squared {fit.chi_squared:.4g}. Neighbouring lines share noise: together they are worth "
-        f"{fit.degrees_of_freedom} degrees of freedom, with which the intervals are made."
+    chi = phrase(
+        "Chi squared {value:.4g}. Neighbouring lines share noise: together they are worth {count} "
+        "degrees of freedom, with which the intervals are made.",
+        value=fit.chi_squared,
+        count=fit.degrees_of_freedom,
     )
     return table(fit.title or "Fitted parameters", columns, rows, [chi])

@@ -9,6 +9,7 @@ import numpy as np
 
 from torsionnet.base.equal_remarks import condition_words
 from torsionnet.base.number_text import aligned_numbers
+from torsionnet.base.phrases import phrase
 from torsionnet.machinery.verdicts.governing_peaks import GoverningPeaks, line_name
 from torsionnet.machinery.verdicts.limit_check import LimitCheck, LimitVerdict
 from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion
@@ -74,13 +75,28 @@ def _families(subject: ReportData, found: LimitConclusion) -> list[Picture]:
     names = list(dict.fromkeys(family.members[0][1][0].limit for family in families_of(found.checks)))
     parts = [names[start : start + MOST_PANELS] for start in range(0, len(names), MOST_PANELS)]
     count = len(found.checks)
-    where = f" in all {count} conditions examined: the worst black and named, the others grey" if count > 1 else ""
+    where = (
+        phrase(" in all {count} conditions examined: the worst black and named, the others grey", count=count)
+        if count > 1
+        else ""
+    )
     pictures = []
     for number, part in enumerate(parts, 1):
         drawn = limit_families(found.checks, part, conventions=subject.conventions)
         those = ", ".join(map(as_words, part))
-        caption = (f"Vibratory stress or torque over speed{where}; limits red, speeds to be barred shaded.",)
-        pictures.append(Picture(f"forced_response_{number}", drawn, caption, f"{those} over speed with limits{where}"))
+        caption = (
+            phrase(
+                "Vibratory stress or torque over speed{where}; limits red, speeds to be barred shaded.", where=where
+            ),
+        )
+        pictures.append(
+            Picture(
+                f"forced_response_{number}",
+                drawn,
+                caption,
+                phrase("{names} over speed with limits{where}", names=those, where=where),
+            )
+        )
     return pictures
 
 
@@ -135,11 +151,22 @@ def _free_end(subject: ReportData) -> Picture:
 
     run, condition = subject.free_end_response, condition_words(subject.judged_cases[0].configuration)
     node = run.outputs[0].name
-    where = f" in condition {condition}" if condition else ""
+    where = phrase(" in condition {name}", name=condition) if condition else ""
     drawn = order_response(run, most=5, conventions=subject.conventions, title="", milli=True)
     worst = int(np.argmax(run.half_range[:, 0]))
-    caption = (f"Amplitude at the free end of the engine, {as_words(node)},{where}: largest orders and their sum.",)
-    alt = f"Angle of {as_words(node)} over speed{where}, largest at {run.rpm[worst]:.4g} rpm"
+    caption = (
+        phrase(
+            "Amplitude at the free end of the engine, {node},{where}: largest orders and their sum.",
+            node=as_words(node),
+            where=where,
+        ),
+    )
+    alt = phrase(
+        "Angle of {node} over speed{where}, largest at {speed:.4g} rpm",
+        node=as_words(node),
+        where=where,
+        speed=run.rpm[worst],
+    )
     return Picture("free_end", drawn, caption, alt)
 
 
@@ -163,7 +190,10 @@ def _critical_row(subject: ReportData, speed: Cell, those: Sequence[OrderPeak]) 
     limit = one.verdict
     return (
         speed,
-        "; ".join(f"{as_words(line_name(peak))}, mode {peak.critical.mode.number}" for peak in those),
+        "; ".join(
+            phrase("{order}, mode {mode}", order=as_words(line_name(peak)), mode=peak.critical.mode.number)
+            for peak in those
+        ),
         component(limit),
         limit_number(float(limit.values[one.at]), limit.unit, subject.conventions),
         limit_unit(limit.unit, subject.conventions),

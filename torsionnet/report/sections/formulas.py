@@ -8,6 +8,7 @@ import numpy as np
 import sympy
 
 from torsionnet.base.errors import UsageError
+from torsionnet.base.phrases import phrase
 from torsionnet.linear.frequency_response import FrequencyResponse
 from torsionnet.report.document_tree import (
     Block,
@@ -62,7 +63,7 @@ def formulas_section(subject: ReportData) -> Section | None:
         for form in _forms(part):
             if len(form.cases) < len(part.cases):
                 names = ", ".join(case.configuration for case in form.cases)
-                inner.append(Paragraph((Strong(f"Configuration {names}"),)))
+                inner.append(Paragraph((Strong(phrase("Configuration {name}", name=names)),)))
             inner += _function(part, pair, form)
         blocks.append(Section(f"formula-{number}", (Math(pair_latex(pair)),), tuple(inner)))
     return Section("formulas", ("Transfer functions in symbols",), tuple(blocks))
@@ -80,12 +81,12 @@ def _function(subject: ReportData, pair: Pair, form: SymbolicEquations) -> list[
         found = form.system.transfer_function(pair.output, pair.input, pair.excitation or None)
         operations = found.program.operations
     except UsageError as error:
-        return [Paragraph((f"Not written in symbols: {error}.",))]
+        return [Paragraph((phrase("Not written in symbols: {reason}.", reason=error),))]
     rig = form.cases[0].drivetrain
     blocks: list[Block] = [Paragraph(_introduction(found, rig))]
     asked = pair in subject.request.pairs
     if operations > (MOST_OPERATIONS if asked else FORMULA_OPERATIONS):
-        text = f"Written out it takes {operations} additions, multiplications and divisions"
+        text = phrase("Written out it takes {count} additions, multiplications and divisions", count=operations)
         how = f"--tf {pair.output}/{pair.input}" if operations <= MOST_OPERATIONS else (
             f'model.symbolic().transfer_function("{pair.output}", "{pair.input}").python_code()'
         )  # fmt: skip
@@ -122,7 +123,10 @@ def _polynomial(found: TransferFunction, pair: Pair, cases: tuple[Case, ...]) ->
     quotient = rational(found)  # of any length; what is too long is not written
     order = len(quotient.denominator) - 1
     if order > MOST_ORDER or max(map(_terms, (*quotient.numerator, *quotient.denominator))) > MOST_TERMS:
-        text = f"As a quotient of polynomials in s it has order {order}; the coefficients are too long to be read."
+        text = phrase(
+            "As a quotient of polynomials in s it has order {order}; the coefficients are too long to be read.",
+            order=order,
+        )
         return [Paragraph((text,))]
     above, below = (
         polynomial_latex(
@@ -208,10 +212,10 @@ def _steps(found: TransferFunction, pair: Pair, *, limits: bool) -> list[Block]:
     after: list[Block] = [_limits(found, pair)] if limits else []
     if len(rows) <= MOST_UNFOLDED_STEPS:
         return [Paragraph(("Written in steps, each of which uses those before it:",)), *steps, *after]
-    title: Text = (f"{len(rows)} steps, each of which uses those before it",)
+    title: Text = (phrase("{count} steps, each of which uses those before it", count=len(rows)),)
     code = Code(f'model.symbolic().transfer_function("{pair.output}", "{pair.input}").python_code()')
     instead: Text = (
-        f"Written in symbols it takes {len(rows)} steps: the report as HTML has them, in Python ",
+        phrase("Written in symbols it takes {count} steps: the report as HTML has them, in Python ", count=len(rows)),
         code,
         ".",
     )

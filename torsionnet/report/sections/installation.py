@@ -6,11 +6,12 @@ from dataclasses import replace
 
 from torsionnet.base.equal_remarks import condition_words
 from torsionnet.base.errors import TorsionnetError, UsageError
+from torsionnet.base.phrases import joined, phrase
 from torsionnet.base.units import RPM
 from torsionnet.machinery.checks.rating_mismatches import rating_mismatches
 from torsionnet.machinery.mean.power_balance import PowerBalance
 from torsionnet.report.cylinders_out import all_working
-from torsionnet.report.document_tree import Block, Heading, Listing, Paragraph, Section, Strong, TableBlock
+from torsionnet.report.document_tree import Block, Heading, Listing, Paragraph, Section, Strong, TableBlock, Text
 from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_machines import machines, quantity_text
 from torsionnet.report.report_tables import results_table, table
@@ -33,7 +34,7 @@ def installation_section(subject: ReportData) -> Section | None:
     model = subject.model
     rows = [(one.machine, one.data, one.source) for one in machines(model)]
     columns = (Heading("Machine"), Heading("Data", wide=True), Heading("Source or remark", wide=True))
-    notes = [f"Where no source is named: {model.source.strip()}."] if model.source else []
+    notes = [phrase("Where no source is named: {source}.", source=model.source.strip())] if model.source else []
     blocks: list[Block] = [table("Machines, couplings and dampers", columns, rows, notes)] if rows else []
     for case, found in _balances(subject):
         several = len(subject.cases) > 1 and case.configuration
@@ -75,14 +76,24 @@ def _rated(found: PowerBalance) -> Paragraph:
     """Paragraph with power and torque at the speed of the reference shaft, and the sums of power given and taken."""
     state = found.state
     speed = quantity_text(abs(state.speed), "speed")
-    lead = f"{quantity_text(found.taken, 'power')} at {speed} of {as_words(state.reference)}"
-    rest = f"given {quantity_text(found.given, 'power')}, absorbed {quantity_text(found.taken, 'power')}"
+    balance = phrase(
+        "given {power}, absorbed {other}",
+        power=quantity_text(found.given, "power"),
+        other=quantity_text(found.taken, "power"),
+    )
     if abs(found.given - found.taken) <= LEAST_POWER_SHARE * found.given:
-        rest += ": in balance"
+        more = phrase(": in balance")
     else:
-        rest += f", a difference of {quantity_text(found.given - found.taken, 'power')}"
-    text = f": {lead}, torque there {quantity_text(found.torque, 'torque')} (T = P/ω). Powers: {rest}."
-    return Paragraph((Strong("Rated torque"), text))
+        more = phrase(", a difference of {power}", power=quantity_text(found.given - found.taken, "power"))
+    text = phrase(
+        "{power} at {speed} of {node}, torque there {torque} (T = P/ω). Powers: {balance}.",
+        power=quantity_text(found.taken, "power"),
+        speed=speed,
+        node=as_words(state.reference),
+        torque=quantity_text(found.torque, "torque"),
+        balance=joined("", (balance, more)),
+    )
+    return Paragraph((Strong("Rated torque"), ": ", text))
 
 
 def _line(subject: ReportData, case: Case, found: PowerBalance, where: str) -> TableBlock:
@@ -99,9 +110,13 @@ def _line(subject: ReportData, case: Case, found: PowerBalance, where: str) -> T
     rows = tuple(row for _, row in sorted(kept, key=lambda one: one[0]))
     names = [one.name for one in whole.columns]
     chosen = replace(whole, rows=rows).chosen([names.index(name) for name in COLUMNS])
-    caption = f"Speed, mean torque and power along the line at {abs(state.speed) * RPM:.6g} rpm{where}"
+    caption = phrase(
+        "Speed, mean torque and power along the line at {speed:.6g} rpm{where}",
+        speed=abs(state.speed) * RPM,
+        where=where,
+    )
     block = results_table(chosen, caption, notes=False)
-    return replace(block, notes=((_outside(found),), (_checked(found),)))
+    return replace(block, notes=((_outside(found),), _checked(found)))
 
 
 def _order(case: Case) -> dict[str, int]:
@@ -117,19 +132,22 @@ def _outside(found: PowerBalance) -> str:
     equal: dict[str, list[str]] = {}
     for node, torque in found.state.external.items():
         equal.setdefault(quantity_text(torque, "torque"), []).append(as_words(node))
-    each = (f"{first_names(nodes)} {text}{' each' if len(nodes) > 1 else ''}" for text, nodes in equal.items())
-    return f"From outside act: {'; '.join(each)}."
+    each = (
+        phrase("{torque} each", torque=f"{first_names(nodes)} {text}") if len(nodes) > 1 else f"{nodes[0]} {text}"
+        for text, nodes in equal.items()
+    )
+    return phrase("From outside act: {torques}.", torques=joined("; ", each))
 
 
-def _checked(found: PowerBalance) -> str:
+def _checked(found: PowerBalance) -> Text:
     """Sentence on the powers along the line: P = T omega, and whether gears pass on what they get."""
     loads, text = found.state.loads, "P = T ω at every place."
     if len({one.element for one in loads}) == len(loads):
-        return text
+        return (text,)
     loss, share = found.largest_loss, found.largest_loss / (found.given or 1.0)
     if share <= LEAST_POWER_SHARE:
-        return f"{text} Every gear gives as much power as it takes."
-    return f"{text} A gear gives {quantity_text(loss, 'power')} less or more than it takes."
+        return text, " Every gear gives as much power as it takes."
+    return text, phrase(" A gear gives {power} less or more than it takes.", power=quantity_text(loss, "power"))
 
 
 def _ratings(subject: ReportData) -> list[Block]:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from torsionnet.base.phrases import phrase
 from torsionnet.report.document_tree import (
     Block,
     Cell,
@@ -39,8 +40,15 @@ def kinematics_section(subject: ReportData) -> Section:
     if not subject.is_large:
         names: Text = ("; the coordinates are ", *_angles(kept), ".") if kept else ("; nothing can move.",)
     else:
-        names = (f"; the coordinates are the angles of {first_names([as_words(node) for node in kept], MOST_NAMES)}.",)
-    count = f"The model has {len(rig.nodes)} nodes, {len(kept)} of them independent"
+        names = (
+            phrase(
+                "; the coordinates are the angles of {nodes}.",
+                nodes=first_names([as_words(node) for node in kept], MOST_NAMES),
+            ),
+        )
+    count = phrase(
+        "The model has {count} nodes, {independent} of them independent", count=len(rig.nodes), independent=len(kept)
+    )
     blocks: list[Block] = [Paragraph((count, *names))]
     dependent = [node for node in rig.nodes if node not in kept]
     if not dependent:
@@ -58,7 +66,9 @@ def kinematics_section(subject: ReportData) -> Section:
         ]
         others = subject.symbolic_equations[len(few) :]
         if others:
-            title = f"Kinematic relations of the other {sum(len(form.cases) for form in others)} configurations"
+            title = phrase(
+                "Kinematic relations of the other {count} configurations", count=sum(len(form.cases) for form in others)
+            )
             tables = tuple(_relations(form) for form in others)
             blocks.append(Details((title,), tables, (title, ": in the report as HTML.")))
     return Section("kinematics", ("Kinematic relations",), tuple(blocks))

@@ -8,6 +8,7 @@ import numpy as np
 
 from torsionnet.base.equal_remarks import configurations_in_words, grouped_remarks
 from torsionnet.base.number_text import aligned_numbers
+from torsionnet.base.phrases import phrase
 from torsionnet.machinery.verdicts.limit_check import PASS, LimitCheck, LimitVerdict, gravest
 from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion
 from torsionnet.machinery.verdicts.operating_instructions import instruction_table
@@ -60,7 +61,7 @@ def conclusion(found: LimitConclusion) -> TableBlock:
     kept = [one for one in found.checks if one.verdict != PASS] if len(found.checks) > MOST_ROWS else found.checks
     rows = [(check.configuration, check.verdict, as_words(check.finding())) for check in kept[:MOST_ROWS]]
     rest = len(found.checks) - len(rows)
-    notes = [f"{rest} further configurations are in the verdict."] if rest else []
+    notes = [phrase("{count} further configurations are in the verdict.", count=rest)] if rest else []
     return table("Conclusion on stresses and limits", columns, rows, notes)
 
 
@@ -101,10 +102,15 @@ def _verdicts(subject: ReportData, judged: LimitConclusion, name: str) -> TableB
         [one.restrictions for _, one in found],
     ]
     of = dict.fromkeys(one.of for _, one in found)
-    many = f"The {len(checks)} of {len(judged.checks)} configurations in which it is used most."
+    many = phrase(
+        "The {count} of {all} configurations in which it is used most.", count=len(checks), all=len(judged.checks)
+    )
     notes = [many] if len(checks) < len(judged.checks) else []
     return table(
-        f"Limit {as_words(name)}: {', '.join(map(as_words, of))}", columns, list(zip(*cells, strict=True)), notes
+        phrase("Limit {name}: {elements}", name=as_words(name), elements=", ".join(map(as_words, of))),
+        columns,
+        list(zip(*cells, strict=True)),
+        notes,
     )
 
 
@@ -141,8 +147,8 @@ def _picture(subject: ReportData, judged: LimitConclusion, name: str, number: in
         return []
     check = judged.checks[int(np.nanargmax(use))]
     drawn = limit_check(replace(check, title=""), name, conventions=subject.conventions, title="")
-    where = f" in configuration {check.configuration}" if check.configuration and len(use) > 1 else ""
-    caption = (f"Limit {as_words(name)} over speed{where}.",)
+    where = phrase(" in configuration {name}", name=check.configuration) if check.configuration and len(use) > 1 else ""
+    caption = (phrase("Limit {name} over speed{where}.", name=as_words(name), where=where),)
     return [Picture(f"limit_{number}", drawn, caption, f"{as_words(name)} over speed with its limits{where}")]
 
 
@@ -181,6 +187,10 @@ def _remarks(found: LimitConclusion) -> list[str]:
     )
     remarks = []
     for abouts, names, remark in grouped_remarks(said):
-        within = f" (in {configurations_in_words(names, known)})" if len(names) < len(known) else ""
+        within = (
+            phrase(" (in {configurations})", configurations=configurations_in_words(names, known))
+            if len(names) < len(known)
+            else ""
+        )
         remarks.append(f"{'; '.join(abouts)}: {as_words(remark)}{within}")
     return remarks

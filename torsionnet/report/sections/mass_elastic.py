@@ -7,6 +7,7 @@ from dataclasses import replace
 from itertools import accumulate
 
 from torsionnet.base.errors import TorsionnetError
+from torsionnet.base.phrases import phrase
 from torsionnet.base.table import Table
 from torsionnet.machinery.holzer.mass_elastic_table import MassElasticTable
 from torsionnet.report.document_tree import Cell, Math, NumberText, Section, TableBlock, TableGroup, Text
@@ -48,7 +49,7 @@ def mass_elastic_section(subject: ReportData) -> Section | None:
     names = [case.configuration for case in subject.cases]
     block = _block(tables[0], f", {names[0]}" if len(names) > 1 else "")
     changes = list(_changes(tables, names))
-    more = [(f"… and {len(changes) - MOST_CHANGES} more",)] if len(changes) > MOST_CHANGES else []
+    more = [(phrase("… and {count} more", count=len(changes) - MOST_CHANGES),)] if len(changes) > MOST_CHANGES else []
     notes = (*block.notes, *changes[:MOST_CHANGES], *more)
     return Section("mass_elastic", ("Mass-elastic data",), (replace(block, notes=notes),))
 
@@ -59,8 +60,12 @@ def _block(found: MassElasticTable, where: str) -> TableBlock:
     if found.has_one_speed:
         whole = whole.chosen([place for place, one in enumerate(whole.columns) if one.name not in REFERRED])
     reference = as_words(found.referred_to)
-    speed = f"all turn at the speed of {reference}" if found.has_one_speed else f"referred to {reference}"
-    caption = f"Masses and shafts{where}; {speed}"
+    speed = (
+        phrase("all turn at the speed of {node}", node=reference)
+        if found.has_one_speed
+        else phrase("referred to {node}", node=reference)
+    )
+    caption = phrase("Masses and shafts{where}; {speed}", where=where, speed=speed)
     block = results_table(whole, caption, notes=False, heads=lambda name: SHORT_HEADINGS.get(name, capital(name)))
     rows = [tuple(map(_plain, row)) for row in block.groups[0].rows]
     ends = [0, *accumulate(len(line.rows) for line in found.lines)]
@@ -105,7 +110,7 @@ def _notes(found: MassElasticTable, block: TableBlock, materials: dict[str, str]
         (Math(r"c_{\mathrm{rel}}"), ": relative damping, between a mass and the next one"),
         (Math(r"\eta"), ": its loss factor"),
         (Math("W_{p}"), ": polar section modulus"),
-        (Math("n"), f": speed over that of {as_words(found.referred_to)}"),
+        (Math("n"), phrase(": speed over that of {node}", node=as_words(found.referred_to))),
     )
     legend = [part for symbol, text in meanings if symbol in shown for part in ("; ", symbol, text)]
     if legend:
@@ -115,7 +120,13 @@ def _notes(found: MassElasticTable, block: TableBlock, materials: dict[str, str]
             where = f", {as_words(line.title)}" if len(found.lines) > 1 else ""
             size = NumberText(line.flexibility, 5)
             stiffness = NumberText(1e-6 / line.flexibility, 5)
-            yield (f"Sum of 1/k, referred{where}: ", size, " rad/(N·m), as one shaft of ", stiffness, " MN·m/rad.")
+            yield (
+                phrase("Sum of 1/k, referred{where}: ", where=where),
+                size,
+                " rad/(N·m), as one shaft of ",
+                stiffness,
+                " MN·m/rad.",
+            )
     if materials:
         yield ("; ".join(f"{letter}: {material}" for material, letter in materials.items()) + ".",)
     for note in (*found.divided(), *found.notes):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from torsionnet.base.errors import UsageError
+from torsionnet.base.phrases import phrase
 from torsionnet.report.cylinders_out import all_working
 from torsionnet.report.document_tree import Block, Section
 from torsionnet.report.report_data import ReportData
@@ -25,7 +26,15 @@ def mean_torques_section(subject: ReportData) -> Section | None:
         except UsageError:  # what drives or absorbs is switched off in this configuration
             continue
         if state.loads not in shown and len(shown) < MOST_LOADS:
-            where = f" in configuration {case.configuration}" if case.configuration and len(subject.cases) > 1 else ""
+            where = (
+                phrase(" in configuration {name}", name=case.configuration)
+                if case.configuration and len(subject.cases) > 1
+                else ""
+            )
             shown.append(state.loads)
-            blocks.append(results_table(state.table(subject.conventions), f"Mean torques of the elements{where}"))
+            blocks.append(
+                results_table(
+                    state.table(subject.conventions), phrase("Mean torques of the elements{where}", where=where)
+                )
+            )
     return Section("mean_torques", ("Mean torques and stresses",), tuple(blocks)) if blocks else None

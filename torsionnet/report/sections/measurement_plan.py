@@ -13,6 +13,7 @@ from torsionnet.base.conventions import Conventions
 from torsionnet.base.equal_remarks import condition_words
 from torsionnet.base.errors import UsageError
 from torsionnet.base.number_text import NumberText, aligned_numbers
+from torsionnet.base.phrases import phrase
 from torsionnet.base.units import RPM
 from torsionnet.io.order_tables import tracked_channel
 from torsionnet.io.tracked_order_tables import is_tracked_table, read_tracked_orders
@@ -59,6 +60,11 @@ INTRODUCTION = (
     "alone is largest at the place of measurement, near its critical speed."
 )
 """Paragraph before the tables of a measurement plan."""
+CAPTIONS = {
+    "torque": "Torque by strain gauges, {of}{where}",
+    "angle": "Angle by torsiograph or encoder, {of}{where}",
+}
+"""Captions of the tables of a measurement plan, by the quantity that is measured."""
 HIGHEST = "highest with a cylinder out"
 """Reason to measure at the highest speed permitted in a condition with a cylinder out."""
 OUT_COLUMNS = (
@@ -101,7 +107,7 @@ def measurement_plan_section(subject: ReportData) -> Section | None:
         reference, found = _of_condition(subject, case, places, tests)
         blocks += found
     blocks += [] if files else _with_cylinder_out(subject, places)
-    text = INTRODUCTION.format(reference=as_words(reference))
+    text = phrase(INTRODUCTION, reference=as_words(reference))
     return Section("measurement_plan", ("Measurement plan",), (Paragraph((text,)), *blocks))
 
 
@@ -125,8 +131,7 @@ def _of_condition(
         measured = [order for one in tests.get(name, ()) for order in one.orders]
         blocks.append(_table(subject, case, place, at, speeds, measured))
         if name in tests:
-            words = f"{place.means}{_where(case)}"
-            blocks += measured_order_tables(run, name, tests[name], subject.conventions, words)
+            blocks += measured_order_tables(run, name, tests[name], subject.conventions, *_placed(place, case))
             blocks.append(Paragraph((DAMPING_NOTE,)))
             if any(one.remarks for one in tests[name]):
                 blocks.append(Paragraph((RUN_UP_NOTE,)))
@@ -158,13 +163,17 @@ def _beside_limits(subject: ReportData, case: Case, files: Sequence[MeasuredFile
                 ranges += measured_ranges(case.drivetrain, check, read_tracked_orders(file.path))
     if not ranges:
         return []
-    where = f" in configuration {case.configuration}" if case.configuration else ""
+    where = phrase(" in configuration {name}", name=case.configuration) if case.configuration else ""
     blocks: list[Block] = [
-        measured_range_block(ranges, subject.conventions, f"Measured half ranges beside limits{_where(case)}")
+        measured_range_block(
+            ranges, subject.conventions, phrase("Measured half ranges beside limits{where}", where=_where(case))
+        )
     ]
     for number, name in enumerate(dict.fromkeys(one.limited.limit for one in ranges), 1):
         drawn = limit_picture(check, name, subject.conventions, ranges)
-        caption = (f"Limit {as_words(name)} over speed{where}, measured half ranges as dots.",)
+        caption = (
+            phrase("Limit {name} over speed{where}, measured half ranges as dots.", name=as_words(name), where=where),
+        )
         told = f"{as_words(name)} over speed with its limits and measured half ranges{where}"
         blocks.append(Picture(f"measured_limit_{number}", drawn, caption, told))
     return blocks
@@ -188,7 +197,9 @@ def _with_cylinder_out(subject: ReportData, places: Sequence[MeasuringPlace]) ->
     case, check = subject.judged_case(worst.check), worst.check
     speed, limit = float(check.speeds[worst.verdict.worst]), as_words(worst.verdict.limit)
     over = (check.highest is not None and speed > check.highest) or any(span.holds(speed) for span in check.barred)
-    wanted = [PlannedSpeed(speed, f"Worst of {limit}" + (", not permitted" if over else ""))]
+    wanted = [
+        PlannedSpeed(speed, phrase("Worst of {limit}, not permitted" if over else "Worst of {limit}", limit=limit))
+    ]
     wanted += [PlannedSpeed(check.highest, "Highest permitted")] if check.highest is not None else []
     rows: list[tuple[Cell, ...]] = []
     for place in places:
@@ -197,7 +208,7 @@ def _with_cylinder_out(subject: ReportData, places: Sequence[MeasuringPlace]) ->
         except UsageError:  # switched off in this condition
             continue
         rows += _out_rows(subject, place, run, merged_speeds(wanted))
-    return [table(f"Expected with a cylinder out{_where(case)}", OUT_COLUMNS, rows)] if rows else []
+    return [table(phrase("Expected with a cylinder out{where}", where=_where(case)), OUT_COLUMNS, rows)] if rows else []
 
 
 def _out_rows(
@@ -304,7 +315,9 @@ def _table(
         _once(aligned_numbers([row.half_range * scale for row in rows], 3), first),
         _once(aligned_numbers(stress, 3), first) if len(run.outputs) > 1 else [""] * len(rows),
     ]
-    return table(f"{capital(place.means)}{_where(case)}", columns, list(zip(*cells, strict=True)))
+    template = CAPTIONS.get(place.sensor.quantity, f"{capital(place.means)}, {{of}}{{where}}")
+    caption = phrase(template, of=as_words(place.sensor.of), where=_where(case))
+    return table(caption, columns, list(zip(*cells, strict=True)))
 
 
 def _stress_at(run: OrderResponse, rows: Sequence[PlannedAmplitude]) -> list[float | None]:
@@ -323,5 +336,13 @@ def _deviation(planned: PlannedAmplitude, measured: float | None) -> Cell:
     return NumberText(known, 3, None if known is None else 1)
 
 
+def _placed(place: MeasuringPlace, case: Case) -> tuple[str, str]:
+    """Texts of how a place is measured, and of what it is on and in which condition."""
+    of = as_words(place.sensor.of)
+    if not case.configuration:
+        return phrase(place.means), f", {of}"
+    return phrase(place.means), phrase(", {of}; condition {name}", of=of, name=condition_words(case.configuration))
+
+
 def _where(case: Case) -> str:
-    return f"; condition {condition_words(case.configuration)}" if case.configuration else ""
+    return phrase("; condition {name}", name=condition_words(case.configuration)) if case.configuration else ""

@@ -9,6 +9,7 @@ import numpy as np
 
 from torsionnet.base.conventions import OSCILLATORY, counting_notes
 from torsionnet.base.number_text import MISSING_TYPESET, aligned_numbers
+from torsionnet.base.phrases import phrase
 from torsionnet.report.document_tree import (
     Block,
     Cell,
@@ -73,7 +74,14 @@ def _introduction(subject: ReportData) -> Text:
         Math(r"\zeta = -\mathrm{Re}\,\lambda/\left|\lambda\right|"), " the damping ratio.",
     )  # fmt: skip
     if subject.is_large or any(len(modes) == MOST_MODES < subject.n_coordinates for modes in subject.modes):
-        text = (*text, f" The model has {subject.n_coordinates} coordinates; the lowest {MOST_MODES} modes are shown.")
+        text = (
+            *text,
+            phrase(
+                " The model has {count} coordinates; the lowest {shown} modes are shown.",
+                count=subject.n_coordinates,
+                shown=MOST_MODES,
+            ),
+        )
     return text
 
 
@@ -81,7 +89,7 @@ def modes_table(subject: ReportData, found: tuple[Modes, ...], caption: Text) ->
     """Table of modes with a group of rows for each configuration of the report."""
     groups = []
     for case, modes in zip(subject.cases, found, strict=True):
-        title = f"Configuration {case.configuration}" if len(subject.cases) > 1 else ""
+        title = phrase("Configuration {name}", name=case.configuration) if len(subject.cases) > 1 else ""
         groups.append(TableGroup(_rows(modes, case.drivetrain), title))
     return TableBlock(caption, COLUMNS, tuple(groups), tuple(_notes(subject, found)))
 
@@ -100,9 +108,9 @@ def listed_modes(
     if len(subject.cases) <= FEW_CASES:
         return full(subject, found, caption)
     first, rest = replace(subject, cases=subject.cases[:1]), replace(subject, cases=subject.cases[1:])
-    where = f", configuration {subject.cases[0].configuration}"
+    where = phrase(", configuration {name}", name=subject.cases[0].configuration)
     folded = Details(
-        (f"Modes of the other {len(rest.cases)} configurations in full",),
+        (phrase("Modes of the other {count} configurations in full", count=len(rest.cases)),),
         tuple(full(rest, found[1:], caption)),
         ("The report as HTML has the modes of the other configurations in full.",),
     )
@@ -186,8 +194,10 @@ def _energies(subject: ReportData, found: tuple[Modes, ...]) -> TableBlock:
     groups = []
     for case, modes in zip(subject.cases, found, strict=True):
         rows = tuple((modes.names[index], *_energy(modes, index)) for index in range(len(modes)))
-        groups.append(TableGroup(rows, f"Configuration {case.configuration}" if len(subject.cases) > 1 else ""))
-    note = f"Shares of at least {100 * LEAST_SHARE:.0f} %, the {MOST_SHARES} largest."
+        groups.append(
+            TableGroup(rows, phrase("Configuration {name}", name=case.configuration) if len(subject.cases) > 1 else "")
+        )
+    note = phrase("Shares of at least {share:.0f} %, the {count} largest.", share=100 * LEAST_SHARE, count=MOST_SHARES)
     return TableBlock(("Where the energy of each mode is",), columns, tuple(groups), ((note,),))
 
 
@@ -222,10 +232,17 @@ def _shapes(subject: ReportData) -> Picture:
     views = [shape_view(one, case.drivetrain) for one, case in zip(modes, cases, strict=True)]
     geared = any(join.kind == "gear" for view in views for join in view.axis.joins)
     caption = (
-        f"Mode shapes: {views[0].label.removesuffix(' [-]')}, the largest 1. Filled dots are the real part; open dots "
-        "the imaginary part, where the nodes do not move in phase or against each other.",
+        phrase(
+            "Mode shapes: {what}, the largest 1. Filled dots are the real part; open dots the imaginary "
+            "part, where the nodes do not move in phase or against each other.",
+            what=views[0].label.removesuffix(" [-]"),
+        ),
         *([" Dotted lines are gears."] if geared else []),
-        *([f" The first {len(cases)} of {len(subject.cases)} configurations."] if rest else []),
+        *(
+            [phrase(" The first {shown} of {count} configurations.", shown=len(cases), count=len(subject.cases))]
+            if rest
+            else []
+        ),
     )
     alt = "Mode shapes of " + "; ".join(modes[index].title for index in range(len(modes)))
     return Picture("mode_shapes", drawn, caption, alt)

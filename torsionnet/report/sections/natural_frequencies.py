@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from torsionnet.base.errors import TorsionnetError
+from torsionnet.base.phrases import phrase
 from torsionnet.base.units import RPM
 from torsionnet.machinery.holzer.counted_vibration import CountedVibration, natural_frequency_table
 from torsionnet.machinery.holzer.vibration_nodes import vibration_nodes
@@ -20,6 +21,7 @@ from torsionnet.report.document_tree import (
     Section,
     TableBlock,
     TableGroup,
+    Text,
 )
 from torsionnet.report.report_data import ReportData, held_drivetrain
 from torsionnet.report.report_holzer import holzer_block
@@ -78,13 +80,25 @@ def _range(subject: ReportData) -> str:
     assert subject.highest_line is not None
     assert speeds is not None
     line, highest = subject.highest_line
-    what = f"order {line.order:g} of {as_words(line.excitation)}" if line.order else as_words(str(line))
-    top = f"{speeds.values[-1] * RPM:.6g} r/min of {as_words(speeds.of)}"
+    what = (
+        phrase("order {order:g} of {excitation}", order=line.order, excitation=as_words(line.excitation))
+        if line.order
+        else as_words(str(line))
+    )
     count = len(subject.excited_modes)
-    modes = "one natural frequency lies" if count == 1 else f"{count} natural frequencies lie"
+    modes = (
+        phrase("one natural frequency lies") if count == 1 else phrase("{count} natural frequencies lie", count=count)
+    )
     above = any(one.lowest > highest for one in subject.natural_frequencies[0])
-    beyond = ", and the next one is given" if above else ", and none above"
-    return f"The highest excitation is {what}, {highest:.4g} Hz at {top}; {modes} below{beyond}."
+    return phrase(
+        "The highest excitation is {what}, {frequency:.4g} Hz at {speed:.6g} r/min of {node}; {modes} below{beyond}.",
+        what=what,
+        frequency=highest,
+        speed=speeds.values[-1] * RPM,
+        node=as_words(speeds.of),
+        modes=modes,
+        beyond=phrase(", and the next one is given" if above else ", and none above"),
+    )
 
 
 def _where(subject: ReportData, place: int) -> str:
@@ -94,11 +108,11 @@ def _where(subject: ReportData, place: int) -> str:
 
 def _first_table(subject: ReportData, rows: tuple[CountedVibration, ...]) -> TableBlock:
     several = len(subject.judged_drivetrains) > 1
-    where = f" in configuration {_where(subject, 0)}" if several else ""
+    where = phrase(" in configuration {name}", name=_where(subject, 0)) if several else ""
     placed = _placed(subject, rows)
     short = tuple(one if len(one.nodes) <= MOST_PLACES else replace(one, nodes=()) for one in placed)
     made = natural_frequency_table("", short, (COUNTING, *([BRANCHED] if placed != rows else [])))
-    found = results_table(made, f"Natural frequencies{where}", most=MOST_MODES_LISTED)
+    found = results_table(made, phrase("Natural frequencies{where}", where=where), most=MOST_MODES_LISTED)
     shown = {subject.conventions.frequency: FREQUENCY_DECIMALS, "1/min": PER_MINUTE_DECIMALS, "%": DAMPING_DECIMALS}
     return with_decimals(found, shown)
 
@@ -108,7 +122,12 @@ def _placed(subject: ReportData, rows: tuple[CountedVibration, ...]) -> tuple[Co
     open_ones = [one.mode for one in rows[:MOST_MODES_LISTED] if one.n_nodes is None]
     tables, _ = _holzer_tables(subject, open_ones)
     places = {
-        mode: tuple(f"in {', '.join(node.elements)}" if node.elements else f"at {node.first}" for node in found)
+        mode: tuple(
+            phrase("in {element}", element=", ".join(node.elements))
+            if node.elements
+            else phrase("at {node}", node=node.first)
+            for node in found
+        )
         for mode, found in ((mode, vibration_nodes(table)) for mode, table in tables.items())
     }
     return tuple(replace(one, nodes=places.get(one.mode, one.nodes)) for one in rows)
@@ -118,7 +137,10 @@ def _compared(subject: ReportData, listed: Sequence[tuple[CountedVibration, ...]
     """Table of the natural frequencies of all drivetrains, a column for each mode."""
     shown = [rows[:MOST_COMPARED] for rows in listed]
     count = max(map(len, shown))
-    columns = (Heading("Configuration"), *(Heading(f"Mode {place}", numeric=True) for place in range(1, count + 1)))
+    columns = (
+        Heading("Configuration"),
+        *(Heading(phrase("Mode {number}", number=place), numeric=True) for place in range(1, count + 1)),
+    )
     names = [_where(subject, place) for place in range(len(shown))]
     values: dict[str, list[list[Cell]]] = {
         "Undamped natural frequency, Hz": [
@@ -151,27 +173,27 @@ def _shapes(subject: ReportData) -> list[Block]:
     tables, missing = _holzer_tables(subject, list(dict.fromkeys([*excited[:MOST_DRAWN], *wanted])))
     blocks: list[Block] = []
     drawn = [tables[mode] for mode in excited[:MOST_DRAWN] if mode in tables]
-    where = f" Configuration {_where(subject, 0)}." if len(subject.judged_drivetrains) > 1 else ""
+    where = phrase(" Configuration {name}.", name=_where(subject, 0)) if len(subject.judged_drivetrains) > 1 else ""
     if drawn:
         from torsionnet.plot.relative_amplitudes import relative_amplitudes
 
-        text = PICTURE_TEXT.format(node=as_words(drawn[0].referred_to)) + where
-        alt = f"Relative amplitudes of modes {', '.join(str(one.mode) for one in drawn)}"
-        blocks.append(Picture("relative_amplitudes", relative_amplitudes(drawn), (text,), alt))
+        text = phrase(PICTURE_TEXT, node=as_words(drawn[0].referred_to))
+        alt = phrase("Relative amplitudes of modes {numbers}", numbers=", ".join(str(one.mode) for one in drawn))
+        blocks.append(Picture("relative_amplitudes", relative_amplitudes(drawn), (text, where), alt))
     blocks += [holzer_block(tables[mode], "N/mm^2") for mode in wanted if mode in tables]
     if missing:
-        blocks.append(Paragraph((f"There is no Holzer table of mode {'; of mode '.join(missing)}.",)))
+        blocks.append(
+            Paragraph((phrase("There is no Holzer table of mode {reasons}.", reasons="; of mode ".join(missing)),))
+        )
     more = len(excited) - len(wanted)
     if asked is None and more > 0:
-        blocks.append(Paragraph((_more(more, len(excited)),)))
+        blocks.append(Paragraph(_more(more, len(excited))))
     return blocks
 
 
-def _more(more: int, count: int) -> str:
-    modes = "one further mode lies" if more == 1 else f"{more} further modes lie"
-    return (
-        f"{modes[0].upper()}{modes[1:]} below the highest excitation; their Holzer tables follow with holzer: {count}."
-    )
+def _more(more: int, count: int) -> Text:
+    modes = "One further mode lies" if more == 1 else phrase("{count} further modes lie", count=more)
+    return modes, phrase(" below the highest excitation; their Holzer tables follow with holzer: {count}.", count=count)
 
 
 def _holzer_tables(subject: ReportData, modes: Sequence[int]) -> tuple[dict[int, HolzerTable], list[str]]:

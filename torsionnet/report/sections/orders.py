@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from torsionnet.base.number_text import aligned_numbers
+from torsionnet.base.phrases import phrase
 from torsionnet.machinery.orders.order_response import OrderResponse
 from torsionnet.machinery.orders.order_sums import lines_of_one_frequency, sum_name
 from torsionnet.machinery.orders.worst_response import WorstResponse
@@ -56,12 +57,19 @@ def _output(subject: ReportData, name: str, number: int) -> list[Block]:
         chosen = runs[:MOST_CURVES]
         labels = [case.configuration for case in subject.cases[:MOST_CURVES]]
         drawn = half_ranges(chosen, name, labels=labels, conventions=subject.conventions, title="")
-        rest = f"; the first {len(chosen)} of {len(runs)} configurations" if len(runs) > len(chosen) else ""
-        caption = (symbol_or_words(name), f": half range of all orders over speed, by configuration{rest}.")
+        rest = (
+            phrase("; the first {shown} of {count} configurations", shown=len(chosen), count=len(runs))
+            if len(runs) > len(chosen)
+            else ""
+        )
+        caption = (
+            symbol_or_words(name),
+            phrase(": half range of all orders over speed, by configuration{rest}.", rest=rest),
+        )
         blocks.append(Picture(f"half_range_{number}", drawn, caption, f"Half range of {as_words(name)} over speed"))
     drawn = order_response(runs[worst], name, conventions=subject.conventions, title="")
-    where = f" in configuration {subject.cases[worst].configuration}" if len(runs) > 1 else ""
-    caption = (symbol_or_words(name), f": largest orders over speed{where}.")
+    where = phrase(" in configuration {name}", name=subject.cases[worst].configuration) if len(runs) > 1 else ""
+    caption = (symbol_or_words(name), phrase(": largest orders over speed{where}.", where=where))
     blocks.append(Picture(f"orders_{number}", drawn, caption, f"Orders of {shown} over speed"))
     return [*blocks, _worst(subject, name), *engine_angle_tables(subject, name)]
 

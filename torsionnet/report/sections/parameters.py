@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from torsionnet.base.expressions import Number
 from torsionnet.base.number_text import aligned_numbers, typeset_unit
+from torsionnet.base.phrases import phrase
 from torsionnet.base.units import RPM
 from torsionnet.model.checks.parameter_units import parameter_units
 from torsionnet.report.document_tree import Block, Cell, Heading, Math, NumberText, Section, TableBlock, Text
@@ -98,7 +99,7 @@ def _configurations(cases: tuple[Case, ...], names: list[str], rig: Drivetrain) 
     values = [[NumberText(case.drivetrain.parameters[name], 6) for case in cases] for name in shown]
     rows = [(case.configuration, *row) for case, row in zip(cases, zip(*values, strict=True), strict=True)]
     rest = len(names) - len(shown)
-    notes = [f"… and {rest} more parameters"] if rest > 0 else []
+    notes = [phrase("… and {count} more parameters", count=rest)] if rest > 0 else []
     return table("Parameters that differ between the configurations", columns, rows, notes)
 
 
@@ -124,7 +125,7 @@ def _operating_points(cases: tuple[Case, ...]) -> list[Block]:
     found: list[Block] = []
     for group in alike.values():
         names = ", ".join(case.configuration for case in group) if len(alike) > 1 else ""
-        shown = _operating_point(group[0].drivetrain, f", configuration {names}" if names else "")
+        shown = _operating_point(group[0].drivetrain, phrase(", configuration {name}", name=names) if names else "")
         found += [shown] if shown else []
     return found
 
@@ -143,5 +144,8 @@ def _operating_point(rig: Drivetrain, where: str) -> TableBlock | None:
     for row in rows:
         together.setdefault(str(shown_cells(row[1:])), []).append(row)
     return table(
-        f"Operating point{where}", columns, [row for group in together.values() for row in group], most=MOST_ROWS
+        phrase("Operating point{where}", where=where),
+        columns,
+        [row for group in together.values() for row in group],
+        most=MOST_ROWS,
     )

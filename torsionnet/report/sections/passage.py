@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from torsionnet.base.equal_remarks import condition_words
+from torsionnet.base.phrases import phrase
 from torsionnet.linear.frequency_response import Channel
 from torsionnet.machinery.verdicts.operating_instructions import PassedRange, passed_ranges
 from torsionnet.machinery.verdicts.range_passage import EXCEEDED, KEPT, RangePassage, passage_table
@@ -62,9 +63,11 @@ def _range(subject: ReportData, barred: PassedRange, number: int) -> Iterator[Bl
         return
     low, high = barred.span.rpm_outward
     where = f", {condition_words(check.configuration)}" if check.configuration else ""
-    yield Paragraph((Strong(f"{low} to {high} rpm{where}:"), *_finding(passages, asked)))
+    yield Paragraph(
+        (Strong(phrase("{low} to {high} rpm{where}:", low=low, high=high, where=where)), *_finding(passages, asked))
+    )
     shown = passage_table(passages, subject.conventions)
-    yield results_table(shown, f"Passage of {low} to {high} rpm{where}")
+    yield results_table(shown, phrase("Passage of {low} to {high} rpm{where}", low=low, high=high, where=where))
     yield _picture(subject, _drawn(passages), f"{low} to {high} rpm{where}", number)
     notes = dict.fromkeys(note for one in passages for note in one.response.notes[:-1])
     if notes:
@@ -76,10 +79,10 @@ def _finding(passages: tuple[RangePassage, ...], asked: float | None) -> tuple[s
     over = sorted({one.seconds for one in passages if one.row.verdict == EXCEEDED})
     if asked is not None:
         if asked in over:
-            return (f" in the {asked:g} s that are asked for, the limit in passing is exceeded.",)
-        return (f" in the {asked:g} s that are asked for, the limit in passing is kept.",)
+            return (phrase(" in the {time:g} s that are asked for, the limit in passing is exceeded.", time=asked),)
+        return (phrase(" in the {time:g} s that are asked for, the limit in passing is kept.", time=asked),)
     if over:
-        return (f" the limit in passing is exceeded in {', '.join(f'{one:g}' for one in over)} s.",)
+        return (phrase(" the limit in passing is exceeded in {times} s.", times=", ".join(f"{one:g}" for one in over)),)
     return (
         " limits in passing are kept."
         if any(one.row.verdict == KEPT for one in passages)
@@ -105,7 +108,9 @@ def _picture(subject: ReportData, passages: Sequence[RangePassage], what: str, n
     limits = [{verdict.criterion: one.allowed, one.criterion_in_passing: one.allowed_in_passing} for one in passages]
     drawn = passage_response(runs, limits=limits, conventions=subject.conventions, title="")
     seconds = [one.seconds for one in passages]
-    caption = f"Passage of {what} in {seconds[0]:g} s."
+    caption = phrase("Passage of {range} in {time:g} s.", range=what, time=seconds[0])
     if len(seconds) > 1:
-        caption = f"Passage of {what} in {seconds[0]:g} s and in {seconds[1]:g} s."
+        caption = phrase(
+            "Passage of {range} in {quick:g} s and in {slow:g} s.", range=what, quick=seconds[0], slow=seconds[1]
+        )
     return Picture(f"passage_{number}", drawn, (caption,), caption)

@@ -8,6 +8,7 @@ from itertools import groupby
 
 from torsionnet.base.equal_remarks import condition_words
 from torsionnet.base.number_text import aligned_numbers
+from torsionnet.base.phrases import phrase
 from torsionnet.base.units import RPM
 from torsionnet.machinery.criticals.critical_speeds import CriticalSpeed
 from torsionnet.machinery.orders.damping_shares import damping_shares
@@ -70,12 +71,16 @@ def resonances_section(subject: ReportData) -> Section | None:
 
 def _with_limits(subject: ReportData, found: GoverningPeaks) -> list[Block]:
     """Sentence on which critical speeds are listed, and their table, by condition."""
-    rule = (
-        f"Listed are critical speeds at which one order alone uses at least {100 * LEAST_SHARE:g} % of a limit, each "
-        f"order in the condition in which it uses most, of {len(subject.judged_cases)} examined; of conditions with a "
-        "cylinder out only orders that are larger there. "
+    rule = phrase(
+        "Listed are critical speeds at which one order alone uses at least {share:g} % of a limit, each "
+        "order in the condition in which it uses most, of {count} examined; of conditions with a "
+        "cylinder out only orders that are larger there. ",
+        share=100 * LEAST_SHARE,
+        count=len(subject.judged_cases),
     )
-    rest = f"Every other order uses less at all speeds: {first_names(list(map(as_words, found.others)), 30)}."
+    rest = phrase(
+        "Every other order uses less at all speeds: {names}.", names=first_names(list(map(as_words, found.others)), 30)
+    )
     blocks: list[Block] = [Paragraph((rule, *([rest] if found.others else [])))]
     if not found.peaks:
         return blocks
@@ -115,7 +120,15 @@ def _distances(subject: ReportData, found: GoverningPeaks) -> list[tuple[str]]:
     closest = sorted(nearest.items(), key=lambda pair: abs(pair[1]))
     shares = [f"{100 * off:+.1f}".replace("-", "\N{MINUS SIGN}") for _, off in closest]
     each = [f"{as_words(name)} {share} %" for (name, _), share in zip(closest, shares, strict=True)]
-    return [(f"Distance of the critical speeds from rated speed, {speeds.rated * RPM:.6g} rpm: {', '.join(each)}.",)]
+    return [
+        (
+            phrase(
+                "Distance of the critical speeds from rated speed, {speed:.6g} rpm: {distances}.",
+                speed=speeds.rated * RPM,
+                distances=", ".join(each),
+            ),
+        )
+    ]
 
 
 def _beyond(found: GoverningPeaks) -> bool:
@@ -172,9 +185,18 @@ def _without_limits(case: Case) -> tuple[list[CriticalSpeed], TableBlock]:
     kept = sorted(largest, key=lambda one: (one.mode.number, one.speed("natural")))
     low, high = (speed * RPM for speed in found.speed_range)
     more = len(found.crossings) - len(kept)
-    which = f"Excited critical speeds up to 20 % outside {low:g} to {high:g} rpm, the largest at resonance"
-    notes = [(f"{more} further crossings of a mode and an order are smaller or not excited.",)] if more else []
-    caption = "Critical speeds" + (f", {condition_words(case.configuration)}" if case.configuration else "")
+    which = phrase(
+        "Excited critical speeds up to 20 % outside {low:g} to {high:g} rpm, the largest at resonance",
+        low=low,
+        high=high,
+    )
+    notes = (
+        [(phrase("{count} further crossings of a mode and an order are smaller or not excited.", count=more),)]
+        if more
+        else []
+    )
+    condition = f", {condition_words(case.configuration)}" if case.configuration else ""
+    caption = phrase("Critical speeds{where}{few}", where=condition, few="")
     groups = (Group(tuple(_mode_cells(kept, case))),)
     return kept, TableBlock((caption,), MODE_COLUMNS, groups, ((f"{which}.",), *notes))
 
@@ -185,6 +207,8 @@ def _diagram(case: Case, lines: list[str] | None) -> Picture:
 
     found = case.drivetrain.critical_speeds(lines=lines)
     where = f", {condition_words(case.configuration)}" if case.configuration else ""
-    orders = "orders" if lines is None else "the orders listed"
-    caption = (f"Interference diagram{where}: natural frequencies and {orders} over speed.",)
+    orders = "orders" if lines is None else phrase("the orders listed")
+    caption = (
+        phrase("Interference diagram{where}: natural frequencies and {orders} over speed.", where=where, orders=orders),
+    )
     return Picture("resonances", interference_diagram(found, title=""), caption, f"Interference diagram{where}")

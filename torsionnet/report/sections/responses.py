@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from torsionnet.base.number_text import aligned_numbers
+from torsionnet.base.phrases import phrase
 from torsionnet.linear.frequency_response import FrequencyResponse
 from torsionnet.linear.phase import phase_at_zero_frequency
 from torsionnet.linear.responses.peaks import Peak, peaks, static_value
@@ -62,7 +63,12 @@ def left_out(subject: ReportData, pair: Pair) -> Iterator[Block]:
         for case in subject.cases:
             refusal = subject.refusal(case, pair)
             if refusal is not None:
-                yield Paragraph(sentence(f"Not in configuration {case.configuration}: {refusal}.", subject.model))
+                yield Paragraph(
+                    sentence(
+                        phrase("Not in configuration {name}: {reason}.", name=case.configuration, reason=refusal),
+                        subject.model,
+                    )
+                )
 
 
 def _picture(subject: ReportData, pair: Pair, found: tuple[FrequencyResponse, ...], number: int) -> Picture:
@@ -72,11 +78,15 @@ def _picture(subject: ReportData, pair: Pair, found: tuple[FrequencyResponse, ..
     labels = [case.configuration for case in subject.cases[:MOST_CURVES]] if len(shown) > 1 else None
     drawn = bode(shown, conventions=subject.conventions, labels=labels, title="")
     label_axes(drawn, pair)
-    rest = f"; the first {len(shown)} of {len(found)} configurations" if len(found) > len(shown) else ""
+    rest = (
+        phrase("; the first {shown} of {count} configurations", shown=len(shown), count=len(found))
+        if len(found) > len(shown)
+        else ""
+    )
     overlaid = ", by configuration" if len(found) > 1 else ""
     kind = found[0].kind()
     extent = [text for text in (overlaid, rest) if text]
-    caption: Text = (Math(pair_latex(pair)), f" ({kind}): magnitude and phase", *extent, ".")
+    caption: Text = (Math(pair_latex(pair)), phrase(" ({kind}): magnitude and phase", kind=phrase(kind)), *extent, ".")
     low, high = subject.band
     alt = f"Bode plot of {pair}, {low:g} to {high:g} Hz{overlaid}"
     return Picture(f"bode_{number}", drawn, caption, alt)
@@ -135,10 +145,13 @@ def highest_peaks(subject: ReportData, pair: Pair, found: tuple[FrequencyRespons
                    key=lambda peak: peak.frequency) for points in read]  # fmt: skip
     for place in range(max(map(len, best))):
         picked = [peaks_[place] if place < len(peaks_) else None for peaks_ in best]
-        columns += [Heading(f"Peak {place + 1}", "Hz", numeric=True), Heading("magnitude", shown, numeric=True)]
+        columns += [
+            Heading(phrase("Peak {number}", number=place + 1), "Hz", numeric=True),
+            Heading("magnitude", shown, numeric=True),
+        ]
         lists.append(list(aligned_numbers([None if peak is None else peak.frequency for peak in picked])))
         lists.append(list(aligned_numbers([None if peak is None else peak.magnitude * scale for peak in picked])))
-    caption = ("Static values of ", Math(pair_latex(pair)), f" and its {FEW_PEAKS} highest peaks")
+    caption = ("Static values of ", Math(pair_latex(pair)), phrase(" and its {count} highest peaks", count=FEW_PEAKS))
     return table(caption, columns, list(zip(*lists, strict=True)))
 
 
@@ -165,5 +178,5 @@ def static_value_and_peaks(
     if not is_damped(subject.cases[index]):
         found = [replace(peak, magnitude=math.inf, phase=math.nan) for peak in found]
     highest = sorted(sorted(found, key=lambda peak: -peak.magnitude)[:MOST_PEAKS], key=lambda peak: peak.frequency)
-    rest = [(f"peak {number}", peak) for number, peak in enumerate(highest, 1)]
+    rest = [(phrase("peak {number}", number=number), peak) for number, peak in enumerate(highest, 1)]
     return [("static value", Peak(0.0, abs(value), phase_at_zero_frequency(value))), *rest]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from torsionnet.base.errors import TorsionnetError
+from torsionnet.base.phrases import extended, phrase
 from torsionnet.motion.motion_summary import energy_table, event_table, peak_table
 from torsionnet.report.document_tree import Block, Paragraph, Picture, Remark, Section
 from torsionnet.report.report_data import FEW_CASES, MOST_OUTPUTS, Case, ReportData
@@ -31,22 +32,38 @@ def _scenario(subject: ReportData, case: Case, name: str) -> Iterator[Block]:
     from torsionnet.plot.scenario_motion_plot import scenario_motion
 
     several = case.configuration and len(subject.cases) > 1
-    where = f" in configuration {case.configuration}" if several else ""
+    where = phrase(" in configuration {name}", name=case.configuration) if several else ""
     try:
         record = case.drivetrain.simulate(scenario=name)
     except TorsionnetError as error:
-        yield Remark("warning", (f"The scenario {name}{where} could not be simulated: {error}",))
+        yield Remark(
+            "warning",
+            (
+                phrase(
+                    "The scenario {name}{where} could not be simulated: {reason}", name=name, where=where, reason=error
+                ),
+            ),
+        )
         return
     words = case.drivetrain.definition.scenarios[name].words
-    yield Paragraph(tuple(f"{capital(str(one))}. " for one in (words, *record.notes)))
-    yield results_table(peak_table(record, ""), f"Peaks in the scenario {name}{where}", notes=False, words=str)
+    yield Paragraph(tuple(extended(capital(str(one)), ". ") for one in (words, *record.notes)))
+    yield results_table(
+        peak_table(record, ""),
+        phrase("Peaks in the scenario {name}{where}", name=name, where=where),
+        notes=False,
+        words=str,
+    )
     if record.events:
-        yield results_table(event_table(record.events), f"Events in the scenario {name}{where}", words=str)
+        yield results_table(
+            event_table(record.events),
+            phrase("Events in the scenario {name}{where}", name=name, where=where),
+            words=str,
+        )
     energy = energy_table(record)
     if energy is not None and energy.rows:
-        yield results_table(energy, f"Energies in the scenario {name}{where}", words=str)
+        yield results_table(energy, phrase("Energies in the scenario {name}{where}", name=name, where=where), words=str)
     shown = list(dict.fromkeys((*record.names[:1], *record.names[-MOST_OUTPUTS:])))
     drawn = scenario_motion(record, shown, conventions=subject.conventions, title="")
-    caption = f"The scenario {name}{where}: signals over time, events as dashed lines."
+    caption = phrase("The scenario {name}{where}: signals over time, events as dashed lines.", name=name, where=where)
     number = subject.cases.index(case) + 1
     yield Picture(f"scenario_{name}_{number}", drawn, (caption,), caption)

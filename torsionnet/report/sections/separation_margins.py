@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from torsionnet.base.phrases import phrase
 from torsionnet.machinery.verdicts.margin_rules import PRESETS
 from torsionnet.report.document_tree import Block, Cell, Heading, NumberText, TableBlock
 from torsionnet.report.report_data import Case, ReportData
@@ -36,7 +37,11 @@ def _margins(rule: str, cases: tuple[Case, ...], *, several: bool) -> TableBlock
     from torsionnet.machinery.verdicts.shaft_margins import shaft_margins
 
     found = shaft_margins(cases[0].drivetrain, rule)
-    where = f" in configuration {shared_choices([case.configuration for case in cases])}" if several else ""
+    where = (
+        phrase(" in configuration {name}", name=shared_choices([case.configuration for case in cases]))
+        if several
+        else ""
+    )
     columns = (
         Heading("Mode"),
         Heading("Natural frequency", "Hz", numeric=True),
@@ -51,11 +56,14 @@ def _margins(rule: str, cases: tuple[Case, ...], *, several: bool) -> TableBlock
     rows = [_row(found, one, line) for one, line in pairs]
     first = range(0, len(rows), len(found.lines))
     rows = [row if place in first else ("", "", *row[2:]) for place, row in enumerate(rows)]
-    notes = ["Margin: distance of the nearer of undamped and damped natural frequency from the frequencies compared, "
-             "as a share of them; 0 where one of the speeds meets it.", f"Margins by {found.rule}."]  # fmt: skip
+    notes = [
+        "Margin: distance of the nearer of undamped and damped natural frequency from the frequencies compared, "
+        "as a share of them; 0 where one of the speeds meets it.",
+        phrase("Margins by {rule}.", rule=found.rule),
+    ]
     if any(one.passes is False for one in found.crossings):
         notes.append("Where a margin is not kept, stresses at the critical speed have to show that it does no harm.")
-    return table(f"Separation margins{where}", columns, rows, notes)
+    return table(phrase("Separation margins{where}", where=where), columns, rows, notes)
 
 
 def _row(found: CriticalSpeeds, one: CriticalSpeed, line: OrderLine) -> tuple[Cell, ...]:

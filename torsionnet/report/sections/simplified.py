@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from torsionnet.base.errors import UsageError
+from torsionnet.base.phrases import phrase
 from torsionnet.report.document_tree import Block, Cell, Code, Formula, Heading, Math, NumberText, Paragraph, Section
 from torsionnet.report.formula_widths import WIDEST_FORMULA, formula_letters
 from torsionnet.report.report_data import MOST_SYMBOLIC, ReportData
@@ -35,13 +36,19 @@ def simplified_section(subject: ReportData) -> Section | None:
         return None
     tolerance = subject.request.plan.simplify or DEFAULT_TOLERANCE
     if subject.n_coordinates > MOST_SYMBOLIC:
-        text = f"With {subject.n_coordinates} coordinates the formulas would not be short enough to be read."
+        text = phrase(
+            "With {count} coordinates the formulas would not be short enough to be read.", count=subject.n_coordinates
+        )
         return Section("simplified", ("Simplified transfer functions",), (Paragraph((text,)),))
     low, high = subject.band
-    lead = (
-        "Springs become rigid and dampers are left out, the least important first, as long as every mode up to "
-        f"{high:g} Hz keeps its natural frequency and its damping ratio within {100 * tolerance:g} %. The magnitude is "
-        f"compared from {low:g} to {high:g} Hz."
+    lead = phrase(
+        "Springs become rigid and dampers are left out, the least important first, as long as every "
+        "mode up to {high:g} Hz keeps its natural frequency and its damping ratio within {tolerance:g} "
+        "%. The magnitude is compared from {first:g} to {last:g} Hz.",
+        high=high,
+        tolerance=100 * tolerance,
+        first=low,
+        last=high,
     )
     inner = [
         Section(
@@ -59,7 +66,7 @@ def _pair(subject: ReportData, pair: Pair, tolerance: float) -> list[Block]:
             for number, case in enumerate(subject.cases)
         }
     except UsageError as error:
-        return [Paragraph((f"Not simplified: {error}.",))]
+        return [Paragraph((phrase("Not simplified: {reason}.", reason=error),))]
     rows: list[tuple[Cell, ...]] = [
         (
             configuration,
@@ -79,7 +86,7 @@ def _pair(subject: ReportData, pair: Pair, tolerance: float) -> list[Block]:
     blocks: list[Block] = [table(("What is left out of ", Math(pair_latex(pair))), COLUMNS, rows)]
     for text, names in formulas.items():
         if len(formulas) > 1:
-            blocks.append(Paragraph((f"Configuration {first_names(names, len(names))}:",)))
+            blocks.append(Paragraph((phrase("Configuration {names}:", names=first_names(names, len(names))),)))
         how = f'model.symbolic().simplified("{pair.output}", "{pair.input}", tolerance={tolerance:g})'
         blocks.append(
             Formula(rf"{quotient_latex(pair)} = {text}")

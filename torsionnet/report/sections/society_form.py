@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from torsionnet.base.phrases import phrase
 from torsionnet.machinery.limits.society_rules import SOCIETIES
 from torsionnet.report.document_tree import Block, Heading, Paragraph
 from torsionnet.report.plan import SECTIONS
@@ -25,7 +26,9 @@ def society_form(subject: ReportData) -> list[Block]:
     ]
     columns = (Heading("Paragraph"), Heading("Asked for", wide=True), Heading("Section"))
     notes = [f"{society.name}: {society.edition}."]
-    notes += [f"Barred speed ranges are marked by {society.marking}."] if society.marking else []
+    notes += (
+        [phrase("Barred speed ranges are marked by {marking}.", marking=society.marking)] if society.marking else []
+    )
     notes += [f"{capital(society.remark)}."] if society.remark else []
     notes += _speeds_missing(subject, society.highest_critical_ratio)
     if not rows:
@@ -41,4 +44,10 @@ def _speeds_missing(subject: ReportData, highest: float | None) -> list[str]:
     reached = max(speeds.values) / speeds.rated
     if reached >= highest * (1 - 1e-9):
         return []
-    return [f"Speeds are examined up to lambda = {reached:.3g}, critical speeds are asked for up to {highest:g}."]
+    return [
+        phrase(
+            "Speeds are examined up to lambda = {reached:.3g}, critical speeds are asked for up to {highest:g}.",
+            reached=reached,
+            highest=highest,
+        )
+    ]

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from torsionnet.base.errors import SolveError
 from torsionnet.base.number_text import typeset_unit
+from torsionnet.base.phrases import phrase
 from torsionnet.report.document_tree import (
     Block,
     Cell,
@@ -83,13 +84,16 @@ def _facts(study: Study) -> Iterator[tuple[str, Text]]:
     yield "Configurations", (", ".join(cases) or "the model as it stands",)
     if space.grid:
         counts = " × ".join(str(axis.count) for axis in space.grid.values())
-        yield "Values in turn", (f"{counts}, every combination",)
+        yield "Values in turn", (phrase("{counts}, every combination", counts=counts),)
     if space.random_names and space.sampling is not None:
         one = space.sampling
-        yield "Draws", (f"{one.count}: {METHODS[one.method]}, seed {one.seed}",)
+        yield (
+            "Draws",
+            (phrase("{count}: {method}, seed {seed}", count=one.count, method=METHODS[one.method], seed=one.seed),),
+        )
     if study.count:
-        each = f", {space.count} in each configuration" if len(cases) > 1 else ""
-        yield "Variants", (f"{study.count}{each}",)
+        total, each = str(study.count), "{total}, {count} in each configuration"
+        yield "Variants", (phrase(each, total=total, count=space.count) if len(cases) > 1 else total,)
 
 
 def _asked(subject: ReportData, result: StudyResult, units: ShownUnits) -> TableBlock:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from torsionnet.base.number_text import aligned_numbers
+from torsionnet.base.phrases import phrase
 from torsionnet.linear.modes.modes import OSCILLATORY
 from torsionnet.report.document_tree import Block, Cell, Heading, Inline, Math, Paragraph, Section, TableBlock, Text
 from torsionnet.report.plan import Pair
@@ -51,7 +52,7 @@ def _fitted(subject: ReportData, fit: Fit) -> TableBlock | None:
     for name in names:
         note += [", "] * (name != names[0]) + [symbol_or_words(name)]
     title = f" ({fit.title})" if len(subject.request.fits) > 1 and fit.title else ""
-    caption = f"Lowest natural frequencies and damping ratios of the fitted model{title}"
+    caption = phrase("Lowest natural frequencies and damping ratios of the fitted model{title}", title=title)
     return _vibrations(subject, modes, caption, (*note, "; the values are in the section Fitted parameters."))
 
 
@@ -116,4 +117,8 @@ def _response(subject: ReportData, pair: Pair) -> TableBlock:
         strict=True,
     )
     low, high = subject.band
-    return table((Math(pair_latex(pair)), f" between {low:g} and {high:g} Hz"), columns, list(rows))
+    return table(
+        (Math(pair_latex(pair)), phrase(" between {low:g} and {high:g} Hz", low=low, high=high)),
+        columns,
+        list(rows),
+    )

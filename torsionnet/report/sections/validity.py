@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from functools import partial
 from typing import TYPE_CHECKING
 
+from torsionnet.base.phrases import phrase
 from torsionnet.model.elements import (
     Differential,
     Gear,
@@ -85,13 +86,13 @@ def validity_section(subject: ReportData) -> Section:
 def _notes(subject: ReportData) -> Iterator[Cell]:
     model = subject.model
     loaded = any(model.mean_speeds.values()) or any(model.mean_torques.values())
-    about = " about the operating point" if loaded else ""
+    about = phrase(" about the operating point") if loaded else ""
     laws = _named(subject, _follows_point)
     if laws:
-        yield SMALL.format(about=about)
-        yield LAWS.format(names=laws)
+        yield phrase(SMALL, about=about)
+        yield phrase(LAWS, names=laws)
     else:
-        yield LINEAR.format(about=about)
+        yield phrase(LINEAR, about=about)
     yield LUMPED
     yield from _about(subject, SHAFTS, Shaft)
     if any((case.drivetrain.assembly.system.damping > 0).any() for case in subject.cases):
@@ -104,7 +105,7 @@ def _notes(subject: ReportData) -> Iterator[Cell]:
     for text, lash in ((GEARS, False), (GEARS_WITH_BACKLASH, True)):
         gears = _named(subject, partial(_is_gear, lash))
         if gears:
-            yield text.format(names=gears)
+            yield phrase(text, names=gears)
     yield from _about(subject, CLAMPS, Lock)
     yield from _about(subject, COUPLINGS, RigidCoupling)
     if subject.request.is_of_kind("responses"):
@@ -121,7 +122,7 @@ def _about(subject: ReportData, text: str, *kinds: type[Element]) -> Iterator[st
     """Text on an assumption with the names of the elements of these types, if any is in a configuration."""
     names = _named(subject, lambda element, _: isinstance(element, kinds))
     if names:
-        yield text.format(names=names)
+        yield phrase(text, names=names)
 
 
 def _named(subject: ReportData, fits: Callable[[Element, Definition], bool]) -> str:
@@ -149,4 +150,4 @@ def _readings(subject: ReportData) -> Iterator[Cell]:
             yield ("Poles of ", Math(pair_latex(pair)), where, *inlines(symbol_or_words(pair.input)), CUT)
     imposed = [name for name, channel in subject.model.inputs.items() if channel.quantity == "angle"]
     if imposed:
-        yield IMPOSED.format(names=first_names(imposed, MOST_NAMES))
+        yield phrase(IMPOSED, names=first_names(imposed, MOST_NAMES))

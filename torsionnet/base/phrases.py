@@ -1,0 +1,92 @@
+"""Sentences with values inserted, which keep their template, so that a report may say them in other words."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Mapping
+from functools import cache
+from typing import Any
+
+from torsionnet.base.errors import Worded
+
+PLACEHOLDER = re.compile(r"\{(\w+)\}")
+"""Regular expression of the place in a text at which something is inserted, such as ``{name}``."""
+
+FORMATTED = re.compile(r"\{(\w+)(?::([^{}]*))?\}")
+"""Regular expression of a place that may have a format, such as ``{share:.3g}``."""
+
+
+class Phrase(str):
+    """Text of a template with its values inserted, which keeps both; in all else it is a plain ``str``.
+
+    Values that are phrases themselves may be said in other words too; names and numbers, which are texts, stay.
+    """
+
+    __slots__ = ("template", "values")
+    template: str
+    values: Mapping[str, str]
+
+    def __new__(cls, template: str, values: Mapping[str, str]) -> Phrase:
+        self = super().__new__(cls, PLACEHOLDER.sub(lambda place: values[place[1]], template))
+        self.template, self.values = template, values
+        return self
+
+    def __str__(self) -> str:
+        return self  # so that it passes through what makes a text of any value
+
+    def __getnewargs__(self) -> tuple[str, Mapping[str, str]]:  # type: ignore[override]  # those of a plain str
+        return self.template, self.values
+
+    def in_names(self, own: Callable[[str], str]) -> str:
+        """Text with other names of the model."""
+        return Phrase(self.template, {place: Worded("{}", one).in_names(own) for place, one in self.values.items()})
+
+
+def phrase(template: str, /, **values: Any) -> str:
+    """Phrase of a template and what is inserted at its places, which may have formats, as those of ``str.format``.
+
+    >>> text = phrase("mode {mode}: {share:.0%} of the energy", mode=3, share=0.9)
+    >>> text, text.template, text.values
+    ('mode 3: 90% of the energy', 'mode {mode}: {share} of the energy', {'mode': '3', 'share': '90%'})
+    """
+    plain, formats = _without_formats(template)
+    inserted = ((place, values[place], form) for place, form in formats.items())
+    return Phrase(
+        plain, {place: value if isinstance(value, str) else format(value, form) for place, value, form in inserted}
+    )
+
+
+@cache
+def _without_formats(template: str) -> tuple[str, Mapping[str, str]]:
+    """Template without the formats of its places, and these by place."""
+    return FORMATTED.sub(r"{\1}", template), dict(FORMATTED.findall(template))
+
+
+def joined(separator: str, texts: Iterable[str]) -> str:
+    """Texts joined as by ``str.join``, of which those that are phrases stay so.
+
+    >>> joined("; ", [phrase("mode {mode}", mode=3), "shaft"]).values
+    {'text0': 'mode 3', 'text1': 'shaft'}
+    """
+    values = {f"text{number}": text for number, text in enumerate(texts)}
+    return Phrase(separator.join(f"{{{place}}}" for place in values), values)
+
+
+def with_values(text: str, changed: Callable[[str], str]) -> str:
+    """Text changed by a function; of a phrase its values are changed, and its template stays.
+
+    >>> with_values(phrase("lead of input_shaft: {name}", name="input_shaft"), str.upper)
+    'lead of input_shaft: INPUT_SHAFT'
+    """
+    if not isinstance(text, Phrase):
+        return changed(text)
+    return Phrase(text.template, {place: with_values(value, changed) for place, value in text.values.items()})
+
+
+def extended(text: str, end: str) -> str:
+    """Text with fixed words behind it, which in a phrase belong to the template.
+
+    >>> extended(phrase("at most {speed} rpm", speed=90), ", reduce power").template
+    'at most {speed} rpm, reduce power'
+    """
+    return Phrase(text.template + end, text.values) if isinstance(text, Phrase) else text + end
