@@ -188,6 +188,21 @@ class TestWords:
         (text,) = sentence(phrase("{a} % of {b}", a=3, b="half_shaft"), tn.load("amt_rig"))
         assert (text, wording(text)) == ("3\N{NO-BREAK SPACE}% of half shaft", "half shaft: 3 %")
 
+    @pytest.mark.parametrize(
+        ("configuration", "said"),
+        [
+            ("normal", "halten 20 110 flywheel"),
+            ("misfire", "aus 97 flywheel"),
+        ],
+    )
+    def test_findings_on_limits_are_said_in_other_words(self, configuration, said):
+        wording = Wording({
+            "All limits hold{where} at the speeds examined, {low} to {high} rpm of {shaft}": "halten{where} {low} {high} {shaft}",
+            "With a cylinder out{where}: at most {speed} rpm of {shaft}": "aus{where} {speed} {shaft}",
+        })  # fmt: skip
+        check = tn.load("two_stroke_ship").configured(configuration).check_limits()
+        assert wording(capital(check.finding())) == said
+
     @pytest.mark.slow
     def test_every_text_stands_in_the_code(self):
         """What is fixed in each text, between what is inserted, is a part of a string of the program."""

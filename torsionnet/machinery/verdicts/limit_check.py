@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Annotated, ClassVar
@@ -26,6 +27,7 @@ from torsionnet.machinery.verdicts.speed_spans import (
     rpm_spans,
     span_words,
     spans_below,
+    whole_rpm,
 )
 
 PASS, BARRED, REDUCED, INCOMPLETE, OPEN, FAIL = (
@@ -323,11 +325,17 @@ class LimitCheck(NotebookResult):
         template = "{limit} do not hold{where}" if len(failed) > 1 else "{limit} does not hold{where}"
         parts = [phrase(template, limit=", ".join(failed), where=where)] if failed else []
         shaft, barred = f" of {self.reference}", span_words(self.barred)
-        if self.highest is not None:
+        if self.highest is not None and not self.passed:
+            template = "with a cylinder out{where}: at most {speed} rpm of {shaft}"
+            speed = whole_rpm(self.highest, math.floor)
+            parts.append(phrase(template, where=where, speed=speed, shaft=self.reference))
+        elif self.highest is not None:
             restriction = restriction_words(self.passed, self.highest, shaft)
             parts.append(phrase("with a cylinder out{where}: {restriction}", where=where, restriction=restriction))
         elif self.barred and not failed:
             template = "limits hold{where} with {speeds} of {shaft} barred"
+            if not where:  # as the conclusion from several checks says it
+                template = "limits hold with {speeds} of {shaft} barred{where}"
             parts.append(phrase(template, speeds=barred, shaft=self.reference, where=where))
         elif self.barred:
             parts.append(phrase("to be barred: {speeds}{shaft}", speeds=barred, shaft=shaft))
