@@ -45,7 +45,7 @@ def _pattern(template):
     literal, *rest = PLACEHOLDER.split(template)
     pattern = re.escape(literal)
     for before, after in zip([literal, *rest[1::2]], rest[1::2], strict=False):
-        pattern += (NEXT_TO_WORDS if before[-1:].isalpha() else "[^.;:]+?") + re.escape(after)
+        pattern += (NEXT_TO_WORDS if before[-1:].isalpha() else "[^.;:(]+?") + re.escape(after)
     return re.compile(pattern, re.DOTALL)
 
 
