@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import ast
 import re
-import subprocess
 import sys
 import textwrap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -333,13 +332,10 @@ def join(plan: Sequence[Join], root: Path = ROOT) -> list[str]:
             after = rewritten(before, homes, code=path.suffix in {".py", ".pyi"})
             if after != before:
                 path.write_text(after, encoding="utf-8")
-    for target, names, _ in plan:
-        place = root / f"{target.replace('.', '/')}.py"
-        if names[0] != target:
-            subprocess.run(["git", "mv", str(known[names[0]].path), str(place)], cwd=root, check=True)
-        for name in names[1:]:
-            known[name].path.unlink()
-        place.write_text(written[target], encoding="utf-8")
+    for path in gone:
+        path.unlink()
+    for target, text in written.items():
+        (root / f"{target.replace('.', '/')}.py").write_text(text, encoding="utf-8")
     return []
 
 

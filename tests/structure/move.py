@@ -109,7 +109,8 @@ def rewritten(text: str, names: Mapping[str, str], *, code: bool, offered: Colle
     plain = {old: new for old, new in names.items() if old not in offered}
     if not any(old.rpartition(".")[2] in text for old in names):
         return text
-    if code and re.search(r"^\s*from torsionnet[\w.]* import ", text, re.MULTILINE):
+    packages = {old.rpartition(".")[::2] for old in plain}
+    if code and any(name in text and f"from {package} import " in text for package, name in packages):
         text = cst.parse_module(text).visit(_SplitImports(plain)).code
     dots = {old: r"(?!\w)" if old in plain else r"(?=\.\w| import )" for old in names}
     text = _replaced(text, names, r"(?<![\w.])", dots).replace(DONE, "")

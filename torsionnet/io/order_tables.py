@@ -21,7 +21,7 @@ from torsionnet.signals.orders.tracked_orders import MeasuredOrder, TrackedOrder
 
 EXPECTED_COLUMNS = "speed [rpm], order, amplitude [N*m]"
 """Columns of an order table, as error messages name them."""
-QUANTITY_UNITS = {"torque": "N*m", "angle": "rad", "speed": "rad/s", "acceleration": "rad/s^2"}
+LINE_UNITS = {"torque": "N*m", "angle": "rad", "speed": "rad/s", "acceleration": "rad/s^2"}
 """SI unit of the amplitudes in an order table by quantity."""
 _OF_OUTPUT = re.compile(r"(?P<name>.*) (?P<part>real|imag) (?P<unit>\[.*\])")
 _WRITTEN = ("excitation", "frequency [Hz]")
@@ -58,10 +58,8 @@ def read_orders(path: str | os.PathLike[str], output: Channel, configuration: st
         lines = measured_lines(columns, np.array(numbers))
     if not lines.speeds or lines.by_frequency:
         raise UsageError(f"{Path(path).name} has no amplitudes by speed and order; expected {EXPECTED_COLUMNS}")
-    if QUANTITY_UNITS[lines.quantity] != output.unit:
-        raise UsageError(
-            f"{Path(path).name} is in {QUANTITY_UNITS[lines.quantity]}, but {output.name} is in {output.unit}"
-        )
+    if LINE_UNITS[lines.quantity] != output.unit:
+        raise UsageError(f"{Path(path).name} is in {LINE_UNITS[lines.quantity]}, but {output.name} is in {output.unit}")
     return tuple(
         MeasuredOrder(
             order,

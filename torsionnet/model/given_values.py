@@ -54,10 +54,10 @@ def in_words(spec: Spec[object], value: Any) -> str:
         return "yes" if value else "no"
     if isinstance(spec, NumberTable):
         return f"{len(value)} rows, {value[0][0]:g} to {value[-1][0]:g}"
-    return _listed(value if isinstance(value, str) else spec.plain(value))
+    return _listed_values(value if isinstance(value, str) else spec.plain(value))
 
 
-def _listed(plain: Any) -> str:
+def _listed_values(plain: Any) -> str:
     if isinstance(plain, Mapping):
-        return ", ".join(f"{name} {_listed(one)}" for name, one in plain.items())
-    return ", ".join(map(_listed, plain)) if isinstance(plain, list | tuple) else str(plain)
+        return ", ".join(f"{name} {_listed_values(one)}" for name, one in plain.items())
+    return ", ".join(map(_listed_values, plain)) if isinstance(plain, list | tuple) else str(plain)

@@ -10,10 +10,10 @@ from torsionnet.base.errors import question
 from torsionnet.base.units import RPM
 from torsionnet.machinery.excitations.rating import Rating
 
-SAME_POWER_SHARE = 0.35
+LIKELY_POWER_SHARE = 0.35
 """Relative difference up to which two powers count as the same, as an indicated power is up to a third higher. Slips of
 a unit differ by far more."""
-SAME_SPEED_SHARE = 0.005
+LIKELY_SPEED_SHARE = 0.005
 """Relative difference up to which two speeds count as equal, as data sheets round to about half a percent."""
 _THOUSANDS = {
     1e-6: "a unit a million times larger",
@@ -52,12 +52,12 @@ Likely: TypeAlias = tuple[str, str]
 def likely_speed(stated: float, expected: float, node: str, known: Mapping[str, float]) -> Likely:
     """Question whether a speed in rad/s is that of another node, or in a wrong unit."""
     meant = f"{expected * RPM:.6g} rpm"
-    other = next((one for one, speed in known.items() if one != node and _is(stated, speed, SAME_SPEED_SHARE)), None)
+    other = next((one for one, speed in known.items() if one != node and _is(stated, speed, LIKELY_SPEED_SHARE)), None)
     if other is not None:
         return f": that is the speed of {other}{question(meant)}", meant
-    if _is(stated * RPM, expected, SAME_SPEED_SHARE):
+    if _is(stated * RPM, expected, LIKELY_SPEED_SHARE):
         return f': rad/s for rpm? Did you mean "{meant}"?', meant
-    if _is(stated, expected * RPM, SAME_SPEED_SHARE):
+    if _is(stated, expected * RPM, LIKELY_SPEED_SHARE):
         return f': rpm for rad/s? Did you mean "{meant}"?', meant
     return "", ""
 
@@ -67,7 +67,7 @@ def likely_power(stated: float, expected: float, rating: Rating, ratios: Mapping
     of_torque = rating.power is None and rating.shares == (1.0, 1.0)
     share = stated / expected
     slips = _OF_TORQUE if of_torque else _THOUSANDS
-    near = SAME_POWER_SHARE if rating.shares[0] < 1 else SAME_POWER_SHARE / 2
+    near = LIKELY_POWER_SHARE if rating.shares[0] < 1 else LIKELY_POWER_SHARE / 2
     found = next((text for factor, text in slips.items() if _is(share, factor, near)), None)
     if found is not None:
         if rating.power is None and not of_torque:
@@ -88,7 +88,7 @@ def likely_power(stated: float, expected: float, rating: Rating, ratios: Mapping
 def likely_load(power: float, share: float, torque: float | None) -> Likely:
     """Question whether a load in W has the right unit, if its power is stated elsewhere as ``share`` times as much."""
     found = next((text for factor, text in (_THOUSANDS if torque is None else _OF_TORQUE).items()
-                  if _is(1 / share, factor, SAME_POWER_SHARE)), None)  # fmt: skip
+                  if _is(1 / share, factor, LIKELY_POWER_SHARE)), None)  # fmt: skip
     if found is None:
         return "", ""
     factor = 10.0 ** round(math.log10(share))

@@ -25,7 +25,7 @@ MOST_ROWS = 30
 force are kept."""
 LEFT_OUT_COLUMNS = ("on its shaft", "amplifi- cation")
 """Headings of columns that the report leaves out, as a page has no room for them."""
-INTRODUCTION = (
+CROSSINGS = (
     "A critical speed is one at which an order meets a natural frequency. Damping shifts natural frequencies: both the "
     "undamped and the damped one are given. A crossing that is not excited in one condition may be in another, as with "
     "a misfire."
@@ -39,7 +39,7 @@ def critical_speeds_section(subject: ReportData) -> Section | None:
     """
     if not subject.has_excitations:
         return None
-    blocks: list[Block] = [Paragraph((INTRODUCTION, *subject.coverage_note))]
+    blocks: list[Block] = [Paragraph((CROSSINGS, *subject.coverage_note))]
     for number, cases in enumerate(subject.distinct_drivetrains, 1):
         blocks += _of_drivetrain(cases, number, several=len(subject.distinct_drivetrains) > 1)
     return Section("critical_speeds", ("Critical speeds",), tuple(blocks))
@@ -59,7 +59,7 @@ def _of_drivetrain(cases: tuple[Case, ...], number: int, *, several: bool) -> li
         results_table(_reached(found), phrase("Natural frequencies without and with damping{where}", where=where))
     ]
     if number <= MOST_DRAWN:
-        blocks.append(_diagram(found, number, where))
+        blocks.append(_crossings_diagram(found, number, where))
     chosen = _largest(excited, runs)
     few = (
         phrase(", the {count} with the largest generalised force", count=MOST_ROWS)
@@ -124,7 +124,7 @@ def _split(found: CriticalSpeeds, conditions: int) -> tuple[CriticalSpeeds, Crit
     )
 
 
-def _diagram(found: CriticalSpeeds, number: int, where: str) -> Picture:
+def _crossings_diagram(found: CriticalSpeeds, number: int, where: str) -> Picture:
     from torsionnet.plot.interference_plot import interference_diagram
 
     caption = (phrase("Interference diagram{where}: natural frequencies and orders over speed.", where=where),)

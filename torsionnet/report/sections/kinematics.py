@@ -62,7 +62,8 @@ def kinematics_section(subject: ReportData) -> Section:
             else subject.symbolic_equations[:1]
         )
         blocks += [
-            _relations(form) if _is_short(form) else _numeric(form.cases[0].drivetrain, dependent) for form in few
+            _relations(form) if _is_short_matrix(form) else _numeric(form.cases[0].drivetrain, dependent)
+            for form in few
         ]
         others = subject.symbolic_equations[len(few) :]
         if others:
@@ -74,7 +75,7 @@ def kinematics_section(subject: ReportData) -> Section:
     return Section("kinematics", ("Kinematic relations",), tuple(blocks))
 
 
-def _is_short(form: SymbolicEquations) -> bool:
+def _is_short_matrix(form: SymbolicEquations) -> bool:
     """Whether the ratios in symbols are short enough to be read."""
     return max((formula_letters(cell) for cell in form.system.T if cell != 0), default=0) <= LONGEST_RATIO
 

@@ -71,10 +71,10 @@ def _output(subject: ReportData, name: str, number: int) -> list[Block]:
     where = phrase(" in configuration {name}", name=subject.cases[worst].configuration) if len(runs) > 1 else ""
     caption = (symbol_or_words(name), phrase(": largest orders over speed{where}.", where=where))
     blocks.append(Picture(f"orders_{number}", drawn, caption, f"Orders of {shown} over speed"))
-    return [*blocks, _worst(subject, name), *engine_angle_tables(subject, name)]
+    return [*blocks, _worst_half_range(subject, name), *engine_angle_tables(subject, name)]
 
 
-def _worst(subject: ReportData, name: str) -> TableBlock:
+def _worst_half_range(subject: ReportData, name: str) -> TableBlock:
     """Table of the largest half range of an output in every configuration, and of the largest order there."""
     runs, place = subject.order_responses, subject.order_responses[0].output(name)
     scale = subject.conventions.scale(runs[0].outputs[place].unit)

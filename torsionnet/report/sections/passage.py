@@ -68,7 +68,7 @@ def _range(subject: ReportData, barred: PassedRange, number: int) -> Iterator[Bl
     )
     shown = passage_table(passages, subject.conventions)
     yield results_table(shown, phrase("Passage of {low} to {high} rpm{where}", low=low, high=high, where=where))
-    yield _picture(subject, _drawn(passages), f"{low} to {high} rpm{where}", number)
+    yield _passage_picture(subject, _drawn(passages), f"{low} to {high} rpm{where}", number)
     notes = dict.fromkeys(note for one in passages for note in one.response.notes[:-1])
     if notes:
         yield Paragraph((f"{capital('; '.join(as_words(note) for note in notes))}.",))
@@ -98,7 +98,7 @@ def _drawn(passages: Sequence[RangePassage]) -> list[RangePassage]:
     return ends if ends[0] is not ends[1] else ends[:1]
 
 
-def _picture(subject: ReportData, passages: Sequence[RangePassage], what: str, number: int) -> Picture:
+def _passage_picture(subject: ReportData, passages: Sequence[RangePassage], what: str, number: int) -> Picture:
     """Figure of passages over time with the values allowed, the quick one beside the slow one."""
     from torsionnet.plot.passage_plot import passage_response
 

@@ -41,14 +41,14 @@ def _row(parent: ET.Element) -> str:
     """OMML of all that stands in an element of MathML; brackets around it or around a matrix grow with it."""
     inner = list(parent)
     if len(inner) > 1 and inner[0].get("form") == "prefix" and inner[-1].get("form") == "postfix":
-        return _bracketed(inner[0], "".join(map(_part, inner[1:-1])), inner[-1])
+        return _bracketed(inner[0], "".join(map(_math_part, inner[1:-1])), inner[-1])
     parts: list[str] = []
     while inner:
         if [one.tag for one in inner[:3]] == ["mo", "mtable", "mo"]:
-            parts.append(_bracketed(inner[0], _part(inner[1]), inner[2]))
+            parts.append(_bracketed(inner[0], _math_part(inner[1]), inner[2]))
             del inner[:3]
         else:
-            parts.append(_part(inner.pop(0)))
+            parts.append(_math_part(inner.pop(0)))
     return "".join(parts)
 
 
@@ -59,7 +59,7 @@ def _bracketed(begin: ET.Element, inside: str, end: ET.Element) -> str:
     return f"<m:d><m:dPr>{signs}</m:dPr><m:e>{inside}</m:e></m:d>"
 
 
-def _part(node: ET.Element) -> str:
+def _math_part(node: ET.Element) -> str:
     match node.tag:
         case "mi" | "mn" | "mo" | "mtext":
             return _run(node)
@@ -86,7 +86,7 @@ def _named(nodes: Sequence[ET.Element], names: Sequence[str]) -> str:
 
 
 def _held(name: str, node: ET.Element) -> str:
-    return f"<m:{name}>{_part(node) or _text(NOTHING, 'nor')}</m:{name}>"
+    return f"<m:{name}>{_math_part(node) or _text(NOTHING, 'nor')}</m:{name}>"
 
 
 def _matrix(node: ET.Element) -> str:

@@ -52,7 +52,7 @@ def key_options(writing: Writing) -> Iterator[CompletionOption]:
             yield from typed_options(writing, spec)
     if cls is not None:
         yield from _entries(writing, cls, given)
-    yield from _names(writing, spec, given)
+    yield from _name_options(writing, spec, given)
     if cls is None and not holds_entries(spec):  # of a table by name the keys are free
         yield from _keys_of_whole(writing, spec, given)
 
@@ -82,7 +82,7 @@ def _with_colon(writing: Writing, name: str, spec: Spec[Any] | None = None) -> s
     return f"{name}: "
 
 
-def _names(writing: Writing, spec: Spec[Any], given: Mapping[Any, Any]) -> Iterator[CompletionOption]:
+def _name_options(writing: Writing, spec: Spec[Any], given: Mapping[Any, Any]) -> Iterator[CompletionOption]:
     """Names of nodes or other things that are keys of a table."""
     named = NodeName("a node") if isinstance(spec, TableByNode) else spec.key_names({**given, _NEW: None}).get(_NEW)
     if isinstance(named, ChangedEntry):
