@@ -144,13 +144,9 @@ class Member:
     @cached_property
     def _module_names(self) -> set[str]:
         """Names by which other modules of the file are used as modules."""
-        nodes = [node for node in ast.walk(self.module.tree) if isinstance(node, ast.ImportFrom)]
-        return {
-            alias.asname or alias.name
-            for node in nodes
-            for alias in node.names
-            if f"{node.module}.{alias.name}" in self.inside
-        }
+        nodes = [node for node in ast.walk(self.module.tree) if isinstance(node, ast.Import | ast.ImportFrom)]
+        whole = [(alias, f"{getattr(node, 'module', '')}.{alias.name}") for node in nodes for alias in node.names]
+        return {alias.asname or alias.name for alias, name in whole if name.strip(".") in self.inside}
 
     @cached_property
     def faults(self) -> list[str]:
@@ -281,8 +277,6 @@ class Joined:
             types |= dict.fromkeys(member.type_imports.values())
         types = {line: None for line in types if line not in imports}
         lines = [line for line in imports if line != FUTURE]
-        if not types:
-            lines = [line for line in lines if line != "from typing import TYPE_CHECKING"]
         block = ["if TYPE_CHECKING:", *(f"    {line}" for line in types), ""] if types else []
         end = "\n" if "\n" in doc else ""
         head = [f'"""{doc}{end}"""', "", FUTURE, "", *lines, "", *block]

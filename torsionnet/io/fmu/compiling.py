@@ -54,7 +54,7 @@ def _commands() -> dict[Platform, list[str]]:
             raise MissingExtraError(f"{error}; a C compiler (CC, cc, gcc or clang) would do for this machine") from None
         return {this_machine(): [compiler]}
     zig = [sys.executable, "-m", "ziglang", "cc", "-s", "-target"]
-    return {platform: [*zig, platform.target] for platform in PLATFORMS}
+    return {target: [*zig, target.target] for target in PLATFORMS}
 
 
 def _compiler() -> str | None:
@@ -85,12 +85,12 @@ def _compiled(command: list[str], platform: Platform, folder: Path) -> bytes:
 def _placed(made: Mapping[Platform, bytes], identifier: str, version: str) -> dict[str, bytes]:
     """Shared libraries by their path in the archive of an FMU, those for one folder in one file."""
     together: dict[str, dict[Platform, bytes]] = {}
-    for platform, library in made.items():
-        path = f"binaries/{platform.folder(version)}/{identifier}{platform.suffix}"
-        together.setdefault(path, {})[platform] = library
+    for target, library in made.items():
+        path = f"binaries/{target.folder(version)}/{identifier}{target.suffix}"
+        together.setdefault(path, {})[target] = library
     return {
         path: next(iter(found.values()))
         if len(found) == 1
-        else universal_binary({platform.name.split("-")[0]: library for platform, library in found.items()})
+        else universal_binary({target.name.split("-")[0]: library for target, library in found.items()})
         for path, found in together.items()
     }
