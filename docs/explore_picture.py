@@ -18,7 +18,7 @@ sys.path.insert(0, str(DOCS.parent / "tests"))
 
 from support.explore_pages import chromium, serving, visit  # noqa: E402
 
-from torsionnet.app.explore.choices import ResponseChoice  # noqa: E402
+from torsionnet.app.explore.session import ResponseChoice  # noqa: E402
 
 PICTURE, OVER_SPEED = DOCS / "images" / "explore.png", DOCS / "images" / "explore_speed.png"
 POINT = DOCS / "images" / "explore_operating_point.png"

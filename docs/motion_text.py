@@ -7,8 +7,8 @@ from typing import Any
 import sympy
 
 from torsionnet.model.elements import MotionLaw
-from torsionnet.model.motion_laws.cubic_curve import CubicCurve
 from torsionnet.model.motion_laws.piece_curve import Hold, PieceCurve, Slope
+from torsionnet.model.motion_laws.smooth_curves import CubicCurve
 
 GAMMA, RATE = sympy.Symbol("gamma"), sympy.Symbol(r"\dot{\gamma}")
 

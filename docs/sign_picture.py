@@ -12,8 +12,9 @@ from matplotlib.figure import Figure
 
 from torsionnet.plot.drawing import style
 from torsionnet.plot.drawing.pieces import Piece, Stroke, Texts, arc, text_width
-from torsionnet.plot.schematics import box_symbols, outlines
-from torsionnet.plot.schematics.canvas import figure_of_drawing
+from torsionnet.plot.schematics import outlines
+from torsionnet.plot.schematics import symbols as box_symbols
+from torsionnet.plot.schematics.schematic import figure_of_drawing
 
 EDGE = 12.0
 RC = {"svg.hashsalt": "torsionnet", "svg.fonttype": "path"}

@@ -32,7 +32,7 @@ _named, _attribute, _ = lazy_exports(
         "Fault": "torsionnet.base.errors",
         "Fit": "torsionnet.identification",
         "FrequencyResponse": "torsionnet.linear.frequency_response",
-        "FrequencyResponses": "torsionnet.linear.responses.variant_responses",
+        "FrequencyResponses": "torsionnet.linear.responses.shared_response",
         "Input": "torsionnet.model.channels",
         "Measurement": "torsionnet.identification",
         "MissingExtraError": "torsionnet.base.errors",

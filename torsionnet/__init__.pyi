@@ -45,7 +45,7 @@ from torsionnet.linear.frequency_response import Channel as Channel
 from torsionnet.linear.frequency_response import FrequencyResponse as FrequencyResponse
 from torsionnet.linear.modes.modes import Modes as Modes
 from torsionnet.linear.responses.grid import Adaptive as Adaptive
-from torsionnet.linear.responses.variant_responses import FrequencyResponses as FrequencyResponses
+from torsionnet.linear.responses.shared_response import FrequencyResponses as FrequencyResponses
 from torsionnet.loading import load as load
 from torsionnet.loading import loads as loads
 from torsionnet.model.channels import Input as Input

@@ -11,10 +11,10 @@ from torsionnet.base.packages import AttributeHints, LazyMethod
 from torsionnet.linear.assembly.assembled import AssembledModel
 
 if TYPE_CHECKING:
-    import torsionnet.linear.batch.variants
+    import torsionnet.linear.batch.batched_responses
     import torsionnet.linear.dynamic_stiffness.state_space
     import torsionnet.linear.modes.natural_modes
-    import torsionnet.linear.responses.loop_margin_search
+    import torsionnet.linear.responses.loop_margins
     import torsionnet.linear.responses.transfer
     import torsionnet.machinery.criticals.critical_speed_search
     import torsionnet.machinery.design.damper_design
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     import torsionnet.machinery.holzer.mass_elastic_lines
     import torsionnet.machinery.mean.dissipation
     import torsionnet.machinery.mean.mean_solution
-    import torsionnet.machinery.mean.power_solution
     import torsionnet.machinery.mean.static_solution
     import torsionnet.machinery.orders.refined_response
     import torsionnet.machinery.passage.passage_solution
@@ -86,10 +85,10 @@ class Drivetrain(AssembledModel, AttributeHints):
     # A method is the function that solves it, with its docstring; the module is imported at the first call.
     graph = torsionnet.model.graph.graph
     frequency_response = torsionnet.linear.responses.transfer.frequency_response
-    frequency_responses = torsionnet.linear.batch.variants.frequency_responses
+    frequency_responses = torsionnet.linear.batch.batched_responses.frequency_responses
     modes = torsionnet.linear.modes.natural_modes.modes
     simulate = torsionnet.motion.scenario_run.simulate
-    loop_margins = torsionnet.linear.responses.loop_margin_search.loop_margins
+    loop_margins = torsionnet.linear.responses.loop_margins.loop_margins
     symbolic = torsionnet.symbolic.symbolic_system.symbolic
     to_control = torsionnet.linear.dynamic_stiffness.state_space.to_control
     _repr_html_ = torsionnet.model.overview.page
@@ -103,7 +102,7 @@ class Drivetrain(AssembledModel, AttributeHints):
     mass_elastic_table = torsionnet.machinery.holzer.mass_elastic_lines.mass_elastic_table
     mean_response = torsionnet.machinery.mean.mean_solution.mean_response
     static_state = torsionnet.machinery.mean.static_solution.static_state
-    power_balance = torsionnet.machinery.mean.power_solution.power_balance
+    power_balance = torsionnet.machinery.mean.static_solution.power_balance
     dissipated_power = torsionnet.machinery.mean.dissipation.dissipated_power
     check_limits = torsionnet.machinery.verdicts.limit_checking.check_limits
     damper_design = torsionnet.machinery.design.damper_design.damper_design
@@ -176,7 +175,7 @@ class Drivetrain(AssembledModel, AttributeHints):
         >>> [round(2 * 3.141592653589793 * float(one), 6) for one in frequencies]
         [30.0, 60.0]
         """
-        from torsionnet.motion.balance.asked_point import asked_point
+        from torsionnet.motion.balance.operating_balance import asked_point
 
         return self.at_point(asked_point(self.definition, torque, speed))
 

@@ -15,7 +15,7 @@ from torsionnet.base.conventions import Conventions
 from torsionnet.base.table import Column, Table
 from torsionnet.bench import Bench, load_bench
 from torsionnet.signals import PAPER, Recording, decimate, estimate, spectrogram
-from torsionnet.signals.agreement import agreement
+from torsionnet.signals.comparison import agreement
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

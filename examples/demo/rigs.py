@@ -15,7 +15,7 @@ from torsionnet.app.cli.commands.modes import without_eigenvalues
 from torsionnet.app.cli.terminal import print_table
 from torsionnet.base.conventions import Conventions
 from torsionnet.base.table import Column, Table
-from torsionnet.linear.responses.peaks import peaks
+from torsionnet.linear.responses.grid import peaks
 from torsionnet.loading import load
 
 if TYPE_CHECKING:

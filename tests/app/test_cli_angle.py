@@ -13,7 +13,7 @@ from torsionnet.io.wheel_files import read_wheels
 from torsionnet.signals import read_recording, write_recording
 from torsionnet.signals.recording import Recording, Signal
 from torsionnet.signals.rotation.pulse_channel import PulseChannel
-from torsionnet.signals.rotation.wheel_pattern import WheelPattern
+from torsionnet.signals.rotation.wheel import WheelPattern
 
 PITCH = 2 * np.pi / 60
 _, ANGLE = shaft(60.0, {6: np.radians(0.1)}, acceleration=6.0)
@@ -130,7 +130,7 @@ def test_bad_options(folder, arguments, message, code):
 
 class TestWheelFiles:
     def test_wheels_with_a_pattern(self, folder):
-        from torsionnet.io.wheel_pattern_files import write_wheel_pattern
+        from torsionnet.io.wheel_files import write_wheel_pattern
 
         places = np.radians(0.1) * np.cos(PITCH * np.arange(60))
         write_wheel_pattern(WheelPattern(places, np.full(60, 1e-6)), folder / "fly.yaml")

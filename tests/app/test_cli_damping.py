@@ -13,7 +13,7 @@ import torsionnet as tn
 from torsionnet.app.cli import main
 from torsionnet.io import write_recording
 from torsionnet.io.tracked_order_tables import write_tracked_orders
-from torsionnet.modal.operational.swept_response import sweep_of, swept_response
+from torsionnet.modal.operational.run_up_fit import sweep_of, swept_response
 from torsionnet.signals.orders.tracked_orders import TrackedOrders
 from torsionnet.signals.recording import Recording, Signal
 from torsionnet.signals.rotation.pulse_channel import PulseChannel

@@ -236,7 +236,7 @@ def test_faults_in_a_rig_are_all_told(folder):
 
 
 def test_large_records_are_read_in_blocks(record, monkeypatch):
-    from torsionnet.signals.records import large_records
+    from torsionnet.signals.records import recording_files as large_records
 
     arguments = ("estimate", record, "--input", "M", "--output", "phi", "--decimate", 2, "--json")
     whole = json.loads(run(*arguments).stdout)

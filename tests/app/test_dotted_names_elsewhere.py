@@ -7,7 +7,7 @@ from support.dotted_models import dotted
 import torsionnet as tn
 from torsionnet.app.explore import open_session
 from torsionnet.app.explore.answers import answer
-from torsionnet.app.explore.choices import ResponseChoice
+from torsionnet.app.explore.session import ResponseChoice
 from torsionnet.app.explore.state import State
 from torsionnet.io import (
     read_frequency_response,

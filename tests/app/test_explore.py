@@ -21,8 +21,8 @@ from torsionnet.app.cli import main
 from torsionnet.app.explore import Documents, open_session
 from torsionnet.app.explore.answers import answer, response_frequencies
 from torsionnet.app.explore.api import QUESTIONS, reply
-from torsionnet.app.explore.choices import ResponseChoice, choices, default_pair, read_pair
 from torsionnet.app.explore.server import STATIC, pages
+from torsionnet.app.explore.session import ResponseChoice, choices, default_pair, read_pair
 from torsionnet.app.explore.sliders import sliders
 from torsionnet.app.explore.state import RequestError, State, read_state
 from torsionnet.io import write_frequency_response

@@ -10,10 +10,9 @@ from support.patience import PATIENCE, wait_for
 from torsionnet.app.cli import main
 from torsionnet.app.explore import ExploreServer, api, connections, document, documents, open_documents
 from torsionnet.app.explore.api import reply
-from torsionnet.app.explore.choices import read_pair
-from torsionnet.app.explore.line_ends import LineEnds
-from torsionnet.app.explore.newest_turn import NewestTurn
-from torsionnet.app.explore.offset_counting import OffsetCounting
+from torsionnet.app.explore.disk_file import LineEnds
+from torsionnet.app.explore.document import NewestTurn, OffsetCounting
+from torsionnet.app.explore.session import read_pair
 from torsionnet.app.explore.state import RequestError
 from torsionnet.app.text.text_edits import character_offset, utf16_offset
 

@@ -7,7 +7,8 @@ import time
 import pytest
 from support.explore_texts import RIG, Page
 
-from torsionnet.app.explore import open_documents, text_requests
+from torsionnet.app.explore import api as text_requests
+from torsionnet.app.explore import open_documents
 from torsionnet.app.explore.document import MOST_FAULTS
 from torsionnet.app.text import text_faults
 from torsionnet.model.files.part_includes import MOST_INCLUDED

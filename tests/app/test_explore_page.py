@@ -11,7 +11,7 @@ from support.explore_pages import SLOW, WIDE, drawn, kept_quiet, serving, slider
 
 import torsionnet as tn
 from torsionnet.app.cli import main
-from torsionnet.app.explore.choices import ResponseChoice
+from torsionnet.app.explore.session import ResponseChoice
 from torsionnet.io import write_frequency_response
 
 

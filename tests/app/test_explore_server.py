@@ -13,7 +13,7 @@ from support.patience import PATIENCE
 
 from torsionnet.app.explore import connections
 from torsionnet.app.explore.api import LARGEST_REQUEST, QUESTIONS
-from torsionnet.app.explore.guard import HEADERS
+from torsionnet.app.explore.connections import HEADERS
 
 
 @pytest.fixture(scope="module")

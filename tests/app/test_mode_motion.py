@@ -10,9 +10,8 @@ from support.library_cases import library_cases
 
 import torsionnet as tn
 from torsionnet.app.explore import Documents, open_session
-from torsionnet.app.explore.api import reply
-from torsionnet.app.explore.mode_motion import mean_torques, mode_motion
-from torsionnet.app.explore.picture_requests import motion_answer, schematic_answer
+from torsionnet.app.explore.answers import mean_torques, mode_motion
+from torsionnet.app.explore.api import motion_answer, reply, schematic_answer
 from torsionnet.app.explore.state import State
 
 ROUNDED = 1e-6

@@ -14,7 +14,7 @@ from support.wheel_tests import record, teeth
 from support.written_models import FIT_OF_TWO_DISCS, TWO_DISCS, TWO_FANS
 
 import torsionnet as tn
-from torsionnet.app.cli.output_schema import OUTPUTS
+from torsionnet.app.cli.output import OUTPUTS
 from torsionnet.io import write_frequency_response, write_recording
 from torsionnet.signals.recording import Recording
 

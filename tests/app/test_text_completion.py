@@ -14,7 +14,7 @@ from support import campaigns
 from support.patience import PATIENCE
 
 import torsionnet as tn
-from torsionnet.app.text.completing.completion_units import units_of
+from torsionnet.app.text.completing.completion_values import units_of
 from torsionnet.app.text.completion import Completion, completions
 from torsionnet.app.text.text_edits import TextEdit, TextLines, edited
 from torsionnet.base.units import DIMENSIONS, parse_unit

@@ -8,7 +8,7 @@ import pytest
 from support import campaigns
 from support.broken_models import BASE, CASES
 
-from torsionnet.app.cli.models import checked_model
+from torsionnet.app.cli.options import checked_model
 from torsionnet.app.text.text_edits import edited
 from torsionnet.app.text.text_faults import text_faults
 from torsionnet.base.errors import ModelError

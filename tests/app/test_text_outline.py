@@ -7,10 +7,9 @@ from itertools import pairwise
 import pytest
 from support import campaigns
 
-from torsionnet.app.text.hovering import hover
-from torsionnet.app.text.name_definition import definition, references
+from torsionnet.app.text.name_change import definition, references
 from torsionnet.app.text.named_places import named_places
-from torsionnet.app.text.outline import outline
+from torsionnet.app.text.outline import hover, outline
 from torsionnet.model.files.library import library_models
 
 SHIP = library_models()["two_stroke_ship"].read_text(encoding="utf-8")
@@ -177,7 +176,7 @@ def test_a_byte_order_mark_moves_all_places():
 
 def test_no_numpy_for_a_model_without_excitations():
     code = (
-        "import sys; from torsionnet.app.text.hovering import hover; from torsionnet.app.text.name_change import rename\n"
+        "import sys; from torsionnet.app.text.outline import hover; from torsionnet.app.text.name_change import rename\n"
         f"text = {SMALL!r}\n"
         "hover(text, text.index('[a,') + 1); rename(text, text.index('[a,') + 1, 'z'); print('numpy' in sys.modules)"
     )

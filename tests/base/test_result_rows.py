@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from torsionnet.app.cli.output_schema import OUTPUTS
+from torsionnet.app.cli.output import OUTPUTS
 from torsionnet.base.conventions import Conventions
 from torsionnet.base.result_rows import NUMBER_ROWS, Out, json_schema, out_fields, to_json
 from torsionnet.base.table import Column, result_table

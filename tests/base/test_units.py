@@ -26,7 +26,7 @@ from torsionnet.base.units import (
     parse_quantity,
     parse_unit,
 )
-from torsionnet.signals.records.quantities import quantity_of
+from torsionnet.signals.records.channel_choice import quantity_of
 
 LBF = Fraction("4.4482216152605")
 INCH = Fraction("0.0254")

@@ -9,9 +9,8 @@ import pytest
 
 import torsionnet as tn
 from torsionnet.base.errors import ModelError, UsageError
-from torsionnet.bench.exciter_torque import exciter_output
 from torsionnet.bench.plan import Acquisition, Encoder, Exciter, Plan, Transducer
-from torsionnet.bench.recorded_signal import recorded_signal
+from torsionnet.bench.recorded_signal import exciter_output, recorded_signal
 from torsionnet.model.files import json_schema, library_benches
 from torsionnet.model.files.library import library_folder
 from torsionnet.signals import (
@@ -26,7 +25,7 @@ from torsionnet.signals import (
     difference,
     estimate,
 )
-from torsionnet.signals.harmonics import sweep_harmonics
+from torsionnet.signals.order_tracking import sweep_harmonics
 from torsionnet.signals.sensor_resolution import resolution, step_of
 
 RATE = 2000.0

@@ -18,10 +18,9 @@ from torsionnet.signals import (
     SteppedSine,
     check_recording,
 )
-from torsionnet.signals.repeated_blocks import repeated_blocks
+from torsionnet.signals.recording_checks import repeated_blocks
 from torsionnet.signals.sensor_resolution import step_of
-from torsionnet.signals.spikes import spikes
-from torsionnet.signals.standstill import frozen_stretches
+from torsionnet.signals.value_faults import frozen_stretches, spikes
 
 RATE = 1000.0
 TIME = np.arange(20_000) / RATE

@@ -13,7 +13,7 @@ import torsionnet as tn
 from torsionnet.app.cli.app import app
 from torsionnet.base.errors import ModelError
 from torsionnet.bench.campaign import running_campaign
-from torsionnet.signals.records import large_records
+from torsionnet.signals.records import recording_files as large_records
 
 
 @pytest.fixture

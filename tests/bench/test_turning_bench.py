@@ -9,7 +9,6 @@ import scipy
 
 import torsionnet as tn
 from torsionnet.base.errors import ModelError, UsageError
-from torsionnet.bench.coast_down import coast_down, turning_inertia
 from torsionnet.bench.plan import (
     Acquisition,
     CoastDown,
@@ -23,8 +22,8 @@ from torsionnet.bench.plan import (
     ToothedWheel,
     Transducer,
 )
-from torsionnet.bench.wheel_speeds import with_wheel_speeds
-from torsionnet.bench.wheel_turning import true_places
+from torsionnet.bench.turning_motion import coast_down, turning_inertia
+from torsionnet.bench.wheel_turning import true_places, with_wheel_speeds
 from torsionnet.signals.recording import PulseChannel, Recording
 
 RPM = np.pi / 30

@@ -13,7 +13,7 @@ from support.written_models import TWO_DISCS
 import torsionnet as tn
 from torsionnet.base.errors import UsageError
 from torsionnet.identification.fit_file import load_fit_plan
-from torsionnet.identification.residuals import segments
+from torsionnet.identification.residuals import windowed_estimate as segments
 from torsionnet.identification.residuals.measurement_blocks import make_block
 from torsionnet.identification.residuals.windowed_estimate import windowed_estimate
 from torsionnet.signals import Recording, Signal, Welch, write_recording
@@ -107,7 +107,7 @@ from pathlib import Path
 import numpy as np
 import torsionnet as tn
 from torsionnet.bench.plan import Acquisition, Plan, Transducer
-from torsionnet.identification.residuals.memory_demand import memory_demand
+from torsionnet.identification.residuals.measurement_blocks import memory_demand
 from torsionnet.signals import LinearChirp, Welch
 
 rig = tn.load("dmf_rig")
@@ -200,7 +200,7 @@ def test_a_fit_file_decimates_as_the_bands_allow(folder, settings, factors):
 
 @pytest.mark.slow
 def test_the_command_tells_decimation_and_memory(folder, monkeypatch):
-    monkeypatch.setattr("torsionnet.app.cli.memory_note.LARGE_MEMORY", 1e6)
+    monkeypatch.setattr("torsionnet.app.cli.terminal.LARGE_MEMORY", 1e6)
     (folder / "fit.yaml").write_text(FIT.replace(FREE, ""))
     told = run("fit", "fit.yaml").stderr
     assert "note: soft: decimated by 20 to 200 Hz\n" in told

@@ -10,8 +10,8 @@ from support.campaigns import examples
 import torsionnet as tn
 from torsionnet.base.errors import UsageError
 from torsionnet.bench.plan import Encoder, Transducer
-from torsionnet.identification.residuals.line_noise import line_correlation
-from torsionnet.identification.residuals.smoothing import smoothing
+from torsionnet.identification.residuals.noise import line_correlation
+from torsionnet.identification.residuals.sampled_response import smoothing
 from torsionnet.io import read_frequency_response, write_frequency_response
 from torsionnet.linear.estimation import Estimation
 from torsionnet.linear.frequency_response import Channel, FrequencyResponse

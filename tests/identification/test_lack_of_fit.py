@@ -16,8 +16,8 @@ from torsionnet.base.errors import UsageError
 from torsionnet.bench.plan import Acquisition, Encoder, Plan, Transducer
 from torsionnet.identification import Unknown
 from torsionnet.identification.fit_problem import make_problem
-from torsionnet.identification.noise_bias import noise_bias, noise_bias_sentence
-from torsionnet.identification.residuals.instrument import without_background
+from torsionnet.identification.lack_of_fit import noise_bias, noise_bias_sentence
+from torsionnet.identification.residuals.measurement import without_background
 from torsionnet.identification.residuals.noise import noise_between_lines
 from torsionnet.signals import BurstRandom, LinearChirp, Recording, Signal, Welch, estimate
 

@@ -13,11 +13,12 @@ from support.command_line import run
 
 import torsionnet as tn
 from torsionnet.base.errors import SolveError, UsageError
-from torsionnet.identification import cause_fits, fitting, load_fit, rank_causes
+from torsionnet.identification import causes as cause_fits
+from torsionnet.identification import fitting, load_fit, rank_causes
 from torsionnet.identification.causes import Cause
-from torsionnet.identification.explanations import _promising as promising
 from torsionnet.identification.fit_problem import make_problem
 from torsionnet.identification.fit_search import local_optimum
+from torsionnet.identification.fitting import _promising as promising
 from torsionnet.identification.unknown_parameter import Unknown
 from torsionnet.io import read_frequency_response
 

@@ -10,10 +10,9 @@ import scipy
 import torsionnet as tn
 from torsionnet.bench.plan import Acquisition, Encoder, Plan, Transducer
 from torsionnet.identification.fit import load_fit
-from torsionnet.identification.interval_width import interval_half_width
-from torsionnet.identification.residuals.noise_sources import sensor_noise_powers, weighted_mean
-from torsionnet.identification.residuals.sensor_steps import REST_POSITIONS, SensorSteps
-from torsionnet.identification.residuals.unexcited_windows import unexcited_windows
+from torsionnet.identification.fit_result import interval_half_width
+from torsionnet.identification.residuals.noise import sensor_noise_powers, weighted_mean
+from torsionnet.identification.residuals.sensor_steps import REST_POSITIONS, SensorSteps, unexcited_windows
 from torsionnet.signals import LinearChirp, Multisine, Welch, decimate
 
 SETTINGS = Welch("hamming", 2.0, 0.8, decimation=10)

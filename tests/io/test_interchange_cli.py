@@ -9,7 +9,7 @@ from support.modelica_reader import Model
 from support.tors_models import THRUSTER
 
 import torsionnet as tn
-from torsionnet.io.fmu.platforms import this_machine
+from torsionnet.io.fmu.c_source import this_machine
 from torsionnet.signals.formats import extras
 
 

@@ -16,8 +16,8 @@ from support.patience import PATIENCE
 import torsionnet as tn
 from torsionnet.base.errors import MissingExtraError, UsageError
 from torsionnet.io import write_fmu
-from torsionnet.io.fmu import compiling
-from torsionnet.io.fmu.platforms import universal_binary
+from torsionnet.io.fmu import c_source as compiling
+from torsionnet.io.fmu.c_source import universal_binary
 from torsionnet.signals.formats import extras
 
 validation = OnDemand("fmpy.validation")

@@ -13,8 +13,7 @@ from support.random_drivetrains import draw
 import torsionnet as tn
 from torsionnet.base.errors import UsageError
 from torsionnet.io.fmu.archive import suggested_step
-from torsionnet.io.fmu.dependencies import dependencies
-from torsionnet.io.fmu.traced_matrices import trace_system
+from torsionnet.io.fmu.traced_matrices import dependencies, trace_system
 from torsionnet.io.fmu.traced_numbers import NumberTape, Traced
 
 F = np.array([0.3, 2.0, 9.0, 40.0])

@@ -18,8 +18,7 @@ from torsionnet.model.element_base.dynamic_stiffness import ScaledStiffness
 from torsionnet.model.element_base.element import Element
 from torsionnet.model.element_base.element_entries import NodePair
 from torsionnet.model.element_base.laws import difference
-from torsionnet.model.element_base.stiffness_rows import TableEntry
-from torsionnet.model.element_base.stiffness_table import StiffnessTable
+from torsionnet.model.element_base.stiffness_table import StiffnessTable, TableEntry
 from torsionnet.model.elements import Law
 
 F = np.array([0.5, 1.7, 3.0, 12.0])

@@ -22,9 +22,7 @@ from support.study_blocks import singly
 import torsionnet as tn
 from torsionnet.app.cli.app import app
 from torsionnet.linear.modes.active_pencil import ActivePencil
-from torsionnet.linear.modes.deflated_columns import DelayedSum
-from torsionnet.linear.modes.exact_pencil import ExactPencil
-from torsionnet.linear.modes.zero_chains import zero_chains
+from torsionnet.linear.modes.exact_pencil import DelayedSum, ExactPencil, zero_chains
 from torsionnet.study.quantities.quantity import QUANTITIES
 
 

@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 
 from torsionnet.linear.assembly.rows import Rows
-from torsionnet.linear.modes.ehrlich_aberth import polynomial
-from torsionnet.linear.modes.rayleigh_quotient import isolated_root, isolation_radii
+from torsionnet.linear.modes.ehrlich_aberth import isolated_root, isolation_radii, polynomial
 
 J, C, SOFT, STIFF = 2.0, 3e-7, 5e-3, 7e11
 ROWS = Rows.of(np.array([[1.0, 0.0], [0.0, 1.0], [1.0, -1.0]]))

@@ -13,10 +13,10 @@ from support.modelica_reader import Model as ModelicaModel
 import torsionnet as tn
 import torsionnet.plot as plot
 from torsionnet.app.cli.app import app
-from torsionnet.app.explore.choices import choices
+from torsionnet.app.explore.session import choices
 from torsionnet.base.errors import ModelError, UsageError
 from torsionnet.io import to_modelica
-from torsionnet.io.matrices import matrices
+from torsionnet.io.matlab import matrices
 from torsionnet.linear.sensitivity import parametric_response
 from torsionnet.model.files import dump, json_schema
 from torsionnet.model.files.reader import read_text

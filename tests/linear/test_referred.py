@@ -11,7 +11,7 @@ import torsionnet as tn
 from torsionnet.app.cli.app import app
 from torsionnet.base.errors import ModelError, UsageError
 from torsionnet.io import to_modelica
-from torsionnet.linear.modes.referred_shapes import referred_shapes
+from torsionnet.linear.modes.mode_pairs import referred_shapes
 from torsionnet.linear.sensitivity import parametric_response
 from torsionnet.model.files import dump, json_schema
 from torsionnet.model.files.reader import read_text

@@ -13,7 +13,7 @@ from torsionnet.base.table import Column, Table
 from torsionnet.linear.frequency_response import Channel, FrequencyResponse
 from torsionnet.linear.modes.modes import Modes
 from torsionnet.linear.phase import unwrapped_phase
-from torsionnet.linear.responses.variant_responses import FrequencyResponses
+from torsionnet.linear.responses.shared_response import FrequencyResponses
 
 TURN = 2 * np.pi
 OUTPUTS = (Channel("phi", "rad"), Channel("omega", "rad/s"))

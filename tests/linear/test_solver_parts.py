@@ -8,8 +8,7 @@ from torsionnet.base.errors import UsageError
 from torsionnet.linear.dynamic_stiffness.triangular import blocks
 from torsionnet.linear.frequency_response import Channel, FrequencyResponse
 from torsionnet.linear.modes.modes import Modes
-from torsionnet.linear.responses.grid import Adaptive, rounded, vibration_range
-from torsionnet.linear.responses.peaks import inner_maxima, peaks, static_value
+from torsionnet.linear.responses.grid import Adaptive, inner_maxima, peaks, rounded, static_value, vibration_range
 
 TURN = 2 * np.pi
 

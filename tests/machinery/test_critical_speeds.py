@@ -10,11 +10,10 @@ from support.command_line import run
 from support.running_plants import INLINE_SIX, PRESSURE, car, engine, marine, two_mass
 
 import torsionnet as tn
-from torsionnet.linear.modes.vibration_mode import amplification
+from torsionnet.linear.modes.mode_pairs import amplification
 from torsionnet.linear.sensitivity import mode_sensitivities
 from torsionnet.machinery.criticals.speed_peaks import SAME_PEAK
-from torsionnet.machinery.phasors.generalised_force import star_diagram
-from torsionnet.machinery.phasors.star_diagram import StarDiagram
+from torsionnet.machinery.phasors.vector_sums import StarDiagram, star_diagram
 from torsionnet.machinery.verdicts.margin_rules import PRESETS, MarginClause, MarginRule, margin_rule
 from torsionnet.study.quantities.natural_frequency import NaturalFrequency
 from torsionnet.study.quantities.variant_block import VariantBlock

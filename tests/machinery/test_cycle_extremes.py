@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from torsionnet.machinery.orders import cycle_extremes as module
-from torsionnet.machinery.orders.cycle_extremes import cycle_extremes
+from torsionnet.machinery.orders import synthesis as module
+from torsionnet.machinery.orders.synthesis import cycle_extremes
 
 
 def on_a_grid(amplitudes, periods, points=200_001):

@@ -10,11 +10,11 @@ from support.twin_engines import ENGINE, PORT, plant, text
 
 import torsionnet as tn
 from torsionnet.linear.frequency_response import Channel
-from torsionnet.machinery.excitations.engine_phases import conditions_running_alone
+from torsionnet.machinery.excitations.reciprocating_engine import conditions_running_alone
 from torsionnet.machinery.orders.engine_angles import at_worst_angles
-from torsionnet.machinery.orders.least_angle import at_least_range_angles
 from torsionnet.machinery.orders.order_line import OrderLine
 from torsionnet.machinery.orders.order_response import OrderResponse
+from torsionnet.machinery.orders.worst_response import at_least_range_angles
 
 
 def response(given, output="torque(sh)"):

@@ -14,14 +14,12 @@ from support.running_plants import engine as inline_six
 
 import torsionnet as tn
 from torsionnet.base.expression_reading import scalar
+from torsionnet.machinery.excitations.engine_entries import banked_phases
 from torsionnet.machinery.excitations.engine_faults import engine_remarks
-from torsionnet.machinery.excitations.firing_angles import banked_phases
-from torsionnet.machinery.excitations.pressure_file import read_pressure_file
-from torsionnet.machinery.excitations.pressure_trace import PressureTrace
+from torsionnet.machinery.excitations.pressure_trace import PressureTrace, inertia_harmonics, read_pressure_file
 from torsionnet.machinery.excitations.reciprocating_engine import ReciprocatingEngine
-from torsionnet.machinery.excitations.slider_crank import inertia_harmonics
-from torsionnet.machinery.orders import worst_combination
-from torsionnet.machinery.orders.worst_combination import Contributions, largest_amplitudes
+from torsionnet.machinery.orders import worst_case as worst_combination
+from torsionnet.machinery.orders.worst_case import Contributions, largest_amplitudes
 from torsionnet.model.files.value_editing import ValuePlace, changed_text
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import TableBlock

@@ -7,7 +7,7 @@ import pytest
 from support.running_plants import two_mass
 
 import torsionnet as tn
-from torsionnet.machinery.orders.damping_shares import damping_shares
+from torsionnet.machinery.orders.operating_groups import damping_shares
 
 CHAIN = (3.0, 5.0, 2.0, 8.0)
 """Inertias of a chain of four discs in kg m^2."""

@@ -11,13 +11,13 @@ from support.running_plants import PRESSURE, engine
 from support.twin_engines import text
 
 import torsionnet as tn
-from torsionnet.machinery.excitations.cylinder_harmonics import (
+from torsionnet.machinery.excitations.reciprocating_engine import (
     cylinder_harmonics,
     firing_intervals,
     indicated_pressures,
 )
 from torsionnet.machinery.phasors.excitation_lines import excitation_lines
-from torsionnet.machinery.phasors.order_vectors import vector_sums
+from torsionnet.machinery.phasors.vector_sums import vector_sums
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import Paragraph, Picture, TableBlock
 

@@ -13,7 +13,7 @@ from support.ship_plant import PAGE_SHIP, SHIP
 
 import torsionnet as tn
 from torsionnet.machinery.limits.iacs_m68 import IacsM68
-from torsionnet.machinery.limits.m68_stress import permissible, size_factor, usual_range
+from torsionnet.machinery.limits.m68_factors import permissible, size_factor, usual_range
 
 
 class TestPermissibleStress:

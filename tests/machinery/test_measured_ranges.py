@@ -9,7 +9,7 @@ from support.measured_pump import PLANT, RPM, torque, tracked
 
 import torsionnet as tn
 from torsionnet.io.tracked_order_tables import write_tracked_orders
-from torsionnet.machinery.verdicts.measured_ranges import measured_ranges
+from torsionnet.machinery.verdicts.measured_range import measured_ranges
 
 
 @pytest.fixture(autouse=True)

@@ -11,10 +11,8 @@ import scipy
 from support.command_line import run
 from support.twin_engines import plant
 
-from torsionnet.machinery.orders.common_turn import common_turn
-from torsionnet.machinery.orders.order_agreement import order_agreement
-from torsionnet.machinery.orders.order_comparison import compared_orders, order_comparison
-from torsionnet.machinery.orders.order_pair import OrderPair
+from torsionnet.machinery.orders.order_comparison import compared_orders, order_agreement, order_comparison
+from torsionnet.machinery.orders.order_pair import OrderPair, common_turn
 from torsionnet.signals.interval_statistics import amplitude_scores, complex_scores
 from torsionnet.signals.orders.tracked_orders import MeasuredOrder
 

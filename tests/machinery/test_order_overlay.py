@@ -10,7 +10,7 @@ import pytest
 from support.command_line import run
 
 import torsionnet as tn
-from torsionnet.io.order_tables import read_orders
+from torsionnet.io.tracked_order_tables import read_orders
 from torsionnet.linear.frequency_response import Channel
 from torsionnet.machinery.orders.calculated_order import between_speeds
 from torsionnet.machinery.orders.order_comparison import compared_orders

@@ -13,8 +13,8 @@ from support.written_models import TWO_FANS
 
 import torsionnet as tn
 from torsionnet.linear.responses import shared_response
+from torsionnet.machinery.excitations.pressure_trace import piston_curvature, piston_rate
 from torsionnet.machinery.excitations.reciprocating_engine import ReciprocatingEngine
-from torsionnet.machinery.excitations.slider_crank import piston_curvature, piston_rate
 from torsionnet.machinery.orders import order_solution as solver
 from torsionnet.machinery.orders.order_line import OrderLine
 from torsionnet.machinery.orders.order_response import OrderResponse
@@ -66,7 +66,7 @@ class TestManySpeeds:
         rig = plant(reference("forced_two_stroke_propulsion"))
         whole = rig.order_response("twist(thrust)")
         monkeypatch.setattr("torsionnet.machinery.orders.operating_groups.SPEEDS_PER_BLOCK", 2)
-        monkeypatch.setattr("torsionnet.machinery.orders.cycle_extremes.MOST_WAVEFORM_POINTS", 1)
+        monkeypatch.setattr("torsionnet.machinery.orders.synthesis.MOST_WAVEFORM_POINTS", 1)
         parts = rig.order_response("twist(thrust)")
         assert parts.values == pytest.approx(whole.values, rel=1e-13)
         assert parts.half_range == pytest.approx(whole.half_range, rel=1e-12)

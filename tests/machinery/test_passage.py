@@ -6,7 +6,7 @@ import scipy
 
 import torsionnet as tn
 from torsionnet.base.units import RPM
-from torsionnet.machinery.passage.vibration_cycles import cycles_above, envelopes, half_ranges
+from torsionnet.machinery.passage.passage_response import cycles_above, envelopes, half_ranges
 
 J, K, C = (2.0, 3.0), 1.2e4, 6.0
 NATURAL = np.sqrt(K * (1 / J[0] + 1 / J[1]))  # 100 rad/s

@@ -13,14 +13,14 @@ from support.limit_cases import hump, m68, stressed
 from support.ship_plant import SHIP
 
 import torsionnet as tn
-from torsionnet.machinery.limits.m68_stress import usual_range
-from torsionnet.machinery.orders.examined_speeds import ExaminedSpeeds
+from torsionnet.machinery.limits.m68_factors import usual_range
+from torsionnet.machinery.orders.refined_response import ExaminedSpeeds
 from torsionnet.machinery.orders.speed_refinement import speeds_to_refine
 from torsionnet.machinery.verdicts.speed_spans import joined_spans
 from torsionnet.model.configurations import combinations
+from torsionnet.study.quantities.critical_speed_margin import Utilisation
 from torsionnet.study.quantities.evaluator import Evaluator
 from torsionnet.study.quantities.order_torque import OrderTorque
-from torsionnet.study.quantities.utilisation import Utilisation
 
 KNOWN = 1e-3
 

@@ -9,7 +9,7 @@ import torsionnet as tn
 from torsionnet.app.cli.app import app
 from torsionnet.base.errors import UsageError
 from torsionnet.io import to_modelica
-from torsionnet.machinery.design.viscous_equivalent import viscous_equivalent
+from torsionnet.machinery.design.damper_design import viscous_equivalent
 
 F = [2.0, 11.0, 40.0]
 TABLE = [[1, 900, 6], [20, 1500, 3], [60, 2000, 1]]

@@ -8,8 +8,8 @@ from support import campaigns
 
 from torsionnet.base.errors import SolveError, UsageError
 from torsionnet.modal import modes_from_decay
-from torsionnet.modal.operational.decrement import logarithmic_decrement
-from torsionnet.modal.operational.matrix_pencil import pencil_poles
+from torsionnet.modal.operational.decay_fit import pencil_poles
+from torsionnet.modal.operational.decay_modes import logarithmic_decrement
 from torsionnet.signals.recording import Recording, Signal
 
 RATE = 1000

@@ -16,10 +16,9 @@ from torsionnet.base.errors import SolveError, UsageError
 from torsionnet.linear.frequency_response import Channel
 from torsionnet.modal import Criteria, Settings, fit_poles, identify_modes, match, peak_picking, stabilisation
 from torsionnet.modal.matrix_fraction import largest_order
-from torsionnet.modal.projection import Projection
 from torsionnet.modal.refinement import factors_of, roots_of
-from torsionnet.modal.schwarz_criterion import significant_poles
-from torsionnet.modal.selection import clusters
+from torsionnet.modal.residues import Projection
+from torsionnet.modal.selection import clusters, significant_poles
 from torsionnet.modal.spectral_lines import lines_of, power
 from torsionnet.modal.stabilisation_chart import Order, Stabilisation, _same
 

@@ -56,7 +56,7 @@ class TestStabilisation:
         assert len(plot.stabilisation(full, found).axes[0].texts) == 1
 
     def test_names_stand_side_by_side(self):
-        from torsionnet.plot.stabilisation_plot import _apart
+        from torsionnet.plot.modal_plots import _apart
 
         assert _apart(np.array([1.0, 5.0]), 1.0, 10) == [1, 5]
         assert _apart(np.array([1.0, 1.2, 1.4]), 1.0, 10) == [1, 2, 3]

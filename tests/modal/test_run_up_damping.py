@@ -11,9 +11,8 @@ from support.known_damping import F0, ZETA, closed_form, half_power, swept, with
 
 from torsionnet.base.errors import SolveError, UsageError
 from torsionnet.modal import match, modes_from_run_up, modes_from_tracked_orders
-from torsionnet.modal.operational.swept_response import sweep_of, swept_response
-from torsionnet.signals.orders.tracked_orders import TrackedOrders
-from torsionnet.signals.orders.tracking_kernel import UNKNOWN_TRACKING, TrackingKernel
+from torsionnet.modal.operational.run_up_fit import sweep_of, swept_response
+from torsionnet.signals.orders.tracked_orders import UNKNOWN_TRACKING, TrackedOrders, TrackingKernel
 from torsionnet.signals.recording import Recording, Signal
 
 POLE = 2 * np.pi * F0 * complex(-ZETA, np.sqrt(1 - ZETA**2))

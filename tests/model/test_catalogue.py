@@ -6,7 +6,7 @@ import pytest
 import torsionnet as tn
 from torsionnet.base.errors import ModelError
 from torsionnet.io import mass_elastic_report, read_catalogue
-from torsionnet.model.catalogues.catalogue_values import shipped_catalogues
+from torsionnet.model.catalogues.catalogue_reading import shipped_catalogues
 
 COUPLINGS = """\
 # made-up couplings

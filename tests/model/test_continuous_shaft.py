@@ -15,8 +15,8 @@ from support import campaigns
 
 import torsionnet as tn
 from torsionnet.base.errors import ModelError, TorsionnetWarning, UsageError
+from torsionnet.linear.modes.continuous import negative_pivots
 from torsionnet.linear.modes.continuous_damped import damped_modes
-from torsionnet.linear.modes.wittrick_williams import negative_pivots
 from torsionnet.linear.sensitivity.parametric import parametric_response
 from torsionnet.linear.sensitivity.sensitivities_of_modes import mode_sensitivities
 from torsionnet.model.element_base.shaft_stiffness import ShaftEnd, ShaftTwist

@@ -45,8 +45,8 @@ from torsionnet.model.elements import (
 )
 from torsionnet.model.files import dump, json_schema, library_entry, library_models, read_file
 from torsionnet.model.files.located_yaml import PythonParser, compose, plain_value
-from torsionnet.model.files.quoting import scalar_text
 from torsionnet.model.files.reader import read_text
+from torsionnet.model.files.writer import scalar_text
 
 LIBRARY = Path(__file__).parents[2] / "library"
 HEAD = "torsionnet: 1\nname: m\n"

@@ -8,8 +8,7 @@ import pytest
 import torsionnet as tn
 from torsionnet.base.expressions import Number
 from torsionnet.linear.sensitivity.sensitivities_of_modes import mode_sensitivities
-from torsionnet.model.element_base.sheared_shapes import ShearedBush, ShearedDisc
-from torsionnet.model.element_base.viscoelastic import Viscoelastic
+from torsionnet.model.element_base.viscoelastic import ShearedBush, ShearedDisc, Viscoelastic
 from torsionnet.model.elements import Values
 
 RPM = np.pi / 30

@@ -12,12 +12,11 @@ import scipy
 import torsionnet as tn
 from torsionnet.base.expressions import FLOAT
 from torsionnet.linear.assembly.symbolic import TWINS, Twin
-from torsionnet.linear.sensitivity.dual import DUALS, Dual
+from torsionnet.linear.sensitivity.unknowns import DUALS, Dual
 from torsionnet.model.element_base.laws import MotionState, ScaledCurve
 from torsionnet.model.elements import Constraint, Law, MotionLaw, Values
-from torsionnet.model.motion_laws.cubic_curve import CubicCurve
-from torsionnet.model.motion_laws.friction_curve import friction_curve
-from torsionnet.model.motion_laws.piece_curve import Hold, PieceCurve, Slope, symmetric_curve
+from torsionnet.model.motion_laws.piece_curve import Hold, PieceCurve, Slope, friction_curve, symmetric_curve
+from torsionnet.model.motion_laws.smooth_curves import CubicCurve
 from torsionnet.motion.balance.rate_states import roots_along
 
 ENDS = {"nodes": ("a", "b")}

@@ -6,7 +6,7 @@ from support.study_blocks import together
 
 import torsionnet as tn
 from torsionnet.base.errors import ModelError
-from torsionnet.io.fmu.fmu_coordinates import trace_motion
+from torsionnet.io.fmu.traced_numbers import trace_motion
 from torsionnet.linear.sensitivity import mode_sensitivities
 from torsionnet.study.quantities.quantity import QUANTITIES
 

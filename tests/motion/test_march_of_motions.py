@@ -10,7 +10,7 @@ from support.random_motion_plants import moving_plant
 
 import torsionnet as tn
 from torsionnet.motion import contact_states, piece_system
-from torsionnet.motion.motion_start import MotionStart
+from torsionnet.motion.contact_states import MotionStart
 
 
 def simulated(seed=3, rate=1000.0, seconds=0.2, most=3):

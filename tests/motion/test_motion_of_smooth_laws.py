@@ -6,7 +6,7 @@ import scipy
 
 import torsionnet as tn
 from torsionnet.base.errors import SolveError, UsageError
-from torsionnet.motion.motion_start import MotionStart
+from torsionnet.motion.contact_states import MotionStart
 from torsionnet.motion.scenarios.time_history import HistoryPiece, TimeHistory, Wave, constant, straight
 from torsionnet.motion.simulation import simulate_torques
 

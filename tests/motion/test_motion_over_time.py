@@ -14,7 +14,7 @@ import torsionnet as tn
 from torsionnet.base.errors import SolveError, UsageError
 from torsionnet.model.element_base.laws import MotionLaw, Part, Values, WholePart, difference
 from torsionnet.model.motion_laws.piece_curve import Hold, PieceCurve, Slope
-from torsionnet.motion.motion_start import MotionStart
+from torsionnet.motion.contact_states import MotionStart
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from torsionnet.motion.motion_summary import energy_table
-from torsionnet.signals.energy_balance import EnergyBalance
-from torsionnet.signals.recording import Recording, Signal
+from torsionnet.signals.recording import EnergyBalance, Recording, Signal
 
 
 @pytest.mark.parametrize(

@@ -7,9 +7,9 @@ from support.random_motion_plants import moving_plant
 
 import torsionnet as tn
 from torsionnet.base.errors import SolveError, UsageError
-from torsionnet.motion.motion_start import MotionStart
+from torsionnet.motion.contact_states import MotionStart
 from torsionnet.motion.scenarios.time_history import HistoryPiece, TimeHistory, constant
-from torsionnet.motion.smooth.smooth_method import SmoothMethod
+from torsionnet.motion.smooth.smooth_system import SmoothMethod
 
 
 def motor(**entries):

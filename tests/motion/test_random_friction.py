@@ -6,8 +6,8 @@ from support import campaigns
 from support.friction_plants import RubbingPlant, rubbing_motion, rubbing_plant
 
 import torsionnet as tn
-from torsionnet.motion.guard_polynomials import DEGREE, first_root
-from torsionnet.motion.motion_start import MotionStart
+from torsionnet.motion.contact_states import MotionStart
+from torsionnet.motion.marching import DEGREE, first_root
 
 SECONDS = 0.2
 

@@ -7,7 +7,7 @@ from support.motion_reference import reference_motion
 from support.random_motion_plants import moving_plant
 
 from torsionnet.model.channels import Sensor
-from torsionnet.motion.motion_start import MotionStart
+from torsionnet.motion.contact_states import MotionStart
 
 ROUNDING = 1e-12
 """Share of the speeds by which the start is changed, to see how much a motion amplifies errors of this size."""

@@ -14,7 +14,7 @@ from torsionnet.motion.scenarios.short_circuit import ShortCircuitScenario
 from torsionnet.motion.scenarios.time_history import HistoryPiece, TimeHistory, Wave, straight
 from torsionnet.motion.scenarios.torques_of_nodes import TorqueScenario
 from torsionnet.signals.records.recording_files import read_recording
-from torsionnet.study.quantities.scenario_peak import ScenarioPeak
+from torsionnet.study.quantities.transient_peak import ScenarioPeak
 from torsionnet.study.quantities.variant_block import VariantBlock
 
 SSR = tn.load("turbine_generator_ssr")

@@ -12,13 +12,13 @@ from torsionnet.app.cli.commands.estimate import peak_table
 from torsionnet.base.conventions import Conventions
 from torsionnet.identification.fit_result import Compared
 from torsionnet.linear.frequency_response import Channel, FrequencyResponse
-from torsionnet.linear.responses.peaks import _standing_out
+from torsionnet.linear.responses.grid import _standing_out
 from torsionnet.machinery.design.damper_optimum import DesignParameter
 from torsionnet.signals import Recording, Signal, spectrogram
 from torsionnet.signals.advice import peak_warnings
-from torsionnet.signals.harmonics import Harmonics
-from torsionnet.signals.motion_event import MotionEvent
+from torsionnet.signals.order_tracking import Harmonics
 from torsionnet.signals.orders.tracked_orders import MeasuredOrder, TrackedOrders
+from torsionnet.signals.recording import MotionEvent
 from torsionnet.study.shown_units import IN_SI
 
 RATE = 4000.0
@@ -212,7 +212,7 @@ def test_the_speed_of_a_shaft_that_turns_on_is_drawn_in_rpm(lowest, unit):
 
 @pytest.mark.parametrize(("time", "side"), [(2.0, "left"), (8.0, "right")])
 def test_the_name_of_an_event_has_its_room_inside_the_panel(time, side):
-    from torsionnet.plot.scenario_motion_plot import scenario_motion
+    from torsionnet.plot.histories import scenario_motion
 
     signals = (Signal("T", "torque", np.sin(np.arange(1001.0))),)
     record = Recording(signals, 100.0, events=(MotionEvent(time, "clutch", "sticks"),))
@@ -238,7 +238,7 @@ def test_fitted_orders_are_drawn_over_speed_in_rpm(step):
     """One steady speed stands in the middle."""
     from matplotlib.figure import Figure
 
-    from torsionnet.plot.fit_orders import order_colours, order_column
+    from torsionnet.plot.fits import order_colours, order_column
 
     speeds = 60.0 + step * np.arange(-1, 2)
     one = Compared(
@@ -257,7 +257,7 @@ def test_fitted_orders_are_drawn_over_speed_in_rpm(step):
 
 
 def test_the_worst_condition_of_a_family_has_the_largest_use_of_any_criterion():
-    from torsionnet.plot.limit_family_plot import LimitFamily
+    from torsionnet.plot.limit_plot import LimitFamily
 
     def used(*shares):
         return None, tuple(SimpleNamespace(worst=0, utilisation=np.array([share])) for share in shares)

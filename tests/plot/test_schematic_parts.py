@@ -6,7 +6,7 @@ import torsionnet as tn
 from torsionnet import plot
 from torsionnet.plot.drawing.pieces import Piece
 from torsionnet.plot.schematics.arrangement import arranged, page_width
-from torsionnet.plot.schematics.drawing_parts import cut_heights
+from torsionnet.plot.schematics.schematic import cut_heights
 from torsionnet.report import make_report
 
 MM = 25.4

@@ -19,12 +19,9 @@ from support.pictures import texts
 import torsionnet as tn
 from torsionnet import plot
 from torsionnet.base.errors import UsageError
-from torsionnet.plot.drawing.pieces import ROLES, is_math, text_width
-from torsionnet.plot.drawing.symbol_runs import X_HEIGHT, symbol_runs, symbols_width
-from torsionnet.plot.drawing.text_widths import font_widths
+from torsionnet.plot.drawing.pieces import ROLES, X_HEIGHT, font_widths, is_math, symbol_runs, symbols_width, text_width
 from torsionnet.plot.schematics import wiring
-from torsionnet.plot.schematics.svg_drawing import schematic_svg
-from torsionnet.plot.schematics.svg_groups import _id
+from torsionnet.plot.schematics.svg_drawing import _id, schematic_svg
 
 SVG = "{http://www.w3.org/2000/svg}"
 # Attributes that Content-Security-Policy `style-src 'self'` lets pass: presentation attributes, no style.
@@ -192,7 +189,7 @@ class TestWidths:
     def test_widths_are_those_of_matplotlib(self, role):
         from matplotlib.textpath import text_to_path
 
-        from torsionnet.plot.schematics.canvas import _font
+        from torsionnet.plot.schematics.schematic import _font
 
         for text in self.TEXTS:
             if text and not (is_math(text, role) and role == "node"):

@@ -95,14 +95,14 @@ def test_other_imports_are_allowed(tmp_path, name, source):
 @pytest.mark.parametrize(
     ("name", "source", "allowed"),
     [
-        ("linear/modes/natural_modes.py", "from torsionnet.linear.batch.variants import x", False),
+        ("linear/modes/natural_modes.py", "from torsionnet.linear.batch.batched_responses import x", False),
         ("linear/modes/natural_modes.py", "def f():\n    from torsionnet.linear.responses.grid import x", False),
         ("linear/modes/natural_modes.py", "from torsionnet.linear.dynamic_stiffness.tape import x", True),
         ("linear/modes/natural_modes.py", "from torsionnet.linear.modes.eigen import x", True),
-        ("linear/__init__.py", "from torsionnet.linear.batch.variants import x", True),
+        ("linear/__init__.py", "from torsionnet.linear.batch.batched_responses import x", True),
         ("plot/bode_plot.py", "from torsionnet.plot.study.axes import x", False),
-        ("plot/bode_plot.py", "from torsionnet.plot.schematics.texts import x", True),
-        ("plot/schematics/texts.py", "from torsionnet.plot.bode_plot import x", False),
+        ("plot/bode_plot.py", "from torsionnet.plot.schematics.taps import x", True),
+        ("plot/schematics/taps.py", "from torsionnet.plot.bode_plot import x", False),
         ("model/element_base/laws.py", "from torsionnet.model.elements.rigid import x", False),
         ("model/element_base/laws.py", "from torsionnet.model.checks.names import x", True),
     ],

@@ -86,7 +86,7 @@ def test_sample_is_seeded_spread_and_valid():
 
 
 def test_one_line_alone():
-    (module, line) = ("torsionnet/signals/harmonics.py", 44)
+    (module, line) = ("torsionnet/signals/order_tracking.py", 44)
     assert {(mutant.module, mutant.line) for mutant in sample([f"{module}:{line}"], 100, 1)} == {(module, line)}
 
 
@@ -110,8 +110,8 @@ def test_living_faults_are_counted_by_room():
 @pytest.mark.slow
 def test_trials_in_a_copy(tmp_path):
     """With the doctest of a small module, which never sees an empty array, and faults that no test reaches or in no time."""
-    module = "torsionnet/signals/timing.py"
-    test = f"{module}::torsionnet.signals.timing.gaps"
+    module = "torsionnet/signals/resampling.py"
+    test = f"{module}::torsionnet.signals.resampling.gaps"
     text = (ROOT / module).read_text(encoding="utf-8")
     faults = {mutant.old: mutant for mutant in mutants(module, text)}
     seen, unseen = faults["intervals > GAP_RATIO * np.median(intervals)"], faults["0"]

@@ -12,10 +12,10 @@ import scipy
 
 import torsionnet as tn
 from torsionnet.machinery.limits.iacs_m68 import IacsM68
-from torsionnet.machinery.limits.m68_stress import permissible, size_factor, usual_range
-from torsionnet.machinery.orders.cycle_extremes import cycle_extremes
-from torsionnet.study.answers.share_interval import counted_share
+from torsionnet.machinery.limits.m68_factors import permissible, size_factor, usual_range
+from torsionnet.machinery.orders.synthesis import cycle_extremes
 from torsionnet.study.answers.sobol_indices import sobol_estimates
+from torsionnet.study.answers.subset_sampling import counted_share
 
 THEORY = Path(__file__).parents[2] / "docs" / "theory"
 RPM = np.pi / 30
@@ -219,7 +219,7 @@ class TestMeasuredInputs:
 
 class TestOrders:
     def test_6_4_series_of_the_inertia_torque(self):
-        from torsionnet.machinery.excitations.slider_crank import inertia_harmonics
+        from torsionnet.machinery.excitations.pressure_trace import inertia_harmonics
 
         lam = 0.02  # small, so that what the series leaves out is below the tolerance
         series = [lam / 4 + lam**3 / 16, -0.5, -(3 * lam / 4 + 9 * lam**3 / 32), -(lam**2) / 4]

@@ -29,9 +29,8 @@ from torsionnet.report.document_tree import (
     TableBlock,
     TableGroup,
 )
-from torsionnet.report.writers.docx_math import omml
 from torsionnet.report.writers.docx_table import table_xml
-from torsionnet.report.writers.docx_text import FIGURE_SPACE, POINT_SPACE
+from torsionnet.report.writers.docx_text import FIGURE_SPACE, POINT_SPACE, omml
 
 docx = pytest.importorskip("docx")
 from torsionnet.report.writers.docx import docx_bytes  # noqa: E402
@@ -227,7 +226,7 @@ class TestFile:
         assert lines[1:] == [["Prepared", "", "", ""], ["Checked", "", "", ""], ["Approved", "", "", ""]]
 
     def test_words_language_and_logo_of_a_template(self, tmp_path):
-        from torsionnet.plot.drawing.rendering import figure_bytes
+        from torsionnet.plot.drawing.save import figure_bytes
 
         (tmp_path / "words.yaml").write_text("language: de\ntexts: {Table: Tabelle, Contents: Inhalt, Name: Wer}\n")
         (tmp_path / "logo.png").write_bytes(figure_bytes(picture().figure, "png"))

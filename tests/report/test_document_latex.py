@@ -14,7 +14,7 @@ from torsionnet.report import make_report
 from torsionnet.report.document_tree import Details, Heading, Math, NumberText, Paragraph, Report, Section, TableBlock
 from torsionnet.report.report_tables import merge_equal_rows, table
 from torsionnet.report.writers.html import html_page
-from torsionnet.report.writers.latex import latex_document
+from torsionnet.report.writers.latex import latex_document, lines_needed, table_latex
 from torsionnet.report.writers.latex_columns import (
     GAP_LETTERS,
     PAGE_LETTERS,
@@ -22,8 +22,6 @@ from torsionnet.report.writers.latex_columns import (
     natural_width,
     table_pieces,
 )
-from torsionnet.report.writers.latex_space import lines_needed
-from torsionnet.report.writers.latex_table import table_latex
 
 needs_latex = pytest.mark.skipif(
     shutil.which("pdflatex") is None or shutil.which("pdftotext") is None, reason="pdflatex is not installed"

@@ -16,11 +16,12 @@ import torsionnet as tn
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import Facts, Heading, Math, NumberText, Report, Section
 from torsionnet.report.report_tables import table
-from torsionnet.report.writers import markdown, mathml, pdf
+from torsionnet.report.writers import html_text as mathml
+from torsionnet.report.writers import markdown, pdf
 from torsionnet.report.writers import pdf as browser
 from torsionnet.report.writers.html import html_page
+from torsionnet.report.writers.latex import escaped as latex_escaped
 from torsionnet.report.writers.latex import latex_document
-from torsionnet.report.writers.latex_text import escaped as latex_escaped
 
 HOSTILE = '<b>A & "B"</b> $x_1$ 100% #~^\\{} <script>alert(1)</script> 中 Ω `c` *d* | é'
 DATE = "2025-03-31"
@@ -333,7 +334,7 @@ def _runs(lines):
 
 @pytest.mark.slow
 def test_names_in_svg_are_unique_and_all_used():
-    from torsionnet.plot.drawing.rendering import inline_svg
+    from torsionnet.plot.drawing.save import inline_svg
 
     rig = tn.load("dmf_rig")
     figure = tn.plot.bode(rig.frequency_response("theta_1", "T_T", np.linspace(1, 20, 30)))

@@ -27,7 +27,7 @@ from torsionnet.linear.frequency_response import Channel, FrequencyResponse
 from torsionnet.linear.phase import unwrapped_phase
 from torsionnet.plot.drawing.labels import quantity, symbol
 from torsionnet.plot.drawing.pieces import ROLES
-from torsionnet.plot.schematics.stations import idle_nodes, node_axis
+from torsionnet.plot.schematics.line_routes import idle_nodes, node_axis
 
 DEGREES = tn.Conventions(angle="deg", frequency="cpm")
 FREQUENCIES = np.geomspace(0.3, 40, 60)

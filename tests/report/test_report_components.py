@@ -9,7 +9,7 @@ import yaml
 from support.report_blocks import blocks, of, rows
 
 import torsionnet as tn
-from torsionnet.machinery.limits.heat_balance import steady_temperature
+from torsionnet.machinery.limits.coupling import steady_temperature
 from torsionnet.machinery.limits.shaft_limit import RoundSection
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import Listing, Paragraph, TableBlock

@@ -8,8 +8,8 @@ from support.report_blocks import blocks, of, rows
 from support.written_models import SHIP_SHAFTING
 
 import torsionnet as tn
-from torsionnet.machinery.excitations.cylinder_harmonics import lost_harmonics
-from torsionnet.machinery.phasors.order_vectors import vector_sums
+from torsionnet.machinery.excitations.reciprocating_engine import lost_harmonics
+from torsionnet.machinery.phasors.vector_sums import vector_sums
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import Listing, Paragraph, TableBlock
 

@@ -8,8 +8,7 @@ import pytest
 from support.report_blocks import blocks, of, rows
 
 import torsionnet as tn
-from torsionnet.machinery.verdicts.governing_peaks import governing_peaks, line_name
-from torsionnet.machinery.verdicts.order_peaks import LEAST_SHARE, order_peaks, order_shares
+from torsionnet.machinery.verdicts.order_peaks import LEAST_SHARE, governing_peaks, line_name, order_peaks, order_shares
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import Paragraph, Picture, TableBlock
 from torsionnet.report.free_end import free_end
@@ -216,7 +215,7 @@ class TestAxes:
         [("N*m", 9999.0, "N·m"), ("N*m", 1e4, "kN·m"), ("N*m", 1e7, "MN·m"), ("Pa", 3e7, "N/mm²")],
     )
     def test_unit_of_an_axis(self, unit, largest, expected):
-        from torsionnet.plot.drawing.torque_units import axis_unit
+        from torsionnet.plot.drawing.labels import axis_unit
 
         assert axis_unit(unit, largest)[1] == expected
 

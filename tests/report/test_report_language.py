@@ -9,8 +9,8 @@ from support.written_models import FAN
 
 import torsionnet as tn
 from torsionnet.report import make_report
-from torsionnet.report.languages import words_of
 from torsionnet.report.plan import LANGUAGES
+from torsionnet.report.template_reading import words_of
 from torsionnet.report.wording import Words, replaceable_texts
 from torsionnet.report.writers.html import html_page
 

@@ -5,8 +5,8 @@ import pytest
 from support.report_blocks import of, rows, words
 
 import torsionnet as tn
-from torsionnet.machinery.holzer.counted_frequencies import natural_frequencies
-from torsionnet.machinery.holzer.vibration_nodes import vibration_nodes
+from torsionnet.machinery.holzer.counted_vibration import natural_frequencies
+from torsionnet.machinery.holzer.holzer_table import vibration_nodes
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import Paragraph, Picture, TableBlock
 from torsionnet.report.report_data import ReportData, cases_of
@@ -102,7 +102,7 @@ def test_numbers_are_those_of_every_other_table():
 
 
 def test_picture_marks_each_node_once():
-    from torsionnet.plot.relative_amplitudes import relative_amplitudes
+    from torsionnet.plot.shapes import relative_amplitudes
 
     tables = [line().holzer_table(mode) for mode in (1, 2)]
     for panel, count in zip(relative_amplitudes(tables).axes, (1, 2), strict=True):
@@ -114,7 +114,7 @@ def test_picture_marks_each_node_once():
 
 def test_a_branch_stands_a_little_apart_from_the_line_before():
     """Masses of a line are one step from each other, and the first of a branch BRANCH_STEP from the last before it."""
-    from torsionnet.plot.relative_amplitudes import BRANCH_STEP, relative_amplitudes
+    from torsionnet.plot.shapes import BRANCH_STEP, relative_amplitudes
 
     masses = [tn.Inertia(name, node=name, inertia=1) for name in "abcdef"]
     shafts = [tn.Spring("_".join(pair), nodes=tuple(pair), stiffness=1e4) for pair in ("ab", "bc", "cd", "be", "ef")]

@@ -8,7 +8,7 @@ import pytest
 import torsionnet as tn
 from torsionnet.base.units import RPM
 from torsionnet.machinery.verdicts.operating_instructions import operating_instructions, passed_ranges
-from torsionnet.machinery.verdicts.ranges_passed import range_passages
+from torsionnet.machinery.verdicts.range_passage import range_passages
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import Paragraph, Picture, TableBlock, inlines
 from torsionnet.report.plan import ReportPlan

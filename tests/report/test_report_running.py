@@ -87,7 +87,7 @@ def test_orders_without_excitations_are_told():
 @pytest.mark.slow
 def test_the_largest_crossings_are_those_of_any_condition():
     """Order 0.5 cancels in normal firing; with a misfire it is the largest of the first mode."""
-    from torsionnet.report.sections.critical_speeds import MOST_ROWS, _largest
+    from torsionnet.report.sections.resonances import MOST_ROWS, _largest
 
     # The propeller's damping of full power at all speeds: one set of modes instead of one for each crossing.
     ship = tn.load("marine_medium_speed").configured(Q_prop="188.7 kN*m", n_prop="151.8 rpm")

@@ -14,8 +14,7 @@ from support.models import EVERY_ELEMENT
 
 import torsionnet as tn
 from torsionnet.base.phrases import PLACEHOLDER, joined, phrase
-from torsionnet.model.element_base.sheared_shapes import RUBBER_SHAPES, FilmGap
-from torsionnet.model.element_base.viscoelastic import Viscoelastic
+from torsionnet.model.element_base.viscoelastic import RUBBER_SHAPES, FilmGap, Viscoelastic
 from torsionnet.model.elements import ELEMENT_TYPES
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import (

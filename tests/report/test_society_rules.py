@@ -10,7 +10,7 @@ from support.limit_cases import hump, m68, stressed
 
 import torsionnet as tn
 from torsionnet.machinery.checks.limit_checks import unfit_limits
-from torsionnet.machinery.limits.generating_set_shaft import GeneratingSetShaft
+from torsionnet.machinery.limits.class_rule_shaft import GeneratingSetShaft
 from torsionnet.machinery.limits.society_rules import NOT_AT_HAND, SHAFT_SOCIETIES, SOCIETIES
 from torsionnet.machinery.verdicts.shaft_margins import shaft_margins
 from torsionnet.report import make_report
@@ -18,9 +18,9 @@ from torsionnet.report.document_tree import Heading, Math, TableBlock, TableGrou
 from torsionnet.report.plan import SECTIONS, ReportPlan
 from torsionnet.report.report_data import ReportData, cases_of
 from torsionnet.report.report_request import ReportRequest
-from torsionnet.report.sections.separation_margins import separation_margins
-from torsionnet.report.sections.society_form import society_form
-from torsionnet.report.society_words import in_society_words
+from torsionnet.report.rewording import in_society_words
+from torsionnet.report.sections.conditions import society_form
+from torsionnet.report.sections.resonances import separation_margins
 
 RPM = np.arange(20.0, 104.01, 0.5)
 

@@ -11,8 +11,7 @@ from support.report_blocks import blocks, of, rows
 
 import torsionnet as tn
 from torsionnet.io.tracked_order_tables import read_tracked_orders, write_tracked_orders
-from torsionnet.machinery.orders.swept_comparison import swept_comparison
-from torsionnet.machinery.orders.swept_orders import swept_orders
+from torsionnet.machinery.orders.calculated_order import swept_comparison, swept_orders
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import TableBlock
 from torsionnet.report.writers.markdown import markdown_text

@@ -189,7 +189,7 @@ def test_command_shows_section_after_section(monkeypatch, tmp_path):
     words = ("report", "dmf_rig", "--section", "modes", "--section", "validity", "-o", "r.md")
     quiet = run(*words)
     assert quiet.stderr == "wrote: r.md\n"
-    monkeypatch.setattr("torsionnet.app.cli.progress.stages", stages)
+    monkeypatch.setattr("torsionnet.app.cli.terminal.stages", stages)
     run(*words)
     assert told == [
         ("reading", 0, None, "reading the model"),

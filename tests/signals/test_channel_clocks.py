@@ -71,7 +71,7 @@ class TestTdms:
         assert np.array_equal(np.concatenate([block["w"].values for block in blocks]), found["w"].values)
 
     def test_a_large_file_tells_its_notes_once(self, written, monkeypatch):
-        from torsionnet.signals.records import large_records
+        from torsionnet.signals.records import recording_files as large_records
 
         path = written(("T", torque(TIMES), self.wave("N*m")), ("w", speed(TIMES + 0.25), self.wave("rad/s", 0.25)))
         monkeypatch.setattr(large_records, "LARGE_FILE", 1000)

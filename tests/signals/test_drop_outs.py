@@ -7,7 +7,7 @@ import pytest
 
 from torsionnet.signals import CycleAverage, VoldKalman, mean_rotation, track_orders
 from torsionnet.signals.orders.cycle_average import averaged_blocks
-from torsionnet.signals.orders.drop_outs import drop_outs
+from torsionnet.signals.orders.record_window import drop_outs
 from torsionnet.signals.recording import Recording, Signal
 
 RATE, SPEED, MEAN, PEAK = 2000.0, 60.0, -400.0, 50.0

@@ -14,11 +14,10 @@ from torsionnet.base.errors import UsageError
 from torsionnet.linear.frequency_response import Channel, FrequencyResponse
 from torsionnet.signals.advice import half_power_bandwidth, peak_warnings, resolution_limit, significant_peaks
 from torsionnet.signals.comparison import difference, frac
-from torsionnet.signals.estimators import estimate, multiple_coherence
-from torsionnet.signals.record_blocks import blocks_in_order
+from torsionnet.signals.decimation import blocks_in_order
+from torsionnet.signals.estimators import Step, estimate, full_record, multiple_coherence, stepped_sine
 from torsionnet.signals.recording import Recording, Signal
 from torsionnet.signals.spectra import cross_spectra
-from torsionnet.signals.unaveraged_estimates import Step, full_record, stepped_sine
 from torsionnet.signals.uncertainty import random_error, random_errors
 from torsionnet.signals.welch import PAPER, Welch, effective_averages
 
@@ -413,7 +412,7 @@ class TestRemarks:
     def test_records_of_too_many_values_are_not_kept(self, monkeypatch):
         record = recorded(T=white(2000), t=white(2000, 1))
         assert len(estimate(record, "t", "T").estimation.record) == 2000
-        monkeypatch.setattr("torsionnet.signals.averaging_data.MOST_KEPT_VALUES", 3999)
+        monkeypatch.setattr("torsionnet.signals.uncertainty.MOST_KEPT_VALUES", 3999)
         assert estimate(record, "t", "T").estimation.record is None
 
     def test_low_coherence_at_a_peak(self):

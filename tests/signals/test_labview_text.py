@@ -7,7 +7,7 @@ import pytest
 from support.command_line import run
 
 from torsionnet.base.errors import ModelError, UsageError
-from torsionnet.signals.record_blocks import blocks_in_order
+from torsionnet.signals.decimation import blocks_in_order
 from torsionnet.signals.records.recording_files import iter_blocks, read_recording, write_recording
 
 FILE = (

@@ -11,12 +11,10 @@ from torsionnet import plot
 from torsionnet.base.errors import UsageError
 from torsionnet.signals.calculus import convert, differentiate, integrate
 from torsionnet.signals.decimation import anti_alias_taps, decimate, decimated, usable_up_to
-from torsionnet.signals.detrending import detrend
-from torsionnet.signals.harmonics import sweep_harmonics
-from torsionnet.signals.order_tracking import order_map
+from torsionnet.signals.order_tracking import order_map, sweep_harmonics
 from torsionnet.signals.recording import QUANTITY_UNITS, Recording, Signal
 from torsionnet.signals.spectrograms import spectrogram
-from torsionnet.signals.welch import Welch
+from torsionnet.signals.welch import Welch, detrend
 
 
 def recorded(values, rate, quantity="torque", start=0.0):

@@ -9,9 +9,8 @@ from support.foreign_files import EXTRAS
 
 from torsionnet.base.errors import ModelError, UsageError
 from torsionnet.signals import Recording, Signal, iter_blocks, read_recording, write_recording
-from torsionnet.signals.rotation.counter import lowest_speed, pulse_channel
+from torsionnet.signals.rotation.counter import PulseReading, lowest_speed, pulse_channel
 from torsionnet.signals.rotation.pulse_channel import PulseChannel
-from torsionnet.signals.rotation.pulse_reading import PulseReading
 
 RPM = np.pi / 30
 TORQUE = {"T": "torque"}

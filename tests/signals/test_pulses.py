@@ -20,7 +20,7 @@ from torsionnet.signals import (
     write_recording,
 )
 from torsionnet.signals.bandlimited import Rotation
-from torsionnet.signals.pulse_train import pulse_times
+from torsionnet.signals.encoder import pulse_times
 
 LINES, SPEED, RATE = 60, 50 * np.pi, 20_000.0  # 25 turns a second
 SMALL = np.radians(0.1)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from torsionnet.base.delimited.headings import plain_unit
+from torsionnet.base.delimited.dialect import plain_unit
 from torsionnet.base.errors import ModelError
 from torsionnet.base.units import parse_unit
 from torsionnet.signals.records.recording_files import iter_blocks, read_recording

@@ -12,10 +12,10 @@ from torsionnet.linear.dynamic_stiffness.many_digits import ManyDigits, _quotien
 from torsionnet.linear.dynamic_stiffness.transfer_request import resolve_request
 from torsionnet.linear.frequency_response import Channel, FrequencyResponse
 from torsionnet.signals import Recording, Signal, Welch, angle_from_counts, angle_from_pulses, estimate
-from torsionnet.signals.agreement import agreement
-from torsionnet.signals.detrending import without_trend
+from torsionnet.signals.comparison import agreement
 from torsionnet.signals.excitation import SteppedSine
-from torsionnet.signals.timing import gaps
+from torsionnet.signals.resampling import gaps
+from torsionnet.signals.welch import without_trend
 
 
 def rotor(*elements):

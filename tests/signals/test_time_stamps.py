@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from support.command_line import run
 
-from torsionnet.base.delimited.time_stamps import StampReader
+from torsionnet.base.delimited.number_rows import StampReader
 from torsionnet.base.errors import ModelError
 from torsionnet.base.notes import warning
+from torsionnet.signals.records.clock import rounded_grid
 from torsionnet.signals.records.recording_files import iter_blocks, read_recording
-from torsionnet.signals.records.rounded_times import rounded_grid
-from torsionnet.signals.timing import gaps, jitter
+from torsionnet.signals.resampling import gaps, jitter
 
 COUNT = 3000
 BEGIN = datetime.fromisoformat("2024-05-03T10:12:13.001")

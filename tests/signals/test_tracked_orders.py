@@ -541,7 +541,7 @@ from pathlib import Path
 import numpy as np
 from torsionnet.signals.recording import Recording, Signal
 from torsionnet.signals import PulseChannel, mean_rotation
-from torsionnet.signals.orders.orders_of_test import orders_of_test
+from torsionnet.signals.orders.track_orders import orders_of_test
 from torsionnet.signals.rotation.rotations_of_wheels import rotations_of_wheels
 from torsionnet.signals.rotation.wheel_channel import WheelChannel
 speed, rate, hour = 50 * np.pi, 10e3, int(sys.argv[1])

@@ -6,7 +6,7 @@ from support.known_rotation import pulse_times, shaft
 
 from torsionnet.base.errors import UsageError
 from torsionnet.signals.rotation.pulse_channel import PulseChannel
-from torsionnet.signals.rotation.unequal_wheels import phase_between, tooth_by_difference
+from torsionnet.signals.rotation.rotations_of_wheels import phase_between, tooth_by_difference
 from torsionnet.signals.rotation.wheel import Wheel
 from torsionnet.signals.rotation.wheel_rotation import wheel_rotation
 

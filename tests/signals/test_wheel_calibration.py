@@ -9,9 +9,8 @@ from torsionnet.base.errors import UsageError
 from torsionnet.identification.wheel_orders import calculated_wheel_orders
 from torsionnet.signals.rotation.pitch_order import pickup_gains
 from torsionnet.signals.rotation.pulse_channel import PulseChannel
-from torsionnet.signals.rotation.wheel import Wheel
+from torsionnet.signals.rotation.wheel import Wheel, WheelPattern
 from torsionnet.signals.rotation.wheel_calibration import WheelTest, calibrate_wheel
-from torsionnet.signals.rotation.wheel_pattern import WheelPattern
 
 RPM = np.pi / 30
 DEGREE = np.pi / 180

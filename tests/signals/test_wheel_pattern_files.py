@@ -13,7 +13,7 @@ from torsionnet.base.errors import ModelError
 from torsionnet.io import read_wheel_pattern, write_recording, write_wheel_pattern
 from torsionnet.signals.recording import Recording, Signal
 from torsionnet.signals.rotation.pulse_channel import PulseChannel
-from torsionnet.signals.rotation.wheel_pattern import WheelPattern
+from torsionnet.signals.rotation.wheel import WheelPattern
 
 
 def test_what_is_written_is_read_again(tmp_path):

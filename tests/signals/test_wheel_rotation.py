@@ -9,9 +9,8 @@ from support.known_rotation import order_of, pulse_times, shaft
 
 from torsionnet.base.errors import UsageError
 from torsionnet.signals.rotation.pulse_channel import PulseChannel
-from torsionnet.signals.rotation.wheel import Wheel
+from torsionnet.signals.rotation.wheel import Wheel, WheelPattern
 from torsionnet.signals.rotation.wheel_channel import WheelChannel
-from torsionnet.signals.rotation.wheel_pattern import WheelPattern
 from torsionnet.signals.rotation.wheel_rotation import wheel_rotation
 
 RPM = 2 * np.pi / 60

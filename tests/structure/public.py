@@ -98,7 +98,7 @@ def changed_fields(stored: list[str], now: set[str]) -> Iterator[Fault]:
 
 def output_fields() -> set[str]:
     """Places of all fields that commands print with --json."""
-    from torsionnet.app.cli.output_schema import OUTPUTS, output_schema
+    from torsionnet.app.cli.output import OUTPUTS, output_schema
 
     return {field for command in OUTPUTS for field in schema_fields(output_schema(command), command)}
 

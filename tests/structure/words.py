@@ -13,17 +13,17 @@ from structure.rules import Fault
 TEXTS = "torsionnet/report/texts.yaml"
 NOT_REPLACED = {
     ("measurement_plan", " over speed with its limits and measured half ranges"),
-    ("comparison", "Hz"), ("modes", "Hz"), ("responses", "Hz"), ("summary", "Hz"), ("formulas", "--tf "),
+    ("responses", "Hz"), ("modes", "Hz"), ("responses", "Hz"), ("conclusion", "Hz"), ("formulas", "--tf "),
     # for those who cannot see the figure
-    ("comparison", "Test over model of "), ("modes", "Mode shapes of "), ("responses", "Bode plot of "),
-    ("schematic", " elements between the nodes "), ("schematic", "Schematic of "),
+    ("responses", "Test over model of "), ("modes", "Mode shapes of "), ("responses", "Bode plot of "),
+    ("elements", " elements between the nodes "), ("elements", "Schematic of "),
     # joined to what the author or another part of the program wrote
     ("elements", " frequencies, "), ("elements", " rows, "), ("elements", " rows of "), ("elements", "; … and "), ("elements", "table of "),
     ("natural_frequencies", "in "),
-    ("mass_elastic", "Without "), ("mass_elastic", "of "), ("separation_margins", " x "), ("separation_margins", "Hz"), ("kinematics", "input "), ("modes", "spread over many, at most "), ("modes", "\xa0% in "),
-    ("parameters", "; changed for this report"),
-    ("critical_speeds", " modes, "), ("critical_speeds", " crossings"), ("limits", " over speed with its limits"),
-    ("orders", "Orders of "), ("orders", "Half range of "), ("excitations", "Hz"),
+    ("installation", "Without "), ("installation", "of "), ("resonances", " x "), ("resonances", "Hz"), ("equations", "input "), ("modes", "spread over many, at most "), ("modes", "\xa0% in "),
+    ("elements", "; changed for this report"),
+    ("resonances", " modes, "), ("resonances", " crossings"), ("limits", " over speed with its limits"),
+    ("forced_response", "Orders of "), ("forced_response", "Half range of "), ("excitations", "Hz"),
     ("excitations", " bar "),
 }  # fmt: skip
 """Strings that look like a text of a report and cannot be replaced; the page about templates says so."""

@@ -8,9 +8,9 @@ from support import campaigns
 from torsionnet.base.errors import SolveError, UsageError
 from torsionnet.study.answers.map_answer import parameter_map
 from torsionnet.study.answers.scatter_answer import rank_correlations
-from torsionnet.study.answers.share_interval import counted_share
+from torsionnet.study.answers.subset_sampling import counted_share
 from torsionnet.study.answers.tornado_answer import one_at_a_time
-from torsionnet.study.answers.worst_case_search import largest
+from torsionnet.study.answers.worst_case_answer import largest
 
 
 @pytest.mark.parametrize(("hits", "count"), [(0, 50), (1, 1000), (31, 1000), (500, 1000), (1000, 1000)])
@@ -80,7 +80,7 @@ def test_random_points_find_none_worse():
 
 def test_a_random_point_that_is_better_is_followed(monkeypatch):
     """A search that looks nowhere else still ends at what random points found."""
-    monkeypatch.setattr("torsionnet.study.answers.worst_case_search.GENERATIONS", 1)
+    monkeypatch.setattr("torsionnet.study.answers.worst_case_answer.GENERATIONS", 1)
     found = largest(rippled, 2, seed=2)
     assert found.value == pytest.approx(0, abs=1e-6)
 

@@ -7,7 +7,7 @@ import pytest
 import torsionnet as tn
 from torsionnet.base.errors import ModelError, UsageError
 from torsionnet.study import define
-from torsionnet.study.quantities.user_function import function
+from torsionnet.study.quantities.expression import function
 
 GOOD = """\
 torsionnet: 1

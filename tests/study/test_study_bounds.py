@@ -7,16 +7,17 @@ import numpy as np
 import pytest
 from support.study_runs import small_chunks, small_study
 
-from torsionnet.study.quantities import counted_remarks, variant_block
+from torsionnet.study.quantities import variant_block
+from torsionnet.study.quantities import variant_block as counted_remarks
 from torsionnet.study.quantities.evaluator import Evaluator
 from torsionnet.study.quantities.natural_frequency import NaturalFrequency
-from torsionnet.study.reductions import histogram
-from torsionnet.study.reductions.histogram import GrowingHistogram, Histogram
-from torsionnet.study.run import reducing, workload
+from torsionnet.study.reductions import summaries as histogram
+from torsionnet.study.reductions.summaries import GrowingHistogram, Histogram
+from torsionnet.study.run import calculating as reducing
+from torsionnet.study.run import run_chunks as workload
 from torsionnet.study.run.chunk_values import ChunkValues
-from torsionnet.study.run.executor import SerialExecutor
-from torsionnet.study.run.run_chunks import run_study
-from torsionnet.study.run.workload import Workload
+from torsionnet.study.run.process_pool import SerialExecutor
+from torsionnet.study.run.run_chunks import Workload, run_study
 
 
 @pytest.fixture

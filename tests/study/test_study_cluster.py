@@ -21,8 +21,9 @@ from support.cluster_work import DeadlyWork, FailingWork, NoiseWork, Prepared, n
 from support.patience import PATIENCE, wait_for
 
 from torsionnet.base.errors import MissingExtraError, ModelError, UsageError
-from torsionnet.study.run.cluster import chunk_task, cluster_losses, dask_executor
-from torsionnet.study.run.cluster.cluster_losses import ClusterError
+from torsionnet.study.run.cluster import chunk_task, dask_executor
+from torsionnet.study.run.cluster import chunk_task as cluster_losses
+from torsionnet.study.run.cluster.chunk_task import ClusterError
 from torsionnet.study.run.cluster.connecting import connected
 from torsionnet.study.run.cluster.dask_executor import TASKS_AHEAD, DaskExecutor, check_folder, folder_fault
 
@@ -493,7 +494,7 @@ def test_answers_on_a_cluster(local, study_folder, monkeypatch):
 
     from torsionnet.study.quantities.evaluator import Evaluator
     from torsionnet.study.run import shared_blocks
-    from torsionnet.study.run.workers import Workers
+    from torsionnet.study.run.answering import Workers
 
     @contextmanager
     def these(_):

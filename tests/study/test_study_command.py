@@ -11,8 +11,7 @@ from support.study_runs import small_study
 import torsionnet as tn
 from torsionnet.app.cli.app import app
 from torsionnet.base.errors import MissingExtraError, UsageError
-from torsionnet.study.run.run_chunks import run_study
-from torsionnet.study.run.workload import Workload, shown_time
+from torsionnet.study.run.run_chunks import Workload, run_study, shown_time
 
 PLAN = """\
 torsionnet: 1

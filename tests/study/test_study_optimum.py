@@ -10,9 +10,8 @@ import torsionnet as tn
 from torsionnet.machinery.design.damper_optimum import DesignParameter
 from torsionnet.study.design.design_goals import DesignGoals, DesignObjective, DesignTarget
 from torsionnet.study.design.design_problem import DesignProblem
-from torsionnet.study.design.global_search import evolve, initial_places
-from torsionnet.study.design.optimise import optimise
-from torsionnet.study.quantities.quantity_limit import QuantityLimit
+from torsionnet.study.design.optimise import evolve, initial_places, optimise
+from torsionnet.study.quantities.quantity import QuantityLimit
 
 J_END = 0.5
 

@@ -9,11 +9,10 @@ import scipy
 import torsionnet as tn
 from torsionnet import plot
 from torsionnet.linear.sensitivity.parametric import parametric_response
-from torsionnet.machinery.design.levels import ReceptanceLevels
-from torsionnet.machinery.design.worst_levels import WorstLevels
-from torsionnet.study.design.conditions_damper import damper_over_conditions
+from torsionnet.machinery.design.levels import ReceptanceLevels, WorstLevels
+from torsionnet.study.design.best_damper import damper_over_conditions
 from torsionnet.study.design.design_quantities import ExactSlopes
-from torsionnet.study.design.local_search import polish
+from torsionnet.study.design.optimise import polish
 from torsionnet.study.quantities.evaluator import Evaluator
 from torsionnet.study.quantities.natural_frequency import DampingRatio, NaturalFrequency
 from torsionnet.study.quantities.response import ResponseQuantity

@@ -11,7 +11,7 @@ from torsionnet.machinery.design.damper_optimum import DesignParameter
 from torsionnet.study.design.design_goals import DesignGoals, DesignObjective
 from torsionnet.study.design.design_problem import DesignProblem
 from torsionnet.study.design.pareto import pareto_front
-from torsionnet.study.quantities.quantity_limit import QuantityLimit
+from torsionnet.study.quantities.quantity import QuantityLimit
 
 
 def parameters(count, low=-1.0, high=4.0, start=3.5):

@@ -10,16 +10,19 @@ import torsionnet as tn
 from torsionnet.machinery.design.damper_optimum import DesignParameter
 from torsionnet.study.design.design_goals import DesignGoals, DesignObjective, DesignTarget
 from torsionnet.study.design.design_problem import DesignProblem
-from torsionnet.study.design.design_tolerances import DesignTolerance, DesignTolerances
-from torsionnet.study.design.robust_design import robust_optimum
-from torsionnet.study.design.robust_optimum import SpaceTolerances
-from torsionnet.study.design.robust_problem import MeanAndDeviation, Rejects, SamplePercentile
-from torsionnet.study.quantities.quantity_limit import QuantityLimit
+from torsionnet.study.design.robust_optimum import SpaceTolerances, robust_optimum
+from torsionnet.study.design.robust_problem import (
+    DesignTolerance,
+    DesignTolerances,
+    MeanAndDeviation,
+    Rejects,
+    SamplePercentile,
+)
+from torsionnet.study.quantities.quantity import QuantityLimit
 from torsionnet.study.space.correlation import Correlation
 from torsionnet.study.space.space import Space
-from torsionnet.study.space.variations.list_of_values import ListOfValues
 from torsionnet.study.space.variations.normal import Normal
-from torsionnet.study.space.variations.uniform import Uniform
+from torsionnet.study.space.variations.uniform import ListOfValues, Uniform
 
 SIGMA = 0.1
 SCATTER = DesignTolerances((DesignTolerance("x", SIGMA, relative=False),))

@@ -7,13 +7,11 @@ import torsionnet as tn
 from torsionnet import plot
 from torsionnet.base.units import RPM
 from torsionnet.study import define, run_study
-from torsionnet.study.answers.draws_beyond import limited_values
 from torsionnet.study.answers.map_answer import MapResult, ParameterMap
-from torsionnet.study.answers.parallel_coordinates_answer import ParallelCoordinatesResult
 from torsionnet.study.answers.percentile_bands_answer import PercentileBandsResult
-from torsionnet.study.answers.yield_answer import YieldResult
-from torsionnet.study.quantities.quantity import QuantityForm
-from torsionnet.study.quantities.quantity_limit import QuantityLimit
+from torsionnet.study.answers.scatter_answer import ParallelCoordinatesResult
+from torsionnet.study.answers.yield_answer import YieldResult, limited_values
+from torsionnet.study.quantities.quantity import QuantityForm, QuantityLimit
 from torsionnet.study.shown_units import IN_SI, ShownUnits, shown_units
 
 X = np.geomspace(10.0, 1000.0, 5)

@@ -23,9 +23,9 @@ from support.study_blocks import (
 )
 
 import torsionnet as tn
-from torsionnet.base.collected_warnings import collected_warnings
+from torsionnet.base.equal_remarks import collected_warnings
 from torsionnet.base.errors import ModelError, TorsionnetWarning
-from torsionnet.study.quantities.peak_search import band_grid, largest
+from torsionnet.study.quantities.peak import band_grid, largest
 from torsionnet.study.quantities.quantity import QUANTITIES
 from torsionnet.study.quantities.variant_block import VariantBlock
 

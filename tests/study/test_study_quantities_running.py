@@ -10,11 +10,10 @@ from support.study_blocks import THREE, columns, dmf_rig, ship, ship_at_three_sp
 import torsionnet as tn
 from torsionnet.base.entries.declared import files_beside
 from torsionnet.base.errors import ModelError, UsageError
-from torsionnet.study.quantities.counted_remarks import MOST_REMARKS, OTHERS
 from torsionnet.study.quantities.evaluator import Evaluator
+from torsionnet.study.quantities.expression import function
 from torsionnet.study.quantities.quantity import QUANTITIES, QuantityForm
-from torsionnet.study.quantities.user_function import function
-from torsionnet.study.quantities.variant_block import VariantBlock
+from torsionnet.study.quantities.variant_block import MOST_REMARKS, OTHERS, VariantBlock
 
 
 @pytest.fixture

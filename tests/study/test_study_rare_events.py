@@ -8,8 +8,7 @@ import scipy
 from support import campaigns
 
 from torsionnet.base.errors import UsageError
-from torsionnet.study.answers.design_points import design_points
-from torsionnet.study.answers.importance_sampling import _centres, importance_sampling
+from torsionnet.study.answers.importance_sampling import _centres, design_points, importance_sampling
 from torsionnet.study.answers.subset_sampling import subset_levels, subset_sampling
 
 BETA = 4.753424308822899

@@ -5,9 +5,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from torsionnet.study.reductions import histogram
-from torsionnet.study.reductions.histogram import ACCURACY, Histogram
-from torsionnet.study.reductions.moments import Moments
+from torsionnet.study.reductions import summaries as histogram
+from torsionnet.study.reductions.summaries import ACCURACY, Histogram, Moments
 
 SHARES = [0.1, 2.5, 25, 50, 75, 97.5, 99.9]
 

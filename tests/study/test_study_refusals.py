@@ -11,17 +11,15 @@ from support.study_runs import contents, small_study
 import torsionnet as tn
 from torsionnet.app.cli.app import app
 from torsionnet.base.errors import MissingExtraError, SolveError, UsageError
-from torsionnet.study.answers.answer import ANSWERS
-from torsionnet.study.answers.answer_inputs import LIMIT, PARAMETER, QUANTITY, unknown_names
+from torsionnet.study.answers.answer import ANSWERS, LIMIT, PARAMETER, QUANTITY, unknown_names
+from torsionnet.study.examined_study import quantity_model_faults
+from torsionnet.study.quantities.expression import function
 from torsionnet.study.quantities.quantity import QUANTITIES
-from torsionnet.study.quantities.user_function import function
 from torsionnet.study.run import study_folder
-from torsionnet.study.run.answering import answer_study
+from torsionnet.study.run.answering import Workers, answer_study
 from torsionnet.study.run.run_chunks import run_study
-from torsionnet.study.run.workers import Workers
 from torsionnet.study.space.samples import Samples
 from torsionnet.study.space.variations.variation import VARIATIONS
-from torsionnet.study.study_fit import quantity_model_faults
 
 PLAN = """\
 torsionnet: 1
@@ -191,7 +189,7 @@ def test_a_numba_that_refuses_this_numpy_is_done_without(monkeypatch):
 @pytest.mark.parametrize("processes", [61, 62])
 def test_windows_waits_for_61_processes_at_most(monkeypatch, processes):
     assert Workers(62).processes == 62
-    monkeypatch.setattr("torsionnet.study.run.workers.os", SimpleNamespace(name="nt"))
+    monkeypatch.setattr("torsionnet.study.run.answering.os", SimpleNamespace(name="nt"))
     if processes == 61:
         assert Workers(processes).processes == 61
     else:

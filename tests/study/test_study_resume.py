@@ -16,10 +16,13 @@ from support.patience import PATIENCE, wait_for
 from support.study_runs import CHUNK, VARIANTS, contents, deadly, deaf, processes_of_session, small_study, started
 
 from torsionnet.base.errors import SolveError, TorsionnetWarning, UsageError
-from torsionnet.study.run import calculating, folder_lock, study_record, workload
-from torsionnet.study.run.folder_lock import LOCK, locked
+from torsionnet.study.run import calculating
+from torsionnet.study.run import run_chunks as workload
+from torsionnet.study.run import study_folder as folder_lock
+from torsionnet.study.run import study_folder as study_record
 from torsionnet.study.run.process_pool import MOST_DEATHS, ProcessExecutor
 from torsionnet.study.run.run_chunks import run_study
+from torsionnet.study.run.study_folder import LOCK, locked
 
 CHUNKS = 2 * VARIANTS // CHUNK
 

@@ -12,20 +12,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import torsionnet as tn
-import torsionnet.study.space.sampling_points as sampling_points
+import torsionnet.study.space.samples as sampling_points
 from torsionnet.base.errors import ModelError
 from torsionnet.study.examined_study import space_faults
-from torsionnet.study.space.correlation import Correlation
-from torsionnet.study.space.correlation_matrix import CorrelationOfPair, HermiteSeries
-from torsionnet.study.space.samples import Samples
-from torsionnet.study.space.sampling_points import LatinHypercubePoints, permuted
+from torsionnet.study.space.correlation import Correlation, CorrelationOfPair, HermiteSeries
+from torsionnet.study.space.samples import LatinHypercubePoints, Samples, permuted
 from torsionnet.study.space.space import Space
-from torsionnet.study.space.variations.list_of_values import ListOfValues
-from torsionnet.study.space.variations.lognormal import Lognormal, LognormalMarginal
-from torsionnet.study.space.variations.normal import Normal, NormalMarginal
-from torsionnet.study.space.variations.range_of_values import ValueRange
-from torsionnet.study.space.variations.triangle import Triangular
-from torsionnet.study.space.variations.uniform import Uniform, UniformMarginal
+from torsionnet.study.space.variations.normal import Lognormal, LognormalMarginal, Normal, NormalMarginal
+from torsionnet.study.space.variations.uniform import ListOfValues, Triangular, Uniform, UniformMarginal, ValueRange
 
 RIG = tn.load("amt_rig")
 METHODS = ("random", "latin_hypercube", "sobol")

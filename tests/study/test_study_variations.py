@@ -11,15 +11,9 @@ from hypothesis import strategies as st
 import torsionnet as tn
 from torsionnet.base.errors import ModelError
 from torsionnet.base.units import DIMENSIONS
-from torsionnet.study.space.variations.list_of_values import ListOfValues
-from torsionnet.study.space.variations.lognormal import Lognormal
-from torsionnet.study.space.variations.nominal import Nominal, NominalReader, nominals
-from torsionnet.study.space.variations.normal import Normal, NormalMarginal
-from torsionnet.study.space.variations.range_of_values import ValueRange
-from torsionnet.study.space.variations.triangle import Triangular
-from torsionnet.study.space.variations.truncated import TruncatedMarginal
-from torsionnet.study.space.variations.uniform import Uniform
-from torsionnet.study.space.variations.variation import VARIATIONS, GridAxis
+from torsionnet.study.space.variations.normal import Lognormal, Normal, NormalMarginal, TruncatedMarginal
+from torsionnet.study.space.variations.uniform import ListOfValues, Triangular, Uniform, ValueRange
+from torsionnet.study.space.variations.variation import VARIATIONS, GridAxis, Nominal, NominalReader, nominals
 
 STIFFNESS = Nominal("k", 500.0, DIMENSIONS["stiffness"], "N*m/rad")
 SHARES = np.array([1e-12, 1e-6, 0.01, 0.2, 0.5, 0.7, 0.99, 1 - 1e-6])

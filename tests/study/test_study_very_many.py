@@ -15,8 +15,9 @@ from torsionnet.app.cli.app import app
 from torsionnet.base.errors import ModelError, UsageError
 from torsionnet.study import define, run_study, study_result
 from torsionnet.study.reductions.limit_counts import MOST_LIMITS, LimitBits, LimitCounts
-from torsionnet.study.run import chunks, workload
-from torsionnet.study.run.chunks import kept_every
+from torsionnet.study.run import chunk_values as chunks
+from torsionnet.study.run import run_chunks as workload
+from torsionnet.study.run.chunk_values import kept_every
 from torsionnet.study.run.process_pool import ProcessExecutor
 
 DRAWS, CHUNK = 301, 37

@@ -31,7 +31,7 @@ import sys
 from pathlib import Path
 from torsionnet.study.loading_study import load_study
 from torsionnet.study.run.run_chunks import run_study
-from torsionnet.study.run.workers import Workers
+from torsionnet.study.run.answering import Workers
 
 if __name__ == "__main__":
     file, where, folder = sys.argv[1:]

@@ -13,7 +13,7 @@ import torsionnet as tn
 from support import campaigns
 from support.collecting import OnDemand
 from torsionnet.io import write_fmu
-from torsionnet.io.fmu import compiling
+from torsionnet.io.fmu import c_source as compiling
 
 fmpy, fmi2, fmi3 = OnDemand("fmpy"), OnDemand("fmpy.fmi2"), OnDemand("fmpy.fmi3")
 

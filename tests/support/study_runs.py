@@ -13,10 +13,10 @@ from typing import Any
 
 import torsionnet as tn
 from torsionnet.study.quantities.evaluator import Evaluator
-from torsionnet.study.run import shared_blocks, workload
-from torsionnet.study.run.answering import answer_study
+from torsionnet.study.run import run_chunks as workload
+from torsionnet.study.run import shared_blocks
+from torsionnet.study.run.answering import Workers, answer_study
 from torsionnet.study.run.run_chunks import run_study
-from torsionnet.study.run.workers import Workers
 from torsionnet.study.study import Study, define
 
 VARIANTS, CHUNK = 600, 20

@@ -16,8 +16,7 @@ from support.random_drivetrains import draw
 from sympy import Rational, Symbol, simplify
 
 import torsionnet as tn
-from torsionnet.symbolic.algebra.charpoly import ExpandedBlock
-from torsionnet.symbolic.algebra.loops import solve_block
+from torsionnet.symbolic.algebra.loops import ExpandedBlock, solve_block
 from torsionnet.symbolic.algebra.network import Program
 from torsionnet.symbolic.algebra.recursion import orient
 

@@ -1,9 +1,9 @@
 # Written by `make generate`.
 from torsionnet.bench.bench import Bench as Bench
-from torsionnet.bench.exciter_torque import ExciterOutput as ExciterOutput
+from torsionnet.bench.bench import TurningTest as TurningTest
 from torsionnet.bench.loading_bench import load_bench as load_bench
-from torsionnet.bench.true_fault import TrueFault as TrueFault
-from torsionnet.bench.turning_test import TurningTest as TurningTest
+from torsionnet.bench.recorded_signal import ExciterOutput as ExciterOutput
+from torsionnet.bench.wheel_turning import TrueFault as TrueFault
 from torsionnet.entry_classes import Acquisition as Acquisition
 from torsionnet.entry_classes import CoastDown as CoastDown
 from torsionnet.entry_classes import DropOuts as DropOuts

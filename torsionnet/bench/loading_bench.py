@@ -11,7 +11,7 @@ from torsionnet.base.entries.declared import version_faults
 from torsionnet.base.errors import Fault, ModelError, TorsionnetError, UsageError, did_you_mean
 from torsionnet.bench.bench import Bench
 from torsionnet.bench.plan.bench_checks import check_plan
-from torsionnet.bench.plan.bench_file import BenchFile
+from torsionnet.bench.plan.plan import BenchFile
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.loading import load
 from torsionnet.model.files import read_file

@@ -2,16 +2,172 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.polynomial import chebyshev
+from numpy.typing import NDArray
 
 from torsionnet.base.entries.spec import not_none
-from torsionnet.base.notes import warning
-from torsionnet.bench.exciter_torque import quantised
-from torsionnet.bench.gauge_chain import drop_out_spans, hum_of_mains, moving_zero, shunt_steps, without_telemetry
-from torsionnet.bench.plan import Acquisition, Encoder, Transducer
+from torsionnet.base.notes import NoteOrText, warning
+from torsionnet.bench.plan import Acquisition, DropOuts, Encoder, Exciter, StrainGauge, Transducer
+from torsionnet.signals.excitation.excitation import Excitation
 from torsionnet.signals.recording import FloatArray, Signal
+
+# Set-point and torque of the exciter that follows an excitation.
+
+TURN = 2 * np.pi  # rad
+
+
+@dataclass(frozen=True, eq=False)
+class ExciterOutput:
+    """Set-point at the analog output and torque at the motor over time, both (n,) in N m, with notes on clipping."""
+
+    set_point: FloatArray
+    torque: FloatArray
+    notes: tuple[NoteOrText, ...] = ()
+
+
+def exciter_output(excitation: Excitation, exciter: Exciter, sampling_rate: float) -> ExciterOutput:
+    """Set-point and torque of an exciter that follows an excitation.
+
+    The set-point is raised beforehand if it is compensated, clipped at the rated torque and rounded to the steps of
+    the analog output; the torque follows it with a first-order lag and is bent by the harmonics.
+    """
+    wanted = excitation.samples(sampling_rate)
+    raised = (
+        compensated_set_point(wanted, not_none(exciter.bandwidth), sampling_rate) if exciter.compensated else wanted
+    )
+    set_point, notes = _limited(raised, exciter)
+    followed = (
+        first_order_lag(set_point, exciter.bandwidth, sampling_rate, wanted[0]) if exciter.bandwidth else set_point
+    )
+    torque = with_harmonics(followed, excitation, exciter.harmonics or {})
+    return ExciterOutput(set_point, torque, notes)
+
+
+def compensated_set_point(wanted: FloatArray, bandwidth: float, sampling_rate: float) -> FloatArray:
+    """Set-point with which a first-order lag delivers the torque wanted at every sample, (n,) in N m.
+
+    The lag's step y[n+1] = a y[n] + (1 - a) u[n] solved for u; the last sample is held.
+    """
+    a = _decay(bandwidth, sampling_rate)
+    raised = (wanted[1:] - a * wanted[:-1]) / (1 - a)
+    return np.append(raised, wanted[-1:])
+
+
+def first_order_lag(set_point: FloatArray, bandwidth: float, sampling_rate: float, rest: float) -> FloatArray:
+    """Torque behind a first-order lag, 3 dB down at ``bandwidth`` (Hz), with the set-point held between samples.
+
+    Before the first sample the torque is steady at ``rest``.
+    """
+    from scipy.signal import lfilter
+
+    a = _decay(bandwidth, sampling_rate)
+    return np.asarray(rest + lfilter([0.0, 1 - a], [1.0, -a], set_point - rest))
+
+
+def _decay(bandwidth: float, sampling_rate: float) -> float:
+    return float(np.exp(-TURN * bandwidth / sampling_rate))
+
+
+def with_harmonics(torque: FloatArray, excitation: Excitation, shares: dict[int, float]) -> FloatArray:
+    """Torque with harmonics added, in N m: Chebyshev polynomials turn a sine of full amplitude into its multiples.
+
+    ``shares`` are relative amplitudes by harmonic. The mean of even harmonics is left out: the control holds the mean.
+    """
+    if not any(shares.values()) or not excitation.amplitude:
+        return torque
+    share = (torque - excitation.mean) / excitation.amplitude
+    coefficients = np.zeros(max(shares) + 1)
+    coefficients[list(shares)] = list(shares.values())
+    even = chebyshev.chebval(share, coefficients * (np.arange(len(coefficients)) % 2 == 0))
+    added = chebyshev.chebval(share, coefficients) - even.mean()
+    return np.asarray(torque + excitation.amplitude * added)
+
+
+def _limited(set_point: FloatArray, exciter: Exciter) -> tuple[FloatArray, tuple[NoteOrText, ...]]:
+    notes: list[NoteOrText] = []
+    ends = [end for end in (exciter.limit, exciter.full_scale) if end is not None]
+    if ends:
+        limit = min(ends)
+        clipped = np.count_nonzero(np.abs(set_point) > limit)
+        if clipped:
+            what = "rated torque" if limit == exciter.limit else "range of the analog output"
+            share = f"{100 * clipped / len(set_point):.2g} % of the time"
+            peak = f"it asks for {np.abs(set_point).max():.4g} N*m"
+            notes.append(warning(f"set-point clipped at the {what} of {limit:g} N*m {share}; {peak}"))
+            set_point = np.clip(set_point, -limit, limit)
+    if exciter.bits is not None:
+        set_point = quantised(set_point, 2 * not_none(exciter.full_scale) / 2**exciter.bits)
+    return set_point, tuple(notes)
+
+
+def quantised(values: FloatArray, step: float) -> FloatArray:
+    """Values rounded to the nearest step of an analog-digital converter."""
+    return np.asarray(step * np.round(values / step))
+
+
+# Disturbances of analog channels: shunt calibration, drift of the zero, hum of the mains, drop-outs of telemetry.
+
+
+def shunt_steps(part: Transducer, truth: Signal, acquisition: Acquisition) -> FloatArray:
+    """Value that the shunt of a strain gauge adds to each sample, (n,) in SI; 0 while it is not connected."""
+    added = np.zeros(len(truth.values))
+    if isinstance(part, StrainGauge) and part.shunt is not None:
+        added[shunt_span(part, len(added), acquisition)] = float(part.shunt.value.value)
+    return added
+
+
+def shunt_span(part: StrainGauge, count: int, acquisition: Acquisition) -> slice:
+    """Samples for which the shunt is connected, of so many."""
+    shunt = not_none(part.shunt)
+    samples = min(count, round(shunt.duration * acquisition.rate))
+    return slice(0, samples) if shunt.at == "start" else slice(count - samples, count)
+
+
+def moving_zero(part: Transducer, count: int, acquisition: Acquisition) -> FloatArray:
+    """Zero of a strain gauge at each of so many samples, (n,) in SI, that drifts from 0 to its change."""
+    drift = part.zero_drift if isinstance(part, StrainGauge) else None
+    if drift is None:
+        return np.zeros(count)
+    share = np.arange(count) / max(count - 1, 1)
+    if drift.warming is not None:
+        over = (count - 1) / acquisition.rate / drift.warming
+        share = -np.expm1(-share * over) / -np.expm1(-over)
+    return float(drift.change.value) * share
+
+
+def hum_of_mains(part: Transducer, count: int, acquisition: Acquisition, rng: np.random.Generator) -> FloatArray:
+    """Hum at each of so many samples, (n,) in SI, from a random phase."""
+    if part.hum is None:
+        return np.zeros(count)
+    phase = 2 * np.pi * (part.hum.frequency * np.arange(count) / acquisition.rate + rng.random())
+    return np.asarray(float(part.hum.amplitude.value) * np.cos(phase))
+
+
+def drop_out_spans(
+    part: Transducer, count: int, acquisition: Acquisition, rng: np.random.Generator
+) -> tuple[slice, ...]:
+    """Samples of each time without telemetry, rising; their beginnings are independent of each other."""
+    lost = part.drop_outs
+    if lost is None:
+        return ()
+    begins = np.sort(rng.integers(0, max(count, 1), rng.poisson(lost.rate * count / acquisition.rate)))
+    length = max(1, round(lost.duration * acquisition.rate))
+    return tuple(slice(begin, min(begin + length, count)) for begin in begins.tolist())
+
+
+def without_telemetry(values: FloatArray, lost: DropOuts, spans: tuple[slice, ...]) -> FloatArray:
+    """Values (n,) with the last one before each drop-out held, or zeros, in its place."""
+    gone: NDArray[np.bool_] = np.zeros(len(values), dtype=bool)
+    for span in spans:
+        gone[span] = True
+    if lost.reads == "zero":
+        return np.where(gone, 0.0, values)
+    last = np.maximum.accumulate(np.where(gone, -1, np.arange(len(values))))
+    return np.where(last < 0, 0.0, values[np.maximum(last, 0)])  # before anything came the receiver shows zero
+
 
 ANTI_ALIAS_ORDER = 4
 """Order of the Butterworth anti-alias filter of the analog channels."""

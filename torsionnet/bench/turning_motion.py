@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypeAlias
+from functools import cached_property
+from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 from numpy.polynomial.polynomial import polyfit
@@ -13,20 +14,172 @@ from numpy.polynomial.polynomial import polyfit
 from torsionnet.base.errors import UsageError
 from torsionnet.base.notes import NoteOrText
 from torsionnet.base.units import RPM
-from torsionnet.bench.coast_down import coast_down
-from torsionnet.bench.mean_motion import MeanMotion
-from torsionnet.bench.mean_readings import MeanReadings, mean_readings
-from torsionnet.bench.plan.bench_motions import BenchMotion, CoastDown, GivenSpeed, RunUp, SteadyPoints
-from torsionnet.bench.shaft_vibration import PassageVibration, SteadyVibration, Vibration
+from torsionnet.bench.mean_motion import MeanMotion, MeanReadings, mean_readings
+from torsionnet.bench.plan.bench_motions import (
+    COAST_DOWN_POINTS,
+    BenchMotion,
+    CoastDown,
+    GivenSpeed,
+    RunUp,
+    SteadyPoints,
+)
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.linear.frequency_response import ComplexArray
 from torsionnet.machinery.orders.order_line import OrderLine
 from torsionnet.machinery.orders.order_response import OrderResponse
 from torsionnet.machinery.orders.worst_response import WorstResponse
+from torsionnet.machinery.passage.passage_response import PassageResponse
 from torsionnet.machinery.passage.passage_solution import passage_from
 from torsionnet.machinery.passage.passage_torques import ExcitationCase
 from torsionnet.model.channels import Sensor
+from torsionnet.model.load.external_torques import reference_node
 from torsionnet.signals.recording import FloatArray
+
+# Speed over time of a drivetrain that coasts down, braked by the load of its model.
+
+LEAST_DRAG = 1e-9
+"""Least torque that brakes, over the largest along the speed: below it the speed would never fall."""
+
+
+def coast_down(
+    drivetrain: Drivetrain, reference: str, start: float, stop: float
+) -> tuple[FloatArray, FloatArray, tuple[str, ...]]:
+    """Times (n,) in s and speeds (n,) in rad/s of the reference shaft while the load brakes it, and notes.
+
+    All inertias that turn with the reference store their energy, sum over nodes of J r^2 w^2/2 with the ratio r, and
+    what the load absorbs at each speed takes it: dw/dt = -P(w)/(J w).
+
+    Raises
+    ------
+    UsageError
+        The load absorbs nothing at some speed on the way.
+    """
+    inertia = turning_inertia(drivetrain, reference)
+    speeds = np.linspace(start, stop, COAST_DOWN_POINTS + 1)
+    drag = np.array([absorbed_torque(drivetrain, reference, speed) for speed in speeds.tolist()])
+    if (drag <= LEAST_DRAG * drag.max(initial=0.0)).any():
+        raise UsageError("the load of the model absorbs nothing at some of these speeds; give a time_constant")
+    per_speed = inertia / drag
+    steps = -np.diff(speeds) * (per_speed[1:] + per_speed[:-1]) / 2
+    times = np.concatenate([[0.0], np.cumsum(steps)])
+    note = f"braked by the load, {drag[0]:.4g} N*m at first, with {inertia:.4g} kg*m^2, both at {reference}"
+    return times, speeds, (note,)
+
+
+def turning_inertia(drivetrain: Drivetrain, reference: str) -> float:
+    """Inertia in kg m^2 of all that turns with a node, as it is felt there."""
+    laws = drivetrain.assembly.laws
+    ratios: dict[str, float] = {}
+    total = 0.0
+    for law in laws:
+        if not law.inertia:
+            continue
+        turning = 0.0
+        for node, weight in law.row.items():
+            if node not in ratios:
+                ratios[node] = _ratio(drivetrain, node, reference)
+            turning += float(weight) * ratios[node]
+        total += float(law.inertia) * turning**2
+    return total
+
+
+def _ratio(drivetrain: Drivetrain, node: str, reference: str) -> float:
+    try:
+        return drivetrain.ratio_between(node, reference)
+    except UsageError:
+        return 0.0  # what turns by itself does not slow down with the shaft
+
+
+def absorbed_torque(drivetrain: Drivetrain, reference: str, speed: float) -> float:
+    """Torque in N m at a node, turning at a speed in rad/s, of what the load of the model absorbs there."""
+    definition = drivetrain.definition
+    own = reference_node(definition)
+    scale = 1.0 if own == reference else abs(drivetrain.ratio_between(own, reference))
+    torques = drivetrain.external_torques.at(speed * scale)
+    ratios = {node: drivetrain.ratio_between(node, reference) for node in torques if node in drivetrain.nodes}
+    return -sum(min(torques[node] * ratio, 0.0) for node, ratio in ratios.items())
+
+
+# Vibration of the channels of a bench that turns, at any time: steady orders in closed form, or along a speed.
+
+SPLINE_DEGREE = 5
+"""Degree of the spline through the steps of a passage, 16 in a period of its highest order: it misses that order by
+about 1e-5 of its amplitude."""
+VALUES_PER_CHUNK = 2**16
+"""Number of times at which all orders are summed together, which limits the memory."""
+
+
+class Vibration(Protocol):
+    """Vibration of channels about their mean values, at any time of a test."""
+
+    def at(self, place: int, times: FloatArray, derivative: int = 0) -> FloatArray:
+        """Vibration of a channel in SI units, or its derivative over time, at times in s, shape (n,)."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class SteadyVibration:
+    """Steady vibration: a sum of orders and of fixed frequencies, exact at every time.
+
+    Attributes
+    ----------
+    mean : MeanMotion
+        Rotation at constant speed.
+    relative : (n_lines,) array
+        Vibrations per revolution of the reference shaft.
+    fixed : (n_lines,) array
+        Angular frequencies that come on top, rad/s.
+    values : (n_lines, n_sensors) complex array
+        Peak amplitudes, SI.
+    """
+
+    mean: MeanMotion
+    relative: FloatArray
+    fixed: FloatArray
+    values: ComplexArray
+
+    def at(self, place: int, times: FloatArray, derivative: int = 0) -> FloatArray:
+        """Vibration of a channel in SI units, or its derivative over time, at times in s, shape (n,)."""
+        rates = self.relative * self.mean.speeds[0] + self.fixed
+        amplitudes = self.values[:, place] * (1j * rates) ** derivative
+        found = np.empty(len(times))
+        for part in _chunks(len(times)):
+            at = times[part]
+            turning = np.outer(self.mean.angle(at), self.relative) + np.outer(at, self.fixed)
+            found[part] = (np.exp(1j * turning) @ amplitudes).real
+        return found
+
+
+@dataclass(frozen=True, eq=False)
+class PassageVibration:
+    """Vibration along a speed over time, by a spline through the steps of a passage.
+
+    ``drift`` is what the angle of each channel drifts from the mean rotation, (2, n_sensors): at time 0 in its unit,
+    and per s.
+    """
+
+    run: PassageResponse
+    drift: FloatArray
+
+    @cached_property
+    def _splines(self) -> list[Any]:
+        from scipy.interpolate import make_interp_spline
+
+        times = self.run.times
+        line = self.drift[0] + np.outer(times, self.drift[1])
+        return [
+            make_interp_spline(times, column, k=SPLINE_DEGREE)
+            for column in (self.run.values[:, : line.shape[1]] - line).T
+        ]
+
+    def at(self, place: int, times: FloatArray, derivative: int = 0) -> FloatArray:
+        """Vibration of a channel in SI units, or its derivative over time, at times in s, shape (n,)."""
+        return np.asarray(self._splines[place](times, nu=derivative))
+
+
+def _chunks(count: int) -> Iterator[slice]:
+    yield from (slice(begin, begin + VALUES_PER_CHUNK) for begin in range(0, count, VALUES_PER_CHUNK))
+
 
 Sensors: TypeAlias = Mapping[str, Sensor]
 """Sensor that each channel reads, by the name of the channel."""

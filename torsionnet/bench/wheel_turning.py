@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.base.entries.spec import not_none
 from torsionnet.base.errors import UsageError
+from torsionnet.base.result_rows import Out
 from torsionnet.base.units import RPM
-from torsionnet.bench.plan.toothed_wheel import PitchErrors, RadialVibration, ToothedWheel
+from torsionnet.bench.plan import Plan
+from torsionnet.bench.plan.parts import PitchErrors, RadialVibration, ToothedWheel
 from torsionnet.bench.turning_motion import TurningMotion
-from torsionnet.signals.recording import FloatArray
-from torsionnet.signals.rotation.wheel_pattern import WheelPattern
+from torsionnet.signals.recording import FloatArray, Recording, Signal
+from torsionnet.signals.rotation.pulse_channel import PulseChannel
+from torsionnet.signals.rotation.wheel import WheelPattern
 
 POINTS_PER_TOOTH = 4
 """Number of points per tooth between which the first guess of the time of a passage is interpolated."""
@@ -173,3 +177,124 @@ def _described(errors: PitchErrors) -> str:
         "given by a list" if errors.list else "",
     ]
     return f"true places of the teeth: {' and '.join(filter(None, given)) or 'even'}"
+
+
+# Fault that a bench put into a record, so that what is found can be compared with it.
+
+
+@dataclass(frozen=True)
+class TrueFault:
+    """Fault of a channel of a virtual test: its kind, its time in s of the first clock, and its size.
+
+    The size is the number of the tooth of a lost or double pulse, the length in s of a drop-out, and in SI of others.
+
+    Examples
+    --------
+    >>> print(TrueFault("fly", "missing pulse", 1.25, 731))
+    fly: missing pulse at 1.25 s, 731
+    """
+
+    channel: Annotated[str, Out("channel")]
+    kind: Annotated[str, Out("fault")]
+    time: Annotated[float, Out("time", "s", json="time_s")]
+    size: Annotated[float, Out("size")]
+
+    def __str__(self) -> str:
+        return f"{self.channel}: {self.kind} at {self.time:.6g} s, {self.size:.6g}"
+
+
+# Pulses of a wheel as a counter records them: lost and double ones, jitter, the clock and its tick.
+
+NEAREST_DOUBLE, FARTHEST_DOUBLE = 0.1, 0.4
+"""Place of a second pulse behind its tooth, as a share of the time to the next one: less than half of it, so that it
+can be told from a tooth."""
+
+
+@dataclass(frozen=True, eq=False)
+class CountedPulses:
+    """Pulses as recorded, and what is wrong with them.
+
+    Attributes
+    ----------
+    channel : PulseChannel
+    numbers : (n,) int array
+        True number of the tooth of each pulse; a second pulse has that of its tooth.
+    faults : tuple of TrueFault
+    """
+
+    channel: PulseChannel
+    numbers: NDArray[np.intp]
+    faults: tuple[TrueFault, ...]
+
+
+def counted_pulses(
+    name: str,
+    times: FloatArray,
+    numbers: NDArray[np.intp],
+    pickup: ToothedWheel,
+    generator: GeneratorFor,
+    shown: Callable[[FloatArray], FloatArray],
+) -> CountedPulses:
+    """Pulses that a counter records of teeth that pass a pickup at times in s.
+
+    ``shown`` gives the time on the clock of the system that records them, which begins at 0.
+    """
+    faults: list[TrueFault] = []
+    late = times + pickup.jitter * generator("jitter").standard_normal(len(times)) if pickup.jitter else times
+    kept = np.ones(len(times), dtype=bool)
+    if pickup.missing_pulses:
+        kept = generator("missing").random(len(times)) >= pickup.missing_pulses
+        faults += [
+            TrueFault(name, "missing pulse", float(times[at]), float(numbers[at])) for at in np.flatnonzero(~kept)
+        ]
+    stamps, teeth = late[kept], numbers[kept]
+    if pickup.double_pulses and len(times) > 1:
+        chance = generator("double")
+        doubled = (chance.random(len(times)) < pickup.double_pulses) & kept
+        share = chance.uniform(NEAREST_DOUBLE, FARTHEST_DOUBLE, len(times))
+        gaps = np.diff(times, append=2 * times[-1] - times[-2]) / np.diff(numbers, append=numbers[-1] + 1)
+        second = (late + share * gaps)[doubled]
+        faults += [TrueFault(name, "double pulse", time, float(tooth))
+                   for time, tooth in zip(second.tolist(), numbers[doubled].tolist(), strict=True)]  # fmt: skip
+        stamps, teeth = np.concatenate([stamps, second]), np.concatenate([teeth, numbers[doubled]])
+    order = np.argsort(stamps, kind="stable")
+    stamps, teeth = shown(stamps[order]), teeth[order]
+    stamps, teeth = stamps[stamps >= 0], teeth[stamps >= 0]
+    if pickup.tick:
+        stamps = pickup.tick * np.floor(stamps / pickup.tick)
+    apart = np.diff(stamps, prepend=-np.inf) > 0
+    notes = [f"{len(stamps) - int(apart.sum())} pulses within one tick of the one before are not recorded"]
+    channel = PulseChannel(name, stamps[apart], pickup.tick, () if apart.all() else tuple(notes))
+    return CountedPulses(channel, teeth[apart], tuple(faults))
+
+
+# Speeds of the wheels of a bench from their recorded pulses, to be drawn over time.
+
+
+def with_wheel_speeds(record: Recording, plan: Plan) -> Recording:
+    """Record with the speed of each node that carries a wheel, in rad/s from its pulses, in front of its signals.
+
+    Speeds are averages over a turn of the wheel as the pulses count it, with lost and double ones; they are drawn, not
+    analysed.
+    """
+    speeds = tuple(_speeds(record, plan))
+    return replace(record, signals=(*speeds, *record.signals)) if speeds else record
+
+
+def _speeds(record: Recording, plan: Plan) -> Iterator[Signal]:
+    for channel in record.pulses:
+        part = plan.channels.get(channel.name)
+        if not isinstance(part, ToothedWheel) or part.wheel:
+            continue
+        teeth = (part.teeth or 1) - part.missing_teeth
+        if teeth > 1 and len(channel) > teeth:
+            times = record.time if record.signals else _grid(record)
+            middle = (channel.times[teeth:] + channel.times[:-teeth]) / 2
+            turning = 2 * np.pi / (channel.times[teeth:] - channel.times[:-teeth]) / part.gearing
+            yield Signal(channel.name, "velocity", np.interp(times, middle, turning))
+
+
+def _grid(record: Recording) -> FloatArray:
+    """Times in s at the sampling rate of a record without signals, up to its last pulse, shape (n,)."""
+    last = max(float(one.times[-1]) for one in record.pulses if len(one))
+    return np.arange(int(last * record.sampling_rate) + 1) / record.sampling_rate

@@ -11,13 +11,11 @@ from typing import Any
 from torsionnet.base.entries.declared import version_faults
 from torsionnet.base.errors import Fault, ModelError, UsageError, did_you_mean
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.identification.orders.order_files import faults_of_orders, read_order_data
-from torsionnet.identification.orders.order_lines import OrderData, shows_phases
+from torsionnet.identification.orders.order_lines import OrderData, faults_of_orders, read_order_data, shows_phases
 from torsionnet.identification.orders.parametric_orders import numbers_of_excitations
 from torsionnet.identification.plan.fit_entries import FileReading, FitFile, FitMeasurement, FitParameter, FitSettings
-from torsionnet.identification.residuals.instrument import set_points
-from torsionnet.identification.residuals.measurement import Measurement
-from torsionnet.identification.residuals.welch_choice import record_settings, welch_settings
+from torsionnet.identification.residuals.measurement import Measurement, set_points
+from torsionnet.identification.residuals.measurement_blocks import record_settings, welch_settings
 from torsionnet.identification.unknown_parameter import Unknown
 from torsionnet.linear.frequency_response import FrequencyResponse
 from torsionnet.loading import load

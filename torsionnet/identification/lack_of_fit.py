@@ -2,19 +2,81 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
 import scipy
 
+from torsionnet.base.number_text import value_with_error
 from torsionnet.base.result_rows import Out
 from torsionnet.identification.fit_problem import FitProblem
-from torsionnet.identification.noise_bias import noise_shift
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
 from torsionnet.identification.residuals.noise import Noise
-from torsionnet.linear.assembly.rows import FloatArray
+from torsionnet.identification.residuals.record_block import RecordBlock
+from torsionnet.identification.residuals.sampled_response import errors_in_form, parts
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
+
+# Bias of fitted values by noise on the signal that H1 or H2 multiplies by, in records without a clean reference.
+
+REPORTED_BIAS = 0.5
+"""Bias of a fitted value, in standard errors, above which a verdict reports it, as a smaller one is lost in the
+error."""
+
+
+def noise_shift(problem: FitProblem, values: FloatArray) -> FloatArray:
+    """Mean that squared noise gives to the weighted residuals, (n_residuals,), from the sensor noise of the fit."""
+    shifts = np.zeros(len(problem.residuals(values)))
+    for block, span, place in zip(problem.blocks, problem.residual_slices, problem.unknown_indices, strict=True):
+        if isinstance(block, RecordBlock):
+            shift = _shift(block, values[place])
+            shifts[span] = errors_in_form(block.form, parts(shift)[:, None], block.measured)[:, 0] / block.sizes
+    return shifts
+
+
+def noise_bias(problem: FitProblem, values: FloatArray) -> FloatArray:
+    """Bias of the fitted values by squared noise of the sensors, in SI, (n,)."""
+    shift = noise_shift(problem, values)
+    if not shift.any():
+        return np.zeros(len(values))
+    return np.asarray(-np.linalg.lstsq(problem.jacobian(values), shift, rcond=None)[0])
+
+
+def _shift(block: RecordBlock, values: FloatArray) -> ComplexArray:
+    """Bias that squared noise gives to model minus test at each line of a record, complex, SI, (n_b,)."""
+    windowed, (on_output, on_input) = block.windowed, block.sources
+    rows = windowed.rows
+    own = np.where(windowed.background, len(rows.weights) * rows.squares / windowed.power, 0.0)[block.kept]
+    if not own.any():
+        return np.asarray(own, dtype=complex)
+    if windowed.instrument.estimator == "H2":
+        return np.asarray(-on_output * own)
+    return np.asarray(on_input * own * block.predicted(values)[0])
+
+
+def noise_bias_sentence(
+    problem: FitProblem, values: FloatArray, errors: FloatArray, moved: FloatArray
+) -> Iterator[str]:
+    """Sentence on the fitted values that noise biases by more than half a standard error, if there are any."""
+    listed = [
+        f"{name} reads about {100 * abs(change / value):.2g} % {'high' if change * value > 0 else 'low'}"
+        for name, value, change, error in zip(problem.names, values, moved, errors, strict=True)
+        if np.isfinite(error) and value and abs(change) > REPORTED_BIAS * error
+    ]
+    if not listed:
+        return
+    blocks = [block for block in problem.blocks if isinstance(block, RecordBlock) and block.windowed.background.any()]
+    measurement, estimator = blocks[0].measurement, blocks[0].windowed.instrument.estimator
+    signal, other = measurement.input, "H2"
+    if estimator == "H2":
+        signal, other = measurement.output, "H1"
+    yield (
+        f"noise on {signal} biases {estimator}: {', '.join(listed)}, by which the intervals are widened; name the "
+        f"set-point as reference, or take {other} if the other sensor is less noisy"
+    )
+
 
 FALSE_ALARM_PROBABILITY = 1e-3
 """Probability of calling noise a misfit for every measurement of a fit, small because a misfit withholds all
@@ -178,3 +240,90 @@ def _waves(count: int, parts: int, runs: Sequence[slice]) -> FloatArray:
         waves[run] = np.cos(np.pi * np.outer((np.arange(length) + 0.5) / length, np.arange(waves.shape[1])))
         columns.append(waves)
     return np.asarray(np.kron(np.eye(parts), np.concatenate(columns, axis=1)))
+
+
+# Sentences on lack of fit, which say that a model does not fit, what would explain that and what to do.
+
+ADVICE_BY_CAUSE = {
+    "delay": "find it along (delay: true) or mend the channel",
+    "gain": "find it along (gain: true), or look for a wrong ratio, calibration or sign",
+    "hysteretic": "give the spring a loss factor instead of a viscous damping",
+    "viscous": "give the spring a viscous damping instead of a loss factor",
+    "reference_angle": "find it along (reference_angle: true), or correct where the reference stands",
+    "misfire": "look at its injection, or find the share along",
+    "gas_torque": "look at its injection, or find the factor along",
+    "ratio": "look for other teeth, or correct the ratio",
+    "value": "free it too, or correct it",
+    "between": "say so by between, in the signal or in the measurement",
+}
+INTERVALS_WITHHELD = "Intervals are withheld"
+MOST_EXPLANATIONS_LISTED = 3
+"""Number of explanations of a misfit that a sentence lists at most, as more would hide the first."""
+
+
+def lack_of_fit_sentences(lack: LackOfFit | None) -> Iterator[str]:
+    """Sentence on a model that does not fit, with explanation and advice; no sentence if the model fits."""
+    if lack is None or not lack.rejected:
+        return
+    wrong = [one for one in lack.measurements if one.rejected]
+    where = "" if len(lack.measurements) == 1 else f" {', '.join(one.name for one in wrong)}"
+    worst = max(one.ratio for one in wrong)
+    says = f"the model does not fit{where}: the residuals are {worst:.2g} times the noise, in a pattern over frequency"
+    withheld = "; ".join([INTERVALS_WITHHELD, *lack.data_warnings])
+    if not lack.explanations:
+        yield (
+            f"{says}; no delay, gain, other kind of damping or single other value explains it: look at the residuals, "
+            f"or try other starts. {withheld}"
+        )
+        return
+    best, *others = lack.explanations
+    verb = "would explain it" if best.complete else "would explain most of it"
+    explained = [
+        f"{_what(best)} {verb}: {_values(best)}",
+        *(f"so would {_what(one)}: {_values(one)}" for one in others),
+    ]
+    yield f"{says}; {'; '.join(explained[:MOST_EXPLANATIONS_LISTED])}; {ADVICE_BY_CAUSE[best.kind]}. {withheld}"
+
+
+def _what(one: Explanation) -> str:
+    found = [value for name, value in one.values.items() if name.partition("[")[0] == one.unknown]
+    return cause_in_words(one.kind, one.of, sum(found) / max(len(found), 1), one.before, one.between)
+
+
+def cause_in_words(kind: str, of: str, value: float, before: float | None, between: str = "") -> str:
+    """Description in words of a cause of a misfit with the value that it would need.
+
+    >>> cause_in_words("gain", "n_out", 0.7767, None), cause_in_words("ratio", "stage.ratio", 2.33, 3.0)
+    ('a gain of 0.7767 in n_out', 'stage.ratio = 2.33 instead of 3')
+    >>> cause_in_words("gain", "theta_1", -1.002, None)
+    'a gain of -1.002 in theta_1 (a channel is reversed)'
+    >>> cause_in_words("between", "T_M", float("nan"), None, "band_limited")
+    'T_M band-limited between samples'
+    """
+    if between:
+        return f"{of} {between.replace('_', '-')} between samples"
+    if kind == "delay":
+        return f"a delay of {1e3 * value:.3g} ms in {of}"
+    if kind == "gain":
+        return f"a gain of {value:.4g} in {of}{' (a channel is reversed)' * (value < 0)}"
+    if kind == "reference_angle":
+        return f"a reference angle of {math.degrees(value):.4g} deg in {of}"
+    if kind == "misfire":
+        return f"a misfire of {of} ({100 * value:.3g} % of its injection lost)"
+    if kind == "gas_torque":
+        return f"a gas torque of {of} {value:.3g} times that of the others"
+    if kind == "hysteretic":
+        return f"hysteretic instead of viscous damping in {of} (loss factor {value:.3g})"
+    if kind == "viscous":
+        return f"viscous instead of hysteretic damping in {of} ({value:.3g} N*m*s/rad)"
+    return f"{of} = {value:.4g} instead of {before:.4g}"
+
+
+def _values(one: Explanation) -> str:
+    """Text with the values that all other parameters would have if an explanation of a misfit were true."""
+    listed = [
+        f"{name} would be {value_with_error(value, one.standard_errors[name])}"
+        for name, value in one.values.items()
+        if name.partition("[")[0] != one.unknown
+    ]
+    return ", ".join(listed) or "nothing else changes"

@@ -9,7 +9,7 @@ import numpy as np
 
 from torsionnet.identification.fit_problem import FitProblem
 from torsionnet.identification.fit_search import typical_steps
-from torsionnet.identification.noise_bias import noise_bias_sentence
+from torsionnet.identification.lack_of_fit import noise_bias_sentence
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
 from torsionnet.identification.residuals.response_block import ResponseBlock
 from torsionnet.linear.assembly.rows import FloatArray

@@ -11,11 +11,11 @@ from numpy.typing import ArrayLike
 from torsionnet.base.errors import UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.linear.frequency_response import ComplexArray, FloatArray
-from torsionnet.machinery.excitations.cylinder_entries import EACH
+from torsionnet.machinery.excitations.engine_entries import EACH
 from torsionnet.machinery.excitations.order_excitation import OrderExcitation
 from torsionnet.machinery.excitations.reciprocating_engine import ReciprocatingEngine
 from torsionnet.machinery.orders.order_response import OrderResponse
-from torsionnet.signals.rotation.calculated_orders import CalculatedOrders
+from torsionnet.signals.rotation.pitch_order import CalculatedOrders
 
 SPEED_STEP, MOST_SPEEDS = 0.0025, 600
 """Relative step of the speeds at which orders are calculated, and their largest number: between them go splines, and a

@@ -18,7 +18,7 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "read_mass_elastic": "torsionnet.io.mass_elastic_reading",
         "read_recording": "torsionnet.signals.records.recording_files",
         "read_tors": "torsionnet.io.tors_reading",
-        "read_wheel_pattern": "torsionnet.io.wheel_pattern_files",
+        "read_wheel_pattern": "torsionnet.io.wheel_files",
         "read_tracked_orders": "torsionnet.io.tracked_order_tables",
         "to_mass_elastic": "torsionnet.io.mass_elastic_writing",
         "to_matlab": "torsionnet.io.matlab",
@@ -31,7 +31,7 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "write_modelica": "torsionnet.io.modelica",
         "write_recording": "torsionnet.signals.records.recording_files",
         "write_tors": "torsionnet.io.tors_writing",
-        "write_wheel_pattern": "torsionnet.io.wheel_pattern_files",
+        "write_wheel_pattern": "torsionnet.io.wheel_files",
         "write_tracked_orders": "torsionnet.io.tracked_order_tables",
     },
 )

@@ -14,8 +14,8 @@ from torsionnet.io.tors_writing import to_tors as to_tors
 from torsionnet.io.tors_writing import write_tors as write_tors
 from torsionnet.io.tracked_order_tables import read_tracked_orders as read_tracked_orders
 from torsionnet.io.tracked_order_tables import write_tracked_orders as write_tracked_orders
-from torsionnet.io.wheel_pattern_files import read_wheel_pattern as read_wheel_pattern
-from torsionnet.io.wheel_pattern_files import write_wheel_pattern as write_wheel_pattern
+from torsionnet.io.wheel_files import read_wheel_pattern as read_wheel_pattern
+from torsionnet.io.wheel_files import write_wheel_pattern as write_wheel_pattern
 from torsionnet.model.catalogues.catalogue import Catalogue as Catalogue
 from torsionnet.model.catalogues.catalogue_reading import read_catalogue as read_catalogue
 from torsionnet.model.sheets.mass_elastic_sheet import MassElasticSheet as MassElasticSheet

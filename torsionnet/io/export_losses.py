@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import Any
 
-from torsionnet.base.errors import comma_list
+from torsionnet.base.errors import UsageError, comma_list
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.linear.dynamic_stiffness.state_space import active_channels
+from torsionnet.model.elements import Action, Element, Law, MotionLaw, Part, Values
 from torsionnet.model.law_network import following_elements
 from torsionnet.model.operating_values import law_notes
 
@@ -85,3 +87,83 @@ def export_losses(drivetrain: Drivetrain, form: str) -> ExportLosses:
     tangents = tuple(element.name for element in following_elements(definition))
     numbers = () if "parameters" in held else tuple(definition.parameters)
     return ExportLosses(tuple(left_out), numbers, tangents, law_notes(definition) if tangents else ())
+
+
+# Refusal of laws of motion by formats that hold linear elements only.
+
+MOST_NAMES = 5
+"""Most elements that the message names; the rest are counted."""
+
+
+def refuse_laws_of_motion(drivetrain: Drivetrain, target: str) -> None:
+    """Refuse a drivetrain whose laws of motion have no operating point, for a format that holds their tangents.
+
+    Raises
+    ------
+    UsageError
+        Naming the elements, and what gives them an operating point.
+    """
+    definition = drivetrain.definition
+    if definition.tangents is not None and definition.tangents.is_loaded:
+        return
+    value = Values(drivetrain.exact_values)
+    found = [
+        f"{one.name} ({one.kind})"
+        for one in following_elements(definition)
+        if any(isinstance(part, MotionLaw) for part in one.whole_parts(value))
+    ]
+    if not found:
+        return
+    rest = f" and {len(found) - MOST_NAMES} more" if len(found) > MOST_NAMES else ""
+    raise UsageError(
+        f"{target} holds linear elements, and {', '.join(found[:MOST_NAMES])}{rest} follow laws of motion that are not "
+        "linear; write the model at an operating point, which has their tangents: model.at(torque={...}), or load: or "
+        "operating_point: in its file"
+    )
+
+
+# Descriptions of laws and constraints in words, for messages about what an export format cannot hold.
+
+
+def describe_element_part(element: Element, part: Part) -> str:
+    """Name and type of an element with the law or constraint of it that cannot be written.
+
+    >>> import torsionnet as tn
+    >>> from torsionnet.model.elements import Values
+    >>> stage = tn.Gear("stage", nodes=("a", "b"), ratio=3, stiffness=100)
+    >>> describe_element_part(stage, stage.parts(Values({}))[0])
+    'stage (gear), stiffness on a - 3*b'
+    """
+    return f"{element.name} ({element.kind}), {describe_part(part)}"
+
+
+def describe_part(part: Part) -> str:
+    """Description of a law, constraint or action in words, what acts, and on which weighted sum of angles."""
+    if isinstance(part, Action):
+        return f"torque on {row_text(part.row)} that follows {row_text(part.sensed)}"
+    if not isinstance(part, Law):
+        return f"constraint {row_text(part.row)} = 0"
+    found = {
+        "inertia": part.inertia != 0,
+        "damping": part.damping != 0,
+        "stiffness": part.stiffness != 0,
+        "loss factor": part.loss_factor != 0,
+        "table over frequency": part.table is not None,
+    }
+    names = [name for name, is_there in found.items() if is_there]
+    return f"{' and '.join(names)} on {row_text(part.row)}"
+
+
+def row_text(row: dict[str, Any]) -> str:
+    """Text of a weighted sum of angles by the names of the nodes; ``0`` for an empty one.
+
+    >>> row_text({"a": 1, "b": -2.5})
+    'a - 2.5*b'
+    """
+    text = ""
+    for node, share in row.items():
+        size = abs(float(share))
+        sign = "-" if float(share) < 0 else "+"
+        text += f" {sign} " if text else sign.replace("+", "")
+        text += node if size == 1 else f"{size:g}*{node}"
+    return text or "0"

@@ -9,8 +9,7 @@ from torsionnet.base.errors import UsageError, did_you_mean, readable_text
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.model.elements.mass_elastic import sheet_elements
 from torsionnet.model.sheets.factor_readings import READINGS
-from torsionnet.model.sheets.mass_elastic_sheet import MassElasticSheet, SheetReading, read_sheet
-from torsionnet.model.sheets.sheet_remarks import SIDES
+from torsionnet.model.sheets.mass_elastic_sheet import SIDES, MassElasticSheet, SheetReading, read_sheet
 
 
 def read_mass_elastic(path: str | os.PathLike[str], *, values: str = "", factors: str = "") -> Drivetrain:

@@ -2,13 +2,286 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
 from functools import reduce
-from typing import TypeAlias
+from math import pi
+from typing import Any, TypeAlias
 
-from torsionnet.io.expression_numbers import ExpressionNumber, expression_number
-from torsionnet.io.modelica_net import Net
-from torsionnet.io.modelica_syntax import ROTATIONAL, ModelicaExpressions, quoted
-from torsionnet.model.elements import GROUND, Action, Constraint, Element, Law, Part, Row
+from torsionnet.base.expressions import Algebra, Compound, Expression, Name, Number, exact_sqrt, float_if_long
+from torsionnet.base.plain_names import Names
+from torsionnet.base.registers import Groups
+from torsionnet.base.units import DIMENSIONS, Dimension
+from torsionnet.model.damping import DampingMeasure
+from torsionnet.model.element_base.element import viscous
+from torsionnet.model.elements import GROUND, Action, Constraint, Element, Law, Part, Row, Values
+
+# Declarations and connection sets of a Modelica model while its text is put together.
+
+
+class Net:
+    """Declarations of a Modelica model, and the points that are connected (nodes, ports of elements, flanges)."""
+
+    def __init__(self, names: Names) -> None:
+        self.names = names
+        self.declarations: list[str] = []
+        self.equations: list[str] = []
+        self.points: Groups[str] = Groups[str]()
+
+    def declare(self, kind: str, wish: str, values: str = "", comment: str = "") -> str:
+        """Declare a Modelica component of a type and return its name."""
+        name = self.names.new(wish)
+        modifiers = f"({values})" if values else ""
+        self.declarations.append(f"{kind} {name}{modifiers}{f' {comment}' if comment else ''};")
+        return name
+
+    def connections(self) -> list[str]:
+        """Lines of ``connect`` equations from the first flange of every set to all others, with the set's nodes."""
+        lines: list[str] = []
+        for name, points in self.points.home.items():
+            if points[0] != name:
+                continue
+            flanges = [point for point in points if ":" not in point]
+            nodes = [point.removeprefix("node:") for point in points if point.startswith("node:")]
+            if len(flanges) > 1:
+                lines.append(f"// {', '.join(nodes) or 'inside an element'}")
+                lines += [f"connect({flanges[0]}, {other});" for other in flanges[1:]]
+        return lines
+
+
+# Numbers that carry the expression of the model's parameters they come from, so that an export can write it.
+
+
+@dataclass(frozen=True, eq=False)
+class ExpressionNumber:
+    """Number with its expression in the model's parameters, compared by its present value.
+
+    Elements run on such numbers as they do on fractions.
+
+    >>> import torsionnet as tn
+    >>> (law,) = tn.Spring("s", nodes=("a", "b"), stiffness="2*k").parts(expression_values({"k": Fraction(5)}))
+    >>> law.stiffness.value, str(law.stiffness.expression)
+    (Fraction(10, 1), '2*k')
+    """
+
+    value: Fraction | float
+    expression: Expression
+
+    def __add__(self, right: Any) -> ExpressionNumber:
+        other = expression_number(right)
+        if other.is_constantly(0):
+            return self
+        return other if self.is_constantly(0) else self._with("+", other, self.value + other.value)
+
+    def __sub__(self, right: Any) -> ExpressionNumber:
+        other = expression_number(right)
+        if self.is_constantly(0):
+            return -other
+        return self if other.is_constantly(0) else self._with("-", other, self.value - other.value)
+
+    def __mul__(self, right: Any) -> ExpressionNumber:
+        other = expression_number(right)
+        for factor, rest in ((self, other), (other, self)):
+            if factor.is_constantly(0) or rest.is_constantly(1):
+                return factor
+        return self._with("*", other, self.value * other.value)
+
+    def __truediv__(self, right: Any) -> ExpressionNumber:
+        other = expression_number(right)
+        return self if other.is_constantly(1) else self._with("/", other, self.value / other.value)
+
+    def __pow__(self, power: int) -> ExpressionNumber:
+        return self if power == 1 else self._with("**", expression_number(power), self.value**power)
+
+    def __neg__(self) -> ExpressionNumber:
+        match self.expression:
+            case Compound("negative", (inner,)):
+                return _made(-self.value, inner)
+        return _made(-self.value, Compound("negative", (self.expression,)))
+
+    def __radd__(self, left: Any) -> ExpressionNumber:
+        return expression_number(left) + self
+
+    def __rsub__(self, left: Any) -> ExpressionNumber:
+        return expression_number(left) - self
+
+    def __rmul__(self, left: Any) -> ExpressionNumber:
+        return expression_number(left) * self
+
+    def __rtruediv__(self, left: Any) -> ExpressionNumber:
+        return expression_number(left) / self
+
+    def __eq__(self, right: object) -> bool:
+        return self.value == expression_number(right).value
+
+    def __lt__(self, right: Any) -> bool:
+        return bool(self.value < expression_number(right).value)
+
+    def __gt__(self, right: Any) -> bool:
+        return bool(self.value > expression_number(right).value)
+
+    def __hash__(self) -> int:
+        return hash(self.value)
+
+    def __float__(self) -> float:
+        return float(self.value)
+
+    def is_constantly(self, number: int) -> bool:
+        """Whether the number equals ``number`` for all values of the model's parameters."""
+        return isinstance(self.expression, Number) and self.value == number
+
+    def _with(self, sign: str, right: ExpressionNumber, value: Fraction | float) -> ExpressionNumber:
+        return _made(value, Compound(sign, (self.expression, right.expression)))
+
+
+def expression_number(value: Any) -> ExpressionNumber:
+    """Plain number as an :class:`ExpressionNumber` without parameters."""
+    return value if isinstance(value, ExpressionNumber) else ExpressionNumber(value, Number(value))
+
+
+def expression_values(parameters: Mapping[str, Any]) -> Values:
+    """Evaluator of an element's entries that gives numbers with their expressions in these parameters."""
+    named = {name: ExpressionNumber(value, Name(name)) for name, value in parameters.items()}
+    return Values(named, Algebra(expression_number, _square_root, ExpressionNumber(pi, Compound("pi"))))
+
+
+def _square_root(number: ExpressionNumber) -> ExpressionNumber:
+    return _made(exact_sqrt(number.value), Compound("sqrt", (number.expression,)))
+
+
+def _made(value: Fraction | float, expression: Expression) -> ExpressionNumber:
+    """Result of an operation as a number with its expression, or a plain one where it is exact and has no parameter."""
+    value = float_if_long(value)
+    is_plain = isinstance(value, Fraction | int) and not expression.names
+    return ExpressionNumber(value, Number(value) if is_plain else expression)
+
+
+# Names, units and expressions of a model as Modelica writes them.
+
+ROTATIONAL = "Modelica.Mechanics.Rotational"
+_RESERVED = """
+algorithm and annotation block break class connect connector constant constrainedby der discrete each else elseif
+elsewhen encapsulated end enumeration equation expandable extends external false final flow for function if import
+impure in initial inner input loop model not operator or outer output package parameter partial protected public pure
+record redeclare replaceable return stream then true type when while within time Real Integer Boolean String Modelica
+abs sign sqrt sin cos exp log pre edge change sample reinit terminal noEvent smooth delay assert mod rem div ceil floor
+integer min max sum product fill zeros ones ndims size vector matrix transpose cross skew
+"""
+KEYWORDS = frozenset(_RESERVED.split())
+"""Words of the Modelica language that no component may have as its name."""
+MODELICA_UNITS = {
+    "inertia": "kg.m2",
+    "stiffness": "N.m/rad",
+    "torque": "N.m",
+    "damping": "N.m.s/rad",
+    "angle": "rad",
+    "speed": "rad/s",
+    "length": "m",
+    "mass": "kg",
+    "density": "kg/m3",
+    "shear modulus": "Pa",
+    "frequency": "Hz",
+    "acceleration": "rad/s2",
+    "pressure": "Pa",
+    "time": "s",
+    "power": "W",
+    "area": "m2",
+    "temperature": "K",
+    "force": "N",
+    "linear stiffness": "N/m",
+    "velocity": "m/s",
+    "1": "1",
+}
+"""Units as Modelica writes them, by kind of quantity, as torque and stiffness share a dimension (rad is 1)."""
+_ALIKE = {DIMENSIONS["stiffness"]: ("stiffness", "torque"), DIMENSIONS["angle"]: ("angle", "1")}
+"""Kinds of quantity that share a dimension, first the one with an angle in its unit, then the one without."""
+LARGEST_INTEGER = 2**31 - 1
+"""Largest value of Modelica's Integer, above which whole numbers are written as Real."""
+
+_NAME = re.compile(r"(?<![\w.])[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*")
+_INTEGER = re.compile(r"(?<![\w.])\d+(?![\w.])")
+
+
+class ModelicaExpressions:
+    """Converter of a model's expressions to Modelica, with its parameters under the names they have there."""
+
+    def __init__(self, names: Mapping[str, str], values: Mapping[str, Any]) -> None:
+        self.names: Mapping[str, str] = names
+        self.values: Values = Values(values)
+        self.symbolic: Values = expression_values(values)
+
+    def expression(self, value: Expression) -> str:
+        """Modelica text of an expression in SI units; equal to the model's for any values of the parameters."""
+        text = _NAME.sub(self._name, value.written()[0].replace("**", "^"))
+        return _INTEGER.sub(lambda found: f"{found[0]}.0" if int(found[0]) > LARGEST_INTEGER else found[0], text)
+
+    def _name(self, found: re.Match[str]) -> str:
+        known = {"pi": "Modelica.Constants.pi", "sqrt": "sqrt"}
+        return known.get(found[0]) or self.names[found[0]]
+
+    def damping(self, value: Any, stiffness: Any) -> str:
+        """Modelica text of a viscous damping coefficient in N m s/rad.
+
+        One given by a damping measure becomes a number.
+        """
+        if isinstance(value, DampingMeasure):
+            return repr(float(viscous(value, self.values(stiffness), self.values)))
+        return "0" if value is None else self.expression(value)
+
+
+def factor(text: str) -> str:
+    """Modelica text of an expression as part of a product, in brackets where needed.
+
+    >>> factor("a + b"), factor("k_1")
+    ('(a + b)', 'k_1')
+    """
+    return text if re.fullmatch(r"[\w.]+", text) else f"({text})"
+
+
+def parameter_kinds(elements: Iterable[Element], known: Mapping[str, Dimension | None]) -> dict[str, str]:
+    """Kind of quantity (inertia, stiffness, ...) of each parameter, from the entries of elements that use it."""
+    found: dict[str, str] = {}
+    for element in elements:
+        for _, _, expression, kind in element.expressions():
+            for name in expression.names:
+                alone = isinstance(expression, Name) and known.get(name) is None
+                if alone or (kind in MODELICA_UNITS and known.get(name) == DIMENSIONS[kind]):
+                    found.setdefault(name, kind)
+    return found
+
+
+def unit_of(dimension: Dimension | None, kind: str | None, value: Expression) -> str:
+    """Unit of a parameter as Modelica writes it, empty where none is known.
+
+    ``kind`` is what it is used as, if anything; the unit of ``value`` tells a stiffness from a torque.
+
+    >>> [unit_of(DIMENSIONS["torque"], None, Number(12, text=text)) for text in ("12 N*m", "12 N*m/rad")]
+    ['N.m', 'N.m/rad']
+    """
+    if kind is not None:
+        return MODELICA_UNITS.get(kind, "")
+    if dimension in _ALIKE:
+        kind = _ALIKE[dimension][not (isinstance(value, Number) and value.has_angle)]
+        return MODELICA_UNITS[kind]
+    return next((unit for name, unit in MODELICA_UNITS.items() if dimension == DIMENSIONS[name]), "")
+
+
+def quoted(text: str) -> str:
+    """Description of a component on one line, in Modelica's quotes."""
+    plain = " ".join(text.split()).replace("\\", "\\\\").replace('"', '\\"')
+    return f'"{plain}"'
+
+
+def export_unit(unit: str) -> str:
+    """Text of an SI unit as Modelica and FMI write it.
+
+    >>> export_unit("N*m"), export_unit("rad/s^2")
+    ('N.m', 'rad/s2')
+    """
+    return unit.replace("*", ".").replace("^", "")
+
 
 COMPONENTS = f"{ROTATIONAL}.Components"
 FIXED = f"node:{GROUND}"

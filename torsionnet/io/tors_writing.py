@@ -4,18 +4,225 @@ from __future__ import annotations
 
 import json
 import os
-from dataclasses import replace
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
-from itertools import count
-from typing import Any, TypeAlias, TypeVar
+from functools import cached_property
+from itertools import count, zip_longest
+from typing import Any, TypeAlias, TypeGuard, TypeVar
 
 from torsionnet.base.atomic import write_text
 from torsionnet.base.errors import UsageError
+from torsionnet.base.registers import Groups
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.io.export_losses import export_losses
-from torsionnet.io.tors_elements import Disk, GearElement, TorsElement
-from torsionnet.io.tors_file import TorsComponent, TorsFile
-from torsionnet.io.tors_graph import Edge, Graph, tors_graph
+from torsionnet.io.export_losses import describe_element_part, export_losses, refuse_laws_of_motion
+from torsionnet.io.tors_file import (
+    SHEAR_MODULUS,
+    Disk,
+    GearElement,
+    ShaftContinuous,
+    ShaftDiscrete,
+    TorsComponent,
+    TorsElement,
+    TorsFile,
+)
+from torsionnet.model.elements import GROUND, Action, Constraint, Element, Gear, Law, Part, Row, Shaft, Values
+
+# Graph of a drivetrain for a TORS file, with disks on nodes, shafts and gears between them.
+
+Disks: TypeAlias = dict[str, list[Disk]]
+
+
+@dataclass
+class Edge:
+    """Connection of two nodes in a TORS file, the items of a shaft from first to second, or a gear."""
+
+    first: str
+    second: str
+    names: list[str]
+    items: list[TorsElement] = field(default_factory=list)
+    ratio: float = 1.0
+    teeth: tuple[int, int] | None = None
+
+    @property
+    def is_gear(self) -> bool:
+        return not self.items
+
+    def other(self, node: str) -> str:
+        return self.second if node == self.first else self.first
+
+
+@dataclass
+class Graph:
+    """Disks of a TORS file by node, and the shafts and gears between the nodes."""
+
+    disks: Disks
+    edges: list[Edge]
+
+    @cached_property
+    def at(self) -> dict[str, list[Edge]]:
+        """Shafts and gears at every node, by node, in the order of the elements."""
+        found: dict[str, list[Edge]] = {node: [] for node in self.disks}
+        for edge in self.edges:
+            for node in (edge.first, edge.second):
+                found[node].append(edge)
+        return found
+
+
+def tors_graph(drivetrain: Drivetrain) -> Graph:
+    """Graph of a drivetrain for a TORS file, refused with the names of all parts that TORS has no counterpart of."""
+    refuse_laws_of_motion(drivetrain, "TORS")
+    writer = _GraphWriter(drivetrain)
+    for element in drivetrain.elements.values():
+        writer.write(element)
+    if writer.refused:
+        raise UsageError(
+            f"TORS has no counterpart of {'; '.join(writer.refused)}; it knows disks, shafts and rigid gears in a tree"
+        )
+    _refuse_all_but_a_tree(writer.disks, writer.edges)
+    return Graph(writer.disks, writer.edges)
+
+
+class _GraphWriter:
+    """Writer of the disks and edges of a TORS file, a shaft as such, any other element by its laws and constraints."""
+
+    def __init__(self, drivetrain: Drivetrain) -> None:
+        self.value = Values(drivetrain.exact_values)
+        elements = drivetrain.elements.values()
+        inside = {node for element in elements if _is_chain(element) for node in element.internal_nodes}
+        self.home = _merged(elements, self.value, [node for node in drivetrain.nodes if node not in inside])
+        self.disks: Disks = {node: [] for node in dict.fromkeys(self.home.values())}
+        self.edges: list[Edge] = []
+        self.refused: list[str] = []
+
+    def write(self, element: Element) -> None:
+        if _is_chain(element):
+            first, second = (self.home[node] for node in element.nodes)
+            items = _segments(element, self.value, self.disks, [first, second])
+            self.edges.append(Edge(first, second, [element.name], items))
+            return
+        for part in element.parts(self.value):
+            is_written = self._part(element, part)
+            if not is_written:
+                self.refused.append(describe_element_part(element, part))
+
+    def _part(self, element: Element, part: Part) -> bool:
+        """Write a law or constraint of an element and return whether TORS has a counterpart."""
+        if isinstance(part, Action):
+            return False
+        return self._law(element, part) if isinstance(part, Law) else self._constraint(element, part.row)
+
+    def _law(self, element: Element, law: Law) -> bool:
+        """Write an inertia, damping, spring or damper into the graph and return whether the law is one of these."""
+        factor = next(iter(law.row.values()), 0) ** 2
+        inertia, damping, stiffness = (float(size * factor) for size in (law.inertia, law.damping, law.stiffness))
+        nodes = [self.home.get(node, node) for node in law.row]
+        if law.loss_factor != 0 or law.table is not None:
+            return False
+        if len(nodes) == 1 and not stiffness:
+            self.disks[nodes[0]].append(Disk(name=element.name, inertia=inertia, damping=damping))
+            return True
+        if not _is_difference(law.row) or inertia:
+            return False
+        self._spring(ShaftDiscrete(name=element.name, stiffness=stiffness, damping=damping), *nodes)
+        return True
+
+    def _spring(self, new: ShaftDiscrete, first: str, second: str) -> None:
+        """Write a spring or damper, added to another one that is on the same nodes."""
+        for edge in self.edges:
+            match edge.items:
+                case [ShaftDiscrete() as old] if {edge.first, edge.second} == {first, second}:
+                    stiffness, damping = old.stiffness + new.stiffness, old.damping + new.damping
+                    edge.items[0] = replace(old, stiffness=stiffness, damping=damping)
+                    edge.names.append(new.name)
+                    return
+        self.edges.append(Edge(first, second, [new.name], [new]))
+
+    def _constraint(self, element: Element, row: Row) -> bool:
+        """Write a rigid connection or a gear into the graph and return whether the constraint is one of these."""
+        if _is_joint(element, row):
+            return True
+        if len(row) != 2:
+            return False
+        (first, share), (second, other) = row.items()
+        teeth = element.teeth if isinstance(element, Gear) and set(row) == set(element.nodes) else None
+        ends = self.home[first], self.home[second]
+        self.edges.append(Edge(*ends, [element.name], ratio=float(-other / share), teeth=teeth))
+        return True
+
+
+def _is_chain(element: Element) -> TypeGuard[Shaft]:
+    """Whether an element is a shaft that is written to TORS with all that is between its two ends."""
+    return isinstance(element, Shaft) and GROUND not in element.nodes
+
+
+def _is_difference(row: Row) -> bool:
+    return len(row) == 2 and sum(row.values()) == 0
+
+
+def _is_joint(element: Element, row: Row) -> bool:
+    """Whether a constraint makes two nodes one, which a gear of ratio 1 does not."""
+    return _is_difference(row) and not isinstance(element, Gear)
+
+
+def _refuse_all_but_a_tree(disks: Disks, edges: list[Edge]) -> None:
+    joined = Groups(disks)
+    for edge in edges:
+        if not joined.join(edge.first, edge.second):
+            raise UsageError(
+                f"{', '.join(edge.names)} closes a loop; TORS holds trees only: switch it off, or take another format"
+            )
+    parts = [part[0] for part in joined.groups()]
+    if len(parts) > 1:
+        raise UsageError(
+            f"nothing connects {' and '.join(parts)} in this configuration; "
+            "TORS holds one tree: leave one of the two parts out"
+        )
+
+
+def _merged(elements: Iterable[Element], value: Values, nodes: Sequence[str]) -> dict[str, str]:
+    """Node that stands for each node, by name, as rigid connections make one of two."""
+    joined = Groups(nodes)
+    for element in elements:
+        for part in element.parts(value):
+            if isinstance(part, Constraint) and _is_joint(element, part.row):
+                joined.join(*part.row)
+    return {node: joined.of(node)[0] for node in nodes}
+
+
+def _segments(shaft: Shaft, value: Values, disks: Disks, ends: list[str]) -> list[TorsElement]:
+    """Items of a shaft in a TORS file, its segments, and the disks between them where the inertia is lumped."""
+    n, laws = int(shaft.segments), [part for part in shaft.parts(value) if isinstance(part, Law)]
+    names = [shaft.name if n == 1 else f"{shaft.name} {index}" for index in range(1, n + 1)]
+    elastic = next(law for law in laws if law.is_elastic)
+    damping = float(elastic.damping)
+    if shaft.inertia == "consistent":
+        segment = _continuous(shaft, value, n)
+        return [replace(segment, name=name, damping=damping or None) for name in names]
+    shafts = [ShaftDiscrete(name=name, stiffness=float(elastic.stiffness), damping=damping) for name in names]
+    lump = max(float(law.inertia) for law in laws)
+    if not lump:
+        return [*shafts]
+    for end in ends:
+        disks[end].append(Disk(name=f"{shaft.name} at {end}", inertia=lump))
+    between = [Disk(name=f"{shaft.name} lump {index}", inertia=2 * lump) for index in range(1, n)]
+    return [item for pair in zip_longest(shafts, between) for item in pair if item]
+
+
+def _continuous(shaft: Shaft, value: Values, n: int) -> ShaftContinuous:
+    """Segment of a shaft in a TORS file, of equal stiffness and inertia with openTorsion's shear modulus."""
+    outer, inner, length = (
+        1e3 * float(value(size)) for size in (shaft.outer_diameter, shaft.inner_diameter, shaft.length)
+    )
+    stretch = SHEAR_MODULUS / float(value(shaft.shear_modulus))
+    return ShaftContinuous(
+        name=shaft.name,
+        length=length / n * stretch,
+        outerDiameter=outer,
+        innerDiameter=inner,
+        density=float(value(shaft.density)) / stretch,
+    )
+
 
 WHEEL = 100.0
 """Diameter in mm of the first wheel of a gear known by its ratio alone, as TORS wants diameters or teeth."""

@@ -11,7 +11,7 @@ import numpy as np
 from torsionnet.base.errors import Fault, ModelError
 from torsionnet.signals.recording import Recording
 from torsionnet.signals.records.recording_files import pulse_names, read_even
-from torsionnet.signals.rotation.pulse_reading import PulseReading
+from torsionnet.signals.rotation.counter import PulseReading
 from torsionnet.signals.rotation.wheel_channel import WheelChannel, counted_reading
 
 MOSTLY_RISING = 0.9

@@ -2,19 +2,176 @@
 
 from __future__ import annotations
 
+import json
+import math
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
-from torsionnet.base.entries.composite import Named, Nested
-from torsionnet.base.errors import Fault, ModelError, UsageError
-from torsionnet.io.wheel_pattern_files import read_wheel_pattern
+import numpy as np
+
+from torsionnet.base.atomic import write_text
+from torsionnet.base.entries.composite import Listed, Named, Nested, PairOf
+from torsionnet.base.entries.declared import FORMAT_VERSION, KEY, Declared, version_faults
+from torsionnet.base.entries.spec import Count, EntryError, Flag, OneOf, Schema, Spec, Text, entry
+from torsionnet.base.errors import Fault, ModelError, UsageError, got
 from torsionnet.model.files.library import decode
 from torsionnet.model.files.located_yaml import compose
 from torsionnet.model.files.reader import located_faults, presentable_faults
+from torsionnet.signals.rotation.wheel import WheelPattern
 from torsionnet.signals.rotation.wheel_channel import WheelChannel
-from torsionnet.signals.rotation.wheel_pattern import WheelPattern
+
+# Entries of the file of a wheel's pitch pattern.
+
+UNITS: Mapping[str, float] = {"deg": math.pi / 180, "rad": 1.0}
+"""Factor to rad of each unit in which a file of a pitch pattern may hold its angles."""
+
+
+class AngleOfTooth(Spec[float]):
+    """Entry of a plain number, an angle in the unit that the file of a pitch pattern names."""
+
+    def coerce(self, raw: object) -> float:
+        if isinstance(raw, bool) or not isinstance(raw, int | float) or not math.isfinite(raw):
+            raise EntryError(f"expected a number, in the unit that the file names, {got(raw)}")
+        return float(raw)
+
+    def schema(self) -> Schema:
+        return {"type": "number", "description": self.description}
+
+    @property
+    def accepted(self) -> str:
+        return "float"
+
+
+@dataclass(frozen=True, kw_only=True)
+class WheelPatternFile(Declared):
+    """A pitch pattern of a wheel as its file holds it, tooth by tooth.
+
+    Examples
+    --------
+    >>> WheelPatternFile(teeth=2, unit="deg", positions=[[0.1, 0.01], [-0.1, 0.01]]).positions[0]
+    (0.1, 0.01)
+    """
+
+    kind: ClassVar[str] = "wheel pattern"
+    article: ClassVar[str] = "a wheel pattern"
+    head: ClassVar[tuple[str, ...]] = (KEY,)
+
+    name: str = entry(Text("the wheel, its machine, the date of the calibration"), "")
+    teeth: int = entry(Count("teeth of the wheel, missing ones included", lower=2, upper=10_000_000))
+    missing_teeth: int = entry(Count("teeth that the gap lacks, the last ones of a turn", lower=0), 0)
+    first_tooth: str = entry(Text("which tooth is 0, as: the first after the gap"), "")
+    reversed: bool = entry(Flag("whether the wheel turned against the sense of the model"), False)
+    unresolved_orders: tuple[int, ...] = entry(
+        Listed("whole orders that may be vibration and are left out", Count("a whole order", lower=1)), ()
+    )
+    notes: tuple[str, ...] = entry(Listed("records, method, what was assumed", Text("a sentence")), ())
+    unit: str = entry(OneOf("unit of the positions", tuple(UNITS)))
+    positions: tuple[tuple[float, float], ...] = entry(
+        Listed(
+            "of each tooth, how far it stands beyond its place, and half of the 95 % interval",
+            PairOf("position and half width", AngleOfTooth("an angle"), "[position, half width]"),
+            form="a list of [position, half width] of each tooth",
+        )
+    )
+
+    def contradictions(self) -> list[Fault]:
+        faults = []
+        if len(self.positions) != self.teeth:
+            text = f"{len(self.positions)} positions are given for {self.teeth} teeth, missing ones included"
+            faults.append(Fault(text, ("positions",)))
+        if self.missing_teeth >= self.teeth - 1:
+            text = f"a wheel of {self.teeth} teeth cannot lack {self.missing_teeth}"
+            faults.append(Fault(text, ("missing_teeth",)))
+        pitch = 2 * math.pi / self.teeth / UNITS[self.unit]
+        for place, (position, half_width) in enumerate(self.positions):
+            if abs(position) >= pitch / 2:
+                text = f"tooth {place} stands {position:g} {self.unit} beyond its place, half a pitch or more"
+                faults.append(Fault(f"{text}; check the unit", ("positions", place)))
+            if half_width < 0:
+                faults.append(Fault(f"the half width of tooth {place} is negative", ("positions", place, 1)))
+        return faults
+
+
+# Files of the pitch pattern of a wheel: YAML that a person can read, one tooth a line.
+
+DIGITS = 10
+"""Significant digits of angles in a file of a pitch pattern, far below what any pickup resolves."""
+
+
+def write_wheel_pattern(pattern: WheelPattern, path: str | os.PathLike[str]) -> None:
+    """Write the pitch pattern of a wheel as a YAML file in degrees, whole or not at all.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> path = Path(tempfile.mkdtemp(), "flywheel.yaml")
+    >>> write_wheel_pattern(WheelPattern(np.radians([0.1, -0.1]), np.zeros(2), name="flywheel"), path)
+    >>> read_wheel_pattern(path).name
+    'flywheel'
+    """
+    write_text(path, "\n".join([*_lines(pattern), ""]))
+
+
+def _lines(pattern: WheelPattern) -> Iterator[str]:
+    yield f"{KEY}: {FORMAT_VERSION}"
+    yield f"name: {_text(pattern.name)}"
+    yield f"teeth: {pattern.teeth}"
+    yield f"missing_teeth: {pattern.missing}"
+    yield f"first_tooth: {_text(pattern.first)}"
+    yield f"reversed: {str(pattern.reversed).lower()}"
+    yield f"unresolved_orders: {list(pattern.unresolved)}"
+    yield "notes:" if pattern.notes else "notes: []"
+    for note in pattern.notes:
+        yield f"  - {_text(note)}"
+    yield "unit: deg"
+    yield "positions:  # by how much each tooth stands beyond its place, and half of the 95 % interval"
+    for tooth, angles in enumerate(np.degrees(np.column_stack([pattern.positions, pattern.half_widths]))):
+        yield f"  - [{', '.join(f'{angle:.{DIGITS}g}' for angle in angles)}]  # tooth {tooth}"
+
+
+def _text(text: str) -> str:
+    return json.dumps(text, ensure_ascii=False)
+
+
+def read_wheel_pattern(path: str | os.PathLike[str]) -> WheelPattern:
+    """Read the pitch pattern of a wheel from its file, angles in rad.
+
+    Raises
+    ------
+    ModelError
+        With every fault of the file and its place.
+    UsageError
+        There is no such file.
+    """
+    file = Path(path)
+    try:
+        document = compose(decode(file.read_bytes(), str(file)).removeprefix("\ufeff"), str(file))
+    except OSError as error:
+        raise UsageError(f"{file} cannot be read: {error.strerror or error}") from None
+    except ModelError as error:
+        raise ModelError(presentable_faults(error.faults), file.name) from None
+    if not isinstance(document.data, dict):
+        text = f"this is no wheel pattern; torsionnet calibrate-wheel writes one, with {KEY}: 1, teeth: and positions:"
+        raise ModelError([Fault(text, position=document.position())], file.name)
+    found, faults = WheelPatternFile.read(document.data)
+    faults = [*document.faults, *version_faults(document.data, "wheel pattern"), *faults]
+    if found is None or faults:
+        raise ModelError(located_faults(faults, document), file.name)
+    angles = np.array(found.positions) * UNITS[found.unit]
+    return WheelPattern(
+        positions=angles[:, 0],
+        half_widths=angles[:, 1],
+        missing=found.missing_teeth,
+        name=found.name,
+        first=found.first_tooth,
+        unresolved=tuple(found.unresolved_orders),
+        notes=tuple(found.notes),
+        reversed=found.reversed,
+    )
+
 
 WHEELS = Named(
     "wheels by the channel of their pulses",

@@ -1,8 +1,8 @@
 # Written by `make generate`.
 from torsionnet.linear.estimation import Estimation as Estimation
+from torsionnet.linear.modes.mode_pairs import VibrationMode as VibrationMode
+from torsionnet.linear.modes.mode_pairs import amplification as amplification
 from torsionnet.linear.modes.modes import ModeRow as ModeRow
-from torsionnet.linear.modes.vibration_mode import VibrationMode as VibrationMode
-from torsionnet.linear.modes.vibration_mode import amplification as amplification
 from torsionnet.linear.responses.loop_margins import LoopMargins as LoopMargins
 from torsionnet.linear.responses.loop_margins import Margin as Margin
 

@@ -11,9 +11,8 @@ import numpy as np
 from torsionnet.base.errors import SolveError, UsageError
 from torsionnet.base.notes import NoteOrText, warning
 from torsionnet.linear.frequency_response import Channel, FrequencyResponse
-from torsionnet.modal.remarks import FEWEST_PEAK_LINES, line_spacing
-from torsionnet.modal.settings import Settings
-from torsionnet.modal.spectral_lines import ORDERS, ComplexArray, FloatArray, lines_of
+from torsionnet.modal.modal_estimate import FEWEST_PEAK_LINES, line_spacing
+from torsionnet.modal.spectral_lines import ORDERS, ComplexArray, FloatArray, Settings, lines_of
 
 FEWEST_POINTS = 5
 """Fewest lines on a circle to which it is fitted, as three define it and the others show whether they lie on it."""

@@ -18,8 +18,8 @@ from torsionnet.base.table import Column, Table
 from torsionnet.linear.frequency_response import Channel
 from torsionnet.linear.modes.modes import Modes
 from torsionnet.modal.criteria import mac
+from torsionnet.modal.matrix_fraction import as_poles, damping_ratios, natural_frequencies, upper_half, without_rounding
 from torsionnet.modal.modal_estimate import IdentifiedMode, ModalEstimate
-from torsionnet.modal.poles import as_poles, damping_ratios, natural_frequencies, upper_half, without_rounding
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray
 
 IntArray: TypeAlias = NDArray[np.int_]

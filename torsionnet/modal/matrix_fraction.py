@@ -3,19 +3,154 @@
 The right matrix fraction ``H = s^p B A^-1 / s^q`` is linear in A and B once multiplied by A. The rows of B
 belong to one output each and are eliminated by QR decompositions; the equations left define A, whose roots are the
 poles.
+
+Powers of z are on the unit circle; the polynomials in s are orthogonal over the lines of a measurement (Forsythe's, as
+in Richardson and Formenti, IMAC 1982). On the imaginary axis these are even or odd, so that
+
+    s p_k = b_(k+1) p_(k+1) - b_k p_(k-1)
+
+with one real coefficient for each degree. No powers of s are formed, which would lose digits.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-from torsionnet.modal.poles import upper_half, without_rounding
-from torsionnet.modal.polynomials import Family, orthogonal, powers, roots
-from torsionnet.modal.settings import Settings
-from torsionnet.modal.spectral_lines import ComplexArray, FloatArray, Lines
+from torsionnet.base.errors import UsageError
+from torsionnet.linear.modes.modes import OSCILLATORY, REAL
+from torsionnet.modal.spectral_lines import ComplexArray, FloatArray, Lines, Settings
+
+# Natural frequencies, damping ratios and kinds of poles, and one pole of each conjugate pair.
+
+ROUND_OFF = 1e-9
+"""Imaginary part of a pole over its size up to which the pole counts as real, being rounding of the eigenvalues."""
+
+
+def natural_frequencies(poles: ArrayLike) -> FloatArray:
+    """Natural frequencies ``|lambda| / 2 pi`` in Hz of poles lambda in rad/s, same shape."""
+    return np.asarray(np.abs(poles) / (2 * np.pi))
+
+
+def damping_ratios(poles: ArrayLike) -> FloatArray:
+    """Damping ratios ``-Re lambda / |lambda|`` of poles lambda in rad/s, same shape, 1 for a stable real pole."""
+    values = np.asarray(poles, dtype=complex)
+    return np.asarray(-values.real / np.abs(values))
+
+
+def kinds(poles: ComplexArray) -> tuple[str, ...]:
+    """Kind of each pole, ``"oscillatory"`` or ``"real pole"``, in the order of the poles."""
+    return tuple(REAL if value.imag == 0 else OSCILLATORY for value in poles)
+
+
+def upper_half(roots: ComplexArray) -> NDArray[np.int_]:
+    """Indices of the real roots and of one root of each conjugate pair, sorted by magnitude, among all roots."""
+    kept = np.flatnonzero(roots.imag >= -ROUND_OFF * np.abs(roots))
+    return np.asarray(kept[np.argsort(np.abs(roots[kept]), kind="stable")])
+
+
+def without_rounding(roots: ComplexArray) -> ComplexArray:
+    """Copy of complex roots in which an imaginary part of rounding size is zero, same shape."""
+    return np.where(np.abs(roots.imag) <= ROUND_OFF * np.abs(roots), roots.real, roots)
+
+
+def as_poles(given: ArrayLike) -> ComplexArray:
+    """Poles in rad/s (n,), one of each conjugate pair, sorted by size, from a list that may hold both of a pair.
+
+    >>> as_poles([-1 + 10j, -1 - 10j, -3]).tolist()
+    [(-3+0j), (-1+10j)]
+    """
+    values = without_rounding(np.atleast_1d(np.asarray(given, dtype=complex)))
+    if values.ndim != 1 or not len(values) or not np.isfinite(values).all() or not values.all():
+        raise UsageError(
+            "poles are a list of finite numbers in rad/s other than 0; give one or both of each conjugate pair"
+        )
+    return np.asarray(values[upper_half(values)])
+
+
+# Polynomial bases (powers of z, orthogonal polynomials of s), and roots of matrix polynomials in them.
+
+
+@dataclass(frozen=True, eq=False)
+class Family:
+    """Basis of polynomials of degree 0 to n, with the value of each at every line, (n_f, n + 1).
+
+    Attributes
+    ----------
+    values : (n_f, n + 1) complex array
+        Value of each polynomial at each line.
+    up, down : (n,) arrays
+        ``x p_k = up[k] p_(k+1) + down[k] p_(k-1)``.
+    """
+
+    values: ComplexArray
+    up: FloatArray
+    down: FloatArray
+
+
+def powers(z: ComplexArray, degree: int) -> Family:
+    """Basis of the powers 1, z, z^2, ... up to a degree, with their values at the lines z."""
+    return Family(z[:, None] ** np.arange(degree + 1), np.ones(degree), np.zeros(degree))
+
+
+def orthogonal(s: ComplexArray, weights: FloatArray, degree: int) -> Family:
+    """Basis of polynomials orthonormal over the lines s = j omega under the given weights, up to a degree.
+
+    >>> s = 1j * np.linspace(1, 2, 50)
+    >>> values = orthogonal(s, np.ones(50), 3).values
+    >>> bool(np.allclose((values.conj().T @ values).real, np.eye(4)))
+    True
+    """
+    omega = s.imag
+    real = np.zeros((len(s), degree + 1))
+    real[:, 0] = 1 / np.linalg.norm(weights)
+    steps = np.zeros(degree + 1)
+    for k in range(degree):
+        raised = omega * real[:, k] - (steps[k] * real[:, k - 1] if k else 0.0)
+        # The recurrence alone loses orthogonality at high degrees; only those of like parity overlap.
+        same = real[:, (k + 1) % 2 : k + 1 : 2]
+        raised -= same @ (same.T @ (weights**2 * raised))
+        steps[k + 1] = np.linalg.norm(weights * raised)
+        real[:, k + 1] = raised / steps[k + 1]
+    return Family(real * 1j ** np.arange(degree + 1), steps[1:], -steps[:-1])
+
+
+def roots(coefficients: FloatArray, family: Family) -> tuple[ComplexArray, ComplexArray]:
+    """Roots (n m,) of a matrix polynomial ``sum A_k p_k``, where it is singular, and row vectors u with u A = 0.
+
+    Parameters
+    ----------
+    coefficients : (n + 1, m, m) array
+        A_k.
+    family : Family
+
+    Returns
+    -------
+    roots : (n m,) complex array
+    rows : (n m, m) complex array
+        u with ``u A(root) = 0``.
+
+    Notes
+    -----
+    Eigenvalues of the comrade matrix: the companion matrix in another basis than powers.
+    """
+    import scipy.linalg
+
+    degree, size = len(coefficients) - 1, coefficients.shape[1]
+    transposed = coefficients.transpose(0, 2, 1)
+    comrade = np.zeros((degree, size, degree, size))
+    unit = np.eye(size)
+    for k in range(degree - 1):
+        comrade[k, :, k + 1] = family.up[k] * unit
+        comrade[k + 1, :, k] = family.down[k + 1] * unit
+    last = np.linalg.lstsq(transposed[-1], np.hstack(list(transposed[:-1])))[0]
+    comrade[-1] -= family.up[degree - 1] * last.reshape(size, degree, size)
+    found, vectors = scipy.linalg.eig(comrade.reshape(degree * size, degree * size))
+    return np.asarray(found), np.asarray(vectors[:size].T)
+
 
 MOST_ROUNDS = 20
 """Largest number of rounds in which a fit is reweighted, as poles of noise may never converge."""

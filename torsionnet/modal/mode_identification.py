@@ -10,16 +10,12 @@ from numpy.typing import ArrayLike
 from torsionnet.base.notes import warning
 from torsionnet.base.threads import one_thread
 from torsionnet.linear.frequency_response import FrequencyResponse
-from torsionnet.modal.method_choice import stabilisation
-from torsionnet.modal.modal_estimate import ModalEstimate, estimate_from_expansion
-from torsionnet.modal.poles import as_poles
-from torsionnet.modal.record_fit import fit_record, record_lines
-from torsionnet.modal.refinement import refine
-from torsionnet.modal.remarks import about_fit
+from torsionnet.modal.matrix_fraction import as_poles
+from torsionnet.modal.modal_estimate import ModalEstimate, about_fit, estimate_from_expansion
+from torsionnet.modal.refinement import fit_record, record_lines, refine
 from torsionnet.modal.residues import expand
-from torsionnet.modal.selection import CLOSE_MODES, SelectedPoles, Selection, merged, select
-from torsionnet.modal.settings import Settings
-from torsionnet.modal.spectral_lines import ComplexArray, Lines, band_notes, lines_of
+from torsionnet.modal.selection import CLOSE_MODES, SelectedPoles, Selection, merged, select, stabilisation
+from torsionnet.modal.spectral_lines import ComplexArray, Lines, Settings, band_notes, lines_of
 from torsionnet.modal.stabilisation_chart import Stabilisation
 
 UNSETTLED = warning("the refinement did not settle; fewer poles or a narrower band may help")

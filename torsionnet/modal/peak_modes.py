@@ -11,11 +11,9 @@ import numpy as np
 from torsionnet.base.errors import SolveError
 from torsionnet.base.notes import NoteOrText, warning
 from torsionnet.linear.frequency_response import FrequencyResponse
-from torsionnet.modal.modal_estimate import ModalEstimate, estimate_from_expansion
-from torsionnet.modal.remarks import FEWEST_PEAK_LINES, line_spacing
+from torsionnet.modal.modal_estimate import FEWEST_PEAK_LINES, ModalEstimate, estimate_from_expansion, line_spacing
 from torsionnet.modal.residues import Expansion
-from torsionnet.modal.settings import Settings
-from torsionnet.modal.spectral_lines import FloatArray, Lines, band_notes, lines_of
+from torsionnet.modal.spectral_lines import FloatArray, Lines, Settings, band_notes, lines_of
 
 HALF_POWER_DAMPING_LIMIT = 0.10
 """Damping ratio up to which the half-power width gives it right, and above which a warning is given."""

@@ -3,6 +3,11 @@
 The linear fits minimise squares of an equation, which noise biases. Here the squares of ``H - model`` are minimised
 over the poles, with the residues eliminated (variable projection; Golub and Pereyra 1973, Kaufman 1975). An
 oscillatory mode is ``s^2 + b s + c``: as b grows it becomes two real poles without a step.
+
+The windows of an estimate widen peaks, so that a mode comes as two or with too much damping, and no number of averages
+helps. The lines of the whole record have no such error once the free decays at its ends are unknowns of the fit (R.
+Pintelon and J. Schoukens, System Identification, 2nd ed., chapters 6 and 9): ``Y = s^p H X + T``, T with the poles of
+H. Noise on the input counts as noise on the outputs that the response has shaped.
 """
 
 from __future__ import annotations
@@ -11,9 +16,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from torsionnet.modal.projection import Projection, coefficients_of
-from torsionnet.modal.settings import Settings
-from torsionnet.modal.spectral_lines import ComplexArray, FloatArray, Lines
+from torsionnet.linear.frequency_response import FrequencyResponse
+from torsionnet.modal.matrix_fraction import largest_order, poles_of_orders
+from torsionnet.modal.residues import Expansion, Projection, coefficients_of, expand
+from torsionnet.modal.selection import BicCriterion, line_correlation, pole_count
+from torsionnet.modal.spectral_lines import ComplexArray, FloatArray, Lines, Settings
+from torsionnet.signals.decimation import FILTER_HALF_LENGTH
+from torsionnet.signals.recording import Recording
 
 SMALLEST_VALUE = 1e-12
 """Least coefficient, and least residual over the response, that is assumed, as their logarithm and inverse are
@@ -180,3 +189,149 @@ def _errors(poles: ComplexArray, slopes: ComplexArray, covariance: FloatArray) -
         np.sqrt(np.maximum(np.einsum("np,pq,nq->n", part, covariance, part), 0)) for part in (along, damping)
     )
     return first, second
+
+
+# Modes fitted to the record behind an estimate: one window as long as the record, with the transients at its ends.
+
+ONE_RECORD = ("H1", "H2")
+"""Estimators of one input for which the fit to the record stands, as they need no other statement on the noise."""
+LEAST_HIGHEST_ORDER, MORE_ORDERS = 12, 8
+"""Highest order of the polynomials at least fitted to a record, and orders beyond those of the poles that its estimate
+shows, as windows hide modes, or beyond the best one."""
+ENOUGH = 1e-8
+"""Relative change of the squares below which a fit ends that only decides which poles are worth their unknowns."""
+HIDDEN_FREQUENCIES, HIDDEN_DAMPINGS = 12, (0.2, 0.4, 0.7)
+"""Natural frequencies over the band, and damping ratios, at which hidden modes are sought: orders show light ones."""
+LEAST_GAIN = 22.0
+"""Fall of the residuals' squares over their mean with which a hidden mode counts: by chance, in one of 1000 records
+(chi-squared of four unknowns, five independent places)."""
+PASSES = 2
+"""Choices of the order, the second with the noise that the first leaves at each line."""
+
+
+@dataclass(frozen=True, eq=False)
+class RecordFit:
+    """Modes fitted to a record, with the share (n_out, n_in) of its spectrum that they leave over."""
+
+    refined: RefinedPoles
+    expansion: Expansion
+    misfit: FloatArray
+
+
+def record_lines(response: FrequencyResponse, lines: Lines, poles: ComplexArray, settings: Settings) -> Lines | str:
+    """Lines of the record behind an estimate in the band of its own lines, or why there are none, in words."""
+    origin, inputs = response.estimation, [channel.name for channel in response.inputs]
+    if origin is None:
+        return "how it was averaged is not known"
+    if len(inputs) > 1:
+        return "the estimate has several inputs"
+    if origin.estimator not in ONE_RECORD:
+        return f"{origin.estimator} supposes noise on the input"
+    names = [channel.name for channel in response.outputs]
+    if not isinstance(record := origin.record, Recording) or not {*names, *inputs} <= set(record.names):
+        return "its record is not at hand"
+    ends = FILTER_HALF_LENGTH if origin.decimation > 1 else 0  # there a filter has met what is no part of the record
+    kept = slice(ends, len(record) - ends)
+    frequencies = np.fft.rfftfreq(len(record) - 2 * ends, 1 / record.sampling_rate)
+    band = np.abs(lines.s[[0, -1]]) / (2 * np.pi)
+    inside = (frequencies >= band[0] * (1 - 1e-9)) & (frequencies <= band[1] * (1 + 1e-9))
+    torque = record[inputs[0]]
+    course = torque.course(record.sampling_rate).share(frequencies[inside])
+    drive = np.fft.rfft(torque.values[kept])[inside] * course
+    values = np.stack([np.fft.rfft(record[name].values[kept])[inside] for name in names], axis=1)[:, :, None]
+    if not np.count_nonzero(drive) or not np.abs(values).max(axis=(0, 2)).all():
+        return "a signal of its record stands still"
+    weights = np.broadcast_to(1 / np.sqrt(np.mean(np.abs(values) ** 2, axis=0)), values.shape).copy()
+    found = Lines(np.asarray(2j * np.pi * frequencies[inside]), values, lines.powers, weights, drive)
+    too_few = Projection(found, factors_of(poles)[0], settings).unknowns > values.size
+    return "its record is too short" if too_few else found
+
+
+def fit_record(lines: Lines, start: ComplexArray, settings: Settings, *, automatic: bool) -> RecordFit:
+    """Modes fitted to the lines of a record from start poles in rad/s, ``automatic`` as many as lower the BIC."""
+    poles = _chosen(lines, start, settings) if automatic else start
+    refined = refine(lines, poles, settings)
+    problem, at = refined.problem, refined.logarithms
+    expansion = expand(replace(problem.without_transients(at), s=lines.s), refined.poles, settings)
+    left = problem.complex_residuals(at) / problem.lines.weights
+    share = np.sqrt(np.sum(np.abs(left) ** 2, axis=0) / np.sum(np.abs(lines.values) ** 2, axis=0))
+    return RecordFit(refined, expansion, np.asarray(share))
+
+
+def _chosen(lines: Lines, start: ComplexArray, settings: Settings) -> ComplexArray:
+    """Poles in rad/s worth their unknowns, of the start poles and of linear fits of rising order to the record."""
+    scale = float(np.abs(lines.s).max())
+    scaled = replace(lines, s=lines.s / scale)
+    highest = settings.highest_order or max(LEAST_HIGHEST_ORDER, pole_count(start) + MORE_ORDERS)
+    highest = min(highest, largest_order(lines, settings) // 2)
+    best = start / scale
+    for _ in range(PASSES):
+        candidates, left, values = [best], [_left(scaled, best, settings)], [np.inf]
+        for poles, _ in poles_of_orders(scaled, highest, replace(settings, method="rational")):
+            if len(poles):
+                candidates.append(poles)
+                left.append(_left(scaled, poles, settings))
+            criterion = BicCriterion(scaled, min(left, key=lambda each: float((np.abs(each) ** 2).sum())))
+            values = [criterion.value(each, pole_count(one)) for each, one in zip(left, candidates, strict=True)]
+            if len(candidates) > int(np.argmin(values)) + MORE_ORDERS + 1:
+                break
+        place = int(np.argmin(values))
+        best = candidates[place]
+        scaled = _with_noise_of(scaled, best, settings)
+    while len(fewer := _without_useless(scaled, best, settings)) < len(best):
+        best, scaled = fewer, _with_noise_of(scaled, fewer, settings)  # what useless poles took is noise, too
+    return _with_hidden(scaled, fewer, settings, highest) * scale
+
+
+def _with_noise_of(lines: Lines, poles: ComplexArray, settings: Settings) -> Lines:
+    """Copy of the lines with weights by the noise that given poles with their best residues leave."""
+    sizes, coefficients = factors_of(poles)
+    return reweighted(Projection(lines, sizes, settings), np.log(coefficients))
+
+
+def _without_useless(lines: Lines, poles: ComplexArray, settings: Settings) -> ComplexArray:
+    """Poles left when the least useful one is dropped, and the others fitted again, while that lowers the BIC."""
+    poles, left = _fitted(lines, poles, settings)
+    while len(poles) > 1:
+        criterion = BicCriterion(lines, left)
+        trials = [np.delete(poles, place) for place in range(len(poles))]
+        sizes = [float((np.abs(_left(lines, rest, settings)) ** 2).sum()) for rest in trials]
+        fewer, over = _fitted(lines, trials[int(np.argmin(sizes))], settings)
+        if criterion.value(over, pole_count(fewer)) >= criterion.value(left, pole_count(poles)):
+            break
+        poles, left = fewer, over
+    return poles
+
+
+def _with_hidden(lines: Lines, poles: ComplexArray, settings: Settings, highest: int) -> ComplexArray:
+    """Poles, and strongly damped ones beside them that the residuals show, though not clearly enough for the BIC.
+
+    Without them the standard errors of the others would not cover what they make of the part of a hidden mode.
+    """
+    low, high = np.abs(lines.s[[0, -1]])
+    tried = [(w, z) for w in np.geomspace(low, high, HIDDEN_FREQUENCIES) for z in HIDDEN_DAMPINGS]
+    factors = np.array([(2 * z * w, w**2) for w, z in tried])
+    while pole_count(poles) + 2 <= highest:
+        sizes, coefficients = factors_of(poles)
+        problem = Projection(lines, sizes, settings)
+        gains = problem.gains(np.log(coefficients), factors)
+        same = line_correlation(problem.complex_residuals(np.log(coefficients)))
+        if gains.max() * (1 - same) / (1 + same) < LEAST_GAIN:
+            break
+        hidden, _ = roots_of((2,), factors[int(np.argmax(gains))])
+        poles, _ = _fitted(lines, np.append(poles, hidden), settings)
+    return poles
+
+
+def _fitted(lines: Lines, poles: ComplexArray, settings: Settings) -> tuple[ComplexArray, ComplexArray]:
+    """Poles of the least squares nearest to start poles, with the weighted residuals, (n_f, n_out, n_in)."""
+    sizes, start = factors_of(poles)
+    problem = Projection(lines, sizes, settings)
+    logarithms, _ = minimised(problem, start, ENOUGH)
+    return roots_of(sizes, coefficients_of(logarithms))[0], problem.complex_residuals(logarithms)
+
+
+def _left(lines: Lines, poles: ComplexArray, settings: Settings) -> ComplexArray:
+    """Weighted residuals (n_f, n_out, n_in) with given poles and their best residues."""
+    sizes, coefficients = factors_of(poles)
+    return Projection(lines, sizes, settings).complex_residuals(np.log(coefficients))

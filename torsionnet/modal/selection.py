@@ -2,18 +2,106 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias
 
 import numpy as np
 
 from torsionnet.base.errors import SolveError, UsageError
+from torsionnet.base.threads import one_thread
 from torsionnet.linear.frequency_response import FrequencyResponse
-from torsionnet.modal.poles import damping_ratios, natural_frequencies
-from torsionnet.modal.schwarz_criterion import best_order, significant_poles
-from torsionnet.modal.spectral_lines import ComplexArray
-from torsionnet.modal.stabilisation_chart import Stabilisation
+from torsionnet.modal.matrix_fraction import damping_ratios, natural_frequencies
+from torsionnet.modal.residues import expand
+from torsionnet.modal.spectral_lines import DEFAULT_HIGHEST_ORDER, ComplexArray, Lines, Method, Settings
+from torsionnet.modal.stabilisation_chart import Stabilisation, diagram
+
+# Schwarz criterion (BIC) of fits with different numbers of poles, misfit against number of unknowns.
+
+ROUND_OFF = 1e-9
+"""RMS residual over RMS response below which a fit counts as exact, as a smaller one is rounding and must not favour
+more poles."""
+LARGEST_CORRELATION = 0.95
+"""Largest correlation of residuals at neighbouring lines that is assumed, as at 1 the number of equations would be
+0."""
+
+
+def line_correlation(left: ComplexArray) -> float:
+    """Correlation, 0 to 0.95, of a fit's residuals (n_f, ...) at neighbouring lines, which windows cause."""
+    total = max(float(np.sum(np.abs(left) ** 2)), np.finfo(float).tiny)
+    return float(np.clip(np.sum(left[1:] * left[:-1].conj()).real / total, 0, LARGEST_CORRELATION))
+
+
+@dataclass(frozen=True, eq=False)
+class BicCriterion:
+    """Schwarz criterion (BIC) for fits of the same lines, of which the one with the lowest value is the best.
+
+    Attributes
+    ----------
+    lines : Lines
+    noise : (n_f, n_out, n_in) complex array
+        Weighted residuals of the best fit; where neighbouring lines are correlated they count for less.
+    """
+
+    lines: Lines
+    noise: ComplexArray
+
+    def value(self, left: ComplexArray, poles: int) -> float:
+        """Schwarz criterion of a fit from its weighted residuals and its number of poles (both of each pair)."""
+        count, outputs, inputs = left.shape
+        size = np.mean(np.abs(self.lines.weights * self.lines.values) ** 2, axis=0)
+        squares = np.maximum(np.mean(np.abs(left) ** 2, axis=0), ROUND_OFF**2 * size)
+        same = line_correlation(self.noise)
+        equations = 2 * count * (1 - same) / (1 + same)
+        residues = outputs if self.lines.drive is None else 2 * outputs  # of a record, and those of its transients
+        unknowns = poles * (residues + inputs)
+        return float(equations * np.log(squares).sum() + unknowns * np.log(max(2, equations * squares.size)))
+
+
+def significant_poles(lines: Lines, poles: ComplexArray, rows: ComplexArray, settings: Settings) -> list[int]:
+    """Indices of the poles kept when the least useful pole is dropped again and again while that lowers the BIC."""
+    kept = list(range(len(poles)))
+    left = weighted_residuals(lines, poles, rows, settings)
+    criterion = BicCriterion(lines, left)
+    best = criterion.value(left, pole_count(poles))
+    while len(kept) > 1:
+        trials = []
+        for place in kept:
+            rest = [other for other in kept if other != place]
+            trials.append(
+                (
+                    criterion.value(
+                        weighted_residuals(lines, poles[rest], rows[rest], settings), pole_count(poles[rest])
+                    ),
+                    place,
+                )
+            )
+        least, place = min(trials)
+        if least >= best:
+            break
+        best = least
+        kept.remove(place)
+    return kept
+
+
+def weighted_residuals(lines: Lines, poles: ComplexArray, rows: ComplexArray, settings: Settings) -> ComplexArray:
+    """Weighted residuals (n_f, n_out, n_in) of a fit with given poles and their best residues, complex."""
+    expansion = expand(lines, poles, settings, rows)
+    return np.asarray(lines.weights * (lines.values - expansion.values(lines.s, lines.powers)))
+
+
+def pole_count(poles: ComplexArray) -> int:
+    """Number of poles with both of each conjugate pair counted, from a list with one of each."""
+    return int(np.sum(1 + (poles.imag != 0)))
+
+
+def best_order(lines: Lines, left: list[ComplexArray]) -> int:
+    """Index (from 0) of the order of a fit with the lowest BIC, from the weighted residuals of each order."""
+    squares = [np.log(np.maximum(np.mean(np.abs(each) ** 2, axis=0), np.finfo(float).tiny)).sum() for each in left]
+    criterion = BicCriterion(lines, left[int(np.argmin(squares))])
+    inputs = lines.values.shape[2]
+    return int(np.argmin([criterion.value(each, (place + 1) * inputs) for place, each in enumerate(left)]))
+
 
 Selection: TypeAlias = Literal["order", "clusters"] | int | Sequence[tuple[int, float]]
 
@@ -212,3 +300,80 @@ def _seen(diagram: Stabilisation, place: Place) -> int:
         any(_is_same(diagram, place, (index, pole)) for pole in range(len(order.poles)))
         for index, order in enumerate(diagram.orders)
     )
+
+
+# Stabilisation diagram by the better of two methods, rational fraction (few modes) or LSCF (many light ones).
+
+NAMES: Mapping[Method, str] = {"rational": "rational fraction", "lscf": "LSCF"}
+"""Name of each identification method in the sentence that explains the choice of the method."""
+CLEAR_BIC_DIFFERENCE = 10.0
+"""Difference of BIC between two methods above which the worse one has next to no support (Kass and Raftery 1995)."""
+
+
+@one_thread()
+def stabilisation(response: FrequencyResponse, settings: Settings | None = None) -> Stabilisation:
+    """Stabilisation diagram of a response, with the poles of all orders and which of them stay between orders.
+
+    Parameters
+    ----------
+    response : FrequencyResponse
+        One or several transfer functions of one test: they share their poles.
+    settings : Settings, optional
+        With the method ``auto`` both are run, and the diagram is that of the rational fraction unless the modes of LSCF
+        have a clearly lower Schwarz criterion (BIC) over the same lines.
+
+    Raises
+    ------
+    UsageError
+        There are too few frequencies, or channels that no modes are fitted to.
+    SolveError
+        No order has a stable pole.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import torsionnet as tn
+    >>> rig = tn.load("amt_rig").configured("II")
+    >>> diagram = stabilisation(rig.frequency_response("theta_1", "T_T", np.arange(0.5, 30, 0.1)))
+    >>> diagram.at(4).poles.round(3).tolist()
+    [(-6.07+24.035j), (-38.561+76.597j)]
+    """
+    chosen = settings or Settings()
+    return _chosen(response, chosen) if chosen.method == "auto" else diagram(response, chosen)
+
+
+def _chosen(response: FrequencyResponse, settings: Settings) -> Stabilisation:
+    """Diagram of the method whose modes have the lower BIC, the rational fraction unless the difference is clear."""
+    plans: tuple[tuple[Method, Selection, int], ...] = (
+        ("rational", "order", min(DEFAULT_HIGHEST_ORDER["rational"], settings.order)),
+        ("lscf", "clusters", settings.order),
+    )
+    found: dict[Method, Stabilisation] = {}
+    taken: dict[Method, SelectedPoles] = {}
+    failure: SolveError | None = None
+    for method, rule, order in plans:
+        try:
+            found[method] = diagram(response, replace(settings, method=method, highest_order=order))
+            taken[method] = select(found[method], rule)
+        except SolveError as error:
+            failure = failure or error
+    if not taken:
+        assert failure is not None
+        raise failure
+    if len(taken) == 1:
+        (only,) = taken
+        (other,) = NAMES.keys() - taken.keys()
+        return replace(found[only], choice=f"{NAMES[only]}, since {NAMES[other]} finds no stable pole")
+    better = _advantage(found["rational"], taken["rational"], taken["lscf"])
+    best, rest = tuple(NAMES)[:: -1 if better > CLEAR_BIC_DIFFERENCE else 1]
+    how = f"{abs(better):.4g} higher" if abs(better) > CLEAR_BIC_DIFFERENCE else "no better"
+    return replace(found[best], choice=f"{NAMES[best]} rather than {NAMES[rest]}, whose BIC is {how}")
+
+
+def _advantage(diagram: Stabilisation, taken: SelectedPoles, other: SelectedPoles) -> float:
+    """BIC of the first choice of poles less that of the second, both with the noise of the better fit."""
+    both = (taken, other)
+    left = [weighted_residuals(diagram.lines, one.poles, one.participations, diagram.settings) for one in both]
+    criterion = BicCriterion(diagram.lines, min(left, key=lambda one: float((abs(one) ** 2).sum())))
+    first, second = (criterion.value(rest, pole_count(one.poles)) for rest, one in zip(left, both, strict=True))
+    return first - second

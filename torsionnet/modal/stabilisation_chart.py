@@ -11,11 +11,9 @@ from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.errors import SolveError
 from torsionnet.base.table import Column, Table
 from torsionnet.linear.frequency_response import FrequencyResponse
-from torsionnet.modal.matrix_fraction import largest_order, poles_of_orders
-from torsionnet.modal.poles import damping_ratios, natural_frequencies
+from torsionnet.modal.matrix_fraction import damping_ratios, largest_order, natural_frequencies, poles_of_orders
 from torsionnet.modal.residues import expand
-from torsionnet.modal.settings import Criteria, Settings
-from torsionnet.modal.spectral_lines import ComplexArray, Lines, lines_of
+from torsionnet.modal.spectral_lines import ComplexArray, Criteria, Lines, Settings, lines_of
 
 
 @dataclass(frozen=True, eq=False)

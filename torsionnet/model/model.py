@@ -370,7 +370,7 @@ class Model:
         use = {key: value for key, value in use.items() if value is not None}
         use["part"] = part if isinstance(part, str) else ""
         given = None if isinstance(part, str) else part.definition
-        from torsionnet.model.parts.part_insertion import with_use
+        from torsionnet.model.parts.authored_model import with_use
 
         authored, faults = with_use(self._state.base, name, use, given)
         definition, found = flatten_definition(authored)
@@ -493,7 +493,7 @@ def as_part(model: Any) -> Any:
     """Part made of a model with ports, to be put into another model; other objects are returned unchanged."""
     if not isinstance(model, Model):
         return model
-    from torsionnet.model.parts.part_insertion import part_of
+    from torsionnet.model.parts.authored_model import part_of
 
     return part_of(model.definition)[0]
 

@@ -8,8 +8,7 @@ from typing import Any
 from torsionnet.base.entries.spec import not_none
 from torsionnet.base.errors import Fault, ModelName, TorsionnetError, Worded
 from torsionnet.model.element_base.laws import own_node
-from torsionnet.model.element_base.speed_loops import second_ratio
-from torsionnet.model.element_base.speed_path import LawsAtOwnShaft, SpeedPath, SpeedPaths
+from torsionnet.model.element_base.speed_path import LawsAtOwnShaft, SpeedPath, SpeedPaths, second_ratio
 from torsionnet.model.elements import Element, Law, Values
 
 

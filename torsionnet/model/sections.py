@@ -61,7 +61,7 @@ def _read_element(name: Any, raw: object) -> tuple[Element | None, list[Fault]]:
     cls, entries = ELEMENT_TYPES[kind], {key: value for key, value in raw.items() if key != "type"}
     if entries.keys().isdisjoint((CATALOGUE, SIZE)):
         return _made(cls, name, entries)
-    from torsionnet.model.catalogues.catalogue_values import chosen_row, row_entries
+    from torsionnet.model.catalogues.catalogue_reading import chosen_row, row_entries
 
     row, faults = chosen_row(entries)
     if row is None:
@@ -152,14 +152,14 @@ OWNERS = {
 """Owner of each section that few models have, by its key in a model file."""
 CONDITIONS_AT_RATED_SPEED = (
     "torsionnet.machinery.checks.rating_mismatches:rating_mismatches",
-    "torsionnet.machinery.checks.propeller_conditions:archer_at_small_torque",
+    "torsionnet.machinery.checks.excitation_checks:archer_at_small_torque",
 )
 """Places of the checks of powers and speeds at rated speed, functions of the external torques."""
 EXCITATION_NUMBERS = "torsionnet.machinery.excitations.excitation_numbers:with_numbers"
 """Place of the function that puts other numbers into excitations."""
 REPORT_FAULTS = "torsionnet.report.plan.report_checks:check_report"
 """Place of the check of a plan of a report, a function of the plan and the definition of its model."""
-BENCH_FILE = "torsionnet.bench.plan.bench_file:BenchFile"
+BENCH_FILE = "torsionnet.bench.plan.plan:BenchFile"
 """Place of the class of a file that names a model and describes a test of it."""
 OPERATING_BALANCE = "torsionnet.motion.balance.operating_balance:OperatingBalance"
 """Place of the operating point about which laws of motion are linear; a model with such laws imports it."""

@@ -5,8 +5,8 @@ from torsionnet.base.packages import lazy_exports
 __all__, __getattr__, __dir__ = lazy_exports(
     __name__,
     {
-        "EnergyBalance": "torsionnet.signals.energy_balance",
-        "MotionEvent": "torsionnet.signals.motion_event",
-        "MotionStart": "torsionnet.motion.motion_start",
+        "EnergyBalance": "torsionnet.signals.recording",
+        "MotionEvent": "torsionnet.signals.recording",
+        "MotionStart": "torsionnet.motion.contact_states",
     },
 )

@@ -16,9 +16,10 @@ from typing import Any
 import numpy as np
 
 from torsionnet.base.errors import MissingExtraError
-from torsionnet.motion import guard_polynomials, marching, motion_steps
-from torsionnet.motion.guard_polynomials import DEGREE
-from torsionnet.motion.marching import NEAR
+from torsionnet.motion import marching
+from torsionnet.motion import marching as guard_polynomials
+from torsionnet.motion import marching as motion_steps
+from torsionnet.motion.marching import DEGREE, NEAR
 
 try:
     import numba

@@ -6,6 +6,10 @@ q are the coordinates of the plant in every contact state, so that z passes from
 holds still is eliminated, q = Z y + Y c with the held angles c, and what has no inertia or no inertia and no damper in
 it follows from the rest: the refresh takes z to the nearest one that meets these conditions. Torques u run straight
 between grid points; generators w' = F w add S w to them.
+
+Such a node takes at once the rate at which its torques are in balance. Where all friction beside it slips, its torques
+are constant, so that it runs on until as many of the frictions stick as it has motions; those that stick carry no
+more than they hold. This is the minimum over the rates w of sum_i T_i |r_i + n_i w| - f w.
 """
 
 from __future__ import annotations
@@ -13,9 +17,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import combinations
 
 import numpy as np
 
+from torsionnet.base.errors import UsageError
 from torsionnet.linear.assembly.rows import FloatArray, Rows, RowSystem
 from torsionnet.linear.dynamic_stiffness.action_states import LawStates
 from torsionnet.linear.dynamic_stiffness.row_algebra import unresisted_motions
@@ -26,11 +32,127 @@ from torsionnet.linear.dynamic_stiffness.state_space import (
     motion_kinds,
     reduced_matrices,
 )
-from torsionnet.motion.held_motions import DEPENDENT, Held, held_motions
-from torsionnet.motion.loose_motions import LooseMotionError
-from torsionnet.motion.motion_plant import MotionPlant
-from torsionnet.motion.phases import LawPhases, Phase
-from torsionnet.motion.state_layout import Drive, Layout
+from torsionnet.motion.motion_plant import Drive, LawPhases, Layout, MotionPlant, Phase
+
+# Motions of coordinates in which rows are held still, as by friction that sticks.
+
+DEPENDENT = 1e-9
+"""Size of a pivot, over the entries of its row, below which held rows depend on each other: ratios of real machinery
+meet to 1e-11 or differ by more than 1e-6."""
+
+
+@dataclass(frozen=True, eq=False)
+class Held:
+    """Motions q = Z y + Y c of coordinates in which rows are held at c, with y = q[free]."""
+
+    Z: FloatArray
+    Y: FloatArray
+    free: tuple[int, ...]
+
+
+def held_motions(rows: FloatArray, owners: Sequence[str]) -> Held:
+    """Motions of coordinates in which rows (n_rows, n_q) are held, by elimination of one coordinate for each row.
+
+    Raises
+    ------
+    UsageError
+        Rows depend on each other: the parts stick in a loop.
+    """
+    left, made = rows.copy(), np.eye(len(rows))
+    pivots: list[int] = []
+    for number in range(len(rows)):
+        for other, pivot in enumerate(pivots):
+            factor = left[number, pivot]
+            left[number] -= factor * left[other]
+            made[number] -= factor * made[other]
+        left[number, pivots] = 0.0
+        pivot = int(np.abs(left[number]).argmax())
+        if np.abs(left[number, pivot]) <= DEPENDENT * np.abs(rows[number]).max():
+            names = [owners[one] for one in np.flatnonzero(np.abs(made[number]) > DEPENDENT).tolist()]
+            text = "stick in a loop, so that their torques do not follow from equilibrium"
+            raise UsageError(f"{' and '.join(dict.fromkeys(names))} {text}; give one of them a stiffness")
+        made[number] /= left[number, pivot]
+        left[number] /= left[number, pivot]
+        for other in range(number):
+            factor = left[other, pivot]
+            left[other] -= factor * left[number]
+            made[other] -= factor * made[number]
+        pivots.append(pivot)
+    n = rows.shape[1]
+    free = tuple(column for column in range(n) if column not in pivots)
+    Z, Y = np.zeros((n, len(free))), np.zeros((n, len(rows)))
+    Z[list(free), range(len(free))] = 1.0
+    Z[pivots], Y[pivots] = -left[:, list(free)], made
+    return Held(Z, Y, free)
+
+
+# Motions without inertia that nothing but friction fixes, as those of a node between two frictions.
+
+AT_REST = 1e-12
+"""Share of the largest rate up to which a slip counts as just begun."""
+BEGUN = 1e-9
+"""Rate of a slip that has just begun, over the largest rate, of the first one: no two are equal and end at once."""
+HOLDING = 1e-9
+"""Share of what friction holds by which it may seem to carry more by rounding."""
+PARALLEL = 1e-9
+"""Determinant of the ways of frictions, over their sizes, from which they fix a motion."""
+
+
+class LooseMotionError(UsageError):
+    """Error of motions (n_q, n) without inertia that nothing fixes in a contact state."""
+
+    def __init__(self, text: str, motions: FloatArray) -> None:
+        super().__init__(text)
+        self.motions = motions
+
+
+@dataclass(frozen=True)
+class Slip:
+    """Friction that slips beside a loose motion.
+
+    Attributes
+    ----------
+    way : (n,) array
+        Rate of the slip per rate of each loose motion.
+    rate : float
+        Rate of the slip in rad/s.
+    sign : int
+        Direction of its torque.
+    torque : float
+        Size of its torque in N m while it slips.
+    holds : float
+        Torque in N m that it holds.
+    """
+
+    way: FloatArray
+    rate: float
+    sign: int
+    torque: float
+    holds: float
+
+
+def balanced_slips(slips: Sequence[Slip], outside: FloatArray) -> FloatArray | None:
+    """Rates (n_slips,) in rad/s at which loose motions are in balance, those that stick exactly 0; None without any.
+
+    ``outside`` (n,) are the torques in N m on the loose motions from outside.
+    """
+    ways, rates = np.array([one.way for one in slips]), np.array([one.rate for one in slips])
+    torques, holds = (np.array([getattr(one, name) for one in slips]) for name in ("torque", "holds"))
+    size = np.abs(rates).max(initial=0.0) or 1.0
+    begun = np.array([one.sign for one in slips]) * BEGUN * size * (1 + np.arange(len(slips)) / len(slips))
+    rates = np.where(np.abs(rates) <= AT_REST * size, begun, rates)
+    for chosen in combinations(range(len(slips)), ways.shape[1]):
+        stick = list(chosen)
+        own = ways[stick]
+        if abs(np.linalg.det(own)) <= PARALLEL * np.prod(np.abs(own).max(axis=1)):
+            continue
+        left = rates - ways @ np.linalg.solve(own, rates[stick])
+        left[stick] = 0.0
+        carried = np.linalg.solve(own.T, outside - ways.T @ (torques * np.sign(left)))
+        if (np.abs(carried) <= holds[stick] * (1 + HOLDING)).all():
+            return np.asarray(left)
+    return None
+
 
 NEGLIGIBLE_ENTRY = 1e-12
 """Size of a row's entry, over its largest, that is rounding of entries which cancel."""

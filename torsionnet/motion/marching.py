@@ -8,6 +8,11 @@ fraction of its second differences.
 
 These functions are plain Python with few numpy calls a block; :mod:`.compiled_march` compiles them where numba is
 installed. All arrays of contact states are stacked in :class:`.MarchTables`.
+
+These functions are plain Python; :mod:`.compiled_march` compiles them where numba is installed.
+
+Time counts in steps of the grid. These functions are plain Python with few numpy calls; :mod:`.compiled_march` compiles
+them where numba is installed.
 """
 
 from __future__ import annotations
@@ -16,17 +21,204 @@ from typing import Any
 
 import numpy as np
 
-from torsionnet.motion.guard_polynomials import DEGREE, first_root, numbers_of
-from torsionnet.motion.motion_steps import (
-    jumped,
-    moved,
-    passed,
-    passed_points,
-    product,
-    put,
-    sum_of_products,
-    with_torques,
-)  # fmt: skip
+# Polynomials of guards between two points of the finer grid: where one falls below zero for the first time.
+
+DEGREE = 12
+"""Degree of the Taylor polynomials between the points of the finer grid, on which nothing turns by more than 0.25 rad:
+what they leave out is below 0.25^13/13! = 2e-18."""
+MOST_NEWTON_STEPS = 60
+"""Most steps of Newton's method with bisection: bisection alone reaches rounding in 53."""
+LAST_STEP = 5e-17
+"""Part of a step of the grid by which Newton's method may still move when it ends: a rounding of the finer grid."""
+
+ASTRAY = 1e3
+"""Roundings by which a guard that has just come into force may lie below zero: states of motion are the rounded results
+of many steps, and of terms larger than those of the guard."""
+AT_ONCE = 1e-4
+"""Part of a step of the grid after which such a guard lies above zero if it rises."""
+
+
+def numbers_of(coefficients: Any) -> Any:
+    """Coefficients of a polynomial as a list, which loops in Python read quicker than an array."""
+    return coefficients.tolist()
+
+
+def polynomial_at(coefficients: Any, at: float) -> float:
+    """Value of a polynomial with ascending coefficients."""
+    value = 0.0
+    for k in range(DEGREE, -1, -1):
+        value = value * at + coefficients[k]
+    return value
+
+
+def slope_at(coefficients: Any, at: float) -> float:
+    """Derivative of a polynomial with ascending coefficients."""
+    value = 0.0
+    for k in range(DEGREE, 0, -1):
+        value = value * at + k * coefficients[k]
+    return value
+
+
+def curvature_at(coefficients: Any, at: float) -> float:
+    """Second derivative of a polynomial with ascending coefficients."""
+    value = 0.0
+    for k in range(DEGREE, 1, -1):
+        value = value * at + k * (k - 1) * coefficients[k]
+    return value
+
+
+def root_between(coefficients: Any, above: float, below: float) -> float:
+    """Place where a polynomial falls below zero, between one where it is positive and a later one where it is not."""
+    at = 0.5 * (above + below)
+    for _ in range(MOST_NEWTON_STEPS):
+        value = polynomial_at(coefficients, at)
+        if value > 0:
+            above = at
+        else:
+            below = at
+        slope = slope_at(coefficients, at)
+        following = at - value / slope if slope != 0 else below
+        if abs(following - at) <= LAST_STEP:
+            break
+        if not above < following < below:
+            following = 0.5 * (above + below)
+        at = following
+    return at
+
+
+def turning_point(coefficients: Any, first: float, last: float) -> float:
+    """Place between two where the derivative of a polynomial changes its sign."""
+    rising = slope_at(coefficients, last) > 0
+    at = 0.5 * (first + last)
+    for _ in range(MOST_NEWTON_STEPS):
+        slope = slope_at(coefficients, at)
+        if (slope > 0) == rising:
+            last = at
+        else:
+            first = at
+        bend = curvature_at(coefficients, at)
+        following = at - slope / bend if bend != 0 else last
+        if abs(following - at) <= LAST_STEP:
+            break
+        if not first < following < last:
+            following = 0.5 * (first + last)
+        at = following
+    return at
+
+
+def first_root(coefficients: Any, length: float, rounding: float) -> float:
+    """First place from 0 to ``length`` where a guard falls below zero by more than rounding, or -1.
+
+    One that begins a little below zero and rises above it at once, as a slip that has just begun, has not fallen.
+    """
+    begin, start = 0.0, coefficients[0]
+    if start < -rounding:
+        begin, below = AT_ONCE, start
+        start = polynomial_at(coefficients, begin)
+        if below < -ASTRAY * rounding or start <= 0:
+            return 0.0
+        if begin >= length:
+            return -1.0
+    end = polynomial_at(coefficients, length)
+    rising, rises = slope_at(coefficients, begin) > 0, slope_at(coefficients, length) > 0
+    above, below = begin, length
+    if end >= -rounding:
+        if rising or not rises:
+            return -1.0
+        below = turning_point(coefficients, begin, length)
+        if polynomial_at(coefficients, below) >= -rounding:
+            return -1.0
+    if start <= rounding:
+        if not rising or rises:
+            return begin
+        above = turning_point(coefficients, begin, below)
+        if polynomial_at(coefficients, above) <= 0:
+            return above
+    return root_between(coefficients, above, below)
+
+
+# Steps of a motion in one contact state: over whole steps of the grid, to points within one, and in between.
+
+EXPONENTS = np.arange(1.0, DEGREE + 1)
+"""Exponents of the Taylor polynomials of rates."""
+
+
+def put(target: Any, values: Any) -> None:
+    """Write values (n,) to the beginning of an array."""
+    target[: values.shape[0]] = values
+
+
+def product(matrix: Any, vector: Any) -> Any:
+    """Product of a matrix and a vector."""
+    return np.dot(matrix, vector)
+
+
+def sum_of_products(matrix: Any, vector: Any, other: Any, torques: Any) -> Any:
+    """Sum of the products of a matrix and a vector, and of another matrix and torques."""
+    return np.dot(matrix, vector) + np.dot(other, torques)
+
+
+def jumped(p: Any, i: int, steps: int, n_u: int, drive: Any, offsets: Any, powers: Any, pushes: Any) -> Any:
+    """State p after a number of whole steps from grid point i, under torques ``drive`` at the grid points."""
+    n_p = p.shape[0]
+    for level in range(powers.shape[0] - 1, -1, -1):
+        size = 1 << level
+        while steps >= size:
+            width = (size + 1) * n_u
+            push = pushes[offsets[level] : offsets[level] + n_p * width].reshape(n_p, width)
+            p = sum_of_products(powers[level], p, push, drive[i * n_u : i * n_u + width])
+            i += size
+            steps -= size
+    return p
+
+
+def passed_points(z: Any, place: int, n_sub: int, halves: Any) -> Any:
+    """State z at a point of the finer grid of a step, of which there are ``n_sub``."""
+    if place == n_sub:
+        return product(halves[0], product(halves[0], z))
+    size = n_sub // 2
+    for level in range(halves.shape[0]):
+        if place >= size:
+            z = product(halves[level], z)
+            place -= size
+        size //= 2
+    return z
+
+
+def moved(z: Any, rest: float, n_q: int, taylor: Any) -> Any:
+    """State z after less than the distance of two points of the finer grid, with the torques from before.
+
+    ``taylor`` gives the Taylor coefficients of all entries between the angles and the constant. Angles follow
+    from their rates.
+    """
+    n_moving = taylor.shape[0] // DEGREE
+    terms = np.dot(taylor, z).reshape(DEGREE, n_moving)
+    powers = rest**EXPONENTS
+    found = z.copy()
+    found[:n_q] += rest * (z[n_q : 2 * n_q] + np.dot(powers / (EXPONENTS + 1.0), terms)[:n_q])
+    found[n_q : n_q + n_moving] += np.dot(powers, terms)
+    return found
+
+
+def passed(z: Any, part: float, n_sub: int, n_q: int, halves: Any, taylor: Any) -> Any:
+    """State z after a part of a step, from 0 to 1, in which torques need not be those there."""
+    place = min(int(part * n_sub), n_sub)
+    rest = part - place / n_sub
+    z = passed_points(z, place, n_sub, halves)
+    return moved(z, rest, n_q, taylor) if rest > 0 else z
+
+
+def with_torques(p: Any, i: int, f: float, n_u: int, drive: Any) -> Any:
+    """Whole state z = (p, u, slope) at the part f of the step from grid point i."""
+    n_p = p.shape[0]
+    z = np.empty(n_p + 2 * n_u)
+    put(z, p)
+    for k in range(n_u):
+        first, last = drive[i * n_u + k], drive[(i + 1) * n_u + k]
+        z[n_p + k] = first + f * (last - first)
+        z[n_p + n_u + k] = last - first
+    return z
+
 
 NEAR = 0.5
 """Share of its second differences by which a guard is taken to dip between two points. A parabola dips by 1/8."""

@@ -1,11 +1,16 @@
-"""Plant of a motion over time: a drivetrain whose laws of motion are set apart from its linear parts."""
+"""Plant of a motion over time: a drivetrain whose laws of motion are set apart from its linear parts.
+
+A contact gives max(0, k d + c d') at a penetration d. Where that sum is negative the bodies are still within each
+other's reach but free: the phase ``"free"`` of the piece.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -17,6 +22,7 @@ from torsionnet.linear.dynamic_stiffness.action_states import LawStates, law_sta
 from torsionnet.linear.dynamic_stiffness.row_algebra import null_space
 from torsionnet.model.element_base.element import OtherLaws
 from torsionnet.model.elements import Element, Law, MotionLaw, Part, Values
+from torsionnet.model.motion_laws.piece_curve import Hold, PieceCurve, Slope
 
 MOST_REMEMBERED = 256
 """Most things remembered of a plant, which take some ten kB each for large drivetrains."""
@@ -173,3 +179,168 @@ def _refuse(assembly: Assembly) -> None:
         names = ", ".join(sorted(delayed))
         text = "a delay cannot act in time beside laws of motion, nor from a given start"
         raise UsageError(f"{names}: {text}; leave it out, or use at() for small motion about an operating point")
+
+
+# Places of the parts of the state z of a motion, and what drives a plant from outside.
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Places of the parts of z, by their sizes.
+
+    ``n_q`` coordinates, ``n_c`` states of controllers, ``n_w`` states of generators, ``n_u`` torques and scales.
+    """
+
+    n_q: int
+    n_c: int
+    n_w: int
+    n_u: int
+
+    @property
+    def q(self) -> slice:
+        return slice(0, self.n_q)
+
+    @property
+    def v(self) -> slice:
+        return slice(self.n_q, 2 * self.n_q)
+
+    @property
+    def controllers(self) -> slice:
+        return slice(2 * self.n_q, 2 * self.n_q + self.n_c)
+
+    @property
+    def w(self) -> slice:
+        return slice(self.one - self.n_w, self.one)
+
+    @property
+    def one(self) -> int:
+        return 2 * self.n_q + self.n_c + self.n_w
+
+    @property
+    def n_p(self) -> int:
+        """Number of the states before the torques u."""
+        return self.one + 1
+
+    @property
+    def u(self) -> slice:
+        return slice(self.n_p, self.n_p + self.n_u)
+
+    @property
+    def slope(self) -> slice:
+        return slice(self.n_p + self.n_u, self.size)
+
+    @property
+    def size(self) -> int:
+        return self.n_p + 2 * self.n_u
+
+
+@dataclass(frozen=True, eq=False)
+class Drive:
+    """Torques and scales that act on a plant from outside.
+
+    Attributes
+    ----------
+    columns : (n_q, n_torques) array
+        Weights of the torques on the coordinates.
+    scale_of : tuple of int
+        For each law the number of the entry of u that scales it, -1 for none; scales stand in u after the torques.
+    n_scales : int
+    F : (n_w, n_w) array
+        Generators w' = F w, in 1/s.
+    S : (n_u, n_w) array
+        What generators add to u.
+    """
+
+    columns: FloatArray
+    scale_of: tuple[int, ...]
+    n_scales: int
+    F: FloatArray
+    S: FloatArray
+
+    @property
+    def n_u(self) -> int:
+        return int(self.columns.shape[1]) + self.n_scales
+
+
+# Phases of a law of motion: straight pieces and steps of its curve, and contacts that are loose where bodies overlap.
+
+
+@dataclass(frozen=True)
+class Phase:
+    """Phase of a law: torque + stiffness gamma + damping gamma' in SI units between bounds, or a row held at a place.
+
+    ``place`` is the number of the piece in its curve. Of a hold, ``lower`` and ``upper`` are both the place where the
+    row is held, and ``low`` and ``high`` the torques at which it lets go.
+    """
+
+    kind: Literal["slope", "free", "hold"]
+    place: int
+    torque: float = 0.0
+    stiffness: float = 0.0
+    damping: float = 0.0
+    lower: float = -math.inf
+    upper: float = math.inf
+    side: int = 0
+    low: float = 0.0
+    high: float = 0.0
+
+    def at(self, twist: float, rate: float) -> float:
+        """Torque in N m of the straight line of the phase at a twist in rad and a rate in rad/s."""
+        return self.torque + self.stiffness * twist + self.damping * rate
+
+
+@dataclass(frozen=True)
+class LawPhases:
+    """Phases of one law of an element, with its scale left out where that is given over time.
+
+    ``over_rate`` says whether the bounds are rates.
+    """
+
+    owner: str
+    over_rate: bool
+    phases: tuple[Phase, ...]
+
+    def of_piece(self, place: int, kind: str = "") -> int:
+        """Number of the phase of a piece, of its free phase with ``kind`` "free"."""
+        found = [number for number, phase in enumerate(self.phases) if phase.place == place]
+        return found[-1] if kind == "free" and len(found) > 1 else found[0]
+
+    @property
+    def last_place(self) -> int:
+        return self.phases[-1].place
+
+
+def law_phases(owner: str, law: MotionLaw, *, scaled: bool = False) -> LawPhases:
+    """Phases of a law of straight pieces, as floats; ``scaled`` leaves its scale out.
+
+    Raises
+    ------
+    UsageError
+        The curve is not one of straight pieces, or a law whose scale is given over time is more than a torque.
+    """
+    curve = law.curve
+    if not isinstance(curve, PieceCurve):
+        raise UsageError(f"{owner}: its torque does not follow straight pieces")
+    scale = 1.0 if scaled else float(law.scale)
+    phases: list[Phase] = []
+    for place, piece in enumerate(curve.pieces):
+        if isinstance(piece, Hold):
+            at = float(piece.at)
+            phases.append(
+                Phase("hold", place, lower=at, upper=at, low=scale * float(piece.low), high=scale * float(piece.high))
+            )
+        else:
+            phases += _of_slope(place, piece, scale)
+    if scaled and any(one.stiffness or one.damping for one in phases):
+        raise UsageError(f"{owner}: a law whose torque grows with its motion cannot be scaled over time here")
+    return LawPhases(owner, curve.over == "rate", tuple(phases))
+
+
+def _of_slope(place: int, piece: Slope, scale: float) -> list[Phase]:
+    lower = -math.inf if piece.lower is None else float(piece.lower)
+    upper = math.inf if piece.upper is None else float(piece.upper)
+    torque, stiffness, damping = (scale * float(value) for value in (piece.torque, piece.stiffness, piece.damping))
+    found = [Phase("slope", place, torque, stiffness, damping, lower, upper, piece.side)]
+    if piece.side and damping:
+        found.append(Phase("free", place, torque, stiffness, damping, lower, upper, piece.side))
+    return found

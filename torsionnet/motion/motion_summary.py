@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 from torsionnet.base.notes import NoteOrText
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Table, result_table
-from torsionnet.signals.motion_event import MotionEvent
+from torsionnet.signals.recording import MotionEvent
 
 if TYPE_CHECKING:
     from torsionnet.signals.recording import Recording

@@ -22,18 +22,16 @@ from torsionnet.linear.modes.natural_modes import natural_modes
 from torsionnet.machinery.mean.mean_solution import mean_response, reason_undetermined
 from torsionnet.model.channels import Channels, Sensor
 from torsionnet.model.operating_point import OperatingPoint
-from torsionnet.motion.acting_torques import acting_means, held_load
-from torsionnet.motion.driving_request import MOST_SAMPLES
-from torsionnet.motion.exact_courses import exact_response
+from torsionnet.motion.contact_states import MotionStart
+from torsionnet.motion.driving import MOST_SAMPLES, acting_means, held_load
 from torsionnet.motion.motion_plant import has_laws_of_motion, motion_plant
-from torsionnet.motion.motion_start import MotionStart
 from torsionnet.motion.scenario_courses import driving_course, scenario_of
 from torsionnet.motion.scenarios.scenario import OPERATING_POINT, REST, STARTS, DrivingCourse, Scenario
 from torsionnet.motion.scenarios.time_history import SAMPLE_SLACK, TimeHistory, constant
 from torsionnet.motion.simulate import driven_request, motion_signals, read_notes, response_over_time
 from torsionnet.motion.simulation import NOTHING_TO_CHECK, simulate_torques
 from torsionnet.motion.steady_start import nodes_of
-from torsionnet.motion.torque_courses import torque_courses
+from torsionnet.motion.torque_courses import exact_response, torque_courses
 from torsionnet.signals.recording import Recording, Signal, is_rate
 
 SAMPLES_PER_PERIOD, FEWEST_SAMPLES = 100, 1000

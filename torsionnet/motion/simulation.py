@@ -17,25 +17,43 @@ from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.linear.between_samples import Between
 from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest
 from torsionnet.model.channels import Channels, Sensor
-from torsionnet.motion.acting_torques import acting_means, held_load, scale_notes
-from torsionnet.motion.contact_states import Contact
-from torsionnet.motion.driven_pieces import simulate_pieces
-from torsionnet.motion.driving import Driving
-from torsionnet.motion.driving_request import Torque, driving_of, require_request
-from torsionnet.motion.finer_run import agreement_note
-from torsionnet.motion.motion_over_time import MotionOverTime
-from torsionnet.motion.motion_plant import has_laws_of_motion, motion_plant
-from torsionnet.motion.motion_start import MotionStart
-from torsionnet.motion.scenarios.grid_tie import GridTie
+from torsionnet.motion.contact_states import Contact, MotionStart, start_state
+from torsionnet.motion.driving import Driving, Torque, acting_means, driving_of, held_load, require_request, scale_notes
+from torsionnet.motion.motion_plant import Layout, has_laws_of_motion, motion_plant
+from torsionnet.motion.motion_record import MotionOverTime
+from torsionnet.motion.piece_system import simulate_pieces
+from torsionnet.motion.scenarios.scenario import GridTie
 from torsionnet.motion.scenarios.time_history import TimeHistory, constant, held_course
 from torsionnet.motion.simulate import driven_request, motion_signals, simulate_linear
 from torsionnet.motion.smooth.smooth_system import BEYOND, RELATIVE, simulate_smooth
 from torsionnet.motion.smooth_laws import Scale, SplitPlant, split_plant, tied_plant
-from torsionnet.motion.start_state import start_state
-from torsionnet.motion.state_layout import Layout
 from torsionnet.motion.steady_start import nodes_of, steady_start
 from torsionnet.motion.torque_courses import TorqueCourses, torque_courses
 from torsionnet.signals.recording import Recording
+
+# Agreement of a motion over time with the same motion in steps half as long.
+
+AGREE = 1e-6
+"""Share of the largest value of a reading up to which two runs agree: far below what a picture shows, far above what
+steps of either length miss before a motion becomes chaotic."""
+
+
+def agreement_note(values: FloatArray, finer: FloatArray, rate: float) -> str:
+    """Note until when readings (n_out, n) agree with those in steps half as long, sampled at ``rate`` Hz.
+
+    >>> agreement_note(np.array([[0.0, 1.0, 2.0]]), np.array([[0.0, 1.0, 2.1]]), 10.0)
+    'in steps half as long the first 0.1 s agree to 1e-06 of the largest value, after that contacts make other choices'
+    """
+    apart = np.abs(values - finer)
+    largest = np.abs(finer).max(axis=1, initial=0.0)[:, None]
+    beyond = np.flatnonzero((apart > AGREE * largest).any(axis=0))
+    if not len(beyond):
+        share = float(np.max(apart / np.where(largest > 0, largest, 1.0), initial=0.0))
+        return f"in steps half as long all samples agree to {max(share, 1e-15):.1g} of the largest value"
+    until = max(int(beyond[0]) - 1, 0) / rate
+    text = f"in steps half as long the first {until:.6g} s agree to {AGREE:g} of the largest value"
+    return f"{text}, after that contacts make other choices"
+
 
 POINTS_BETWEEN = 16
 """Straight lines by which a band-limited torque runs from sample to sample where laws of motion act: at a seventh

@@ -15,9 +15,8 @@ from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.model.element_base.laws import MotionState, TorqueCurve
 from torsionnet.model.elements import MotionLaw, Values
 from torsionnet.model.motion_laws.piece_curve import PieceCurve, Slope
-from torsionnet.motion.motion_plant import LawRow, MotionPlant, PlacedLaw
-from torsionnet.motion.phases import LawPhases, law_phases
-from torsionnet.motion.scenarios.grid_tie import GridTie
+from torsionnet.motion.motion_plant import LawPhases, LawRow, MotionPlant, PlacedLaw, law_phases
+from torsionnet.motion.scenarios.scenario import GridTie
 
 Scale = tuple[str, str]
 """Element, and the name of what scales its torque, as ``("clutch", "clamp")``."""

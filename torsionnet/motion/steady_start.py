@@ -17,12 +17,11 @@ from torsionnet.model.balanced_state import BalancedState
 from torsionnet.model.element_base.laws import MotionState
 from torsionnet.model.motion_laws.piece_curve import PieceCurve
 from torsionnet.model.operating_point import torque_place
-from torsionnet.motion.acting_torques import acting_means, given_speeds
-from torsionnet.motion.balance.asked_point import asked_point
+from torsionnet.motion.balance.operating_balance import asked_point
 from torsionnet.motion.contact_states import Contact
-from torsionnet.motion.motion_plant import LawRow, MotionPlant, PlacedLaw
+from torsionnet.motion.driving import acting_means, given_speeds
+from torsionnet.motion.motion_plant import LawRow, Layout, MotionPlant, PlacedLaw
 from torsionnet.motion.smooth_laws import SplitPlant
-from torsionnet.motion.state_layout import Layout
 
 SAME = 1e-9
 """Share by which torques of an operating point and those at the start may differ and count as the same."""

@@ -1,8 +1,13 @@
-"""Sampled torques of a simulation with their course between samples, and their values at any place there."""
+"""Sampled torques of a simulation with their course between samples, and their values at any place there.
+
+What a torque is made of follows linear equations of its own: a straight line (v, s) has v' = s, s' = 0, and a wave
+w' = s w. With these states after those of the drivetrain, z' = A z, and z(t + h) = exp(A h) z(t) from sample to sample;
+at a time between samples at which a torque changes its form, its states start anew.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,10 +15,14 @@ import scipy
 from numpy.typing import ArrayLike
 
 from torsionnet.base.errors import UsageError, did_you_mean
+from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.linear.between_samples import Between, check_between
+from torsionnet.linear.dynamic_stiffness.state_space import first_order, output_matrices
+from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest
 from torsionnet.linear.dynamic_stiffness.triangular import DiagonalBlock
 from torsionnet.machinery.passage.exponential_steps import gauss_points, step_weights
+from torsionnet.motion.scenarios.time_history import TimeHistory, first_sample
 from torsionnet.signals.recording import Signal
 
 BEYOND = 256
@@ -120,3 +129,158 @@ def first_order_hold(
     power = np.asarray(scipy.linalg.expm(whole), dtype=np.complex128)
     after = power[:n, n + n_in :]
     return power[:n, :n], power[:n, n : n + n_in] - after, after
+
+
+# Motion over time under torques of straight lines and waves that may decay, exact at every sample.
+
+BLOCK = 256
+"""Samples that are calculated together: enough that products of matrices cost more than the calls that make them, and
+few enough to fit in the cache with some hundred states."""
+STEADY_TOLERANCE = 1e-6
+"""Residual of a motion without vibration, over the largest of its terms, above which there is no such motion: rounding
+in matrices of stiff drivetrains leaves less."""
+
+
+@dataclass(frozen=True, eq=False)
+class DrivenForm:
+    """State equations z' = A z, y = C z of a drivetrain with its torques among the states, in SI units.
+
+    Attributes
+    ----------
+    A : (n_z, n_z) array
+    C : (n_out, n_z) array
+    n_x : int
+        Number of the states of the drivetrain, which come first.
+    waves : tuple of (int, complex)
+        Input and exponent in 1/s of every wave, whose two states follow those of the straight lines.
+    """
+
+    A: FloatArray
+    C: FloatArray
+    n_x: int
+    waves: tuple[tuple[int, complex], ...]
+
+    def started(self, x: FloatArray, histories: Sequence[TimeHistory], time: float) -> FloatArray:
+        """State z (n_z,) with the torques as they are from a time in s on, and states x (n_x,) of the drivetrain."""
+        z = np.zeros(len(self.A))
+        z[: self.n_x] = x
+        for number, history in enumerate(histories):
+            piece = history.piece_at(time).begun(time)
+            z[self.n_x + 2 * number], z[self.n_x + 2 * number + 1] = piece.value, piece.slope
+            for wave in piece.waves:
+                place = self.n_x + 2 * len(histories) + 2 * self.waves.index((number, wave.exponent))
+                z[place] += wave.amplitude.real
+                z[place + 1] += wave.amplitude.imag
+        return z
+
+
+def exact_response(
+    drivetrain: AssembledModel,
+    request: TransferRequest,
+    histories: Sequence[TimeHistory],
+    rate: float,
+    count: int,
+    *,
+    steady: bool = False,
+) -> FloatArray:
+    """Readings (n_out, count) in SI units at ``rate`` Hz from 0 s under torques over time in N m, one for each input.
+
+    From rest, or with ``steady`` from the motion without vibration under the torques at 0 s, in which what turns
+    freely may gain speed.
+
+    Raises
+    ------
+    UsageError
+        Frequency-dependent laws, delays, or no motion without vibration.
+    """
+    system = first_order(drivetrain.assembly, request.excitations)
+    C, D = output_matrices(drivetrain.assembly, request.outputs, request.excitations, system)
+    form = _driven(system.A, system.B, C, D, histories)
+    x = np.zeros(form.n_x)
+    if steady:
+        x = _steady_state(system.A, system.B @ np.array([one.first for one in histories]))
+    return _march(form, x, histories, rate, count)
+
+
+def _driven(A: FloatArray, B: FloatArray, C: FloatArray, D: FloatArray, histories: Sequence[TimeHistory]) -> DrivenForm:
+    found = {
+        (number, wave.exponent): None
+        for number, history in enumerate(histories)
+        for piece in history.pieces
+        for wave in piece.waves
+    }
+    waves, n_x, n_u = tuple(found), len(A), len(histories)
+    whole, read = np.zeros((n_x + 2 * n_u + 2 * len(waves),) * 2), np.zeros((len(C), n_x + 2 * n_u + 2 * len(waves)))
+    whole[:n_x, :n_x], read[:, :n_x] = A, C
+    for number in range(n_u):
+        level = n_x + 2 * number
+        whole[:n_x, level], read[:, level] = B[:, number], D[:, number]
+        whole[level, level + 1] = 1.0
+    for place, (number, exponent) in enumerate(waves):
+        real = n_x + 2 * n_u + 2 * place
+        whole[:n_x, real], read[:, real] = B[:, number], D[:, number]
+        own = slice(real, real + 2)
+        whole[own, own] = [[exponent.real, -exponent.imag], [exponent.imag, exponent.real]]
+    return DrivenForm(whole, read, n_x, waves)
+
+
+def _march(form: DrivenForm, x: FloatArray, histories: Sequence[TimeHistory], rate: float, count: int) -> FloatArray:
+    from scipy.linalg import expm
+
+    def passed(z: FloatArray, time: float) -> FloatArray:
+        return np.asarray(expm(form.A * time) @ z) if time else z
+
+    values = np.zeros((len(form.C), count))
+    end = (count - 1) / rate
+    starts = [0.0, *sorted({time for one in histories for time in one.breaks if 0 < time <= end})]
+    step = np.asarray(expm(form.A / rate))
+    for start, following in zip(starts, [*starts[1:], np.inf], strict=True):
+        z = form.started(x, histories, start)
+        begin = first_sample(start, rate)
+        until = count if following == np.inf else min(count, first_sample(following, rate))
+        last, at = start, z
+        if until > begin:
+            at = passed(z, begin / rate - start)
+            values[:, begin:until], at = _marched(form, step, at, until - begin)
+            last = (until - 1) / rate
+        if following != np.inf:
+            x = passed(at, following - last)[: form.n_x]
+    return values
+
+
+def _marched(form: DrivenForm, step: FloatArray, z: FloatArray, count: int) -> tuple[FloatArray, FloatArray]:
+    """Readings (n_out, count) at samples from a state z on, and the state (n_z,) at the last of them."""
+    states, power = z[:, None], step
+    while states.shape[1] < min(BLOCK, count):
+        states = np.hstack([states, power @ states])
+        power = power @ power
+    width, values = states.shape[1], np.zeros((len(form.C), count))
+    for begin in range(0, count, width):
+        if begin:
+            states = power @ states
+        held = min(width, count - begin)
+        values[:, begin : begin + held] = form.C @ states[:, :held]
+    return values, states[:, (count - 1) % width]
+
+
+def _steady_state(A: FloatArray, push: FloatArray) -> FloatArray:
+    """States (n_x,) from which constant torques, with B u = ``push``, make no vibration.
+
+    That motion is x_0 + x_1 t + x_2 t^2/2 with x_1 = A x_0 + B u, x_2 = A x_1 and A x_2 = 0: at rest, at a steady speed
+    or with a steady acceleration.
+
+    Raises
+    ------
+    UsageError
+        There is none, as of a drivetrain that feeds its vibration.
+    """
+    n = len(A)
+    powers = [A, A @ A, A @ A @ A]
+    for order, power in enumerate(powers):
+        scale = np.abs(power).max(axis=1, initial=1e-300)
+        aim = -(np.linalg.matrix_power(A, order) @ push)
+        x, *_ = np.linalg.lstsq(power / scale[:, None], aim / scale, rcond=None)
+        missed = np.abs(power @ x - aim)
+        if (missed <= STEADY_TOLERANCE * (np.abs(power) @ np.abs(x) + np.abs(aim)).max(initial=1e-300)).all():
+            return np.asarray(x) if n else np.zeros(0)
+    raise UsageError("under the torques at its start the drivetrain has no motion without vibration; start from rest")

@@ -12,7 +12,7 @@ import torsionnet.plot.drawing.style as style
 from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.number_text import typeset_unit
 from torsionnet.machinery.design.damper_optimum import DamperOptimum
-from torsionnet.plot.drawing.torque_units import axis_unit
+from torsionnet.plot.drawing.labels import axis_unit
 
 TOP_FACTOR, BOTTOM_FACTOR = 3.0, 300.0
 """Ratio of the top of the level axis to the largest vibration level, and largest ratio of that level to the bottom."""

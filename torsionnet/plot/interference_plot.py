@@ -12,9 +12,9 @@ from matplotlib.patheffects import withStroke
 
 import torsionnet.plot.drawing.style as style
 from torsionnet.base.units import RPM
-from torsionnet.linear.modes.vibration_mode import VibrationMode
+from torsionnet.linear.modes.mode_pairs import VibrationMode
 from torsionnet.machinery.criticals.critical_speeds import CriticalSpeed, CriticalSpeeds
-from torsionnet.plot.drawing.torque_units import speed_label
+from torsionnet.plot.drawing.labels import speed_label
 
 SMALLEST_DOT, LARGEST_DOT = 14.0, 150.0
 """Areas in square points (1/72 inch) of the marks of crossings with the smallest and the largest generalised force."""

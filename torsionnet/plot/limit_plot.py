@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,11 +13,13 @@ from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
 from torsionnet.base.conventions import SI, Conventions
+from torsionnet.base.equal_remarks import condition_words
 from torsionnet.base.errors import UsageError
 from torsionnet.base.units import RPM
 from torsionnet.machinery.verdicts.limit_check import LimitCheck, LimitVerdict
 from torsionnet.machinery.verdicts.measured_range import MeasuredRange
-from torsionnet.plot.drawing.torque_units import axis_label, axis_unit, speed_label
+from torsionnet.machinery.verdicts.order_peaks import vibratory_verdicts
+from torsionnet.plot.drawing.labels import axis_label, axis_unit, speed_label, symbol
 
 MOST_LINES = 4
 """Largest number of orders drawn in a panel, those of largest amplitude; more would not fit beside it in the legend."""
@@ -142,3 +146,151 @@ def quantity_label(one: LimitVerdict) -> str:
     """Text with the name of the quantity that a limit restricts, with the output if the name does not tell it."""
     says = any(word in one.quantity for word in ("torque", "stress", "angle", "power"))
     return one.quantity if says else f"{one.of}, {one.quantity}"
+
+
+# Plot of limited quantities over speed in all conditions, the worst one in black, others in grey, limits in red.
+
+PANEL_HEIGHT = 2.1
+"""Height in inches of the panel of one limited quantity: three rows of panels leave room for another picture on the
+page."""
+FAMILY_LABEL_WIDTH = 30
+"""Largest number of characters in a line of an axis label: as many as fit the height of a panel."""
+HEADROOM = 1.12
+"""Factor from the largest value or limit drawn to the upper end of the axis."""
+FARTHEST_LIMIT = 2.5
+"""Ratio of a limit to the largest value, or to the lowest limit if that is higher, up to which its line is drawn; one
+further away would flatten the curves, and its value stands at the upper edge instead."""
+
+
+@dataclass(frozen=True, eq=False)
+class LimitFamily:
+    """Limited quantity in all conditions, as pairs of a condition's check of limits and verdicts on the quantity."""
+
+    members: tuple[tuple[LimitCheck, tuple[LimitVerdict, ...]], ...]
+
+    @property
+    def worst(self) -> int:
+        """Index, from 0, of the condition with the largest utilisation of the limit."""
+        return int(np.argmax([max(map(_use, verdicts)) for _, verdicts in self.members]))
+
+
+def limit_families(
+    checks: Sequence[LimitCheck],
+    limits: str | Sequence[str] | None = None,
+    *,
+    conventions: Conventions = SI,
+    title: str = "",
+) -> Figure:
+    """Figure of vibratory stress or torque over speed in every condition with limit lines, a panel for each component.
+
+    The condition with the largest value over the value allowed is black, the others are grey; limits are those of that
+    condition, in red, and speed ranges that it bars are shaded.
+
+    Parameters
+    ----------
+    checks : sequence of LimitCheck
+        One for each condition.
+    limits : str or sequence of str, optional
+        Names of limits; default: all on vibration that were judged.
+    conventions : Conventions, optional
+        Unit of angles.
+    title : str, optional
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    UsageError
+        None of these limits was judged by the orders of a vibration.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> ship = tn.load("bulk_carrier")
+    >>> checks = [ship.configured(name).check_limits() for name in ship.configurations]
+    >>> [axes.get_title(loc="left") for axes in limit_families(checks).axes]
+    ['intermediate', 'propeller shaft', 'crank']
+    """
+    names = {limits} if isinstance(limits, str) else None if limits is None else set(limits)
+    families = families_of(checks, names)
+    if not families:
+        raise UsageError("nothing to draw: no limit on vibration could be judged; the table of limits says why")
+    columns = min(2, len(families))
+    rows = math.ceil(len(families) / columns)
+    figure = style.new_figure(style.WIDTH, 0.3 * bool(title) + (PANEL_HEIGHT if columns > 1 else 3.0) * rows)
+    panels = figure.subplots(rows, columns, squeeze=False).ravel()
+    for panel, family in zip(panels, families, strict=False):
+        _draw_family(panel, family, conventions)
+    for panel in panels[len(families) :]:
+        panel.remove()
+    style.set_title(figure, title)
+    return figure
+
+
+def families_of(checks: Sequence[LimitCheck], names: set[str] | None = None) -> list[LimitFamily]:
+    """List of curve families of limits on vibration, one for each limit and quantity, in the order of the model."""
+    found: dict[tuple[str, str], dict[int, list[LimitVerdict]]] = {}
+    for place, check in enumerate(checks):
+        for one in vibratory_verdicts(check):
+            if (names is None or one.limit in names) and one.worst is not None:
+                found.setdefault((one.limit, one.quantity), {}).setdefault(place, []).append(one)
+    return [
+        LimitFamily(tuple((checks[place], tuple(verdicts)) for place, verdicts in members.items()))
+        for members in found.values()
+    ]
+
+
+def _use(one: LimitVerdict) -> float:
+    return -1.0 if one.worst is None else float(one.utilisation[one.worst])
+
+
+def _draw_family(panel: Axes, family: LimitFamily, conventions: Conventions) -> None:
+    check, verdicts = family.members[family.worst]
+    first = verdicts[0]
+    largest = max(float(np.nanmax(some[0].values)) for _, some in family.members)
+    tops = [float(np.nanmax(one.allowed)) for one in verdicts]
+    scale, unit = axis_unit(first.unit, max(largest, min(tops)), conventions)
+    near = [top for top in tops if top <= FARTHEST_LIMIT * max(largest, min(tops))]
+    top = HEADROOM * max([largest, *near]) * scale
+    style.style_axes(panel)
+    for span in (span for one in verdicts for span in one.barred):
+        panel.axvspan(span.low * RPM, span.high * RPM, color=style.LIMIT_COLOR, alpha=0.08, linewidth=0)
+    others = [member for place, member in enumerate(family.members) if place != family.worst]
+    for number, (other, some) in enumerate(others):
+        label = f"{len(others)} other condition{'s' * (len(others) > 1)}" if not number else None
+        panel.plot(other.rpm, some[0].values * scale, color="#b3b3b3", linewidth=0.8, label=label, zorder=1.8)
+    name = condition_words(check.configuration) or "all orders together"
+    panel.plot(check.rpm, first.values * scale, color=style.INK, linewidth=1.8, label=name, zorder=2.5)
+    for one in verdicts:
+        _limit_line(panel, check, one, scale, top)
+    panel.set_title(first.limit.replace("_", " "), fontsize=style.FONT, color=style.INK, loc="left", pad=25)
+    panel.set_ylabel(axis_label(quantity_label(first), unit, FAMILY_LABEL_WIDTH), fontsize=style.SMALL)
+    panel.set_xlabel(speed_label(check.reference), fontsize=style.SMALL)
+    panel.set_ylim(0, top)
+    if len(check.rpm) > 1:
+        panel.set_xlim(check.rpm[0], check.rpm[-1])
+    handles, labels = panel.get_legend_handles_labels()
+    # The worst condition is named first.
+    panel.legend(handles[::-1], labels[::-1], fontsize=style.SMALL - 1, frameon=False, loc="lower left",
+                 bbox_to_anchor=(-0.02, 0.98), ncols=1, borderpad=0.2, labelspacing=0.2)  # fmt: skip
+
+
+def _limit_line(panel: Axes, check: LimitCheck, one: LimitVerdict, scale: float, top: float) -> None:
+    """Draw the line of a limit over speed in red, with its symbol where the line is farthest from the curve."""
+    allowed = one.allowed * scale
+    panel.plot(check.rpm, allowed, color=style.LIMIT_COLOR, linewidth=1.3, zorder=2.2)
+    shown = np.flatnonzero(np.isfinite(allowed) & (allowed < top))
+    if len(shown):
+        at = int(shown[np.argmax(np.abs(allowed - one.values * scale)[shown])])
+        right = check.rpm[at] > check.rpm.mean()
+        place, text = (float(check.rpm[at]), float(allowed[at])), symbol(one.criterion)
+    else:
+        right = True
+        lowest = float(np.nanmin(allowed))
+        place, text = (float(check.rpm[-1]), top), f"{symbol(one.criterion)} from {lowest:.3g} on"
+    above = place[1] < 0.9 * top
+    panel.annotate(text, place, xytext=(-3 if right else 3, 2 if above else -2), textcoords="offset points",
+                   ha="right" if right else "left", va="bottom" if above else "top", color=style.LIMIT_COLOR,
+                   fontsize=style.SMALL)  # fmt: skip

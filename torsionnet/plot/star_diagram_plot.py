@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
 from torsionnet.base.errors import UsageError
-from torsionnet.machinery.phasors.star_diagram import StarDiagram
+from torsionnet.machinery.phasors.vector_sums import StarDiagram, VectorSums, order_names
 
 PANELS_PER_ROW = 4
 """Number of star diagrams side by side; more would be too small for the numbers of the cylinders."""
@@ -105,3 +105,49 @@ def draw_star(axes: Axes, star: StarDiagram) -> None:
 def _arrow(axes: Axes, vector: complex, color: str, width: float) -> None:
     properties = {"arrowstyle": "-|>", "color": color, "linewidth": width, "shrinkA": 0, "shrinkB": 0}
     axes.annotate("", (vector.real, vector.imag), xytext=(0, 0), arrowprops=properties, zorder=3)
+
+
+# Plot of the phase stars of an engine, a row for each mode and a column for each group of orders.
+
+PANEL = 1.05
+"""Height in inches of the panel of one phase star."""
+MOST_ORDERS_NAMED = 3
+"""Largest number of orders of a group that are named above its column; the others are in the table."""
+
+
+def phase_stars(
+    sums: VectorSums, *, modes: Sequence[int] | None = None, groups: Sequence[Sequence[float]] | None = None
+) -> Figure:
+    """Figure of the cylinders' phase vectors and, in black, their sum, a row per mode, a column per group of orders.
+
+    Angles are those of the torques, zero to the right, counter-clockwise; the circle is one cylinder at the largest
+    amplitude of the mode. Of a group the star of its first order is drawn.
+
+    Parameters
+    ----------
+    sums : VectorSums
+    modes : sequence of int, optional
+        By default all.
+    groups : sequence of sequences of float, optional
+        By default all groups.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> from torsionnet.machinery.phasors.vector_sums import vector_sums
+    >>> ship = tn.load("two_stroke_ship").configured("normal")
+    >>> len(phase_stars(vector_sums(ship, "engine", modes=[1, 2])).axes)
+    8
+    """
+    rows, columns = tuple(modes or sums.modes), tuple(groups or sums.groups())
+    figure = style.new_figure(style.WIDTH, 0.3 + (PANEL + 0.2) * len(rows))
+    panels = figure.subplots(len(rows), len(columns), squeeze=False)
+    for line, mode in zip(panels, rows, strict=True):
+        for panel, group in zip(line, columns, strict=True):
+            star = sums.stars[mode, group[0]]
+            draw_star(panel, star)
+            more = ", …" if len(group) > MOST_ORDERS_NAMED else ""
+            orders = order_names(group[:MOST_ORDERS_NAMED]) + more
+            head = f"order {orders}\n" if mode == rows[0] else ""
+            panel.set_title(f"{head}mode {mode}: {abs(star.sum):.3g}", fontsize=style.SMALL - 1, pad=2)
+    return figure

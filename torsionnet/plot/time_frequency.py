@@ -11,8 +11,7 @@ from matplotlib.figure import Figure
 import torsionnet.plot.drawing.style as style
 from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.number_text import typeset_unit
-from torsionnet.signals.harmonics import Harmonics
-from torsionnet.signals.order_tracking import OrderMap
+from torsionnet.signals.order_tracking import Harmonics, OrderMap
 from torsionnet.signals.recording import FloatArray
 from torsionnet.signals.spectrograms import Spectrogram
 

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 import torsionnet.plot.drawing.style as style
 from torsionnet.base.errors import UsageError
 from torsionnet.linear.frequency_response import FloatArray
-from torsionnet.plot.drawing.bars import Bars, draw_bars, name_rows
+from torsionnet.plot.drawing.style import Bars, draw_bars, name_rows
 
 if TYPE_CHECKING:
     from torsionnet.linear.sensitivity import ModeSensitivities

@@ -9,15 +9,49 @@ from torsionnet.base.conventions import Conventions
 from torsionnet.base.entries.spec import not_none
 from torsionnet.machinery.excitations.engine_entries import EngineEntries
 from torsionnet.machinery.limits import Limit
+from torsionnet.machinery.limits.coupling import DamperLimit, temperature_words
 from torsionnet.machinery.limits.curve import CurveLimit
-from torsionnet.machinery.limits.heat_balance import temperature_words
 from torsionnet.machinery.limits.machine_angle import MachineAngleLimit
-from torsionnet.machinery.limits.torsional_damper import DamperLimit
+from torsionnet.machinery.verdicts.limit_check import LimitVerdict
 from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion, WorstLimit
 from torsionnet.machinery.verdicts.rule_factors import RuleSymbol, RuleWords
 from torsionnet.model.channels import named_sensor
 from torsionnet.model.definition import Definition
-from torsionnet.report.engineering_units import engineering_unit
+from torsionnet.report.document_tree import Cell, NumberText
+from torsionnet.report.report_text import as_words, unit
+
+# Units of values as engineers of machinery write them: kN m, kW, N/mm2, mrad or degrees.
+
+KILO = {"W": "kW", "W/m^2": "kW/m^2"}
+"""Unit of a thousand, by SI unit, for what machinery has in thousands."""
+KILO_FROM = 1e3
+"""Torque in N m from which on it is given in kN m, as on the drawings of engines."""
+
+
+FACTOR_UNITS = {"m": (1e3, "mm"), "m^3": (1e6, "cm^3"), "Pa": (1e-6, "N/mm^2"), "1": (1.0, "")}
+"""Factor and unit in which rules state the factors of a shaft, by SI unit."""
+
+
+def engineering_unit(unit: str, conventions: Conventions, size: float = 1e3) -> tuple[float, str]:
+    """Factor from an SI unit to the unit of engineers, without unit, and the name of that unit.
+
+    ``size`` is that of the values in SI units, by which torques of small plants stay in N m.
+
+    Examples
+    --------
+    >>> engineering_unit("N*m", Conventions(), 25e3), engineering_unit("rad", Conventions())
+    ((0.001, 'kN*m'), (1000.0, 'mrad'))
+    >>> engineering_unit("Pa", Conventions())
+    (1e-06, 'N/mm^2')
+    """
+    if unit in KILO:
+        return 1e-3, KILO[unit]
+    if unit == "rad" and conventions.angle == "rad":
+        return 1e3, "mrad"
+    if unit == "N*m" and size >= KILO_FROM:
+        return 1e-3, "kN*m"
+    return conventions.scale(unit), conventions.unit(unit)
+
 
 GROUPS = {
     "shafts": ("iacs_m68", "fatigue"),
@@ -175,3 +209,39 @@ def _sized(
         scale /= limit.pole_pairs
         row = replace(row, what=("the same angle, mechanical",))
     yield replace(row, value=value * scale, allowed=allowed * scale, unit=shown)
+
+
+# Values of limits in a report: torques in kN m, stresses in N/mm2, angles in the unit of the report.
+
+DIGITS = 3
+"""Significant digits of stresses, torques and shares: a torsional calculation is not known better."""
+
+
+def limit_scale(si_unit: str, conventions: Conventions) -> float:
+    """Factor from the SI unit of a limit to the unit in which a report shows its values."""
+    return engineering_unit(si_unit, conventions)[0]
+
+
+def limit_unit(si_unit: str, conventions: Conventions) -> str:
+    """Name of the unit in which a report shows values of an SI unit.
+
+    >>> limit_unit("N*m", Conventions()), limit_unit("Pa", Conventions())
+    ('kN·m', 'N/mm²')
+    """
+    return unit(engineering_unit(si_unit, conventions)[1])
+
+
+def limit_number(value: float, si_unit: str, conventions: Conventions) -> NumberText:
+    """Number of a value in SI in the unit in which a report shows it."""
+    return NumberText(value * limit_scale(si_unit, conventions), DIGITS)
+
+
+def component(one: LimitVerdict) -> str:
+    """Words for the component that a limit is about, by the name of the limit in the model."""
+    return as_words(one.limit)
+
+
+def order_list(orders: list[tuple[str, float]], one: LimitVerdict, conventions: Conventions) -> Cell:
+    """Names of orders with their amplitudes in the unit of a limit as one text, such as "engine 6: 46.3"."""
+    numbers = ((name, limit_number(size, one.unit, conventions)) for name, size in orders)
+    return "; ".join(f"{as_words(name)}: {number}" for name, number in numbers)

@@ -32,9 +32,9 @@ if TYPE_CHECKING:
     from torsionnet.machinery.holzer.counted_vibration import CountedVibration
     from torsionnet.machinery.orders.order_line import OrderLine
     from torsionnet.machinery.orders.order_response import OrderResponse
-    from torsionnet.machinery.verdicts.governing_peaks import GoverningPeaks
     from torsionnet.machinery.verdicts.limit_check import LimitCheck
     from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion
+    from torsionnet.machinery.verdicts.order_peaks import GoverningPeaks
     from torsionnet.symbolic.symbolic_system import SymbolicSystem
 
 MOST_CASES, MOST_JUDGED_CASES = 12, 200
@@ -226,7 +226,7 @@ class ReportData:
         """Critical speeds that matter in the judged configurations, each order in its worst; None without limits."""
         if self.limit_conclusion is None:
             return None
-        from torsionnet.machinery.verdicts.governing_peaks import governing_peaks
+        from torsionnet.machinery.verdicts.order_peaks import governing_peaks
 
         def critical_speeds(check: LimitCheck, lines: Sequence[str]) -> CriticalSpeeds:
             return self.judged_case(check).drivetrain.critical_speeds(lines=lines)
@@ -275,7 +275,7 @@ class ReportData:
 
         Nodes with an imposed motion are held, as in the response to the excitations.
         """
-        from torsionnet.machinery.holzer.counted_frequencies import natural_frequencies
+        from torsionnet.machinery.holzer.counted_vibration import natural_frequencies
 
         return tuple(natural_frequencies(held_drivetrain(cases[0])) for cases in self.judged_drivetrains)
 

@@ -8,7 +8,14 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
+from dataclasses import replace
+from functools import cache
+from importlib.resources import files
 from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, TemplateSyntaxError, nodes
 
 from torsionnet.base.errors import Fault, ModelError, Position, UsageError, did_you_mean, suggestion_or
 from torsionnet.model.files.library import MOST_BYTES, decode
@@ -16,7 +23,104 @@ from torsionnet.model.files.located_yaml import compose
 from torsionnet.model.files.reader import located_faults, presentable_faults
 from torsionnet.report.template_folder import STYLE, TemplateFolder, TemplateFolderError
 from torsionnet.report.wording import Wording, Words
-from torsionnet.report.writers.page_checks import page_faults
+from torsionnet.report.writers.templating import environment_of, shipped_blocks
+
+# Languages of a report's own texts: English as the sections write it, others from files of words.
+
+ENGLISH = "en"
+"""Code of the language in which the sections of a report write their texts."""
+
+
+@cache
+def words_of(language: str) -> Words:
+    """Texts of a report in a language by the English ones, from the file ``words/LANGUAGE.yaml``.
+
+    Examples
+    --------
+    >>> words_of("de").texts["Contents"]
+    'Inhalt'
+    """
+    name = f"{language}.yaml"
+    text = files("torsionnet.report").joinpath("words", name).read_text(encoding="utf-8")
+    data: dict[str, Any] = compose(text, name).data
+    return Words(**data)
+
+
+def in_language(language: str, template: TemplateFolder | None) -> TemplateFolder | None:
+    """Template folder whose words are those of a language, replaced by its own where it has any.
+
+    None for English without a template.
+    """
+    if language == ENGLISH:
+        return template
+    words, own = words_of(language), template or TemplateFolder()
+    texts = {**(words.texts or {}), **own.wording.texts}
+    return replace(own, wording=Wording(texts), language=language if own.language == ENGLISH else own.language)
+
+
+# Checks of the page of a template folder, as far as its text tells.
+
+_TAGS = ("block", "endblock", "if", "elif", "else", "endif", "for", "endfor", "set", "endset", "macro", "endmacro")
+_REFUSED_TAGS = ("extends", "include", "import", "from", "with", "endwith", "call", "endcall", "filter", "endfilter",
+                 "raw", "endraw", "autoescape", "endautoescape", "print")  # fmt: skip
+"""Names of the other tags of Jinja, which no page of a template needs."""
+_OTHERS = (nodes.Extends, nodes.Include, nodes.Import, nodes.FromImport)
+_SILENT = (nodes.Block, nodes.Macro, nodes.Assign, nodes.AssignBlock, *_OTHERS)
+"""Kinds of Jinja statements that show nothing outside of all blocks, or are refused in any place."""
+
+
+def page_faults(template: TemplateFolder, name: str) -> list[Fault]:
+    """Faults in the syntax of a template folder's page, or else in its blocks."""
+    environment = environment_of(name.removeprefix("page"), template)
+    try:
+        tree = environment.parse(template.texts[name])
+        found = list(_faults(tree, shipped_blocks(name)))
+        if not found:
+            environment.get_template(name)
+    except TemplateSyntaxError as error:
+        tag = _unknown_tag(environment, template.texts[name], error.lineno)
+        text = f'no tag is named "{tag}"{suggestion_or(tag, _TAGS, "known: " + ", ".join(_TAGS))}' if tag else ""
+        found = [(error.lineno, text or (error.message or "this is no template").rstrip("."))]
+    return [Fault(text, position=template.position(name, line)) for line, text in found]
+
+
+def _unknown_tag(environment: Environment, text: str, line: int) -> str:
+    """First tag of a line that Jinja does not have, or the empty text."""
+    begun = False
+    with suppress(TemplateSyntaxError):  # what cannot even be cut into words ends the search
+        for number, kind, word in environment.lex(text):
+            if begun and kind == "name" and number == line and word not in (*_TAGS, *_REFUSED_TAGS):
+                return str(word)
+            begun = kind == "block_begin" or (begun and kind == "whitespace")
+    return ""
+
+
+def _faults(tree: nodes.Template, known: tuple[str, ...]) -> Iterator[tuple[int, str]]:
+    blocks = ", ".join(known)
+    for other in tree.find_all(_OTHERS):
+        yield other.lineno, f"a page of a template cannot include other files; write blocks: {blocks}"
+    for joined in tree.find_all(nodes.Concat):
+        yield joined.lineno, "texts cannot be joined by ~; write them one after the other"
+    for block in tree.find_all(nodes.Block):
+        if block.name not in known:
+            yield (
+                block.lineno,
+                f'no block is named "{block.name}"{suggestion_or(block.name, known, f"there are {blocks}")}',
+            )
+    for node in tree.body:
+        if not isinstance(node, _SILENT):
+            for line in _shown(node) if isinstance(node, nodes.Output) else [node.lineno]:
+                yield line, f"this stands in no block and would not be shown; blocks: {blocks}"
+
+
+def _shown(output: nodes.Output) -> Iterator[int]:
+    """Line number of the first text in an output statement of a template that is not blank."""
+    for node in output.nodes:
+        text = node.data if isinstance(node, nodes.TemplateData) else "x"
+        if text.strip():
+            yield node.lineno + text[: len(text) - len(text.lstrip())].count("\n")
+            return
+
 
 PAGES = ("page.html", "page.tex", "page.md")
 WORDS = "words.yaml"

@@ -21,15 +21,14 @@ from torsionnet.base.entries.spec import Count, EntryError, OneOf, Spec, Text, e
 from torsionnet.base.errors import Fault, suggestion_or
 from torsionnet.base.number_text import UNBROKEN_PERCENT
 from torsionnet.base.phrases import PLACEHOLDER, Phrase
-from torsionnet.model.element_base.characteristic import Characteristic
 from torsionnet.model.element_base.control_entries import ControlLawEntry
-from torsionnet.model.element_base.curves import LookupCurve
+from torsionnet.model.element_base.curves import Characteristic, LookupCurve
 from torsionnet.model.element_base.element_entries import MultipleValues, Teeth
 from torsionnet.model.element_base.spring_stages import QuantityRows, SpringStages
-from torsionnet.model.element_base.stiffness_rows import TableEntry
+from torsionnet.model.element_base.stiffness_table import TableEntry
 from torsionnet.model.elements import ELEMENT_TYPES
 from torsionnet.model.files.located_yaml import compose
-from torsionnet.model.given_values import has_own_column
+from torsionnet.model.overview import has_own_column
 
 REPORTED_ENTRIES = (QuantityKind, Value, Teeth, Count, OneOf, TableEntry, Characteristic, QuantityRows, LookupCurve)
 """Kinds of entries that a report on a model has a row for; an entry of several values has a row for each."""

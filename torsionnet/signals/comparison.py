@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from torsionnet.base.conventions import Conventions
 from torsionnet.base.errors import UsageError
+from torsionnet.base.table import Column, Table
 from torsionnet.linear.frequency_response import Channel, FrequencyResponse
+from torsionnet.signals.advice import LEAST_COHERENCE
 from torsionnet.signals.recording import FloatArray
 
 
@@ -92,3 +97,59 @@ def _units(channels: tuple[Channel, ...]) -> list[str]:
 
 def _described(channels: tuple[Channel, ...]) -> str:
     return ", ".join(f"{channel.name} in {channel.unit or 'an unknown unit'}" for channel in channels)
+
+
+# Agreement of the responses of test and model in a few numbers (peaks, largest and RMS differences, FRAC).
+
+
+def agreement(test: FrequencyResponse, model: FrequencyResponse, conventions: Conventions) -> Table:
+    """Table of highest peaks, differences (dB, degrees) and FRAC of test and model, at lines of good coherence."""
+    limit, good = usable_limit(test), comparable_lines(test)
+    if not good.any():
+        return Table(model.title, (Column("nothing can be compared"),), (), ("no frequency at which the test is good",))
+    picked = [at_good_lines(response, good) for response in (test, model)]
+    differences = difference(*picked)
+    f, decibels, degrees = picked[0].frequencies, differences.decibels[:, 0, 0], differences.degrees[:, 0, 0]
+    unit, scale = test.unit(conventions=conventions), test.scale(conventions)
+    peaks = [(one.frequencies[k := int(np.argmax(one.magnitude[:, 0, 0]))], one.magnitude[k, 0, 0]) for one in picked]
+    rows: list[tuple[Any, ...]] = [
+        ("largest response of the test", float(peaks[0][0]), float(peaks[0][1] * scale), unit),
+        ("largest response of the model", float(peaks[1][0]), float(peaks[1][1] * scale), unit),
+    ]
+    compared = [("magnitude", decibels, "dB"), ("phase", degrees, "deg")][: 2 if test.has_phase else 1]
+    for what, values, name in compared:
+        worst = int(np.abs(values).argmax())
+        rows.append((f"largest difference in {what}", float(f[worst]), float(values[worst]), name))
+        rows.append((f"RMS difference in {what}", None, float(np.sqrt(np.mean(values**2))), name))
+    if test.has_phase:
+        rows.append(("FRAC", None, float(frac(*picked)[0, 0]), "1"))
+    columns = (Column("test against model"), Column("at", "Hz", 4), Column("value", "", 4), Column("unit"))
+    span = f"over {len(f)} lines from {f[0]:g} to {f[-1]:g} Hz with coherence of {LEAST_COHERENCE:g} or more"
+    usable = f"the test can be used up to {limit:.4g} Hz" if test.usable_up_to is not None else ""
+    signs = "differences are test - model; positive degrees: the test leads"
+    notes = tuple(filter(None, (span, usable, signs, *map(str, model.notes))))
+    return Table(f"{model.title}: {test.outputs[0].name}/{test.inputs[0].name}", columns, tuple(rows), notes)
+
+
+def usable_limit(test: FrequencyResponse) -> float:
+    """Highest frequency in Hz up to which a test can be used; its last one where nothing is said."""
+    return test.usable_up_to if test.usable_up_to is not None else float(test.frequencies[-1])
+
+
+def comparable_lines(test: FrequencyResponse) -> NDArray[np.bool_]:
+    """Mask, shape (n_f,), of the usable frequencies at which the first response of a test has good coherence."""
+    good = test.frequencies <= usable_limit(test)
+    if test.coherence is not None:
+        good &= test.coherence[:, 0, 0] >= LEAST_COHERENCE
+    return np.asarray(good)
+
+
+def at_good_lines(response: FrequencyResponse, good: NDArray[np.bool_]) -> FrequencyResponse:
+    """Frequency response at the frequencies that a mask (n_f,) marks, without coherence and conditioning."""
+    return replace(
+        response,
+        frequencies=response.frequencies[good],
+        values=response.values[good],
+        coherence=None,
+        conditioning=None,
+    )

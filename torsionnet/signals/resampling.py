@@ -5,12 +5,105 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from torsionnet.base.errors import UsageError
-from torsionnet.base.remedies import remedy
+from torsionnet.base.errors import UsageError, remedy
 from torsionnet.signals.recording import FloatArray, Recording, Signal
-from torsionnet.signals.sample_counts import even_times
-from torsionnet.signals.timing import gaps
+
+# Limits for the number of samples made from a record, which times in a wrong unit would exceed by far.
+
+ALWAYS_ALLOWED_COUNT, MOST_MULTIPLE = 10_000_000, 100
+"""Number of values that may be made from any record, and multiple of its own number for longer ones, beyond which the
+unit of the times must be wrong."""
+
+
+def check_count(wanted: float, given: int, what: str, remedy: str) -> None:
+    """Raise an error if far more values would be made from a record than the ``given`` ones.
+
+    Parameters
+    ----------
+    wanted : float
+        Number of values to be made; may be too large for an integer.
+    given : int
+        Number of values in the record.
+    what : str
+        Description of the record, the beginning of the message.
+    remedy : str
+        Advice, the end of the message.
+
+    Raises
+    ------
+    UsageError
+        ``wanted`` is more than a hundred times those given, and more than ten million.
+
+    Examples
+    --------
+    >>> check_count(3.2e11, 6000, "6000 pulses over 3.2e+08 s", "give the unit of the times")
+    Traceback (most recent call last):
+    torsionnet.base.errors.UsageError: 6000 pulses over 3.2e+08 s would become 3.2e+11 numbers, more than can be kept; \
+give the unit of the times
+    """
+    if not wanted <= max(ALWAYS_ALLOWED_COUNT, MOST_MULTIPLE * given):
+        raise UsageError(f"{what} would become {wanted:.3g} numbers, more than can be kept; {remedy}")
+
+
+def even_times(first: float, last: float, sampling_rate: float, given: int, what: str) -> FloatArray:
+    """Uniform times in s from the first to the last, one sampling interval apart, shape (n,).
+
+    A whole number of intervals that misses the last time by a rounding error does not lose its sample.
+
+    Parameters
+    ----------
+    first, last : float
+        First and last time, s.
+    sampling_rate : float
+        Sampling rate, Hz.
+    given : int
+        Number of samples or pulses between the two; far more than these are refused.
+    what : str
+        Name of the given values, such as "pulses".
+
+    Raises
+    ------
+    UsageError
+        There would be far more times than values given.
+
+    Examples
+    --------
+    >>> even_times(1.0, 1.5, 4.0, 9, "pulses").tolist()
+    [1.0, 1.25, 1.5]
+    """
+    intervals = (last - first) * sampling_rate
+    about = f"{given} {what} over {last - first:.4g} s, sampled at {sampling_rate:.6g} Hz,"
+    check_count(intervals, given, about, "if the times are not in s, give their unit; or take a lower rate")
+    return np.asarray(np.minimum(first + np.arange(int(np.floor(intervals + 1e-9)) + 1) / sampling_rate, last))
+
+
+# Gaps and jitter of the time stamps of a recording.
+
+GAP_RATIO = 1.9
+"""Interval of time stamps over the usual one above which it is a gap, just below 2, where one sample is missing."""
+
+
+def gaps(times: FloatArray) -> NDArray[np.intp]:
+    """Indices of the last sample before every gap in time stamps, (n_gaps,).
+
+    >>> gaps(np.array([0.0, 1.0, 2.0, 5.0, 6.0]))
+    array([2])
+    """
+    intervals = np.diff(times)
+    return np.flatnonzero(intervals > GAP_RATIO * np.median(intervals)) if len(intervals) else np.empty(0, np.intp)
+
+
+def jitter(times: FloatArray) -> float:
+    """Standard deviation of the sampling intervals over their mean, without unit, gaps left out.
+
+    >>> round(jitter(np.array([0.0, 0.9, 2.0, 2.9, 4.0])), 9)
+    0.1
+    """
+    intervals = np.delete(np.diff(times), gaps(times))
+    return float(np.std(intervals) / np.mean(intervals)) if len(intervals) else 0.0
+
 
 LEAST_RATE_SHARE = 0.99
 """Least new rate as a share of a recording's mean rate, below 1 only by rounding, as a lower one needs an anti-alias

@@ -10,12 +10,10 @@ import numpy as np
 from torsionnet.base.errors import UsageError
 from torsionnet.base.notes import NoteOrText
 from torsionnet.base.result_rows import NUMBER_ROWS, Out
-from torsionnet.signals.decimation import decimate
-from torsionnet.signals.detrending import without_trend
-from torsionnet.signals.record_blocks import check_processable
+from torsionnet.signals.decimation import check_processable, decimate
 from torsionnet.signals.recording import FloatArray, Recording
-from torsionnet.signals.sample_counts import check_count
-from torsionnet.signals.welch import Welch
+from torsionnet.signals.resampling import check_count
+from torsionnet.signals.welch import Welch, without_trend
 
 
 @dataclass(frozen=True, eq=False)

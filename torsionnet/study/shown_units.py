@@ -8,9 +8,8 @@ from dataclasses import dataclass, field
 from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.expressions import Number
 from torsionnet.base.units import CELSIUS, UnitError, parse_unit
-from torsionnet.study.answers.answer import AskedStudy
-from torsionnet.study.answers.answer_inputs import measure_of, units_of
-from torsionnet.study.quantities.quantity_limit import ValueInUnit
+from torsionnet.study.answers.answer import AskedStudy, measure_of, units_of
+from torsionnet.study.quantities.quantity import ValueInUnit
 from torsionnet.study.space.variations.variation import Variation
 
 

@@ -17,8 +17,7 @@ from torsionnet.linear.dynamic_stiffness.sweep import compiled_works
 from torsionnet.study.answers.answer import StudyAnswer
 from torsionnet.study.examined_study import answer_faults, examine_study, unknown_names_in_answers
 from torsionnet.study.quantities.evaluator import Evaluator
-from torsionnet.study.quantities.quantity import StudyQuantity
-from torsionnet.study.quantities.quantity_limit import QuantityLimit
+from torsionnet.study.quantities.quantity import QuantityLimit, StudyQuantity
 from torsionnet.study.space.space import Space
 from torsionnet.study.study_file import StudyEntries
 

@@ -14,8 +14,7 @@ from torsionnet.base.errors import Fault, TorsionnetError
 from torsionnet.model.configurations import ConfigurationName
 from torsionnet.model.model import Model
 from torsionnet.study.answers.answer import ANSWERS, StudyAnswer
-from torsionnet.study.quantities.quantity import QUANTITIES, StudyQuantity
-from torsionnet.study.quantities.quantity_limit import QuantityLimit
+from torsionnet.study.quantities.quantity import QUANTITIES, QuantityLimit, StudyQuantity
 from torsionnet.study.space.correlation import Correlation
 from torsionnet.study.space.samples import Samples
 from torsionnet.study.space.space_entries import CORRELATION, SAMPLING, VARY, SpaceEntries

@@ -5,7 +5,7 @@ from torsionnet.base.packages import lazy_exports
 __all__, __getattr__, __dir__ = lazy_exports(
     __name__,
     {
-        "Expanded": "torsionnet.symbolic.expanded",
+        "Expanded": "torsionnet.symbolic.normalised",
         "Normalised": "torsionnet.symbolic.normalised",
         "Rational": "torsionnet.symbolic.rational",
         "Simplified": "torsionnet.symbolic.simplified",

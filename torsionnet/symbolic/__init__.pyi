@@ -1,5 +1,5 @@
 # Written by `make generate`.
-from torsionnet.symbolic.expanded import Expanded as Expanded
+from torsionnet.symbolic.normalised import Expanded as Expanded
 from torsionnet.symbolic.normalised import Normalised as Normalised
 from torsionnet.symbolic.rational import Rational as Rational
 from torsionnet.symbolic.simplified import Simplified as Simplified

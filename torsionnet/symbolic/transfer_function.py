@@ -18,9 +18,8 @@ from torsionnet.symbolic.formula_text import for_display, latex, with_where
 from torsionnet.symbolic.symbolic_request import SymbolicFraction
 
 if TYPE_CHECKING:
-    from torsionnet.symbolic.expanded import Expanded
     from torsionnet.symbolic.formula_text import WhereTable
-    from torsionnet.symbolic.normalised import Normalised
+    from torsionnet.symbolic.normalised import Expanded, Normalised
     from torsionnet.symbolic.rational import Rational
 
 MOST_PRINTED = 60
@@ -60,8 +59,7 @@ class TransferFunction(SymbolicFraction):
             It would fill pages.
         """
         from torsionnet.symbolic.algebra.delay import refuse_delays
-        from torsionnet.symbolic.length_limits import require_readable
-        from torsionnet.symbolic.rational import rational
+        from torsionnet.symbolic.rational import rational, require_readable
 
         refuse_delays(self.used_tables, "form of two polynomials")
         require_readable(self)
@@ -77,8 +75,8 @@ class TransferFunction(SymbolicFraction):
             It would fill pages.
         """
         from torsionnet.symbolic.algebra.delay import refuse_delays
-        from torsionnet.symbolic.length_limits import require_readable
         from torsionnet.symbolic.normalised import normalised
+        from torsionnet.symbolic.rational import require_readable
 
         refuse_delays(self.used_tables, "normalised form")
         require_readable(self)
@@ -93,7 +91,7 @@ class TransferFunction(SymbolicFraction):
 
     def predicted_terms(self) -> int:
         """Upper bound of the number of terms of numerator and denominator when fully expanded."""
-        from torsionnet.symbolic.expanded import predicted_terms
+        from torsionnet.symbolic.normalised import predicted_terms
 
         return predicted_terms(self)
 
@@ -105,28 +103,28 @@ class TransferFunction(SymbolicFraction):
         UsageError
             More than ``cap`` terms are predicted; the message has the number.
         """
-        from torsionnet.symbolic.expanded import expanded
+        from torsionnet.symbolic.normalised import expanded
 
         return expanded(self, cap)
 
     @property
     def static_gain(self) -> Any:
         """Static gain of the transfer function (limit at zero frequency), an expression, 0 or sympy's infinity."""
-        from torsionnet.symbolic.asymptotes import static_gain
+        from torsionnet.symbolic.rational import static_gain
 
         return static_gain(self)
 
     @property
     def low_frequency(self) -> Any:
         """Leading term of the transfer function for s -> 0, gain * s^power, a sympy expression."""
-        from torsionnet.symbolic.asymptotes import low_frequency
+        from torsionnet.symbolic.rational import low_frequency
 
         return low_frequency(self)
 
     @property
     def high_frequency(self) -> Any:
         """Leading term of the transfer function for s -> oo, gain * s^power, a sympy expression."""
-        from torsionnet.symbolic.asymptotes import high_frequency
+        from torsionnet.symbolic.rational import high_frequency
 
         return high_frequency(self)
 
@@ -200,7 +198,7 @@ class TransferFunction(SymbolicFraction):
         >>> round(float(abs(H.evaluate([8.116]).values.item())) * 57.29578, 4)
         0.2519
         """
-        from torsionnet.symbolic.numeric_evaluation import evaluate
+        from torsionnet.symbolic.rational import evaluate
 
         return evaluate(self, frequencies, {self._symbol(name): value for name, value in parameters.items()})
 
@@ -226,7 +224,7 @@ class TransferFunction(SymbolicFraction):
           z_1 = c_1*s + k_1
           z_2 = k_2 + s*(I_2*s + c_2 + c_B)
         """
-        from torsionnet.symbolic.length_limits import require_short
+        from torsionnet.symbolic.rational import require_short
 
         if form == "mechanical":
             require_short(self, MOST_LEAVES)
@@ -246,7 +244,7 @@ class TransferFunction(SymbolicFraction):
         UsageError
             No such form, or one that would fill pages.
         """
-        from torsionnet.symbolic.length_limits import require_short
+        from torsionnet.symbolic.rational import require_short
 
         if form == "mechanical":
             require_short(self, MOST_LEAVES)

@@ -9,9 +9,7 @@ from typing import TYPE_CHECKING, TypeVar
 import click
 
 from torsionnet.app.cli.command import Command
-from torsionnet.app.cli.declarations import argument, option
-from torsionnet.app.cli.models import load_model
-from torsionnet.app.cli.options import SETTINGS
+from torsionnet.app.cli.options import SETTINGS, argument, load_model, option
 from torsionnet.app.cli.terminal import message, print_faults
 from torsionnet.base.errors import comma_list
 
@@ -50,7 +48,7 @@ class ModelCommand(Command):
 
         Warnings and notes about the model go to stderr.
         """
-        from torsionnet.app.cli.progress import progress
+        from torsionnet.app.cli.terminal import progress
 
         with progress("reading the model", None):
             rig = load_model(self.model)
@@ -69,7 +67,7 @@ class ModelCommand(Command):
         self, what: str, cases: Sequence[ConfiguredCase], answer: Callable[[ConfiguredCase], Result]
     ) -> list[Result]:
         """Results of a function for each case, in their order, while a terminal shows what is calculated for which."""
-        from torsionnet.app.cli.progress import stages
+        from torsionnet.app.cli.terminal import stages
 
         total, found = (len(cases) if len(cases) > 1 else None), []
         with stages() as show:

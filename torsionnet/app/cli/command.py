@@ -15,13 +15,12 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import click
 
-from torsionnet.app.cli.declarations import Arguments, option, parameters
-from torsionnet.app.cli.failures import remedy_words
-from torsionnet.app.cli.options import OutputFile, plot_option
+from torsionnet.app.cli.app import remedy_words
+from torsionnet.app.cli.options import Arguments, OutputFile, option, parameters, plot_option
 from torsionnet.app.cli.terminal import print_file_written, print_json, print_line, print_table
 from torsionnet.base.atomic import write_text
+from torsionnet.base.errors import remedies
 from torsionnet.base.number_text import screen_text
-from torsionnet.base.remedies import remedies
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -9,14 +9,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
-from torsionnet.app.cli.declarations import option
-from torsionnet.app.cli.options import EntryType
+from torsionnet.app.cli.options import EntryType, option
 from torsionnet.app.cli.record_options import RecordReading
 from torsionnet.base.errors import Fault, ModelError, UsageError, did_you_mean
 
 if TYPE_CHECKING:
     from torsionnet.io.wheel_files import WheelOfTest
-    from torsionnet.signals.rotation.pulse_reading import PulseReading
+    from torsionnet.signals.rotation.counter import PulseReading
 
 
 class NamedWheel(NamedTuple):
@@ -161,7 +160,7 @@ class PulseOptions(RecordReading):
         ModelError
             With every fault.
         """
-        from torsionnet.signals.rotation.pulse_reading import PulseReading
+        from torsionnet.signals.rotation.counter import PulseReading
 
         found: dict[str, PulseReading] = {}
         for name in filter(None, names):

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import sys
 import textwrap
 import warnings
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from itertools import zip_longest
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import click
 
@@ -18,8 +19,11 @@ from torsionnet.base.notes import Note, NoteOrText
 from torsionnet.base.number_text import json_finite, unit_in_brackets
 
 if TYPE_CHECKING:
+    from rich.progress import TaskID
+
     from torsionnet.base.errors import Fault
     from torsionnet.base.table import Table
+
 
 COLOURS = {"error": "red", "warning": "yellow", "note": "blue"}
 NARROWEST_HEADING, NARROWEST_TEXT, BETWEEN_COLUMNS = 9, 16, 2
@@ -197,3 +201,98 @@ def _print_framed(table: Table) -> None:
         framed.add_row(*map(Text, row))
     console.width = max(console.width, least)  # rather long lines than digits cut off
     console.print(framed, crop=False)
+
+
+# Tables wider than the screen, split into several below each other.
+
+
+def split_table(table: Table, group: int) -> Iterator[Table]:
+    """Parts of a table that each fit the screen: the first column, and whole groups of ``group`` columns.
+
+    The title stands over the first block, the notes below the last one.
+    """
+    start, count = 1, len(table.columns)
+    while start < count:
+        end = start + group
+        while end < count and table_width(_columns(table, start, end + group)) <= SCREEN_WIDTH:
+            end += group
+        block = _columns(table, start, end)
+        yield replace(block, title=table.title if start == 1 else "", notes=table.notes if end >= count else ())
+        start = end
+
+
+def _columns(table: Table, start: int, end: int) -> Table:
+    return replace(table.chosen([0, *range(start, end)]), title="")
+
+
+def blank_zero_shares(table: Table) -> Table:
+    """Copy of a table of energy shares with two decimals and empty cells for zeros."""
+    rows = tuple((row[0], *(share or None for share in row[1:])) for row in table.rows)
+    return replace(table, columns=tuple(replace(one, decimals=2) for one in table.columns), rows=rows)
+
+
+# Progress bars on stderr, shown only in a terminal.
+
+
+class ShowProgress(Protocol):
+    """Function that shows how far a stage of a calculation is: name, amount done, total amount (None: unknown)."""
+
+    def __call__(self, stage: str, done: float, total: float | None, words: str = "") -> None:
+        """Update the progress bar of a stage.
+
+        ``words``, if given, stand beside the bar instead of the name of the stage.
+        """
+        ...
+
+
+@contextlib.contextmanager
+def progress(what: str, total: float | None) -> Iterator[Callable[[float], None]]:
+    """Context with a progress bar of one stage.
+
+    Yields a function that adds an amount, up to ``total`` (None: unknown).
+    """
+    done = 0.0
+
+    def advance(amount: float) -> None:
+        nonlocal done
+        done += amount
+        show(what, done, total)
+
+    with stages() as show:
+        show(what, 0.0, total)
+        yield advance
+
+
+@contextlib.contextmanager
+def stages() -> Iterator[ShowProgress]:
+    """Context with progress bars of stages one after the other; yields a function that shows how far a stage is."""
+    if not sys.stderr.isatty():
+        yield lambda stage, done, total, words="": None  # noqa: ARG005  (a Show that shows nothing)
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+
+    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
+    tasks: dict[str, TaskID] = {}
+
+    def show(stage: str, done: float, total: float | None, words: str = "") -> None:
+        if stage not in tasks:
+            for _ in range(len(tasks)):
+                bar.remove_task(tasks.popitem()[1])
+            tasks[stage] = bar.add_task(stage, total=total)
+        bar.update(tasks[stage], completed=done, total=total, description=words or stage)
+
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        yield show
+
+
+# Note on stderr on the memory that a command will take.
+
+LARGE_MEMORY = 1e9
+"""Bytes of memory above which a command announces its need, since any computer has room for less."""
+
+
+def note_memory(needed: float, advice: str) -> None:
+    """Print a note on stderr if a command needs more than 1 GB, with advice on what takes less."""
+    if needed > LARGE_MEMORY:
+        message("note", f"takes about {needed / 1e9:.1f} GB of memory; {advice}")

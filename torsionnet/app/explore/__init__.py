@@ -12,9 +12,8 @@ Everything is calculated here; the page in ``static/`` draws. Neither loads anyt
 6.268
 """
 
-from torsionnet.app.explore.documents import Documents
+from torsionnet.app.explore.documents import Documents, open_documents
 from torsionnet.app.explore.server import ExploreServer
 from torsionnet.app.explore.session import Session, open_session
-from torsionnet.app.explore.starting import open_documents
 
 __all__ = ["Documents", "ExploreServer", "Session", "open_documents", "open_session"]

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import shlex
+import subprocess
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -10,21 +13,150 @@ from typing import Any
 
 import numpy as np
 
-from torsionnet.app.explore.command_text import command_text
 from torsionnet.app.explore.over_speed import over_speed
-from torsionnet.app.explore.overlay import misfit
-from torsionnet.app.explore.page_numbers import CONVENTIONS_BY_ANGLE, json_numbers
-from torsionnet.app.explore.point_sliders import point_sliders
+from torsionnet.app.explore.overlay import CONVENTIONS_BY_ANGLE, json_numbers, misfit
 from torsionnet.app.explore.session import Session
-from torsionnet.app.explore.sliders import sliders
+from torsionnet.app.explore.sliders import point_sliders, sliders
 from torsionnet.app.explore.state import State
-from torsionnet.base.collected_warnings import collected_warnings
+from torsionnet.base.equal_remarks import collected_warnings
 from torsionnet.base.errors import ModelError, TorsionnetError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.linear.frequency_response import DERIVATIVE_ORDERS, FloatArray, FrequencyResponse
 from torsionnet.linear.modes.modes import Modes
 from torsionnet.linear.phase import unwrapped_phase
 from torsionnet.linear.responses.grid import Adaptive, vibration_range
+from torsionnet.model.configurations import label
+
+# Motion of every node in each mode of a drivetrain, for a page that moves the schematic, as JSON data.
+
+DIGITS = 6
+"""Number of decimals of amplitudes and phases; a screen shows three."""
+LEAST_SHARE = 1e-4
+"""Least share of an element in the strain energy of a mode that is given; smaller ones have no colour to be seen."""
+
+
+def mode_motion(rig: Drivetrain, modes: Modes) -> dict[str, Any]:
+    """Motion of each mode and what the elements need to be coloured by, as JSON data.
+
+    Returns
+    -------
+    dict
+        ``modes``: rows with ``frequency_hz`` (natural, 0 of a rigid body), ``damped_hz``, ``damping_ratio`` (None of a
+        rigid body), ``kind``, ``name``, ``description``, ``nodes``, which gives each node its amplitude, 1 at the node
+        that moves most, and its phase in rad, and ``strain``, the shares of elements in the strain energy.
+        ``elements``: for each element the nodes at its ends under ``nodes``, ground included, and ``mean_torque``
+        in N m where mean torques determine it. ``notes``: what to know of the modes.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> rig = tn.Drivetrain("two discs", [tn.Inertia("rotor", node="a", inertia=2), tn.Inertia("wheel", node="b",
+    ...     inertia=1), tn.Spring("shaft", nodes=("a", "b"), stiffness=1e4)])
+    >>> found = mode_motion(rig, rig.modes())
+    >>> [(mode["name"], mode["nodes"]["a"]) for mode in found["modes"]]
+    [('rigid body', [1.0, 0.0]), ('1', [0.5, 3.141593])]
+    """
+    torques = mean_torques(rig)
+    return {
+        "modes": [_mode(modes, number) for number in range(len(modes))],
+        "elements": {
+            name: {"nodes": list(dict.fromkeys(element.ports.values()))}
+            | ({"mean_torque": torques[name]} if name in torques else {})
+            for name, element in rig.elements.items()
+        },
+        "notes": list(modes.notes),
+    }
+
+
+def mean_torques(rig: Drivetrain) -> dict[str, float]:
+    """Mean torques in N m by element, at the first node of each, of a drivetrain with a load or an operating point.
+
+    Elements without one, as inertias and dampers, and those that mean torques do not determine are left out; empty
+    where nothing gives mean torques, or these are out of balance.
+    """
+    try:
+        loads = rig.static_state().loads
+    except TorsionnetError:
+        return {}
+    found: dict[str, float] = {}
+    for load in loads:
+        if load.torque is not None and np.isfinite(load.torque):
+            found.setdefault(load.element, float(load.torque))
+    return found
+
+
+def _mode(modes: Modes, number: int) -> dict[str, Any]:
+    amplitude, phase = _motion(modes, number)
+    (natural,), (damped,), (ratio,) = (
+        json_numbers(values[number : number + 1])
+        for values in (modes.natural_frequencies, modes.damped_frequencies, modes.damping_ratios)
+    )
+    moved = zip(amplitude.tolist(), phase.tolist(), strict=True)
+    return {
+        "frequency_hz": natural,
+        "damped_hz": damped,
+        "damping_ratio": ratio,
+        "kind": modes.kinds[number],
+        "name": modes.names[number],
+        "description": modes.descriptions[number],
+        "nodes": dict(zip(modes.nodes, map(list, moved), strict=True)),
+        "strain": {
+            name: round(share, DIGITS)
+            for name, share in zip(modes.elements, modes.strain[:, number].tolist(), strict=True)
+            if abs(share) >= LEAST_SHARE
+        },
+    }
+
+
+def _motion(modes: Modes, number: int) -> tuple[FloatArray, FloatArray]:
+    """Amplitudes, 1 at the node that moves most, and phases in rad of the nodes in a mode, each of shape (n_nodes,)."""
+    shape = np.nan_to_num(modes.shapes[:, number])
+    amplitude = np.abs(shape)
+    largest = float(amplitude.max(initial=0.0))
+    amplitude = np.round(amplitude / largest, DIGITS) if largest > 0 else amplitude
+    # A phase of a node that stands still would be noise.
+    phase = np.where(amplitude > 0, np.round(np.angle(shape), DIGITS), 0.0)
+    return np.asarray(amplitude), np.asarray(phase + 0.0)
+
+
+# State of the explore page as a command line that prints the same numbers.
+
+
+def command_text(session: Session, state: State) -> str:
+    """Command line ``torsionnet frf MODEL ...``, or ``orders``, for a state of the page, quoted for the shell here.
+
+    Examples
+    --------
+    >>> from torsionnet.app.explore import open_session
+    >>> rig = open_session("amt_rig")
+    >>> print(command_text(rig, rig.with_defaults(State({"gear": "V"}, {"c_O": 360}, band=(1.0, 50.0)))))
+    torsionnet frf amt_rig -c V --set c_O=360 --output theta_1 --input T_M --from 1 --to 50
+    """
+    words = ["torsionnet", "orders" if state.axis == "speed" else "frf", session.model]
+    if state.choice:
+        words += ["-c", label(dict(state.choice), session.base.definition.configurations)]
+    for name, value in state.values.items():
+        words += ["--set", f"{name}={value}"]
+    words += ["--output", state.output, *([] if state.axis == "speed" else _of_response(session, state))]
+    if state.axis == "speed" and session.measured is not None:
+        words += ["--measured", str(session.measured)]
+    if state.angle != "rad":
+        words += ["--angle", state.angle]
+    words += ["--db"] * (state.decibels and state.axis == "frequency")
+    return subprocess.list2cmdline(words) if os.name == "nt" else shlex.join(words)
+
+
+def _of_response(session: Session, state: State) -> list[str]:
+    """Options of ``torsionnet frf`` for the input, the band and the form of a response."""
+    words = ["--input", state.input]
+    if state.excitation and len(session.base.inputs) != 1:
+        words += ["--excitation", state.excitation]
+    if any(state.band):
+        words += ["--from", f"{state.band[0]:g}", "--to", f"{state.band[1]:g}"]
+    if state.quantity:
+        words += ["--quantity", state.quantity]
+    return words
+
 
 MOST_MODES, MANY_NODES = 40, 120
 """Number of lowest modes calculated of models with more nodes than the second number.

@@ -3,20 +3,218 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, TypeAlias
 
-from torsionnet.app.explore.answers import answer, fault_texts
-from torsionnet.app.explore.document import Answer
+from torsionnet.app.explore.answers import MANY_NODES, answer, collected_notes, fault_texts, mode_motion, page_modes
+from torsionnet.app.explore.disk_file import plain_line_ends
+from torsionnet.app.explore.document import Answer, Document, OffsetCounting
 from torsionnet.app.explore.documents import Documents
-from torsionnet.app.explore.line_ends import plain_line_ends
-from torsionnet.app.explore.picture_requests import motion_answer, schematic_answer
-from torsionnet.app.explore.request_reading import PageRequest, read_request
 from torsionnet.app.explore.session import Session
-from torsionnet.app.explore.state import State, read_state
-from torsionnet.app.explore.text_requests import TEXT_QUESTIONS
-from torsionnet.base.errors import TorsionnetError
+from torsionnet.app.explore.state import PageRequest, State, read_request, read_state
+from torsionnet.app.text.text_edits import TextSpan
+from torsionnet.base.errors import TorsionnetError, UsageError
 from torsionnet.model.files.library import MOST_BYTES
+
+# Requests of the explore page on the text in its text pane, from JSON to JSON data.
+
+MOST_SERVED = 1_500_000
+"""Largest number of characters of a text in which names are completed, shown and changed; a model with 20 000 elements
+has about as many, and the faults of a larger text are shown all the same."""
+
+
+class TextQuestion:
+    """Question on a text, or on a place in it, with what is needed to answer it."""
+
+    def __init__(self, document: Document, request: PageRequest, *entries: str) -> None:
+        request.only("text", *entries)
+        self.text = request.text("text")
+        if len(self.text) > MOST_SERVED:
+            raise UsageError(f"the text is too large for this: more than {MOST_SERVED:,} characters".replace(",", " "))
+        self.counting = OffsetCounting(self.text)
+        self.offset = self.counting.from_page(request.number("at")) if "at" in entries else 0
+        self.file, self.folder = str(document.options.path), document.options.folder
+
+    @property
+    def place(self) -> tuple[Any, ...]:
+        """Arguments of a service on a place in a text."""
+        return self.text, self.offset, self.file, self.folder
+
+    def ranges(self, spans: Iterable[TextSpan]) -> Answer:
+        """Stretches of the text as JSON data."""
+        return {"ranges": [self.counting.span(span) for span in spans]}
+
+
+def _changed(document: Document, request: PageRequest) -> Answer:
+    request.only("revision", "text")
+    return document.change(request.number("revision"), request.text("text"))
+
+
+def _complete(document: Document, request: PageRequest) -> Answer:
+    from torsionnet.app.text.completion import completions
+
+    asked = TextQuestion(document, request, "at")
+    options = [
+        {
+            "label": one.label,
+            "kind": one.kind,
+            "detail": one.detail,
+            "documentation": one.documentation,
+            "insert": one.insert,
+        }
+        | asked.counting.span(one.span)
+        for one in completions(*asked.place)
+    ]
+    return {"options": options}
+
+
+def _hover(document: Document, request: PageRequest) -> Answer:
+    from torsionnet.app.text.outline import hover
+
+    asked = TextQuestion(document, request, "at")
+    found = hover(*asked.place)
+    return {} if found is None else {"html_free_text": found.markdown} | asked.counting.span(found.span)
+
+
+def _definition(document: Document, request: PageRequest) -> Answer:
+    from torsionnet.app.text.name_change import definition
+
+    asked = TextQuestion(document, request, "at")
+    found = definition(*asked.place)
+    return asked.ranges([] if found is None else [found])
+
+
+def _references(document: Document, request: PageRequest) -> Answer:
+    from torsionnet.app.text.name_change import references
+
+    asked = TextQuestion(document, request, "at")
+    return asked.ranges(references(*asked.place))
+
+
+def _rename(document: Document, request: PageRequest) -> Answer:
+    from torsionnet.app.text.name_change import rename
+
+    asked, name = TextQuestion(document, request, "at", "name"), request.short("name")
+    return {"edits": asked.counting.edits(rename(asked.text, asked.offset, name, asked.file, asked.folder))}
+
+
+def _format(document: Document, request: PageRequest) -> Answer:
+    from torsionnet.app.text.formatting import formatted
+
+    asked = TextQuestion(document, request)
+    return {"edits": asked.counting.edits(formatted(asked.text))}
+
+
+def _outline(document: Document, request: PageRequest) -> Answer:
+    from torsionnet.app.text.outline import OutlineItem, outline
+
+    asked = TextQuestion(document, request)
+    counting = asked.counting
+
+    def data(item: OutlineItem) -> Answer:
+        name = {"name_from": counting.to_page(item.name_span.start), "name_to": counting.to_page(item.name_span.end)}
+        children = [data(child) for child in item.children]
+        return (
+            {"name": item.name, "kind": item.kind, "detail": item.detail, "children": children}
+            | name
+            | (counting.span(item.span))
+        )
+
+    return {"items": [data(item) for item in outline(asked.text, asked.file)]}
+
+
+def _paste(document: Document, request: PageRequest) -> Answer:
+    from torsionnet.app.explore.table_paste import pasted_model
+
+    del document
+    table = request.only("table").text("table")
+    return pasted_model(table) if len(table) <= MOST_SERVED else {"no_table": True}
+
+
+TEXT_QUESTIONS: Mapping[str, Callable[[Document, PageRequest], Answer]] = {
+    "api/text": _changed,
+    "api/complete": _complete,
+    "api/hover": _hover,
+    "api/definition": _definition,
+    "api/references": _references,
+    "api/rename": _rename,
+    "api/format": _format,
+    "api/outline": _outline,
+    "api/paste": _paste,
+}
+"""Answers to requests on a text by their paths."""
+
+
+# Answers of the explore page for its schematic and for the motion of its modes, as JSON data.
+
+Make: TypeAlias = Callable[[Session, State], dict[str, Any]]
+MOST_MOVING = 12
+"""Number of lowest modes of a large model that the page can move; each more takes time while the text is written."""
+BYTES_OF_MOTION = 100
+"""Size in bytes of the motion of one node in one mode, roughly."""
+
+
+def schematic_answer(session: Session, state: State) -> dict[str, Any]:
+    """Schematic of a state's drivetrain as SVG text, with the ids of elements and nodes, as JSON data.
+
+    It shows the elements of the configuration chosen and the values of the sliders; reasons under ``refused`` if the
+    state is impossible.
+
+    Examples
+    --------
+    >>> from torsionnet.app.explore.session import open_session
+    >>> schematic_answer(open_session("amt_rig"), State({"gear": "V"}))["elements"]["gearbox"]
+    'element-gearbox'
+    """
+    return _kept(session, state, "schematic", _schematic)
+
+
+def motion_answer(session: Session, state: State) -> dict[str, Any]:
+    """Motion of the nodes in each mode of a state's drivetrain, and mean torques of its elements, as JSON data.
+
+    Reasons under ``refused`` if the state is impossible.
+    """
+    return _kept(session, state, "motion", _mode_motion)
+
+
+def _schematic(session: Session, state: State) -> dict[str, Any]:
+    from torsionnet.plot.schematics.svg_drawing import schematic_svg  # what draws is loaded by pages that show it
+
+    drawing = schematic_svg(session.model_for(state))
+    return {
+        "svg": drawing.svg,
+        "elements": dict(drawing.elements),
+        "nodes": dict(drawing.nodes),
+        "size": list(drawing.size),
+    }
+
+
+def _mode_motion(session: Session, state: State) -> dict[str, Any]:
+    rig = session.model_for(state)
+    with collected_notes() as notes:
+        is_large = len(rig.nodes) > MANY_NODES
+        found = mode_motion(rig, rig.modes(lowest=MOST_MOVING) if is_large else page_modes(rig))
+    said = [f"{len(rig.nodes)} nodes: the {MOST_MOVING} lowest modes can be moved"] if is_large else []
+    return found | {"notes": list(dict.fromkeys([*said, *found["notes"], *notes]))}
+
+
+def _kept(session: Session, state: State, what: str, make: Make) -> dict[str, Any]:
+    """Answer that depends on the configuration and the values of a state alone, kept by the session."""
+    key = (what, tuple(state.choice.items()), tuple(state.values.items()))
+
+    def answer() -> dict[str, Any]:
+        try:
+            return dict(make(session, state))
+        except TorsionnetError as error:
+            return {"refused": fault_texts(error)}
+
+    return session.pictures.once(dict, key, answer, _size)
+
+
+def _size(found: dict[str, Any]) -> int:
+    moved = sum(len(mode["nodes"]) for mode in found.get("modes", ()))
+    return len(found.get("svg", "")) + BYTES_OF_MOTION * moved
+
 
 LARGEST_REQUEST = 100_000
 """Largest number of bytes of a request without a text; a state of 2000 parameters has about that many."""

@@ -2,25 +2,219 @@
 
 from __future__ import annotations
 
+import re
 import time
-from collections.abc import Callable
+from bisect import bisect_left
+from collections.abc import Callable, Iterable, Mapping
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from threading import Lock
-from typing import Any
+from pathlib import Path
+from threading import Condition, Lock
+from typing import Any, Generic, TypeVar
 
-from torsionnet.app.explore.newest_turn import NewestTurn
-from torsionnet.app.explore.offset_counting import OffsetCounting
-from torsionnet.app.explore.session import Session
-from torsionnet.app.explore.session_remaking import SessionOptions, remade_session
-from torsionnet.app.text.text_edits import TextLines, TextSpan
+from torsionnet.app.explore.over_speed import runs
+from torsionnet.app.explore.session import ResponseChoice, Session, default_pair
+from torsionnet.app.explore.sliders import point_settings
+from torsionnet.app.explore.state import State
+from torsionnet.app.text.text_edits import TextEdit, TextLines, TextSpan
 from torsionnet.app.text.text_faults import LocatedFault, stretched_faults, text_faults
 from torsionnet.app.text.unstable_configurations import unstable_configurations
 from torsionnet.base.errors import Fault, TorsionnetError
 from torsionnet.base.registers import RecentResults
 from torsionnet.drivetrain import Drivetrain
+from torsionnet.linear.frequency_response import FrequencyResponse
+from torsionnet.model.configurations import parse_choice
 from torsionnet.model.files.reader import read_text
+
+# Sessions of the explore page made anew from a text, with what its command line asked for where that still fits.
+
+
+@dataclass(frozen=True)
+class SessionOptions:
+    """Options of the command line that began the page, beside the model.
+
+    Attributes
+    ----------
+    model : str
+        Name or path on the command line, for commands that the page shows.
+    path : Path
+        Of the model file; it need not exist.
+    folder : Path, optional
+        Where files that the text names lie; None: it can name none.
+    configuration : str
+    settings : mapping
+        Parameter -> value.
+    pairs : tuple of ResponseChoice
+    band : (float, float), optional
+        Hz; default: what suits the modes, anew for each text.
+    overlay : FrequencyResponse, optional
+    overlay_name : str
+    over_speed : tuple of str
+    measured : Path, optional
+        A file of measured orders.
+    opened : Session, optional
+        As the page was opened; the same text begins in the same state.
+    """
+
+    model: str
+    path: Path
+    folder: Path | None = None
+    configuration: str = ""
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    pairs: tuple[ResponseChoice, ...] = ()
+    band: tuple[float, float] | None = None
+    overlay: FrequencyResponse | None = None
+    overlay_name: str = ""
+    over_speed: tuple[str, ...] = ()
+    measured: Path | None = None
+    opened: Session | None = None
+
+    @classmethod
+    def of(cls, session: Session) -> SessionOptions:
+        """Options with which a session was opened, as far as it shows them."""
+        choice = ",".join(f"{axis}={alternative}" for axis, alternative in session.start.choice.items())
+        folder = session.folder
+        return cls(
+            session.model, Path(session.file) if folder is None else folder / session.file, folder, choice,
+            {**session.point, **session.start.values}, session.pairs, session.start.band, session.overlay,
+            session.overlay_name, session.over_speed, session.measured, session,
+        )  # fmt: skip
+
+
+def remade_session(base: Drivetrain, text: str, options: SessionOptions) -> Session:
+    """Session of a sound text; options that do not fit this model are left out without a word."""
+    point, base = _operating_point(base, options.settings)
+    choice = _choice(base, options.configuration)
+    values = _values(base, choice, {name: value for name, value in options.settings.items() if name not in point})
+    pairs = tuple(pair for pair in options.pairs if _is_known(base, pair))
+    first = pairs[0] if pairs else default_pair(base, options.overlay)
+    start = State(choice, values, first.output, first.input, band=options.band or (0.0, 0.0))
+    over_speed = options.over_speed if runs(base) else ()
+    if over_speed:
+        start = replace(start, axis="speed", output=over_speed[0])
+    if options.opened is not None and options.opened.text == text:
+        start = options.opened.start
+    return Session(
+        options.model, options.path.name, text, base, start, pairs, over_speed, options.overlay, options.overlay_name,
+        options.folder, options.measured if over_speed else None, point,
+    )  # fmt: skip
+
+
+def _operating_point(base: Drivetrain, settings: Mapping[str, Any]) -> tuple[dict[str, Any], Drivetrain]:
+    """Operating point that settings give, and the drivetrain in it."""
+    try:
+        point = dict(point_settings(settings, base))
+        return point, base.configured(**point) if point else base
+    except TorsionnetError:
+        return {}, base
+
+
+def _choice(base: Drivetrain, configuration: str) -> dict[str, str]:
+    try:
+        return dict(parse_choice(configuration, base.definition.configurations)) if configuration else {}
+    except TorsionnetError:
+        return {}
+
+
+def _values(base: Drivetrain, choice: Mapping[str, str], values: Mapping[str, Any]) -> dict[str, Any]:
+    """Values of parameters that the model has and takes, each beside those before it."""
+    name = ",".join(f"{axis}={alternative}" for axis, alternative in choice.items())
+    kept: dict[str, Any] = {}
+    for parameter, value in values.items():
+        try:
+            base.configured(name, **kept, **{parameter: value})
+        except TorsionnetError:
+            continue
+        kept[parameter] = value
+    return kept
+
+
+def _is_known(base: Drivetrain, pair: ResponseChoice) -> bool:
+    """Whether a response can be asked for; torques in elements as ``torque(shaft)`` are tried when they are shown."""
+    outputs, inputs = {*base.sensors, *base.nodes}, {*base.inputs, *base.sensors, *base.nodes}
+    return all("(" in name or name in known for name, known in ((pair.output, outputs), (pair.input, inputs)))
+
+
+# Turns of requests that wait for one another, of which only the newest of each kind is worth answering.
+
+Result = TypeVar("Result")
+
+
+class NewestTurn(Generic[Result]):
+    """Queue of calculations that run one at a time; of several of a kind that wait, only the newest has its turn.
+
+    Kinds keep their places in the queue when a newer request of theirs comes, so that none starves.
+
+    Examples
+    --------
+    >>> NewestTurn().take("answer", lambda: 6.268)
+    6.268
+    """
+
+    def __init__(self) -> None:
+        self._changed = Condition()
+        self._waiting: dict[str, int] = {}
+        self._count = 0
+        self._is_busy = False
+
+    def take(self, kind: str, calculate: Callable[[], Result]) -> Result | None:
+        """Result of a calculation once it has its turn, None where a newer one of its kind took its place."""
+        with self._changed:
+            self._count += 1
+            own = self._waiting[kind] = self._count
+            self._changed.notify_all()
+            while self._waiting.get(kind) == own and (self._is_busy or next(iter(self._waiting)) != kind):
+                self._changed.wait()
+            if self._waiting.get(kind) != own:
+                return None
+            del self._waiting[kind]
+            self._is_busy = True
+        try:
+            return calculate()
+        finally:
+            with self._changed:
+                self._is_busy = False
+                self._changed.notify_all()
+
+
+# Offsets of a text between characters and the counting of browsers.
+
+_WIDE = re.compile("[\U00010000-\U0010ffff]")
+"""Expression of a character that browsers count as two."""
+
+
+class OffsetCounting:
+    """Conversion of the offsets of one text.
+
+    Examples
+    --------
+    >>> counting = OffsetCounting("\\U0001d70b: k")
+    >>> counting.to_page(1), counting.from_page(2), counting.from_page(99)
+    (2, 1, 4)
+    """
+
+    def __init__(self, text: str) -> None:
+        self._length = len(text)
+        self._wide = [] if text.isascii() else [found.start() for found in _WIDE.finditer(text)]
+        self._wide_on_page = [place + before for before, place in enumerate(self._wide)]
+
+    def to_page(self, offset: int) -> int:
+        """Offset as the page counts it."""
+        return offset + bisect_left(self._wide, offset)
+
+    def from_page(self, offset: int) -> int:
+        """Offset in characters, at most the length of the text, of one that the page counted."""
+        return min(offset - bisect_left(self._wide_on_page, offset - 1), self._length)
+
+    def span(self, span: TextSpan) -> dict[str, Any]:
+        """Ends of a stretch as JSON data."""
+        return {"from": self.to_page(span.start), "to": self.to_page(span.end)}
+
+    def edits(self, edits: Iterable[TextEdit]) -> list[dict[str, Any]]:
+        """Edits as JSON data."""
+        return [self.span(edit.span) | {"text": edit.text} for edit in edits]
+
 
 Answer = dict[str, Any]
 

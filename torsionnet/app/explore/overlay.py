@@ -1,15 +1,26 @@
-"""Measured response that the explore page lays over the calculated one, and the misfit between both."""
+"""Tests that the explore page lays over what it calculates: responses with their misfit, and measured orders."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+import os
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from torsionnet.app.explore.state import State
+from torsionnet.base.conventions import Conventions
 from torsionnet.base.errors import UsageError
-from torsionnet.linear.frequency_response import DERIVATIVE_ORDERS, FloatArray, FrequencyResponse
+from torsionnet.base.units import RPM
+from torsionnet.linear.frequency_response import DERIVATIVE_ORDERS, Channel, FloatArray, FrequencyResponse
+from torsionnet.machinery.orders.order_response import OrderResponse
+
+if TYPE_CHECKING:
+    from torsionnet.signals.orders.tracked_orders import MeasuredOrder
+
+
+# Measured response that the explore page lays over the calculated one, and the misfit between both.
 
 MOST_LINES = 4000
 """Largest number of measured frequencies that are drawn and compared; a screen has fewer columns of pixels."""
@@ -90,3 +101,69 @@ def misfit(
         "frac": float(frac(test, model)[0, 0]),
         "lines": int(lines.size),
     }
+
+
+# Numbers and units as the explore page shows them.
+
+CONVENTIONS_BY_ANGLE = {angle: Conventions(angle=angle) for angle in ("rad", "deg")}
+"""Conventions by the unit of angles that is chosen on the page."""
+
+
+def json_numbers(values: NDArray[np.float64]) -> list[float | None]:
+    """List of numbers for JSON, with None for nan and inf, which JSON lacks."""
+    if np.isfinite(values).all():
+        return list(values.tolist())
+    return [float(value) if np.isfinite(value) else None for value in values]
+
+
+# Measured orders of a test that the explore page draws over the calculated ones while parameters slide.
+
+MOST_DOTS = 1000
+"""Largest number of measured speeds drawn of an order; a screen has about as many columns of pixels."""
+
+
+def orders_of_test(path: str | os.PathLike[str] | None, output: Channel) -> tuple[MeasuredOrder, ...]:
+    """Measured orders (SI) of an output in a file; empty without a file, or where it holds no such output."""
+    if path is None:
+        return ()
+    from torsionnet.io.tracked_order_tables import read_orders  # loads what a page without a test can do without
+
+    try:
+        return read_orders(path, output)
+    except UsageError:
+        return ()
+
+
+def tested_orders(run: OrderResponse, measured: Sequence[MeasuredOrder], most: int) -> list[dict[str, Any]]:
+    """Measured orders as JSON data, amplitudes and half widths in SI over rpm, with the calculated curve and a verdict.
+
+    Those of largest measured amplitude, at most ``most``; empty where none of them is calculated.
+    """
+    if not measured:
+        return []
+    from torsionnet.machinery.orders.order_comparison import (
+        NO_INTERVAL,
+        compared_orders,
+    )  # loads what a page without a test does without
+
+    try:
+        pairs = compared_orders(run, None, measured)
+    except UsageError:
+        return []
+    largest = sorted(pairs, key=lambda one: -float(one.measured.amplitude.max()))[:most]
+    found = []
+    for one in largest:
+        step = -(-len(one.measured.speeds) // MOST_DOTS)
+        agreement, widths = one.agreement, one.pair.half_widths
+        known = agreement.verdict != NO_INTERVAL and agreement.sentence
+        phase = "" if agreement.phase_rms is None else f", phase {agreement.phase_rms:.3g}° RMS"
+        apart = f"amplitude {agreement.peak:+.3g} %{phase}"
+        found.append({
+            "name": f"order {one.measured.order:g}",
+            "curve": json_numbers(one.curve),
+            "rpm": json_numbers(one.measured.speeds[::step] * RPM),
+            "magnitude": json_numbers(one.measured.amplitude[::step]),
+            "half_widths": None if widths is None else json_numbers(np.asarray(widths[::step])),
+            "verdict": f"{agreement.verdict}: {apart}" + (f"; {agreement.sentence}" if known else ""),
+        })  # fmt: skip
+    return found

@@ -17,12 +17,23 @@ from socket import SHUT_WR
 from typing import Any
 
 from torsionnet.app.explore.api import PATHS, largest_request, reply
-from torsionnet.app.explore.connections import ANSWER, BODY, IDLE, REQUEST_SECONDS, Incoming, Places, pass_over
+from torsionnet.app.explore.connections import (
+    ANSWER,
+    BODY,
+    HEADERS,
+    HOST,
+    IDLE,
+    REQUEST_SECONDS,
+    Guard,
+    Incoming,
+    Places,
+    RefusedError,
+    index_headers,
+    pass_over,
+)
 from torsionnet.app.explore.documents import Documents
-from torsionnet.app.explore.guard import HEADERS, HOST, Guard, RefusedError, index_headers
-from torsionnet.app.explore.request_reading import TooLargeError
 from torsionnet.app.explore.session import Session
-from torsionnet.app.explore.state import RequestError
+from torsionnet.app.explore.state import RequestError, TooLargeError
 from torsionnet.base.errors import UsageError
 
 JSON = "application/json"

@@ -3,27 +3,66 @@
 from __future__ import annotations
 
 import asyncio
+import re
 import traceback
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
+from urllib.parse import unquote
 
 from lsprotocol import types
 from pygls.exceptions import JsonRpcException
 from pygls.lsp.server import LanguageServer
+from pygls.protocol import LanguageServerProtocol
 from pygls.uris import to_fs_path, urlparse
 from pygls.workspace import TextDocument
 
-from torsionnet.app.language_server.answering_protocol import AnsweringProtocol
-from torsionnet.app.language_server.check_schedule import CHANGE_DELAY, CheckSchedule
-from torsionnet.app.language_server.diagnostics import diagnostics, faults_in_editor
-from torsionnet.app.language_server.editor_text import EditorText
-from torsionnet.app.language_server.open_model import OpenModel, is_model_text, names_a_model
+from torsionnet.app.language_server.editor_answers import diagnostics, faults_in_editor
+from torsionnet.app.language_server.open_model import (
+    CHANGE_DELAY,
+    CheckSchedule,
+    EditorText,
+    OpenModel,
+    is_model_text,
+    names_a_model,
+)
 from torsionnet.app.text.text_faults import LocatedFault
 from torsionnet.base.entries.declared import files_recorded, texts_in_editors
 from torsionnet.base.errors import UsageError
 from torsionnet.base.version import __version__
+
+# Protocol of the server in which no request stays without an answer, and each document has one address.
+
+_DRIVE = re.compile(r"(?<=^file:///)[A-Z](?=:)")
+
+
+class AnsweringProtocol(LanguageServerProtocol):
+    """Language Server Protocol that answers a request with wrong arguments, too, so that the editor does not wait."""
+
+    def structure_message(self, data: dict[str, Any]) -> Any:
+        """Message of the protocol from its JSON, which names an open document by the address that opened it."""
+        try:
+            message = super().structure_message(data)
+        except JsonRpcException as error:
+            if "method" in data and isinstance(data.get("id"), (int, str)):
+                self._send_response(data["id"], error=error.to_response_error())
+            raise
+        named = getattr(getattr(message, "params", None), "text_document", None)
+        if named is not None and self._workspace is not None:
+            opened = [document.uri for document in self._workspace.text_documents.values()]
+            named.uri = {_one_spelling(uri): uri for uri in opened}.get(_one_spelling(named.uri), named.uri)
+        return message
+
+
+def _one_spelling(uri: str) -> str:
+    """Address in the spelling that stands for all of them, as ``file:///c%3A/a`` and ``file:///C:/a`` are one file.
+
+    >>> _one_spelling("file:///C%3A/100%25%20%41.yaml"), _one_spelling("file:///c:/%2541.yaml")
+    ('file:///c:/100% A.yaml', 'file:///c:/%41.yaml')
+    """
+    return _DRIVE.sub(lambda drive: drive[0].lower(), unquote(uri))
+
 
 T = TypeVar("T")
 

@@ -9,8 +9,7 @@ from typing import Any
 
 from yaml.events import AliasEvent, StreamEndEvent
 
-from torsionnet.app.text.entry_edits import STEP, WrittenText
-from torsionnet.app.text.text_edits import TextEdit, TextSpan, edited
+from torsionnet.app.text.text_edits import STEP, TextEdit, TextSpan, WrittenText, edited
 from torsionnet.app.text.text_faults import LocatedFault, text_faults
 from torsionnet.base.entries.spec import Json
 from torsionnet.base.errors import EntryPath, ModelError, UsageError, did_you_mean

@@ -7,10 +7,15 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from torsionnet.app.text.naming.fixed_keys import properties_of
-from torsionnet.app.text.naming.mentions import Mention, Scope
-from torsionnet.app.text.naming.name_homes import changed_section, homes
-from torsionnet.app.text.naming.name_stretches import TextStretches, scalar_places
+from torsionnet.app.text.name_homes import (
+    Mention,
+    Scope,
+    TextStretches,
+    changed_section,
+    homes,
+    properties_of,
+    scalar_places,
+)
 from torsionnet.app.text.text_edits import TextLines, TextSpan
 from torsionnet.base.entries.declared import files_beside
 from torsionnet.base.entries.spec import Spec

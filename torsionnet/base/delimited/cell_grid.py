@@ -1,16 +1,116 @@
-"""Spreadsheets as text: rows of cells with their line and column, and the comment lines around them."""
+"""Spreadsheets as text: rows of cells with their line and column, and the comment lines around them.
+
+All numbers of a sheet together decide its decimal sign.
+"""
 
 from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from torsionnet.base.delimited.aligned_columns import aligned_rows
 from torsionnet.base.delimited.dialect import detect_encoding
 from torsionnet.base.errors import Fault, ModelError, Position
+
+# Tables of text whose columns are aligned by blanks, as of reports and mails.
+
+_RUN = re.compile(r"\S+(?: \S+)*")
+"""Expression of a text without two blanks side by side."""
+_NUMBER = re.compile(r"[+\-−]?[\d.,'’]*\d(?:[eE][+\-]?\d+)?")
+_RULE = re.compile(r"[\s\-=_+|]*")
+"""Expression of a line that only separates others."""
+MOST_WORDS = 2
+"""Largest number of words of a line with one text that may be a row of a table; more are a sentence."""
+CellText = tuple[str, int, int]
+"""Text of a cell, its line and its column, from 1."""
+
+
+@dataclass
+class _Column:
+    """Characters of a line, from start to end, that may be a column of a table."""
+
+    start: int
+    end: int
+
+    def text(self, line: str) -> str:
+        return line[self.start : self.end].strip()
+
+
+def aligned_rows(body: Iterable[tuple[int, str]]) -> list[list[CellText]]:
+    """Cells of a table by row, with their line and column; a line that is no row is one cell.
+
+    Columns are apart where all rows have a blank, but for blanks within a heading or a name. Empty where the lines are
+    no such table.
+
+    >>> lines = ["Mass of 2020", "Name      J [kg m2]", "Cyl. 1        0,45", "Cyl. 2       14"]
+    >>> rows = aligned_rows(enumerate(lines, 1))
+    >>> [[text for text, _, _ in row] for row in rows]
+    [['Mass of 2020'], ['Name', 'J [kg m2]'], ['Cyl. 1', '0,45'], ['Cyl. 2', '14']]
+    """
+    lines = [(number, line.replace("\t", " ")) for number, line in body if not _RULE.fullmatch(line)]
+    runs = [_RUN.findall(line) for _, line in lines]
+    most = max(map(len, runs), default=0)
+    # The headings are the longest row without numbers; titles above are no rows.
+    heads = [0 if any(map(_NUMBER.fullmatch, texts)) else len(texts) for texts in runs]
+    begin = heads.index(max(heads)) if heads else 0
+    while begin and 2 * heads[begin - 1] >= most and lines[begin - 1][0] == lines[begin][0] - 1:
+        begin -= 1
+    table = [line for line, texts in zip(lines[begin:], runs[begin:], strict=True) if _is_row(texts, most)]
+    if most < 2 or 2 * len(table) <= len(lines):
+        return []
+    texts = [line for _, line in table]
+    first = next((at for at, line in enumerate(texts) if any(map(_NUMBER.fullmatch, _RUN.findall(line)))), len(texts))
+    columns = _joined(_apart(texts), texts[:first], texts[first:])
+    inside = {number for number, _ in table}
+    return [[_cell(column, number, line) for column in columns] if number in inside
+            else [(line.strip(), number, len(line) - len(line.lstrip()) + 1)] for number, line in lines]  # fmt: skip
+
+
+def _is_row(runs: Sequence[str], most: int) -> bool:
+    """Whether a line is a row of a table: of at least half as many texts as the longest, or with a number."""
+    if len(runs) == 1:
+        return len(runs[0].split()) <= MOST_WORDS and any(map(_NUMBER.fullmatch, runs[0].split()))
+    return 2 * len(runs) >= most or any(map(_NUMBER.fullmatch, runs))
+
+
+def _apart(lines: Sequence[str]) -> list[_Column]:
+    """Columns between the places at which every line has a blank."""
+    width = max(map(len, lines))
+    filled = "".join("x" if any(at < len(line) and line[at] != " " for line in lines) else " " for at in range(width))
+    return [_Column(match.start(), match.end()) for match in re.finditer(r"x+", filled)]
+
+
+def _joined(columns: Sequence[_Column], heads: Sequence[str], below: Sequence[str]) -> list[_Column]:
+    """Columns without those that only blanks in a heading, a name or above a number set apart."""
+    done = [columns[0]]
+    for column in columns[1:]:
+        before = done[-1]
+        if _belong_together(before, column, heads, below):
+            done[-1] = _Column(before.start, column.end)
+        else:
+            done.append(column)
+    return done
+
+
+def _belong_together(first: _Column, second: _Column, heads: Sequence[str], below: Sequence[str]) -> bool:
+    headed = [any(one.text(line) for line in heads) for one in (first, second)]
+    filled = [any(one.text(line) for line in below) for one in (first, second)]
+    both = [line for line in (*heads, *below) if first.text(line) and second.text(line)]
+    if (all(headed) and all(filled)) or any(_NUMBER.fullmatch(first.text(line)) and _NUMBER.fullmatch(second.text(line))
+                                            for line in both):  # fmt: skip
+        return False
+    if not both:
+        # A number beside its heading, not below it.
+        return headed != [True, True] and filled != [True, True]
+    return all("  " not in line[first.start : second.end].strip() for line in both)
+
+
+def _cell(column: _Column, number: int, line: str) -> CellText:
+    text = column.text(line)
+    return " ".join(text.split()), number, (line.find(text, column.start) if text else column.start) + 1
+
 
 CELL_SEPARATORS = (";", "\t", "|", ",")
 """Characters that may separate the cells of a sheet, tried in this order."""
@@ -126,3 +226,80 @@ def _placed(cells: Sequence[str], number: int, line: str) -> tuple[Cell, ...]:
         placed.append(Cell(text, number, column + 1))
         at = column + len(text) if text else column + 1
     return tuple(placed)
+
+
+# Reading of numbers in the spellings that spreadsheets of several countries use.
+
+_BLANKS = "\N{NO-BREAK SPACE}\N{NARROW NO-BREAK SPACE}"
+_LIKE_NUMBER = re.compile(rf"[+\-−]?[\d.,'’ {_BLANKS}]*\d[.,]?(?:[eE][+\-−]?\d+)?")
+_EXPONENT = re.compile(r"[eE].*")
+_GROUP = 3
+"""Number of digits between two separators of thousands, as in 1,234,567."""
+
+
+def is_like_number(text: str) -> bool:
+    """Whether a cell holds nothing but digits, signs and separators."""
+    return _LIKE_NUMBER.fullmatch(text) is not None
+
+
+def decimal_sign(cells: Iterable[Cell]) -> tuple[str, tuple[Cell, str] | None]:
+    """Decimal sign of the numbers of a sheet, and the first cell that does not fit it or is ambiguous, with a message.
+
+    >>> decimal_sign([Cell("1.250,5", 1, 1), Cell("36.000", 2, 1)])
+    (',', None)
+    """
+    hints: dict[str, Cell] = {}
+    for cell in cells:
+        for hint in _hints(_EXPONENT.sub("", cell.text)):
+            hints.setdefault(hint, cell)
+    if "," in hints and "." in hints:
+        odd = max(hints[","], hints["."], key=lambda cell: (cell.line, cell.column))
+        return ".", (odd, f'"{odd.text}" has another decimal sign than cells before it; write all alike')
+    if "," in hints or "." in hints:
+        return ("," if "," in hints else "."), None
+    if "1,234" in hints:
+        cell = hints["1,234"]
+        whole = cell.text.replace(",", "")
+        text = f'"{cell.text}" may be {cell.text.replace(",", ".")} or {whole}, and no other number tells'
+        return ".", (cell, f"{text}; write it without the comma, or with a decimal point")
+    return ".", None
+
+
+def _hints(text: str) -> Iterable[str]:
+    """Decimal sign, ``,`` or ``.``, where only that sign fits the text of a number.
+
+    ``1,234`` where a comma may be one or not.
+    """
+    commas, points = text.count(","), text.count(".")
+    if commas and points:
+        yield "," if text.rindex(",") > text.rindex(".") else "."
+    elif commas > 1 or points > 1:
+        yield "." if commas else ","
+    elif commas or points:
+        sign = "," if commas else "."
+        head, _, tail = text.lstrip("+-−").partition(sign)
+        if len(tail) != _GROUP or not 1 <= len(head) <= _GROUP or head.startswith("0"):
+            yield sign
+        elif commas:
+            yield "1,234"
+
+
+def plain_number_text(text: str, decimal: str) -> str | None:
+    """Text of a number with a decimal point and without separators of thousands; None for a text that is no number.
+
+    >>> plain_number_text("1.250,5", ","), plain_number_text("12'000", "."), plain_number_text("1.2.3", ".")
+    ('1250.5', '12000', None)
+    """
+    other = "." if decimal == "," else ","
+    sign, groups = re.escape(decimal), rf"[{other}'’ {_BLANKS}]"
+    whole = rf"(?:\d{{1,3}}(?:{groups}\d{{3}})+|\d+)"
+    found = re.fullmatch(
+        rf"(?P<sign>[+\-−]?)(?:(?P<whole>{whole})(?:{sign}(?P<part>\d*))?|{sign}(?P<only>\d+))(?P<power>[eE][+\-−]?\d+)?",
+        text,
+    )
+    if found is None:
+        return None
+    digits = re.sub(r"\D", "", found["whole"] or "0").lstrip("0") or "0"
+    decimals = found["part"] or found["only"] or ""
+    power = (found["power"] or "").replace("−", "-")
+    return f"{'-' if found['sign'] in ('-', '−') else ''}{digits}{'.' if decimals else ''}{decimals}{power}"

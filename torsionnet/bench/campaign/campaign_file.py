@@ -2,18 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from torsionnet.base.entries.composite import Named, Nested
+from torsionnet.base.entries.composite import Listed, Named, Nested
 from torsionnet.base.entries.declared import KEY, Declared
-from torsionnet.base.entries.scalars import Value
+from torsionnet.base.entries.scalars import Band, Bands, Value
 from torsionnet.base.entries.spec import MODEL_NAME, Count, Flag, OneOf, Text, entry
-from torsionnet.base.errors import MISSING_KEY, Fault
-from torsionnet.bench.campaign.campaign_checks import CampaignChecks
-from torsionnet.bench.campaign.campaign_responses import CampaignResponses
-from torsionnet.identification.plan.fit_entries import QUANTITIES, READING, FileReading, FitParameter, ParameterTable
+from torsionnet.base.errors import MISSING_KEY, EntryPath, Fault, TorsionnetError, UsageError
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.identification.plan.fit_entries import (
+    QUANTITIES,
+    READING,
+    FileReading,
+    FitParameter,
+    FitSettings,
+    ParameterTable,
+)
+from torsionnet.identification.residuals.measurement_blocks import welch_settings
+from torsionnet.model.checks.names import pair_faults
+from torsionnet.model.response_pair import Pair
 from torsionnet.model.sections import section_class
 from torsionnet.signals.orders.tracking_entries import BANDWIDTH, ORDERS, OrderList
 from torsionnet.signals.orders.vold_kalman import VoldKalman
@@ -21,6 +30,85 @@ from torsionnet.signals.rotation.wheel_channel import WheelChannel
 
 if TYPE_CHECKING:
     from torsionnet.report.plan.report_plan import ReportPlan
+
+
+# Entries of what is checked in the records of a campaign, and from which share on a record is left out.
+
+
+@dataclass(frozen=True, kw_only=True)
+class CheckLevels(Declared):
+    """Shares from which a fault of a record has consequences; below them it is a remark."""
+
+    kind: ClassVar[str] = "check levels"
+    article: ClassVar[str] = "a check"
+    form: ClassVar[str] = "{leave_out: 0.1 %, fail: 1 %}"
+
+    leave_out: float | None = entry(Value("share from which the record is left out", "1"), None)
+    fail: float | None = entry(Value("share from which the command fails with exit code 1", "1"), None)
+
+    def contradictions(self) -> list[Fault]:
+        if self.leave_out is None and self.fail is None:
+            return [Fault(f"a check needs leave_out or fail: {self.form}", on_key=True)]
+        return []
+
+    def consequence(self, share: float) -> str:
+        """Name of the consequence of a share of faulty samples or pulses; empty where it is a remark alone."""
+        if self.fail is not None and share >= self.fail:
+            return "fails"
+        return "left out" if self.leave_out is not None and share >= self.leave_out else ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class CampaignChecks(Declared):
+    """Levels of the checks of the records of a campaign; without one what is found is a remark."""
+
+    kind: ClassVar[str] = "campaign checks"
+    article: ClassVar[str] = "the section checks"
+    form: ClassVar[str] = "{clipping: {leave_out: 0.1 %}}"
+
+    clipping: CheckLevels | None = entry(
+        Nested("samples of a channel at the limit of its range", lambda: CheckLevels, "check_levels"), None
+    )
+    drop_outs: CheckLevels | None = entry(
+        Nested("samples in which a channel stands still or has no number", lambda: CheckLevels, "check_levels"), None
+    )
+    pulses: CheckLevels | None = entry(
+        Nested("pulses of a wheel that are missing or too many", lambda: CheckLevels, "check_levels"), None
+    )
+
+
+# Entries of the frequency responses of a campaign, of a rig that is shaken or hammered.
+
+
+@dataclass(frozen=True, kw_only=True)
+class CampaignResponses(Declared):
+    """Frequency responses that are estimated from the records of a campaign; the entries are those of a fit's tests."""
+
+    kind: ClassVar[str] = "campaign responses"
+    article: ClassVar[str] = "the section responses"
+    form: ClassVar[str] = "{input: T_T, outputs: [theta_1]}"
+
+    input: str = entry(Text("channel of what drives the rig"))
+    outputs: tuple[str, ...] = entry(Listed("channels", Text("channel"), form="a list of channels, [theta_1]"))
+    model_input: str = entry(Text("input or sensor of the model, if it has another name there"), "")
+    excitation: str | None = entry(Text("what drives the model, if it has several inputs"), None)
+    band: tuple[float, float] | None = entry(Band("frequencies that are compared", from_zero=True), None)
+    excluded: tuple[tuple[float, float], ...] = entry(Bands("bands that the fit leaves out"), None)
+    reference: str = entry(Text("channel of the set-point; by default none"), "")
+    settling: float = entry(Value("time at the start that the fit leaves out", "time"), 0.0)
+    settings: FitSettings | None = entry(
+        Nested("how records are averaged", lambda: FitSettings, "settings", optional=True), None
+    )
+
+    def contradictions(self) -> list[Fault]:
+        found = []
+        if not self.outputs:
+            found.append(Fault("name at least one output", ("outputs",)))
+        if self.input in self.outputs:
+            place = self.outputs.index(self.input)
+            found.append(Fault(f"{self.input} is the input, too; leave it out", ("outputs", place)))
+        return found
+
 
 SHOWS = ("orders", "responses")
 """Names of what a record shows: orders of a turning machine, or frequency responses of a rig that is shaken."""
@@ -244,3 +332,57 @@ class CampaignFile(Declared):
 def tracked_entries(plan: CampaignFile) -> dict[str, CampaignChannel | CampaignWheel | CampaignTwist]:
     """Channels, wheels and twists of a campaign by name, in this order."""
     return {**(plan.channels or {}), **plan.wheels, **(plan.twists or {})}
+
+
+# Faults of the section ``responses`` of a campaign file, found before a record is read.
+
+ANY_FREQUENCY = 1.0
+"""Frequency in Hz at which the model is asked whether it has a response at all; any will do."""
+
+
+def response_faults(plan: CampaignFile, model: Drivetrain) -> Iterator[Fault]:
+    """Yield the faults of the responses of a campaign: settings, and names that the model does not have."""
+    asked = plan.responses
+    if asked is None:
+        return
+    if asked.settings is not None:
+        try:
+            welch_settings(asked.settings)
+        except UsageError as error:
+            yield Fault(str(error), ("responses", "settings"))
+    for place, output in enumerate(asked.outputs):
+        channel = (plan.channels or {}).get(output)
+        named = Pair(
+            (channel.sensor if channel else "") or output, asked.model_input or asked.input, asked.excitation or ""
+        )
+        at: EntryPath = (
+            ("channels", output, "sensor") if channel and channel.sensor else ("responses", "outputs", place)
+        )
+        found = [_placed(fault, named, asked, at, first=not place) for fault in pair_faults(named, model.definition)]
+        known = [fault for fault in found if fault is not None]
+        yield from known
+        if not found:
+            yield from _of_model(plan, model, named, at)
+
+
+def _placed(fault: Fault, pair: Pair, asked: CampaignResponses, at: EntryPath, *, first: bool) -> Fault | None:
+    """Fault at its place in the file; None where an earlier output or the section channels had it already."""
+    if fault.about == pair.output:
+        hint = "; name its sensor in the model under channels" if at[0] == "responses" else ""
+        return None if at[0] == "channels" else Fault(f"{fault.message}{hint}", at)
+    key = "excitation" if fault.about == asked.excitation else "model_input" if asked.model_input else "input"
+    hint = "; name that of the model by model_input" if key == "input" else ""
+    return Fault(f"{fault.message}{hint}", ("responses", key)) if first else None
+
+
+def _of_model(plan: CampaignFile, model: Drivetrain, pair: Pair, at: EntryPath) -> Iterator[Fault]:
+    """Yield what the model answers where it has no such response in the configuration of the first record."""
+    name = next((one.configuration for one in plan.records.values() if one.shows in (None, "responses")), "")
+    try:
+        rig = model.configured(name) if name else model
+    except TorsionnetError:
+        return  # said of the record
+    try:
+        rig.frequency_response(pair.output, pair.input, [ANY_FREQUENCY], excitation=pair.excitation or None)
+    except TorsionnetError as error:
+        yield Fault(str(error), at)

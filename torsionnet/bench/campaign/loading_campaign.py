@@ -12,11 +12,10 @@ from torsionnet.base.entries.declared import version_faults
 from torsionnet.base.errors import MISSING_KEY, Fault, ModelError, TorsionnetError, UsageError, did_you_mean
 from torsionnet.base.packages import imported
 from torsionnet.bench.campaign.campaign import Campaign
-from torsionnet.bench.campaign.campaign_file import CampaignFile
-from torsionnet.bench.campaign.checking_responses import response_faults
+from torsionnet.bench.campaign.campaign_file import CampaignFile, response_faults
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.identification.orders.parametric_orders import parameters_of_drivetrain
-from torsionnet.io.wheel_pattern_files import read_wheel_pattern
+from torsionnet.io.wheel_files import read_wheel_pattern
 from torsionnet.linear.sensitivity.unknowns import unknowns
 from torsionnet.loading import load
 from torsionnet.model.channels import Sensor, named_sensor
@@ -25,8 +24,8 @@ from torsionnet.model.files.library import decode, library_campaigns
 from torsionnet.model.files.located_yaml import LocatedDocument, compose
 from torsionnet.model.files.reader import is_file, located_faults, presentable_faults
 from torsionnet.model.sections import REPORT_FAULTS
-from torsionnet.signals.rotation.pattern_checks import check_pattern
-from torsionnet.signals.rotation.wheel_pattern import WheelPattern
+from torsionnet.signals.rotation.pattern_matching import check_pattern
+from torsionnet.signals.rotation.wheel import WheelPattern
 
 MOST_NAMED = 6
 """Most configurations of a model that a message names."""

@@ -9,16 +9,21 @@ from pathlib import Path
 import numpy as np
 
 from torsionnet.base.errors import Fault, ModelError
-from torsionnet.bench.campaign.campaign import Campaign
+from torsionnet.bench.campaign.campaign import Campaign, file_name, kept_path, record_key, write_kept
 from torsionnet.bench.campaign.campaign_file import tracked_entries
-from torsionnet.bench.campaign.campaign_remarks import campaign_remarks
-from torsionnet.bench.campaign.campaign_result import CampaignRecordResult, CampaignResult
-from torsionnet.bench.campaign.condition_spread import ConditionSpread, condition_spread
-from torsionnet.bench.campaign.estimating_responses import campaign_response, response_measurements
-from torsionnet.bench.campaign.kept_files import file_name, kept_path, record_key, write_kept
-from torsionnet.bench.campaign.record_findings import RecordFinding, record_findings
-from torsionnet.bench.campaign.response_rows import ResponseSpread, response_spread
-from torsionnet.bench.campaign.tracking_records import record_orders
+from torsionnet.bench.campaign.campaign_result import (
+    CampaignRecordResult,
+    CampaignResult,
+    ConditionSpread,
+    condition_spread,
+)
+from torsionnet.bench.campaign.estimating_responses import (
+    ResponseSpread,
+    campaign_response,
+    response_measurements,
+    response_spread,
+)
+from torsionnet.bench.campaign.tracking_records import RecordFinding, campaign_remarks, record_findings, record_orders
 from torsionnet.identification import Fit, Measurement, Ranking, Unknown, identify, rank_causes
 from torsionnet.io.tracked_order_tables import read_tracked_orders, write_tracked_orders
 from torsionnet.machinery.orders.order_response import OrderResponse

@@ -1,10 +1,22 @@
 """Entries of a test bench: excitation or motion, sensors, data acquisition. The rig itself is a drivetrain."""
 
 from torsionnet.bench.plan.bench_motions import BenchMotion, CoastDown, GivenSpeed, RunDown, RunUp, SteadyPoints
-from torsionnet.bench.plan.parts import Acquisition, DropOuts, Encoder, Exciter, Hum, RecordingSystem, Transducer
+from torsionnet.bench.plan.parts import (
+    Acquisition,
+    DropOuts,
+    Encoder,
+    Exciter,
+    Hum,
+    PitchErrors,
+    RadialVibration,
+    RecordingSystem,
+    ShuntCalibration,
+    StrainGauge,
+    ToothedWheel,
+    Transducer,
+    ZeroDrift,
+)
 from torsionnet.bench.plan.plan import Plan
-from torsionnet.bench.plan.strain_gauge import ShuntCalibration, StrainGauge, ZeroDrift
-from torsionnet.bench.plan.toothed_wheel import PitchErrors, RadialVibration, ToothedWheel
 
 __all__ = [
     "Acquisition",

@@ -7,14 +7,21 @@ from dataclasses import dataclass
 from typing import ClassVar, TypeAlias
 
 from torsionnet.base.entries.composite import Named, Nested, Typed
-from torsionnet.base.entries.declared import Declared
-from torsionnet.base.entries.spec import Count, entry
+from torsionnet.base.entries.declared import KEY, Declared
+from torsionnet.base.entries.spec import MODEL_NAME, Count, Text, entry
 from torsionnet.base.errors import MISSING_KEY, Fault
 from torsionnet.bench.plan.bench_motions import MOTIONS, BenchMotion
-from torsionnet.bench.plan.parts import Acquisition, Encoder, Exciter, RecordingSystem, Transducer
-from torsionnet.bench.plan.strain_gauge import StrainGauge
-from torsionnet.bench.plan.toothed_wheel import ToothedWheel
+from torsionnet.bench.plan.parts import (
+    Acquisition,
+    Encoder,
+    Exciter,
+    RecordingSystem,
+    StrainGauge,
+    ToothedWheel,
+    Transducer,
+)
 from torsionnet.model.channels import RecordedName
+from torsionnet.model.configurations import ConfigurationName
 from torsionnet.signals.excitation import BurstRandom, LinearChirp, LogarithmicSweep, Multisine, SteppedSine
 from torsionnet.signals.excitation.excitation import Excitation
 
@@ -105,3 +112,26 @@ class Plan(Declared):
                 )
         if self.systems:
             yield Fault("systems: belong to a bench with motion:", ("systems",), on_key=True)
+
+
+# Bench file, which names a model and describes a test of it.
+
+_PLAN = Nested("a virtual test: excitation, exciter, sensors, data acquisition", lambda: Plan, "bench")
+
+
+@dataclass(frozen=True, kw_only=True)
+class BenchFile(Declared):
+    """A test bench that names its model."""
+
+    kind: ClassVar[str] = "bench file"
+    article: ClassVar[str] = "a bench file"
+    head: ClassVar[tuple[str, ...]] = (KEY,)
+
+    name: str = entry(Text("title of the test"), "")
+    source: str = entry(Text("where the numbers come from"), "")
+    description: str = entry(Text("what the test is"), "")
+    model: str = entry(
+        Text("name of a library model, or path of a model file from the folder of this file", MODEL_NAME)
+    )
+    configuration: str | None = entry(ConfigurationName("configuration in which the model is tested"), None)
+    bench: Plan = entry(_PLAN)

@@ -1,8 +1,15 @@
-"""Weighted residuals of measured orders against the calculated ones, over their intervals."""
+"""Weighted residuals of measured orders against the calculated ones, over their intervals.
+
+A test that counts its angle from elsewhere than the model turns order o by exp(j o psi). The sum of squares over psi
+has as many minima as the highest order has periods in a cycle, and an even engine without misfire looks the same every
+firing interval: minima are looked for with the other unknowns following each angle by a linear step.
+
+A campaign has many records with few lines each: the work of an evaluation hardly depends on the number of lines.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from copy import copy
 from dataclasses import dataclass, field
@@ -11,17 +18,15 @@ import numpy as np
 
 from torsionnet.base.errors import UsageError, comma_list
 from torsionnet.identification.orders.order_lines import OrderLines, order_lines
-from torsionnet.identification.orders.parametric_orders import (
-    ParametricOrders,
-    excited_orders,
-)
+from torsionnet.identification.orders.parametric_orders import ParametricOrders, excited_orders
 from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
 from torsionnet.identification.residuals.noise import Noise, noise_between_lines
-from torsionnet.identification.residuals.residual_forms import Form
 from torsionnet.identification.residuals.response_block import STATED_ERROR_CERTAINTY
+from torsionnet.identification.residuals.sampled_response import Form
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
+from torsionnet.linear.sensitivity import Evaluation
 from torsionnet.signals.orders.tracked_orders import TrackedOrders
 
 
@@ -200,3 +205,156 @@ def _response(
 ) -> ParametricOrders:
     output = measurement.model_output or measurement.output
     return ParametricOrders.of(rig, output, lines.orders, lines.speeds, parameters, measurement.speed_of)
+
+
+# Reference angles of measured orders from which a fit starts.
+
+ANGLES_PER_PERIOD = 12
+"""Number of angles within a period of the highest order at which a minimum is looked for."""
+LONGEST_CYCLE = 4 * np.pi
+"""Crank angle in rad of the longest common cycle, of a four-stroke engine, after which a reference comes again."""
+MOST_MINIMA = 6
+"""Number of minima from which a fit starts, one for each firing interval of an engine with six cylinders."""
+LIKELY_EXCESS = 0.5
+"""Share of the largest sum of squares, above the smallest, within which a minimum is worth a start."""
+
+
+def reference_angles(block: OrderBlock, values: FloatArray) -> tuple[float, ...]:
+    """Reference angles in rad at which the model is near the test, the nearest first; in (-360, 360] degrees.
+
+    Parameters
+    ----------
+    block : OrderBlock
+        With phases, its reference angle being an unknown.
+    values : (n,) array
+        Values of the unknowns of the block; the reference angle itself does not matter.
+    """
+    place = len(block.response.names) + block.extra.index("reference_angle")
+    others = np.arange(len(values)) != place
+    at = values.copy()
+    at[place] = 0.0
+    predicted, slopes = block.predicted(at)
+    weight = 1 / np.sqrt(block.noise)
+    size = np.where(values[others] != 0, np.abs(values[others]), 1.0)
+    moving = slopes[:, others] * size * weight[:, None]
+    highest = max(float(block.line_orders.max()), 1.0)
+    steps = int(np.ceil(ANGLES_PER_PERIOD * highest * LONGEST_CYCLE / (2 * np.pi)))
+    angles = (np.arange(steps) - steps // 2) * (LONGEST_CYCLE / steps)
+    costs = np.array(
+        [
+            _cost(turn * predicted * weight - block.measured * weight, turn[:, None] * moving)
+            for turn in np.exp(1j * angles[:, None] * block.line_orders)
+        ]
+    )
+    likely = costs <= costs.min() + LIKELY_EXCESS * (costs.max() - costs.min())
+    found = [k for k in np.flatnonzero(likely) if costs[k] <= costs[k - 1] and costs[k] < costs[(k + 1) % steps]]
+    # Equal minima, as without half orders: the smallest angle first.
+    ranked = sorted(found, key=lambda k: (round(costs[k] / max(costs.max(), np.finfo(float).tiny), 9), abs(angles[k])))
+    return tuple(float(angles[k]) for k in ranked[:MOST_MINIMA])
+
+
+def _cost(residual: np.ndarray, moving: np.ndarray) -> float:
+    """Sum of squares after a linear step of the other unknowns, each held near its value by its own size."""
+    count = moving.shape[1]
+    if not count:
+        return float(np.sum(np.abs(residual) ** 2))
+    rows = np.concatenate([moving.real, moving.imag, np.eye(count)])
+    left = np.concatenate([residual.real, residual.imag, np.zeros(count)])
+    normal, side = rows.T @ rows, rows.T @ left
+    return float(left @ left - side @ np.linalg.solve(normal, side))
+
+
+# Orders of several measurements of one drivetrain, calculated together once for the same values of the unknowns.
+
+MOST_LINES_TOGETHER = 5000
+"""Number of lines up to which measurements are calculated together: with 40 causes of a misfit as unknowns, the
+derivatives of the receptances of an engine of six cylinders then take some 20 MB for each output."""
+
+
+@dataclass(frozen=True, eq=False)
+class PartOfOrders:
+    """Complex amplitudes of one measurement of orders, a part of those calculated together, in SI units."""
+
+    whole: ParametricOrders
+    lines: slice
+
+    @property
+    def drivetrain(self) -> AssembledModel:
+        return self.whole.drivetrain
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return self.whole.names
+
+    @property
+    def start(self) -> FloatArray:
+        """Values (n,) of the unknowns in the model as given, in SI units."""
+        return self.whole.start
+
+    @property
+    def frequencies(self) -> FloatArray:
+        """Frequency in Hz of each measured line, order times speed, shape (n_lines,)."""
+        return self.whole.frequencies[self.lines]
+
+    @property
+    def unit(self) -> str:
+        """SI unit of the amplitudes."""
+        return self.whole.units[int(self.whole.output_of[self.lines.start])]
+
+    def at(self, values: Sequence[float] | FloatArray) -> Evaluation:
+        """Amplitudes (n_lines, 1, 1) and derivatives (n_lines, 1, 1, n), in SI units, at values (n,) of the unknowns.
+
+        Raises
+        ------
+        SolveError
+            They are not finite there.
+        """
+        found = self.whole.at(values)
+        return Evaluation(found.values[self.lines], found.jacobian[self.lines])
+
+
+def with_shared_orders(blocks: Sequence[MeasurementBlock]) -> list[MeasurementBlock]:
+    """Residual blocks, those of orders of the same drivetrain with their orders calculated together."""
+    found = list(blocks)
+    groups: dict[tuple[int, str], list[int]] = {}
+    for place, block in enumerate(blocks):
+        if isinstance(block, OrderBlock) and isinstance(block.response, ParametricOrders):
+            groups.setdefault((id(block.response.drivetrain), block.response.speed_of), []).append(place)
+    for group in groups.values():
+        for together in _in_batches(group, [len(block.frequencies) for block in blocks]):
+            whole = _joined([blocks[place].response for place in together])  # type: ignore[misc]
+            first = 0
+            for place in together if len(together) > 1 else ():
+                last = first + len(blocks[place].frequencies)
+                found[place] = copy(blocks[place])
+                found[place].response = PartOfOrders(whole, slice(first, last))
+                first = last
+    return found
+
+
+def _in_batches(places: Sequence[int], counts: Sequence[int]) -> list[list[int]]:
+    """Places of blocks that are calculated together, as many as their lines (``counts``) allow."""
+    found: list[list[int]] = []
+    lines = 0
+    for place in places:
+        lines += counts[place]
+        if not found or lines > MOST_LINES_TOGETHER:
+            found.append([])
+            lines = counts[place]
+        found[-1].append(place)
+    return found
+
+
+def _joined(several: Sequence[ParametricOrders]) -> ParametricOrders:
+    first = several[0]
+    outputs = tuple(dict.fromkeys(output for one in several for output in one.outputs))
+    output_of = [np.full(len(one.orders), outputs.index(one.outputs[0]), dtype=np.intp) for one in several]
+    return ParametricOrders(
+        first.drivetrain,
+        first.names,
+        outputs,
+        np.concatenate([one.orders for one in several]),
+        np.concatenate([one.speeds for one in several]),
+        np.concatenate(output_of),
+        first.speed_of,
+    )

@@ -5,20 +5,23 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import TYPE_CHECKING, TypeAlias
+from pathlib import Path
+from typing import TypeAlias
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from torsionnet.base.errors import UsageError, comma_list
+from torsionnet.base.errors import Fault, ModelError, UsageError, comma_list, did_you_mean
 from torsionnet.base.units import RPM
-from torsionnet.identification.orders.parametric_orders import same_order
+from torsionnet.identification.orders.parametric_orders import excited_orders, same_order
+from torsionnet.identification.residuals.measurement import Measurement
+from torsionnet.io.tracked_order_tables import is_tracked_table, read_orders, read_tracked_orders
+from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
+from torsionnet.linear.dynamic_stiffness.transfer_request import named_output
+from torsionnet.linear.frequency_response import Channel
 from torsionnet.signals.orders.tracked_orders import MeasuredOrder, TrackedOrders
-
-if TYPE_CHECKING:
-    from torsionnet.identification.residuals.measurement import Measurement
 
 OrderData: TypeAlias = TrackedOrders | tuple[MeasuredOrder, ...]
 """Orders as a fit takes them: a tracked channel, or single orders of one output."""
@@ -269,3 +272,40 @@ def _orders(orders: Sequence[float]) -> str:
 
 def _speeds_there(speeds: FloatArray) -> str:
     return f"its speeds go from {speeds.min() * RPM:.4g} to {speeds.max() * RPM:.4g} rpm"
+
+
+# Measured orders of a fit from files, and what a model cannot compare in them.
+
+
+def read_order_data(
+    file: Path, output: str, model_output: str, model: AssembledModel | None, configuration: str
+) -> OrderData | None:
+    """Orders of one channel of a file, SI: tracked orders, or a table by speed and order; None without a model.
+
+    Raises
+    ------
+    UsageError
+        The file has no such channel or columns, or the model no such output.
+    ModelError
+        Cells without a number.
+    """
+    if is_tracked_table(file):
+        channels = {one.name: one for one in read_tracked_orders(file)}
+        if output not in channels:
+            hint = did_you_mean(output, channels) or f"; there are {', '.join(channels)}"
+            raise UsageError(f'{file.name} has no channel "{output}"{hint}')
+        return channels[output]
+    if model is None:
+        return None
+    rig = model.configured(configuration) if configuration else model
+    return read_orders(file, Channel(output, named_output(rig, model_output or output).unit), configuration)
+
+
+def faults_of_orders(model: AssembledModel, measurement: Measurement) -> list[Fault]:
+    """Faults of a measurement of orders by the model it is to be compared with, with the entry that each is in."""
+    try:
+        rig = model.configured(measurement.configuration) if measurement.configuration else model
+        excited = excited_orders(rig, measurement.speed_of)
+    except (UsageError, ModelError) as error:
+        return [Fault(str(error), ("orders",))]
+    return [Fault(text, (key,)) for key, text in order_faults(measurement, excited)]

@@ -19,8 +19,7 @@ import scipy
 from torsionnet.identification.orders.parametric_orders import parameters_of_drivetrain
 from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.residuals.noise import Noise, noise_between_lines
-from torsionnet.identification.residuals.residual_forms import Form, residuals_in_form
-from torsionnet.identification.residuals.sampled_response import between_samples
+from torsionnet.identification.residuals.sampled_response import Form, between_samples, residuals_in_form
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.linear.between_samples import BetweenSamples, check_between, course_remark

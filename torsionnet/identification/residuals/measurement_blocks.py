@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -10,17 +12,19 @@ from numpy.typing import NDArray
 from torsionnet.base.errors import UsageError
 from torsionnet.identification.orders.order_block import order_block
 from torsionnet.identification.orders.parametric_orders import parameters_of_drivetrain
-from torsionnet.identification.residuals.instrument import Instrument, choose_instrument
-from torsionnet.identification.residuals.measurement import Measurement
+from torsionnet.identification.plan.fit_entries import FitSettings
+from torsionnet.identification.residuals.measurement import Instrument, Measurement, choose_instrument
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
-from torsionnet.identification.residuals.memory_demand import MOST_BYTES, check_memory, memory_demand
 from torsionnet.identification.residuals.record_block import RecordBlock
-from torsionnet.identification.residuals.residual_forms import Form
 from torsionnet.identification.residuals.response_block import ResponseBlock, lowest_settled_frequency
-from torsionnet.identification.residuals.sampled_response import between_samples
+from torsionnet.identification.residuals.sampled_response import Form, between_samples, smoothing
 from torsionnet.identification.residuals.sensor_steps import SensorSteps, find_sensor_steps
-from torsionnet.identification.residuals.smoothing import smoothing
-from torsionnet.identification.residuals.windowed_estimate import WindowedEstimate, windowed_estimate
+from torsionnet.identification.residuals.windowed_estimate import (
+    MOST_ROW_BYTES,
+    NUMBERS_PER_BATCH,
+    WindowedEstimate,
+    windowed_estimate,
+)
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.linear.frequency_response import Channel, FrequencyResponse
@@ -29,6 +33,73 @@ from torsionnet.signals.decimation import factor_for
 from torsionnet.signals.estimators import estimate
 from torsionnet.signals.recording import Recording
 from torsionnet.signals.welch import PAPER, Welch
+
+# Memory demand of a fit of records, estimated before it starts.
+
+MOST_BYTES = 2e9
+"""Largest memory demand of one measurement in bytes, above which it is refused, as it would also take hours."""
+FLOAT_BYTES, COMPLEX_BYTES = 8, 16
+"""Bytes of a real and of a complex number in double precision."""
+
+
+@dataclass(frozen=True)
+class MemoryDemand:
+    """Memory demand of one record in a fit, in bytes held throughout and in bytes held for a time.
+
+    Attributes
+    ----------
+    kept, passing : float
+        Bytes held during the whole fit, and temporarily.
+    lines : int
+        Number of lines compared.
+    """
+
+    kept: float
+    passing: float
+    lines: int
+
+    @property
+    def most(self) -> float:
+        """Peak memory for the record in bytes, held and temporary together."""
+        return self.kept + self.passing
+
+
+def memory_demand(record: Recording, settings: Welch, band: tuple[float, float]) -> MemoryDemand:
+    """Memory demand in bytes of a record whose lines in a band (Hz) are compared, within a factor of two."""
+    rate, samples = record.sampling_rate / settings.decimation, len(record) / settings.decimation
+    lines = max(0, int((min(band[1], rate / 2) - band[0]) * settings.seconds) + 1)
+    covariance = FLOAT_BYTES * (2 * lines) ** 2
+    pieces = 3 * COMPLEX_BYTES * lines * settings.samples(rate)
+    rows = COMPLEX_BYTES * lines * samples
+    held = 2 * rows if rows <= MOST_ROW_BYTES else 0  # else row by row
+    transforms = 4 * COMPLEX_BYTES * max(2 * samples, min(NUMBERS_PER_BATCH, 2 * samples * lines))
+    return MemoryDemand(
+        3 * FLOAT_BYTES * len(record) + 2 * covariance, max(pieces, held + transforms) + 4 * covariance, lines
+    )
+
+
+def total_memory(demands: Iterable[MemoryDemand]) -> float:
+    """Peak memory in bytes for all records of a fit, which are processed one after the other."""
+    listed = list(demands)
+    return sum(one.kept for one in listed) + max((one.passing for one in listed), default=0.0)
+
+
+def check_memory(label: str, record: Recording, settings: Welch, band: tuple[float, float]) -> None:
+    """Raise an error for a measurement that takes more than ``MOST_BYTES`` of memory.
+
+    Raises
+    ------
+    UsageError
+        With advice on settings that take less.
+    """
+    found = memory_demand(record, settings, band)
+    if found.most > MOST_BYTES:
+        size = found.most / 1e9
+        raise UsageError(
+            f"{label}: comparing {found.lines} lines from {band[0]:g} to {band[1]:g} Hz takes {size:.1f} GB of memory; "
+            "give a narrower band or shorter windows (seconds)"
+        )
+
 
 UNSTATED_UNIT = "1"
 """Unit of both channels of a response whose file says only that they have the same unit."""
@@ -184,3 +255,29 @@ def _remembered_estimate(
     if np.count_nonzero(kept) != len(f):
         return None
     return windowed, kept, SensorSteps(origin.steps.get(output, 0.0), origin.decimation)
+
+
+# Settings by which a record is averaged, from the entries of a file and from the record.
+
+
+def welch_settings(settings: FitSettings) -> Welch:
+    """Welch settings that the entries of a file give, the others by default.
+
+    Raises
+    ------
+    UsageError
+        A length, overlap or trend that there is not.
+    """
+    given = {name: value for name, _ in settings.specs() if (value := getattr(settings, name)) is not None}
+    return replace(PAPER if given.pop("preset", "") else Welch(), **given)
+
+
+def record_settings(
+    record: Recording, band: tuple[float, float] | None, settings: Welch | None, decimation: int | None
+) -> Welch:
+    """Welch settings of one record, decimated as far as the band in Hz allows where no decimation is given."""
+    if settings is None:
+        return default_settings(record, band)
+    if decimation is not None:
+        return settings
+    return replace(settings, decimation=factor_for(record.sampling_rate, band[1] if band else 0.0))

@@ -6,15 +6,111 @@ of a linear model follows the input from one window to the next, or runs smoothl
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
-from torsionnet.identification.residuals.noise_sources import sensor_noise_powers
-from torsionnet.identification.residuals.segments import SegmentRows
-from torsionnet.identification.residuals.windowed_estimate import WindowedEstimate
+from torsionnet.identification.residuals.windowed_estimate import SegmentRows, WindowedEstimate
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
+from torsionnet.linear.estimation import Estimation
+from torsionnet.linear.frequency_response import FrequencyResponse
+
+# Split of the noise of a record between the sensors of output and input.
+
+REWEIGHTING_ROUNDS = 5
+"""Repetitions of the least squares for noise powers, whose weights depend on their result; a few suffice."""
+COMPATIBLE_STANDARD_ERRORS = 4.0
+"""Standard errors by which two estimates of one noise power may differ and still be averaged, as noise that comes with
+the excitation shows only in the lines that it drives."""
+LEAST_POWER = np.finfo(float).tiny ** 0.25
+"""Noise power that counts as none, whose inverse has a square in the range of numbers."""
+
+
+def sensor_noise_powers(
+    level: FloatArray,
+    gain: FloatArray,
+    rest: FloatArray,
+    repeated: float = 1.0,
+    seen: tuple[float, float] | None = None,
+) -> tuple[float, float]:
+    """Noise powers of output sensor and input sensor (as variances) that fit the noise left in all lines best.
+
+    One number each for all lines: the level of a single line rests on the few windows in which the sweep passes it,
+    and weights made of that alone would favour lines that happen to agree. Neither is below 0; one that is found within
+    its own uncertainty of 0 is taken as the mean of all it may be, as no sensor is free of noise by chance.
+
+    Parameters
+    ----------
+    level, gain, rest : (n,) array
+        Noise left of every line, the squared magnitude of the response there, and what is known of the noise.
+    repeated : float, optional
+        Number of lines that share one independent value.
+    seen : tuple of float, optional
+        Noise power of the input as it was found elsewhere, and the standard error of that.
+
+    Examples
+    --------
+    >>> [round(share, 2) for share in sensor_noise_powers(np.array([1.0, 3.0, 5.0]), np.arange(3.0), np.zeros(3))]
+    [1.0, 2.0]
+    """
+    both = np.column_stack([np.ones_like(gain), gain])
+    shares, spread = _shares(level, both, rest, repeated)
+    if seen is None or abs(seen[0] - shares[1]) > COMPATIBLE_STANDARD_ERRORS * np.hypot(seen[1], spread[1]):
+        made_up = rest + both @ shares
+        shares = shares * np.mean(level / np.maximum(made_up, LEAST_POWER))
+        return _above_zero(float(shares[0]), float(shares[1]))
+    found = weighted_mean([seen, (float(shares[1]), float(spread[1]))])
+    assert found is not None
+    on_output, _ = _shares(level, both[:, :1], rest + found[0] * gain, repeated)
+    return _above_zero(float(on_output[0]), found[0])
+
+
+def weighted_mean(found: Iterable[tuple[float, float] | None]) -> tuple[float, float] | None:
+    """Mean of values weighted by their standard errors, and its own standard error, or None without values.
+
+    >>> weighted_mean([(1.0, 1.0), None, (2.0, 1.0)])
+    (1.5, 0.7071067811865476)
+    """
+    known = [(value, max(error, np.finfo(float).tiny ** 0.25)) for value, error in filter(None, found)]
+    if not known:
+        return None
+    total = sum(error**-2 for _, error in known)
+    return sum(value * error**-2 for value, error in known) / total, float(total**-0.5)
+
+
+def _shares(level: FloatArray, columns: FloatArray, rest: FloatArray, repeated: float) -> tuple[FloatArray, FloatArray]:
+    """Powers of noise sources whose sum with a known rest fits a measured noise level, and their standard errors."""
+    found, shares = np.maximum(level, LEAST_POWER), np.zeros(columns.shape[1])
+    for _ in range(REWEIGHTING_ROUNDS):
+        rows = columns / found[:, None]
+        scale = np.maximum(rows.max(axis=0), LEAST_POWER)
+        shares = scipy.optimize.nnls(rows / scale, (level - rest) / found)[0] / scale
+        found = np.maximum(rest + columns @ shares, LEAST_POWER)
+    return _probable(level - rest, columns, found, repeated)
+
+
+def _probable(
+    level: FloatArray, columns: FloatArray, found: FloatArray, repeated: float
+) -> tuple[FloatArray, FloatArray]:
+    """Means of noise powers under a normal distribution cut off at 0, and their standard deviations, (n_sources,)."""
+    rows = columns / found[:, None]
+    scale = np.maximum(np.linalg.norm(rows, axis=0), np.finfo(float).tiny)
+    inverse = np.linalg.pinv(rows / scale)
+    best = inverse @ (level / found)
+    misfit = level / found - rows @ (best / scale)
+    spread = np.sqrt(repeated * np.mean(misfit**2) * (inverse**2).sum(axis=1))
+    far = best / np.maximum(spread, max(1e-12 * float(np.abs(best).max()), LEAST_POWER))
+    shares = np.maximum(best + spread * np.exp(scipy.stats.norm.logpdf(far) - scipy.stats.norm.logcdf(far)), 0.0)
+    return shares / scale, spread / scale
+
+
+def _above_zero(on_output: float, on_input: float) -> tuple[float, float]:
+    return max(on_output, 0.0 if on_input else np.finfo(float).tiny), on_input
+
 
 POOLED_VALUES = 20.0
 """Number of independent complex noise values that an average over neighbouring lines contains, for a noise level within
@@ -173,3 +269,81 @@ def _roughness(count: int) -> FloatArray:
         found[place, near] = -basis[place - first] @ basis.T
         found[place, place] += 1
     return found
+
+
+# Variance of a response's lines by noise, and the correlation between neighbouring lines.
+
+LOWEST_COHERENCE, HIGHEST_COHERENCE = 1e-3, 1 - 1e-6
+"""Limits to which the coherence of a line is clipped, so that no line has an infinite or zero variance."""
+WINDOW_SAMPLES = 512
+"""Number of samples of a window from which the correlation of lines is calculated, enough as only its shape matters."""
+NEGLIGIBLE_CORRELATION = 1e-4
+"""Correlation of the random errors of two lines below which it is left out, so that the matrix stays sparse."""
+USUAL_WINDOW, USUAL_OVERLAP = "hann", 0.5
+"""Window and overlap assumed for a response with coherence whose averaging is unknown, the most usual ones."""
+
+
+def line_noise(data: FrequencyResponse, error: float | None) -> FloatArray:
+    """Variance (n_f,) of the real part of a response by noise, SI, equal to that of the imaginary part.
+
+    From the relative standard error if there is one, else from the coherence; in proportion to the squared magnitude
+    where there is neither.
+    """
+    squared = data.magnitude[:, 0, 0] ** 2
+    if error is not None:
+        return np.asarray(error**2 * squared)
+    if data.coherence is None:
+        return squared
+    worth = data.estimation.effective_averages if data.estimation else 1.0
+    coherence = np.clip(np.nan_to_num(data.coherence[:, 0, 0]), LOWEST_COHERENCE, HIGHEST_COHERENCE)
+    return np.asarray(squared * (1 - coherence) / (2 * worth * coherence))
+
+
+def averaging_of(data: FrequencyResponse) -> Estimation | None:
+    """Averaging of a response (window, overlap, averages) as stated, else the usual one if it has a coherence.
+
+    Lines of a window are evenly spaced by 1 / seconds.
+    """
+    if data.estimation is not None or data.coherence is None:
+        return data.estimation
+    spacing = np.diff(data.frequencies)
+    if not len(spacing) or not np.allclose(spacing / spacing.min(), np.rint(spacing / spacing.min()), atol=0.01):
+        return None
+    return Estimation("", USUAL_WINDOW, float(1 / spacing.min()), USUAL_OVERLAP, "mean", sys.maxsize, sys.maxsize)
+
+
+def line_correlation(frequencies: FloatArray, estimation: Estimation) -> scipy.sparse.csr_array:
+    """Correlation (n_b, n_b) of the random errors of a response's lines, as segments and window bands overlap.
+
+    With the window's ambiguity function A(lag, shift), the sum over the lags m between segments of |A(m, f - f')|^2,
+    over the same for equal lines. Without overlap that is |sum w^2 exp(2 pi j (f - f') t)|^2 / (sum w^2)^2.
+    """
+    bins = np.rint(frequencies * estimation.seconds).astype(np.intp)
+    by_distance = _by_distance(estimation)
+    rows, columns, values = [], [], []
+    for distance, correlation in enumerate(by_distance):
+        first = np.arange(len(bins))
+        place = np.clip(np.searchsorted(bins, bins + distance), 0, len(bins) - 1)
+        first = first[bins[place] == bins + distance]
+        second = place[first]
+        rows += [first, second] if distance else [first]
+        columns += [second, first] if distance else [first]
+        values += [np.full(len(first), correlation)] * (2 if distance else 1)
+    shape = (len(bins), len(bins))
+    return scipy.sparse.csr_array(
+        (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=shape
+    )
+
+
+def _by_distance(estimation: Estimation) -> FloatArray:
+    """Correlation of the random errors of lines 0, 1, 2 ... bins apart, up to the last that is not negligible."""
+    window = np.asarray(scipy.signal.get_window(estimation.window, WINDOW_SAMPLES), dtype=np.float64)
+    step = max(1, WINDOW_SAMPLES - round(estimation.overlap * WINDOW_SAMPLES))
+    total = np.zeros(WINDOW_SAMPLES // 2)
+    for m in range(min(estimation.averages, -(-WINDOW_SAMPLES // step))):
+        shared = np.zeros(WINDOW_SAMPLES)
+        shared[m * step :] = window[m * step :] * window[: WINDOW_SAMPLES - m * step]
+        weight = 1 if m == 0 else 2 * (1 - m / estimation.averages)
+        total += weight * np.abs(np.fft.fft(shared)[: WINDOW_SAMPLES // 2]) ** 2
+    found = total / total[0]
+    return np.asarray(found[: np.flatnonzero(found > NEGLIGIBLE_CORRELATION)[-1] + 1])

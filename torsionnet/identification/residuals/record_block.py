@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
 from torsionnet.identification.residuals.noise import Noise, noise_between_windows
-from torsionnet.identification.residuals.residual_forms import covariance_in_form, errors_in_form
-from torsionnet.identification.residuals.sensor_steps import REST_POSITIONS, SensorSteps
-from torsionnet.identification.residuals.unexcited_windows import unexcited_windows
+from torsionnet.identification.residuals.sampled_response import covariance_in_form, errors_in_form
+from torsionnet.identification.residuals.sensor_steps import REST_POSITIONS, SensorSteps, unexcited_windows
 from torsionnet.identification.residuals.windowed_estimate import WindowedEstimate
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.linear.between_samples import BetweenSamples

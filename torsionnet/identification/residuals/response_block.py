@@ -7,18 +7,25 @@ from dataclasses import dataclass, field
 import numpy as np
 import scipy
 
-from torsionnet.identification.residuals.line_noise import (
+from torsionnet.identification.residuals.measurement_block import MeasurementBlock
+from torsionnet.identification.residuals.noise import (
+    FEWEST_SCATTERED_LINES,
     USUAL_OVERLAP,
     USUAL_WINDOW,
+    Noise,
     averaging_of,
     line_correlation,
     line_noise,
+    noise_powers_between_lines,
+    sensor_noise_powers,
 )
-from torsionnet.identification.residuals.measurement_block import MeasurementBlock
-from torsionnet.identification.residuals.noise import FEWEST_SCATTERED_LINES, Noise, noise_powers_between_lines
-from torsionnet.identification.residuals.noise_sources import sensor_noise_powers
-from torsionnet.identification.residuals.residual_forms import covariance_in_form, errors_in_form, parts
-from torsionnet.identification.residuals.smoothing import SMOOTHING_ERROR_SHARE, Smoothing
+from torsionnet.identification.residuals.sampled_response import (
+    SMOOTHING_ERROR_SHARE,
+    Smoothing,
+    covariance_in_form,
+    errors_in_form,
+    parts,
+)
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.linear.between_samples import BetweenSamples
 from torsionnet.linear.frequency_response import FrequencyResponse

@@ -3,16 +3,22 @@
 The motion that a model predicts is rounded to steps as by the sensor, from several rest positions within a step. The
 position is unknown, but the same for a whole test of a rig that is held: its errors are common to all lines, and no
 averaging reduces them. A sine of A steps comes out up to 0.2 / A^1.5 too large or too small.
+
+There the measured input is almost only noise, and so is the output that a model predicts from it: the mean of their
+product over thousands of windows and lines is the power of that noise. Among the lines that a fit compares, few have an
+input noise as large as that of the output, and the fit has adapted to them. The error of a wrong model follows the
+excitation, which is absent from these windows.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
+from numpy.typing import NDArray
 
-from torsionnet.identification.residuals.segments import SegmentRows
+from torsionnet.identification.residuals.windowed_estimate import SegmentRows, WindowedEstimate
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.signals.decimation import FILTER_HALF_LENGTH, anti_alias_taps
 from torsionnet.signals.recording import Recording
@@ -72,3 +78,95 @@ def _finer(motion: FloatArray, factor: int) -> FloatArray:
         return motion
     count = 2 * len(motion)
     return np.asarray(np.fft.irfft(factor * np.fft.rfft(motion, count), factor * count)[: factor * len(motion)])
+
+
+# Noise of a record's input sensor, from windows in which a line is not excited.
+
+NOISE_WINDOW = "blackmanharris"
+"""Window for the search of noise, with side lobes of -92 dB, so that a sweep at other lines does not cover the
+noise."""
+WINDOWS_PER_LENGTH = 4
+"""Number of windows that start within the length of one window in the search of noise (overlap of 3/4)."""
+EXCITATION_CELLS = 5
+"""Number of windows and of lines over which the power of the input is averaged to decide whether a line is excited."""
+UNEXCITED_POWER_SHARE = 0.03
+"""Share of a line's highest input power over all windows below which a window does not excite the line."""
+LEAST_UNEXCITED_WINDOWS = 0.3
+"""Least share of unexcited windows of a line, as fewer are chance, because lines of a stationary input come and go."""
+FEWEST_VALUES = 100
+"""Fewest independent values in unexcited windows whose mean gives the noise power of the input, as few scatter
+widely."""
+FEWEST_WINDOWS = 2
+"""Fewest separate unexcited windows of a line whose median gives the noise of the output there, as one alone may hold
+ringing."""
+SMOOTHING_CELLS = 15
+"""Number of windows and of lines over which the power of the input is smoothed for weights, as weights from the noise
+of a single cell would favour cells that have little by chance."""
+
+
+@dataclass(frozen=True, eq=False)
+class UnexcitedWindows:
+    """Powers of a record's input and residual by window (n_s) and line (n_b), with a mask of what is not excited.
+
+    Attributes
+    ----------
+    unexcited : (n_s, n_b) bool array
+        Whether a line is not excited in a window.
+    moment : (n_s, n_b) array
+        Product of the residual and the prediction of the model, as variance of white input noise times ``squared``.
+    power : (n_s, n_b) array
+        Power of the input as the variance of white noise with that power; smoothed.
+    left : (n_s, n_b) array
+        Power of the residual of the output as the variance of white noise.
+    squared : (n_b,) array
+        Squared magnitude of the response.
+    """
+
+    unexcited: NDArray[np.bool_]
+    moment: FloatArray
+    power: FloatArray
+    left: FloatArray
+    squared: FloatArray
+
+    def input_noise(self, output_noise: float) -> tuple[float, float] | None:
+        """Noise power of the input sensor (variance of its samples) and its standard error.
+
+        None where too few windows are free of excitation. The noise power of the output is needed for the weights.
+        """
+        if np.count_nonzero(self.unexcited) < FEWEST_VALUES * WINDOWS_PER_LENGTH:
+            return None
+        on_output, level, total = 1.0, 0.0, 0.0
+        for _ in range(2):
+            weights = self.unexcited / (self.power * (on_output + level * self.squared))
+            total = float((weights * self.squared).sum())
+            level = max(float((weights * self.moment).sum()) / total, 0.0)
+            on_output = output_noise
+        # Of a complex product the real part has half the variance, and overlapping windows repeat what they share.
+        return level, float(np.sqrt(WINDOWS_PER_LENGTH / 2 / total))
+
+    def floor(self) -> FloatArray:
+        """Noise power of the output at each line, (n_b,), the median over unexcited windows; infinite with too few.
+
+        Not the mean: ringing after the sweep, which a wrong model lacks, is in some windows only.
+        """
+        found = np.full(self.unexcited.shape[1], np.inf)
+        for line in np.flatnonzero(self.unexcited.sum(axis=0) >= FEWEST_WINDOWS * WINDOWS_PER_LENGTH):
+            found[line] = np.median(self.left[self.unexcited[:, line], line]) / np.log(2)
+        return found
+
+
+def unexcited_windows(windowed: WindowedEstimate, G: ComplexArray) -> UnexcitedWindows:
+    """Windows of a record in which lines are not excited, with the residuals of a transfer function G (n_f,)."""
+    own = windowed.rows.segments
+    segments = replace(own, settings=replace(own.settings, window=NOISE_WINDOW, overlap=1 - 1 / WINDOWS_PER_LENGTH))
+    rest, _ = windowed.residual_and_prediction(G)
+    left, into = segments.lines(rest), segments.lines(windowed.input_from_rest)
+    at = windowed.frequencies
+    gain = np.interp(at, windowed.fine, G.real) + 1j * np.interp(at, windowed.fine, G.imag)
+    unit = (np.abs(segments.pieces()) ** 2).sum(axis=1)
+    power, moment = np.abs(into) ** 2 / unit, -(left * (into * gain).conj()).real / unit
+    near = scipy.ndimage.uniform_filter(power, EXCITATION_CELLS)
+    unexcited = near < UNEXCITED_POWER_SHARE * near.max(axis=0)
+    unexcited &= unexcited.mean(axis=0) > LEAST_UNEXCITED_WINDOWS
+    smooth = scipy.ndimage.uniform_filter(power, SMOOTHING_CELLS)
+    return UnexcitedWindows(unexcited, moment, smooth, np.abs(left) ** 2 / unit, np.abs(gain) ** 2)

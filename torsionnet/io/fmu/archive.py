@@ -20,12 +20,9 @@ from torsionnet.base.plain_names import Names
 from torsionnet.base.version import __version__
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.export_losses import export_losses
-from torsionnet.io.fmu.c_source import header_source, model_source
+from torsionnet.io.fmu.c_source import compile_libraries, header_source, model_source
 from torsionnet.io.fmu.common_description import FmuDescription
-from torsionnet.io.fmu.compiling import compile_libraries
-from torsionnet.io.fmu.dependencies import dependencies
-from torsionnet.io.fmu.traced_matrices import System, trace_system
-from torsionnet.io.fmu.variables import Variables, list_variables
+from torsionnet.io.fmu.traced_matrices import System, Variables, dependencies, list_variables, trace_system
 
 C_SOURCES = (
     "export.h",

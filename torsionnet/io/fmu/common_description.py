@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from torsionnet.io.fmu.variables import FMI_UNITS, Variable, Variables
+from torsionnet.io.fmu.traced_matrices import FMI_UNITS, Variable, Variables
 
 ROLE_ATTRIBUTES: Mapping[str, Mapping[str, str]] = {
     "time": {"causality": "independent", "variability": "continuous"},

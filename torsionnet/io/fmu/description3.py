@@ -12,7 +12,7 @@ from torsionnet.io.fmu.common_description import (
     xml_attributes,
     xml_document,
 )
-from torsionnet.io.fmu.variables import Variable
+from torsionnet.io.fmu.traced_matrices import Variable
 
 STATES = {"canGetAndSetFMUState": "true", "canSerializeFMUState": "true", "providesDirectionalDerivatives": "true"}
 STEPS = {

@@ -4,21 +4,30 @@
     y = R_0 c + R_1 c' + R_2 c'' + F u,     c = (h, b, d)
 
 with heavy coordinates h, damped b and static d. What runs inside an FMU makes A, B, C and D of these.
+
+Hosts look here for direct ways from inputs to outputs. The pattern holds for any values of the parameters; it may name
+one more than needed where numbers would cancel.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
 
 from torsionnet.base.errors import UsageError
+from torsionnet.base.units import DIMENSIONS, Dimension
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.io.fmu.fmu_coordinates import Motion, trace_motion
-from torsionnet.io.fmu.traced_numbers import Traced
-from torsionnet.io.unlinear_laws import refuse_laws_of_motion
+from torsionnet.io.export_losses import refuse_laws_of_motion
+from torsionnet.io.fmu.traced_numbers import Motion, Traced, trace_motion
+from torsionnet.io.modelica_parts import export_unit
 from torsionnet.linear.dynamic_stiffness.state_space import active_channels, state_space
-from torsionnet.model.channels import Sensor
+from torsionnet.model.channels import UNITS, Sensor
 from torsionnet.model.elements import Law
+from torsionnet.model.parameters import dimensions
 from torsionnet.model.readings import balance, reading
 
 MOST_COORDINATES = 400
@@ -152,3 +161,195 @@ def _add_reading(
     for column, load in enumerate(loads):
         for node, share in load.items():
             matrices["F"].add(number, column, tape.number(share) * tape.number(balanced.applied.get(node, 0)))
+
+
+# Variables of an FMU in the order of their value references.
+
+FMI_UNITS = {
+    "rad": {"rad": 1},
+    "rad/s": {"rad": 1, "s": -1},
+    "rad/s2": {"rad": 1, "s": -2},
+    "N.m": {"kg": 1, "m": 2, "s": -2},
+    "N.m/rad": {"kg": 1, "m": 2, "s": -2, "rad": -1},
+    "N.m.s/rad": {"kg": 1, "m": 2, "s": -1, "rad": -1},
+    "kg.m2": {"kg": 1, "m": 2},
+    "kg": {"kg": 1},
+    "kg/m3": {"kg": 1, "m": -3},
+    "m": {"m": 1},
+    "Pa": {"kg": 1, "m": -1, "s": -2},
+    "s": {"s": 1},
+}
+"""Units of FMI by name, with their powers of base units (kg, m, s, rad)."""
+DIMENSION_UNITS = {
+    "inertia": "kg.m2",
+    "stiffness": "N.m/rad",
+    "damping": "N.m.s/rad",
+    "length": "m",
+    "mass": "kg",
+    "density": "kg/m3",
+    "shear modulus": "Pa",
+}
+"""Unit that FMI gives to a parameter, by its dimension."""
+SETTLED = "cannot be changed here: the structure of the model rests on its value"
+"""Description of parameters that an FMU holds constant."""
+
+
+@dataclass(frozen=True)
+class Variable:
+    """Variable of an FMU with name, unit, start value in SI, and ``role`` (time, input, output, state, flag, ...)."""
+
+    name: str
+    role: str
+    unit: str = ""
+    description: str = ""
+    start: float | None = None
+    of: int | None = None
+    """Reference of the state that a rate of the FMU belongs to."""
+    reference: int = 0
+
+
+@dataclass(frozen=True)
+class Variables:
+    """All variables of an FMU, values in SI of its open and settled parameters, and the derived ones on the tape."""
+
+    all: tuple[Variable, ...]
+    open: dict[str, float]
+    derived: dict[str, Traced]
+    settled: dict[str, float]
+
+    def of(self, *roles: str) -> tuple[Variable, ...]:
+        return tuple(variable for variable in self.all if variable.role in roles)
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Units of all variables of the FMU, each once."""
+        return tuple(dict.fromkeys(variable.unit for variable in self.all if variable.unit))
+
+
+def list_variables(drivetrain: Drivetrain, system: System) -> Variables:
+    """Variables of a drivetrain's FMU in the order in which its C code numbers them."""
+    traced, values = system.motion.parameters, drivetrain.parameters
+    written = drivetrain.parameter_definitions
+    open_ = {
+        name: values[name]
+        for name, number in traced.items()
+        if not number.is_constant and not written[name].value.names
+    }
+    derived = {name: number for name, number in traced.items() if not number.is_constant and name not in open_}
+    settled = {name: values[name] for name, number in traced.items() if number.is_constant}
+    named = _Namer()
+    listed = (
+        replace(variable, name=named(variable.name, variable.role), reference=reference)
+        for reference, variable in enumerate(_unnumbered(drivetrain, system, open_, derived, settled))
+    )
+    return Variables(tuple(listed), open_, derived, settled)
+
+
+def _unnumbered(
+    drivetrain: Drivetrain, system: System, open_: dict[str, float], derived: dict[str, Traced],
+    settled: dict[str, float],
+) -> Iterator[Variable]:  # fmt: skip
+    channels, found = active_channels(drivetrain), dimensions(drivetrain.parameter_definitions)[0]
+    yield Variable("time", "time", "s")
+    for name, source in channels.inputs.items():
+        yield Variable(name, "input", "N.m", str(source), start=0.0)
+    for name, sensor in channels.sensors.items():
+        yield Variable(name, "output", export_unit(UNITS[sensor.quantity]), str(sensor))
+    first = 1 + len(channels.inputs) + len(channels.sensors)
+    for state in system.states:
+        node = state[state.index("(") + 1 : -1]
+        text = "relative to the motion of the nodes it follows" if node in system.motion.relative else ""
+        yield Variable(state, "state", _unit(state), text, start=0.0)
+    for reference, state in enumerate(system.states, first):
+        unit = f"{_unit(state)}/s".replace("/s/s", "/s2")
+        yield Variable(f"der({state})", "rate", unit, of=reference)
+    for role, table in (("parameter", open_), ("derived", derived)):
+        for name in table:
+            yield _parameter(drivetrain, name, role, found.get(name))
+    text = "in co-simulation: inputs run on from step to step in straight lines; if false, they are held"
+    yield Variable("extrapolate_inputs", "flag", description=text)
+    for name in settled:
+        yield _parameter(drivetrain, name, "settled", found.get(name))
+
+
+def _unit(state: str) -> str:
+    return "rad/s" if state.startswith("speed") else "rad"
+
+
+def _parameter(drivetrain: Drivetrain, name: str, role: str, dimension: Dimension | None) -> Variable:
+    unit = next((unit for known, unit in DIMENSION_UNITS.items() if dimension == DIMENSIONS[known]), "")
+    definition = drivetrain.parameter_definitions[name]
+    notes = {"derived": str(definition.value), "settled": SETTLED}
+    text = "; ".join(part for part in (definition.description, notes.get(role, "")) if part)
+    return Variable(name, role, unit, text, None if role == "derived" else drivetrain.parameters[name])
+
+
+class _Namer:
+    """Giver of unique names to an FMU's variables, as tables of a model may share names."""
+
+    def __init__(self) -> None:
+        self.taken: set[str] = set()
+
+    def __call__(self, wish: str, role: str) -> str:
+        name = wish if wish not in self.taken else f"{role}({wish})"
+        self.taken.add(name)
+        return name
+
+
+# States and inputs that each output and state derivative of an FMU depends on, from the pattern of its matrices.
+
+Pattern: TypeAlias = NDArray[np.bool_]
+
+
+def dependencies(system: System) -> dict[int, tuple[int, ...]]:
+    """References of the states and inputs that an output or state derivative depends on, by the reference of it."""
+    rates, outputs = _patterns(system)
+    n_u, n_y, n_x = len(system.inputs), len(outputs), len(rates)
+    first = 1 + n_u + n_y
+    columns = np.array([*range(first, first + n_x), *range(1, 1 + n_u)])
+    rows = {1 + n_u + row: taken for row, taken in enumerate(outputs)}
+    rows |= {first + n_x + row: taken for row, taken in enumerate(rates)}
+    return {reference: tuple(sorted(columns[taken].tolist())) for reference, taken in rows.items()}
+
+
+def _patterns(system: System) -> tuple[Pattern, Pattern]:
+    """Patterns (n_x, n_x + n_u) of (A, B) and (n_y, n_x + n_u) of (C, D), true where an entry is not always 0."""
+    motion, n_u = system.motion, len(system.inputs)
+    n_h, n_b, n = len(motion.heavy), len(motion.damped), len(system.coordinates)
+    n_x = 2 * n_h + n_b
+    M, C, K = (_pattern(system, letter, n, n) for letter in "MCK")
+    loads = np.hstack([np.zeros((n, n_x), dtype=bool), _pattern(system, "L", n, n_u)])
+    place, rate = np.zeros((n, n_x + n_u), dtype=bool), np.zeros((n, n_x + n_u), dtype=bool)
+    place[:n_h, :n_h] = rate[:n_h, n_h : 2 * n_h] = np.eye(n_h, dtype=bool)
+    place[n_h : n_h + n_b, 2 * n_h : n_x] = np.eye(n_b, dtype=bool)
+    heavy, damped, static = slice(0, n_h), slice(n_h, n_h + n_b), slice(n_h + n_b, n)
+    place[static] = _solved(K[static, static], (loads | K @ place)[static])
+    rate[damped] = _solved(C[damped, damped], (loads | K @ place | C @ rate)[damped])
+    faster = _solved(M[heavy, heavy], (loads | K @ place | C @ rate)[heavy])
+    states = np.vstack([rate[:n_h], faster, rate[damped]])
+    outputs = np.hstack(
+        [np.zeros((len(system.outputs), n_x), dtype=bool), _pattern(system, "F", len(system.outputs), n_u)]
+    )
+    row = place
+    for power in range(3):
+        outputs |= _pattern(system, f"R{power}", len(system.outputs), n) @ row
+        row = row[:, :n_x] @ states
+    return states, outputs
+
+
+def _pattern(system: System, letter: str, rows: int, columns: int) -> Pattern:
+    found = np.zeros((rows, columns), dtype=bool)
+    for i, j, _ in system.matrices[letter]:
+        found[i, j] = True
+    return found
+
+
+def _solved(matrix: Pattern, right: Pattern) -> Pattern:
+    """Pattern of the inverse of a symmetric matrix times ``right``, the inverse being full within connected parts."""
+    from scipy.sparse.csgraph import connected_components
+
+    if not len(matrix):
+        return right
+    _, label = connected_components(matrix, directed=False)
+    together: Pattern = label[:, None] == label[None, :]
+    return together @ right

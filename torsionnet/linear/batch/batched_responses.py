@@ -2,22 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import groupby
 from typing import Any, overload
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from torsionnet.base.errors import TorsionnetError
-from torsionnet.linear.assembly.rows import FloatArray
+from torsionnet.base.errors import TorsionnetError, UsageError
+from torsionnet.linear.assembly.assembled import AssembledModel
+from torsionnet.linear.assembly.law_stiffness import LawStiffness
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.linear.assembly.system import Assembly
-from torsionnet.linear.batch.batch import Batch
+from torsionnet.linear.assembly.table_range import range_notes
+from torsionnet.linear.batch.batch import Batch, BatchedStiffness
+from torsionnet.linear.batch.batch_plan import batch_plan
 from torsionnet.linear.dynamic_stiffness.quotient import transfer_functions
 from torsionnet.linear.dynamic_stiffness.sweep import chosen_method
-from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest, request_for_model
-from torsionnet.linear.responses.transfer import Evaluated, evaluate, responses
+from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest, cached_request, request_for_model
+from torsionnet.linear.responses.grid import Adaptive
+from torsionnet.linear.responses.shared_response import FrequencyResponses
+from torsionnet.linear.responses.transfer import (
+    Evaluated,
+    chosen_frequencies,
+    evaluate,
+    known_method,
+    responses,
+    warn_infinite,
+)
 from torsionnet.linear.responses.zero import at_zero
+from torsionnet.model.channels import Channels
 from torsionnet.model.checks.structure import rigid_motions
+from torsionnet.model.operating_values import law_notes
 
 POINTS_AT_ONCE = 100_000
 """Number of variants times frequencies that are solved together, which bounds the memory."""
@@ -161,3 +177,160 @@ def scale_stresses(values: Any, batch: Batch, request: TransferRequest) -> None:
             values[:, :, place] /= ratio
         else:
             values[:, :, :, place - len(request.outputs)] *= ratio
+
+
+# Transfer functions of variants that each have frequencies of their own, as in a search for peaks.
+
+
+def responses_at_own_frequencies(
+    batch: Batch, request: TransferRequest, frequencies: FloatArray, method: str = "auto"
+) -> ComplexArray:
+    """Transfer functions (n, n_f, n_out, n_in) in SI units at frequencies of each variant, NaN if it is impossible.
+
+    Parameters
+    ----------
+    batch : Batch
+    request : TransferRequest
+        Of ``batch.drivetrain``.
+    frequencies : (n, n_f) array
+        Hz, above 0.
+    method : str
+    """
+    shape = (*frequencies.shape, len(request.outputs), len(request.measured))
+    found = np.full(shape, complex(np.nan, np.nan))
+    size = max(1, POINTS_AT_ONCE // max(1, frequencies.shape[1]))
+    for start in range(0, len(batch.stacked), size):
+        places = batch.stacked[start : start + size]
+        part, own = batch.part(places), frequencies[places]
+        kappa = _law_stiffness(part, 2 * np.pi * own)
+        values = evaluate(SingleAssemblies(part), request, own, method, kappa).values
+        scale_stresses(values, part, request)
+        found[places] = values
+    for index in np.flatnonzero(batch.separate & ~batch.impossible):
+        model = batch.model(int(index))
+        found[index] = responses([model], request_for_model(model, request), frequencies[index], method).values[0]
+    return found
+
+
+def _law_stiffness(batch: Batch, omega: FloatArray) -> LawStiffness:
+    """Dynamic stiffness of all laws in N m/rad at omega (n, n_f) in rad/s, which differs by variant."""
+    laws = dict.fromkeys(one.law for one in batch.dynamic)
+    sampled = {law: np.zeros(omega.shape, dtype=complex) for law in laws}
+    for one in batch.dynamic:
+        sampled[one.law][one.places] = _kappa(one, omega[one.places])
+    s = np.asarray(1j * omega.ravel(), dtype=np.complex128)
+    actions = tuple(one.kappa(s).reshape(omega.shape) for one in batch.drivetrain.assembly.system.actions)
+    return LawStiffness(batch.inertia, batch.damping, batch.stiffness, omega, tuple(sampled.items()), actions)
+
+
+def _kappa(one: BatchedStiffness, omega: FloatArray) -> ComplexArray:
+    if not len(one.coefficients):
+        return np.asarray(one.of.kappa(omega.ravel())).reshape(omega.shape)
+    return np.array([one.single(place).kappa(own) for place, own in enumerate(omega)]).reshape(omega.shape)
+
+
+# Transfer functions of many variants of a drivetrain, with those of the same rows solved together.
+
+
+def frequency_responses(
+    drivetrain: AssembledModel,
+    output: Channels,
+    input: Channels,
+    frequencies: ArrayLike | Adaptive,
+    variants: Mapping[str, ArrayLike],
+    *,
+    excitation: str | Sequence[str] | None = None,
+    method: str = "auto",
+) -> FrequencyResponses:
+    """Transfer functions of many variants of the drivetrain, solved together.
+
+    Parameters
+    ----------
+    output, input, frequencies, excitation, method
+        As for :meth:`frequency_response`.
+    variants : mapping
+        Parameter -> (n_variants,) values in SI; one value alone holds for all of them.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> family = tn.load("dmf_rig").frequency_responses("theta_1", "T_T", [0.0, 8.0], {"k_2": [400, 460, 500]})
+    >>> family.magnitude[:, 0, 0, 0].round(6).tolist()
+    [0.002575, 0.002249, 0.002075]
+    """
+    known_method(method)
+    parameters = _columns(variants)
+    request = cached_request(drivetrain, output, input, excitation)
+    f = chosen_frequencies(drivetrain, frequencies, request)
+    batch = _batch(drivetrain, parameters)
+    if batch is None:
+
+        def ask(copy: AssembledModel) -> TransferRequest:
+            return cached_request(copy, output, input, excitation)
+
+        values, conditioning = _grouped([drivetrain.configured(**row) for row in _rows(parameters)], ask, f, method)
+    else:
+        values, conditioning = batched_responses(batch, request, f, method)
+    warn_infinite(values, conditioning, f)
+    return FrequencyResponses(
+        parameters,
+        f,
+        values,
+        tuple(reading.channel for reading in request.outputs),
+        tuple(reading.channel for reading in request.measured),
+        drivetrain.title,
+        conditioning if request.is_measured else None,
+        (*request.notes, *law_notes(drivetrain.definition), *range_notes(drivetrain.assembly, f)),
+        drivetrain.name,
+        drivetrain.configuration,
+    )
+
+
+def _batch(drivetrain: AssembledModel, parameters: Mapping[str, FloatArray]) -> Batch | None:
+    """Batch of all variants, or None where most have rows or acting laws of their own.
+
+    Raises
+    ------
+    ModelError
+        A variant is impossible.
+    """
+    plan = batch_plan(drivetrain, parameters)
+    if plan is None:
+        return None
+    batch = plan.batch(parameters)
+    if batch.impossible.any():
+        batch.model(int(np.argmax(batch.impossible)))
+    return None if 2 * batch.separate.sum() > len(batch) else batch
+
+
+def _grouped(
+    copies: Sequence[AssembledModel], ask: Callable[[AssembledModel], TransferRequest], f: FloatArray, method: str
+) -> Evaluated:
+    """Transfer functions (n, n_f, n_out, n_in) in SI units of variants that are made one by one.
+
+    Neighbours with the same request are solved together.
+    """
+    parts: list[Evaluated] = []
+    requests = [ask(copy) for copy in copies]
+    for _, group in groupby(zip(copies, requests, strict=True), key=lambda pair: id(pair[1])):
+        alike = list(group)
+        parts.append(responses([copy for copy, _ in alike], alike[0][1], f, method))
+    return Evaluated(*(np.concatenate([getattr(part, name) for part in parts]) for name in Evaluated._fields))
+
+
+def _columns(variants: Mapping[str, ArrayLike]) -> dict[str, FloatArray]:
+    """Parameter values (n,) in SI units by name, one for each variant, where a single value holds for all variants."""
+    try:
+        columns = {name: np.atleast_1d(np.asarray(values, dtype=float)) for name, values in variants.items()}
+        spread = list(np.broadcast_arrays(*columns.values()))
+    except (TypeError, ValueError):
+        spread = []
+    if not spread or any(column.ndim != 1 for column in spread) or not len(spread[0]):
+        raise UsageError(
+            "variants are lists of numbers in SI by parameter, all of one length: {'k_2': [400, 460, 500]}"
+        )
+    return dict(zip(columns, (column.copy() for column in spread), strict=True))
+
+
+def _rows(columns: Mapping[str, FloatArray]) -> Iterator[dict[str, float]]:
+    return (dict(zip(columns, map(float, row), strict=True)) for row in zip(*columns.values(), strict=True))

@@ -2,18 +2,109 @@
 
 Modes are followed along their eigenvalues: neighbours whose states have most of their energy in common are the same
 mode. Where two modes have changed places in between and could have met, a shorter step says whether they did.
+
+The state of a mode has for every law the velocity times the root of its inertia and the twist times the root of its
+stiffness: the square of its length is the energy of the vibration. States of different modes of an undamped drivetrain
+are orthogonal, whatever inertias and stiffnesses are, which angles at nodes are not; and two real poles that share a
+shape differ in velocity over twist.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
-from torsionnet.linear.batch.mode_states import common_energy
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray, RowSystem
+from torsionnet.linear.assembly.system import Assembly
+from torsionnet.linear.batch.batch_plan import batch_plan
+from torsionnet.linear.batch.batched_modes import BatchedModes, batched_modes, single_modes, stacked_coefficients
 from torsionnet.linear.modes.mode_shapes import EQUAL_EIGENVALUES
+from torsionnet.model.element_base.dynamic_stiffness import ComplexStiffness
+
+# Modes written as vectors of energy over the laws, and the energy that two modes have in common.
+
+
+def mode_states(found: BatchedModes, places: NDArray[np.intp]) -> ComplexArray:
+    """Modes as vectors of energy over the laws, of length 1, shape (n, n_states, n_modes).
+
+    They are 0 for rigid bodies and missing modes.
+
+    Variants whose laws are not those of the drivetrain itself, one to one, have states of zeros.
+    """
+    assembly = found.drivetrain.assembly
+    n_laws, n_modes = len(assembly.kinematics.laws), found.eigenvalues.shape[1]
+    states = np.zeros((len(places), 2 * n_laws, n_modes), dtype=complex)
+    counts = np.where(np.isin(places, list(found.singles)), 0, _counts(found, places))
+    for number in np.flatnonzero(counts == 0):
+        place = int(places[number])
+        own = found.singles.get(place)
+        if own is not None and len(own.kinematics.laws) == n_laws:
+            count, coefficients = int(_counts(found, places[[number]])[0]), (own.system.inertia, _springs(own.system))
+            states[number, :, :count] = _states(own, *coefficients, found, places[[number]], count)[0]
+    given = None if found.batch is None else stacked_coefficients(found.batch)
+    if given is None:
+        return states
+    for count in np.unique(counts[counts > 0]).tolist():
+        some = np.flatnonzero(counts == count)  # a product's bits may depend on the number of its columns
+        coefficients = given.inertia[places[some]], given.stiffness[places[some]]
+        states[some, :, :count] = _states(assembly, *coefficients, found, places[some], count)
+    return states
+
+
+def _springs(system: RowSystem) -> FloatArray:
+    """Stiffness (n_laws,) of all laws in N m/rad, with that of hysteretic springs."""
+    stiffness = system.stiffness.copy()
+    for law, table in system.dynamic:
+        if isinstance(table, ComplexStiffness):
+            stiffness[law] += table.kappa(np.zeros(1))[0].real
+    return stiffness
+
+
+def _counts(found: BatchedModes, places: NDArray[np.intp]) -> NDArray[np.intp]:
+    """Number of modes of each variant at these places, shape (n,)."""
+    return np.asarray(np.sum(~np.isnan(found.eigenvalues[places]), axis=1))
+
+
+def _states(
+    assembly: Assembly,
+    inertia: FloatArray,
+    stiffness: FloatArray,
+    found: BatchedModes,
+    places: NDArray[np.intp],
+    count: int,
+) -> ComplexArray:
+    """Modes as unit vectors of energy (n, 2 n_laws, count) of the variants that have ``count`` modes."""
+    values = found.eigenvalues[places, :count]
+    nodes = [assembly.node_index[name] for name in assembly.kinematics.coordinates]
+    motion = assembly.system.rows @ found.shapes[places, :, :count][:, nodes]
+    acting = np.flatnonzero([law.acts for _, law in assembly.kinematics.laws])
+    states = np.zeros((len(places), 2, len(assembly.kinematics.laws), count), dtype=complex)
+    states[:, 0, acting] = np.sqrt(np.maximum(inertia, 0))[..., None] * motion * values[:, None, :]
+    states[:, 1, acting] = np.sqrt(np.maximum(stiffness, 0))[..., None] * motion
+    return _unit(states.reshape(len(places), -1, count) * (values != 0)[:, None, :])
+
+
+def common_energy(first: ComplexArray, second: ComplexArray) -> FloatArray:
+    """Energy in common (n, n_first, n_second) of modes given as energy vectors, 1 for equal and 0 for orthogonal ones.
+
+    It is the modal assurance criterion of these vectors.
+    """
+    return np.asarray(np.abs(np.conj(np.swapaxes(first, -1, -2)) @ second) ** 2)
+
+
+def inertia_mac(first: ComplexArray, second: ComplexArray) -> FloatArray:
+    """Modal assurance criterion (n, n_first, n_second) of modes, weighted with inertias, 0 where nothing moves."""
+    half = first.shape[1] // 2
+    return common_energy(_unit(first[:, :half]), _unit(second[:, :half]))
+
+
+def _unit(states: ComplexArray) -> ComplexArray:
+    size = np.linalg.norm(states, axis=1, keepdims=True)
+    return np.asarray(np.divide(states, size, out=np.zeros_like(states), where=size > 0))
+
 
 SAME_MODE_ENERGY = 0.8
 """Energy in common, from 0 to 1, from which modes of neighbouring variants are the same mode, well above half."""
@@ -133,3 +224,96 @@ def assign_modes(known: FollowedModes, found: FollowedModes) -> Columns:
 
 def _is_real(values: ComplexArray) -> NDArray[np.bool_]:
     return np.asarray((values.imag == 0) & (np.abs(values) > 0))
+
+
+# Tracking of modes from a drivetrain to its variants in steps of parameter values, as short as needed.
+
+FIRST_STEP = 0.25
+"""Share of the way to a variant that the first step takes, as shorter ones cost solutions and longer ones get
+halved."""
+SHORTEST_STEP = 2.0**-12
+"""Shortest step as a share of the way to a variant, doubled whenever not even that tells modes apart, so that an
+unclear way ends after a dozen."""
+
+
+class ModeWalk:
+    """Search for the modes of variants that continue those of a drivetrain, in steps along the way to each.
+
+    Parameters
+    ----------
+    found : BatchedModes
+    home : Followed
+        m modes of the drivetrain itself (1, m).
+    """
+
+    def __init__(self, found: BatchedModes, home: FollowedModes) -> None:
+        self._found, self._home = found, home
+        self._plan = None if found.batch is None else batch_plan(found.drivetrain, found.values)
+
+    def columns(self, places: NDArray[np.intp], arrived: FollowedModes) -> Columns:
+        """Columns (n, m) of the variants' modes that continue those of the drivetrain.
+
+        Parameters
+        ----------
+        places : (n,) index array
+            The variants.
+        arrived : Followed
+            All their modes.
+        """
+        n, m = len(places), self._home.values.shape[1]
+        known = FollowedModes(np.repeat(self._home.values, n, axis=0), np.repeat(self._home.states, n, axis=0))
+        columns = np.full((n, m), MISSING_MODE)
+        reached, step, shortest = np.zeros(n), np.full(n, FIRST_STEP), np.full(n, SHORTEST_STEP)
+        walking = np.arange(n)
+        while walking.size:
+            goal = np.minimum(reached + step, 1.0)[walking]
+            ahead = self._at(places[walking], goal, arrived.of(walking))
+            there = ~np.isnan(ahead.values).all(axis=1)
+            chosen, clear = successors(known.of(walking), ahead)
+            forced = ~(clear & there) & (step[walking] <= shortest[walking])
+            for number in np.flatnonzero(forced & there):
+                chosen[number] = assign_modes(known.of(walking[[number]]), ahead.of(np.array([number])))[0]
+            moved = (clear & there) | forced
+            shortest[walking[forced]] *= 2.0
+            step[walking] *= np.where(moved, 2.0, 0.5)
+            reached[walking[moved]] = goal[moved]
+            new = moved & there
+            some = walking[new]
+            columns[some] = chosen[new]
+            known.values[some] = take_columns(ahead.values[new], chosen[new])
+            known.states[some] = np.nan_to_num(take_columns(ahead.states[new], chosen[new][:, None, :]))
+            walking = walking[reached[walking] < 1]
+        return columns
+
+    def _at(self, places: NDArray[np.intp], shares: FloatArray, arrived: FollowedModes) -> FollowedModes:
+        """Eigenvalues (rad/s) and energy vectors of variants at ``shares`` (n,) of the ways to their parameter values.
+
+        The share is 1 at the end.
+        """
+        ended = shares >= 1
+        between = self._solved(places[~ended], shares[~ended])
+        width = max(between.values.shape[1], arrived.values.shape[1])
+        values = np.full((len(places), width), np.nan, dtype=complex)
+        states = np.zeros((len(places), arrived.states.shape[1], width), dtype=complex)
+        for part, mask in ((between, ~ended), (arrived.of(ended), ended)):
+            values[mask, : part.values.shape[1]] = part.values
+            states[mask, :, : part.values.shape[1]] = part.states
+        return FollowedModes(values, states)
+
+    def _solved(self, places: NDArray[np.intp], shares: FloatArray) -> FollowedModes:
+        drivetrain = self._found.drivetrain
+        ends = {name: column[places] for name, column in self._found.values.items()}
+        values = _between(drivetrain.parameters, ends, shares)
+        found = single_modes(drivetrain, values) if self._plan is None else batched_modes(self._plan.batch(values))
+        return FollowedModes(found.eigenvalues, mode_states(found, np.arange(len(found))))
+
+
+def _between(home: Mapping[str, float], ends: Mapping[str, FloatArray], shares: FloatArray) -> dict[str, FloatArray]:
+    """Parameter values at ``shares`` of the ways, in equal factors where both ends have the same sign."""
+    values = {}
+    for name, end in ends.items():
+        start = float(home[name])
+        with np.errstate(all="ignore"):
+            curved = start * (end / start) ** shares if start else end
+        values[name] = np.where(start * end > 0, curved, start + shares * (end - start))
+    return values

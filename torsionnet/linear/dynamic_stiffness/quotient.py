@@ -167,7 +167,7 @@ def transfer_functions(
 def _compiled(request: TransferRequest, reading_problem: ReadingProblem, kappa: LawStiffness) -> FrequencyPoints | None:
     """Transfer functions (n_points, n_out, n_in) by one compiled loop, or None for requests it cannot handle."""
     import torsionnet.linear.dynamic_stiffness.compiled as compiled
-    from torsionnet.linear.dynamic_stiffness.reading_table import reading_table
+    from torsionnet.linear.dynamic_stiffness.compiled import reading_table
 
     parts, n_out = reading_problem.problem.parts, len(request.outputs)
     tables = [reading_table(reading_problem, n_out, len(excitations)) for excitations, _ in parts]

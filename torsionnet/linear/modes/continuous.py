@@ -1,10 +1,18 @@
 """Lowest modes without damping of a drivetrain with continuous shafts, which has infinitely many.
 
 Every mode is bracketed by the count of Wittrick and Williams and bisected to the last digit.
+
+    N(omega) = sum over the members of their own modes below omega with both ends clamped
+               + number of negative pivots of D(omega)
+
+W. H. Wittrick and F. W. Williams, A general algorithm for computing natural frequencies of elastic structures,
+Quarterly Journal of Mechanics and Applied Mathematics 24 (1971) 263-284. Pivots come from elimination on the graph, so
+that soft springs to ground keep their digits beside stiff springs.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TypeAlias
 
 import numpy as np
@@ -12,14 +20,117 @@ from numpy.typing import NDArray
 
 from torsionnet.base.errors import SolveError
 from torsionnet.linear.assembly.rows import FloatArray, RowSystem
-from torsionnet.linear.dynamic_stiffness.reduction import (
-    echelon,
-    resisted_coordinates,
-    restrict_to,
-    without_empty_laws,
-)
+from torsionnet.linear.dynamic_stiffness.reduction import echelon, resisted_coordinates, restrict_to, without_empty_laws
 from torsionnet.linear.dynamic_stiffness.row_algebra import unresisted_motions
-from torsionnet.linear.modes.wittrick_williams import ModeCount
+
+# Number of natural frequencies below a frequency, by the algorithm of Wittrick and Williams.
+
+Laws: TypeAlias = list[tuple[dict[int, float], FloatArray]]
+"""Row of each law with its stiffnesses (n_points,) in N m/rad."""
+ZERO_PIVOT = 1e-30
+"""Value, over the size of its terms, that replaces a pivot of zero, which has no sign and cannot be divided by."""
+PARALLEL = 1e-12
+"""Relative difference of squared coefficients below which two rows are parallel and their laws are added."""
+
+
+def negative_pivots(rows: Sequence[dict[int, float]], kappa: FloatArray, n_coordinates: int) -> FloatArray:
+    """Number (n_points,) of negative eigenvalues of sum_i kappa_i a_i a_i^T, with kappa (n_laws, n_points).
+
+    Eliminating v with S = sum_e kappa_e a_ev^2 leaves sum_{e<f} kappa_e kappa_f / S b b^T with b = a_fv a_e - a_ev a_f,
+    which is a congruence: S has the sign of one eigenvalue.
+
+    Examples
+    --------
+    >>> negative_pivots([{0: 1.0, 1: -1.0}, {1: 1.0}], np.array([[3.0, -1.0], [2.0, -1.0]]), 2)
+    array([0., 2.])
+    """
+    if any(len(row) > 2 for row in rows):
+        return _negative_eigenvalues(rows, kappa, n_coordinates)
+    laws = _merged([(row, values) for row, values in zip(rows, kappa, strict=True) if row])
+    count, left = np.zeros(kappa.shape[1]), set(range(n_coordinates))
+    while left:
+        uses = dict.fromkeys(left, 0)
+        for row, _ in laws:
+            for column in row:
+                uses[column] += 1
+        v = min(left, key=lambda column: uses[column])
+        left.discard(v)
+        acting = [law for law in laws if v in law[0]]
+        terms = np.array([values * row[v] ** 2 for row, values in acting]).reshape(-1, len(count))
+        pivot = terms.sum(axis=0)
+        pivot = np.where(pivot == 0, ZERO_PIVOT * (np.abs(terms).sum(axis=0) + ZERO_PIVOT), pivot)
+        count += pivot < 0
+        laws = _merged([law for law in laws if v not in law[0]] + _eliminated(acting, v, pivot))
+    return count
+
+
+def _negative_eigenvalues(rows: Sequence[dict[int, float]], kappa: FloatArray, n_coordinates: int) -> FloatArray:
+    """Number (n_points,) of negative eigenvalues, from all eigenvalues, for laws that tie three coordinates."""
+    dense = np.zeros((len(rows), n_coordinates))
+    for place, row in enumerate(rows):
+        dense[place, list(row)] = list(row.values())
+    scale = 1 / np.sqrt(np.abs(kappa).T @ dense**2 + ZERO_PIVOT)
+    scaled = dense[None] * scale[:, None, :]
+    D = np.einsum("pli,lp,plj->pij", scaled, kappa, scaled)
+    return np.asarray((np.linalg.eigvalsh(D) < 0).sum(axis=1), dtype=float)
+
+
+def _eliminated(acting: Laws, v: int, pivot: FloatArray) -> Laws:
+    """Laws (row, stiffness in N m/rad) on other coordinates that replace those on v when v is eliminated."""
+    found: Laws = []
+    for place, (first, kappa) in enumerate(acting):
+        for second, other in acting[place + 1 :]:
+            columns = (first.keys() | second.keys()) - {v}
+            row = {c: second[v] * first.get(c, 0.0) - first[v] * second.get(c, 0.0) for c in columns}
+            found.append(({c: value for c, value in row.items() if value}, kappa * (other / pivot)))
+    return [law for law in found if law[0]]
+
+
+def _merged(laws: Laws) -> Laws:
+    """Laws (row, stiffness in N m/rad) merged to one on each coordinate and one between any two.
+
+    Beside an edge on the row (a_i, a_j) a law y on (b_i, b_j) is t y on that row, t = b_i b_j / (a_i a_j), and
+    y (b^2 - t a^2) on each of both coordinates.
+    """
+    edges: dict[tuple[int, ...], tuple[dict[int, float], FloatArray]] = {}
+    grounds: dict[int, FloatArray] = {}
+    for row, values in laws:
+        columns = tuple(sorted(row))
+        if len(columns) == 1:
+            (c,) = columns
+            grounds[c] = grounds.get(c, 0.0) + values * row[c] ** 2
+            continue
+        known, before = edges.get(columns, (row, np.zeros_like(values)))
+        i, j = columns
+        share = row[i] * row[j] / (known[i] * known[j])
+        edges[columns] = known, before + share * values
+        for c in columns:
+            rest = row[c] ** 2 - share * known[c] ** 2
+            if abs(rest) > PARALLEL * row[c] ** 2:
+                grounds[c] = grounds.get(c, 0.0) + rest * values
+    return [*(({c: 1.0}, values) for c, values in grounds.items()), *edges.values()]
+
+
+class ModeCount:
+    """Count of the natural frequencies below omega in rad/s of a system without damping."""
+
+    def __init__(self, system: RowSystem) -> None:
+        self.system = system
+        self.members = [(law, table.with_loss(0)) for law, table in system.dynamic]
+
+    def real_stiffness(self, omega: FloatArray) -> FloatArray:
+        """Dynamic stiffness (n_laws, n_points) of every law in N m/rad, real, at omega in rad/s without damping."""
+        kappa = self.system.stiffness[:, None] - self.system.inertia[:, None] * omega**2
+        for law, table in self.members:
+            kappa[law] += table.kappa(omega).real
+        return np.asarray(kappa)
+
+    def below(self, omega: FloatArray) -> FloatArray:
+        """Number (n_points,) of natural frequencies below each omega > 0 in rad/s, rigid bodies included."""
+        clamped = sum((table.clamped_modes(omega) for _, table in self.members), start=np.zeros(len(omega)))
+        kappa = self.real_stiffness(omega)
+        return clamped + negative_pivots(self.system.sparse_rows, kappa, self.system.n_coordinates)
+
 
 Mask: TypeAlias = NDArray[np.bool_]
 

@@ -19,11 +19,11 @@ from torsionnet.linear.modes.continuous import (
     elastic,
     equal_rates,
     first_rate,
+    negative_pivots,
     rigid_motions,
     undamped_modes,
 )
 from torsionnet.linear.modes.spectrum import Eigenpairs, Mode
-from torsionnet.linear.modes.wittrick_williams import negative_pivots
 
 NEWTON_STEPS, CONVERGED = 30, 1e-14
 """Most Newton steps for a damped mode, and the relative step, near rounding, at which these end."""

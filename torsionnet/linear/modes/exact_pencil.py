@@ -3,20 +3,40 @@
 P(s) of :class:`~torsionnet.linear.modes.active_pencil.ActivePencil` is a series in s with rational coefficients, delays
 included, since values are given as decimals. Singularity at zero is decided exactly, and its multiplicity is counted
 modulo a large prime, with the series of exponentials cut off where these no longer matter.
+
+A motion x(s) = x_0 + s x_1 + .. for which P(s) x(s) begins with s^k (a root polynomial; its coefficients are a Jordan
+chain: I. Gohberg, P. Lancaster and L. Rodman, "Matrix polynomials", 1982, section 1.5) replaces a coordinate,
+
+    P(s) x(s) / s^k    in the column of that coordinate
+
+which takes k roots at zero out of det P and leaves all others. While the matrix is still singular at zero, a null
+vector gives the next chain. All numbers are exact: a root at zero is not distinguished from a slow root by its size.
+
+The division by powers of s is exact: powers of s that cancel are not formed, and of delays
+
+    e^(-s tau) = sum of (-s tau)^m / m! for m < r, + (-s tau)^r phi_r(-s tau)
+
+leaves phi_r, which is entire (N. J. Higham, "Functions of matrices", 2008, section 10.7.4).
 """
 
 from __future__ import annotations
 
+import math
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from math import factorial
 from typing import TypeAlias
 
+import numpy as np
+
+from torsionnet.base.errors import SolveError
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray, polynomial
 from torsionnet.linear.assembly.system import Assembly
 from torsionnet.linear.modes.ehrlich_aberth import minimum_degree_order
 from torsionnet.linear.modes.modular_arithmetic import determinant, interpolating_polynomial, primes, residue
-from torsionnet.model.elimination import exact
+from torsionnet.model.elimination import exact, reduce_rows
 
 ExactVector: TypeAlias = Mapping[int, Fraction]
 
@@ -147,3 +167,248 @@ def is_singular(rows: Sequence[ExactVector]) -> bool:
     prime = next(primes())
     order, _ = minimum_degree_order(len(rows), [(i, j) for i, row in enumerate(rows) for j in row])
     return not determinant([{order[j]: residue(value, prime) for j, value in row.items()} for row in rows], prime)
+
+
+# Chains of motions for poles at zero, by which these are taken out of the characteristic equation.
+
+
+@dataclass(frozen=True)
+class ZeroChain:
+    """Motion x(s) of a root at zero, as vectors by power of s, and the power k with which P(s) x(s) begins."""
+
+    motion: tuple[ExactVector, ...]
+    order: int
+
+
+def zero_chains(pencil: ExactPencil, weights: Sequence[float]) -> dict[int, ZeroChain]:
+    """Chains of motions for poles at zero, by the index of the column of P(s) that each replaces.
+
+    The sum of their orders is the number of roots at zero.
+
+    Each replaces the column whose entry in a null vector is largest by ``weights`` (n,).
+
+    Raises
+    ------
+    SolveError
+        The determinant vanishes at every s.
+    """
+    chains: dict[int, ZeroChain] = {}
+    most = sum(len(one.numerator) for one in pencil.delayed) + sum(
+        max((len(values) for (row, _), values in pencil.undelayed.items() if row == i), default=0)
+        for i in range(pencil.size)
+    )
+    while is_singular(rows := deflated_coefficient(pencil, chains, 0)):
+        vectors = null_vectors(rows)
+        if not vectors:
+            break
+        if sum(one.order for one in chains.values()) > most:
+            text = "the torques of controllers cancel the dynamic stiffness: no motion balances a load"
+            raise SolveError(f"{text}; change a control law")
+        column, chain = _next_chain(vectors[0], chains, weights)
+        chains[column] = chain
+    return chains
+
+
+def deflated_coefficient(pencil: ExactPencil, chains: Mapping[int, ZeroChain], power: int) -> list[dict[int, Fraction]]:
+    """Rows (column -> rational) of the s^power coefficient in P(s), with some poles at zero taken out."""
+    rows = [{j: value for j, value in row.items() if j not in chains} for row in pencil.coefficient_rows(power)]
+    for j, chain in chains.items():
+        for m, vector in enumerate(chain.motion):
+            if m <= chain.order + power:
+                for i, value in pencil.coefficient_times(chain.order + power - m, vector).items():
+                    rows[i][j] = rows[i].get(j, Fraction(0)) + value
+    return [{j: value for j, value in row.items() if value} for row in rows]
+
+
+def null_vectors(rows: Sequence[ExactVector]) -> list[dict[int, Fraction]]:
+    """Vectors (column -> rational) that span the null space of a square matrix of rationals, exactly."""
+    size = len(rows)
+    solved = reduce_rows([row for row in rows if row], {i: i for i in range(size)}).solved
+    found = {column: {column: Fraction(1)} for column in range(size) if column not in solved}
+    if found:
+        for name, row in solved.items():
+            for column, value in row.items():
+                found[column][name] = value
+    return list(found.values())
+
+
+def _next_chain(
+    vector: ExactVector, chains: Mapping[int, ZeroChain], weights: Sequence[float]
+) -> tuple[int, ZeroChain]:
+    """Index of the column of P(s) that a null vector replaces, and the chain of motions that replaces it."""
+    orders = {i: chains[i].order if i in chains else 0 for i in vector}
+    highest = max(orders.values())
+    column = max((i for i in vector if orders[i] == highest), key=lambda i: abs(float(vector[i])) * weights[i])
+    motion: dict[int, dict[int, Fraction]] = {}
+    for i, factor in vector.items():
+        for m, part in enumerate(chains[i].motion if i in chains else ({i: Fraction(1)},)):
+            held = motion.setdefault(m + highest - orders[i], {})
+            for j, value in part.items():
+                held[j] = held.get(j, Fraction(0)) + factor / vector[column] * value
+    whole = tuple({j: value for j, value in motion.get(m, {}).items() if value} for m in range(max(motion) + 1))
+    return column, ZeroChain(whole, highest + 1)
+
+
+# Columns of the characteristic equation from which roots at zero are taken out, in double precision.
+
+SERIES_TERMS = 40
+"""Number of terms in the series of phi_r for arguments up to r + 1, the last of which are far below rounding."""
+
+
+@dataclass(frozen=True)
+class DelayedSum:
+    """Delayed terms in one row of the column for a controller, -sum of p_m s^(m - k) e^(-s delay).
+
+    Terms that cancel are left out.
+
+    ``terms`` are m - k and p_m.
+    """
+
+    row: int
+    terms: tuple[tuple[int, float], ...]
+    delay: float
+
+    def at(self, s: complex) -> complex:
+        """Value of the delayed part at the Laplace variable s in rad/s."""
+        return -sum(value * self._factor(power, s) for power, value in self.terms)
+
+    def derivative(self, s: complex) -> complex:
+        """Derivative of the delayed part by the Laplace variable s, at s in rad/s."""
+        total = 0j
+        for power, value in self.terms:
+            slope = -self.delay * _phi(0, -s * self.delay) * s**power if power >= 0 else 0j
+            if power > 0:
+                slope += power * s ** (power - 1) * _phi(0, -s * self.delay)
+            if power < 0:
+                z, r = -s * self.delay, -power
+                slope = (-self.delay) ** (r + 1) * (_phi(r, z) - r * _phi(r + 1, z))
+            total -= value * slope
+        return total
+
+    def size(self, s: complex) -> float:
+        """Sum of the magnitudes of the delayed terms at the Laplace variable s in rad/s, to judge rounding by."""
+        return float(sum(abs(value * self._factor(power, s)) for power, value in self.terms))
+
+    def _factor(self, power: int, s: complex) -> complex:
+        z = -s * self.delay
+        return s**power * _phi(0, z) if power >= 0 else (-self.delay) ** -power * _phi(-power, z)
+
+
+def _phi(r: int, z: complex) -> complex:
+    """Value phi_r(z) = (e^z - sum of z^m/m! for m < r) / z^r, without cancellation for small z."""
+    if r == 0:
+        with np.errstate(all="ignore"):  # e^z overflows far to the left
+            return complex(np.exp(z))
+    if abs(z) <= r + 1:
+        total, term = 0j, 1 / math.factorial(r) + 0j
+        for m in range(1, SERIES_TERMS):
+            total += term
+            term *= z / (r + m)
+        return total
+    return (_phi(r - 1, z) - 1 / math.factorial(r - 1)) / z
+
+
+@dataclass(frozen=True)
+class DeflatedColumn:
+    """Column P(s) x(s)/s^k that replaces the column of one coordinate or torque in the characteristic equation.
+
+    Attributes
+    ----------
+    place : int
+        Index of the replaced column.
+    chain : ZeroChain
+        The motion x(s) and k, exactly.
+    motion : (n_m, n) array
+        Coefficients of x(s), ascending powers.
+    undelayed : (n_p, n) array
+        Coefficients of the part without delay, ascending powers.
+    delayed : tuple of DelayedSum
+    strains : (n_m, n_laws) array
+        Motions of the laws in x(s), for loss factors.
+    """
+
+    place: int
+    chain: ZeroChain
+    motion: FloatArray
+    undelayed: FloatArray
+    delayed: tuple[DelayedSum, ...]
+    strains: FloatArray
+
+    @property
+    def order(self) -> int:
+        """Number k of roots at zero that the column takes out of the characteristic equation."""
+        return self.chain.order
+
+    def motion_at(self, s: complex) -> ComplexArray:
+        """Motion x(s)/s^k over coordinates and torques (n,) at s in rad/s, for which the column stands."""
+        powers = np.complex128(s) ** (np.arange(len(self.motion)) - self.order)
+        return np.asarray(powers @ self.motion)
+
+    def at(self, s: complex) -> ComplexArray:
+        """Entries (n,) of the column at s in rad/s, without loss factors."""
+        found = np.asarray(polynomial(list(self.undelayed), s), dtype=complex)
+        for one in self.delayed:
+            found[one.row] += one.at(s)
+        return found
+
+    def derivative(self, s: complex) -> ComplexArray:
+        """Derivatives (n,) of the column's entries by s, at s in rad/s."""
+        found = np.asarray(polynomial([m * row for m, row in enumerate(self.undelayed)][1:], s), dtype=complex)
+        found = found + np.zeros(self.undelayed.shape[1])
+        for one in self.delayed:
+            found[one.row] += one.derivative(s)
+        return found
+
+    def size(self, s: complex) -> FloatArray:
+        """Sums (n,) of the magnitudes of the terms in the column's entries at s, to judge rounding by."""
+        found = np.asarray(polynomial(list(np.abs(self.undelayed)), abs(s)), dtype=float)
+        for one in self.delayed:
+            found[one.row] += one.size(s)
+        return found
+
+    def strain(self, s: complex) -> ComplexArray:
+        """Twists (n_laws,) of the laws in x(s)/s^k, which loss factors resist. They may hold negative powers of s."""
+        powers = np.complex128(s) ** (np.arange(len(self.strains)) - self.order)
+        return np.asarray(powers @ self.strains)
+
+
+def deflated_columns(assembly: Assembly, exact: ExactPencil, weights: FloatArray) -> tuple[DeflatedColumn, ...]:
+    """Columns of the characteristic equation with roots at zero taken out, one for every chain of roots.
+
+    The ``weights`` (n,) choose the columns that are replaced.
+    """
+    chains = zero_chains(exact, weights.tolist())
+    return tuple(_column(assembly, exact, place, chain) for place, chain in chains.items())
+
+
+def _column(assembly: Assembly, exact: ExactPencil, place: int, chain: ZeroChain) -> DeflatedColumn:
+    n, k = exact.size, chain.order
+    motion = np.zeros((len(chain.motion), n))
+    degree = max(len(values) for values in exact.undelayed.values()) + len(motion) - 1
+    undelayed = np.zeros((max(degree - k, 1), n))
+    strains = np.zeros((len(motion), len(assembly.laws)))
+    index = {name: number for number, name in enumerate(assembly.kinematics.coordinates)}
+    for m, vector in enumerate(chain.motion):
+        motion[m, list(vector)] = [float(value) for value in vector.values()]
+        for law, row in enumerate(assembly.exact_rows):
+            strains[m, law] = float(sum(value * vector.get(index.get(name, -1), 0) for name, value in row.items()))
+    sums: defaultdict[tuple[int, int], Fraction] = defaultdict(Fraction)
+    for (i, j), values in exact.undelayed.items():
+        for m, vector in enumerate(chain.motion):
+            for power, value in enumerate(values) if j in vector else ():
+                if power + m >= k:
+                    sums[power + m - k, i] += value * vector[j]
+    for (power, i), total in sums.items():
+        undelayed[power, i] = float(total)
+    delayed = tuple(_delayed(one, chain) for one in exact.delayed)
+    return DeflatedColumn(place, chain, motion, undelayed, tuple(one for one in delayed if one.terms), strains)
+
+
+def _delayed(one: DelayedRow, chain: ZeroChain) -> DelayedSum:
+    factors: defaultdict[int, Fraction] = defaultdict(Fraction)
+    for m, vector in enumerate(chain.motion):
+        sensed = sum(value * vector[j] for j, value in one.sensed.items() if j in vector)
+        for power, value in enumerate(one.numerator) if sensed else ():
+            factors[power + m - chain.order] += value * sensed
+    kept = tuple((power, float(value)) for power, value in factors.items() if value)
+    return DelayedSum(one.row, kept, float(one.delay))

@@ -10,17 +10,85 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Annotated
 
 import numpy as np
 
-from torsionnet.base.errors import UsageError
+from torsionnet.base.errors import UsageError, did_you_mean
+from torsionnet.base.result_rows import Out
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.rows import FloatArray, RowSystem
 from torsionnet.linear.frequency_response import ComplexArray
 from torsionnet.linear.modes.eigen import undamped_modes, unit_shapes
 from torsionnet.linear.modes.modes import OSCILLATORY, Modes
 from torsionnet.linear.modes.natural_modes import modes as damped_modes
-from torsionnet.linear.modes.vibration_mode import VibrationMode
+from torsionnet.model.element_base.speed_path import SpeedPaths
+from torsionnet.model.elements import Values
+
+# Mode of vibration with its frequencies in Hz with and without damping.
+
+SHIFTED_SHARE = 0.01
+"""Relative difference of natural and undamped frequency above which a mode counts as shifted by damping."""
+
+
+@dataclass(frozen=True, eq=False)
+class VibrationMode:
+    """Undamped mode paired with the damped mode of the most similar strain, frequencies in Hz; either may be missing.
+
+    Attributes
+    ----------
+    number : int
+        Number of the damped mode, from 1 by rising ``|lambda|``, as in every table of modes; undamped modes that are
+        overdamped follow after them.
+    undamped_frequency : float
+        Frequency in Hz from M and K alone; nan where a mode exists only with damping.
+    natural_frequency, damped_frequency : float
+        ``|lambda|/2pi`` and ``Im lambda/2pi`` in Hz; nan for an overdamped mode.
+    damping_ratio : float
+    similarity : float
+        Modal assurance criterion of the two shapes, weighted with the stiffness; nan where one is missing.
+    shape : (n_nodes,) complex array
+        Angles, 1 at the node that moves most; the undamped shape if there is one.
+    """
+
+    number: Annotated[int, Out("mode", json="mode")]
+    undamped_frequency: Annotated[float, Out("undamped", "Hz", "undamped_natural_frequency_Hz")]
+    natural_frequency: Annotated[float, Out("|lambda|/2pi", "Hz", "natural_frequency_Hz")]
+    damped_frequency: Annotated[float, Out("damped Im lambda/2pi", "Hz", "damped_frequency_Hz")]
+    damping_ratio: Annotated[float, Out("damping ratio", "1", digits=4)]
+    similarity: float
+    shape: Annotated[ComplexArray, Out(json=None)]
+
+    @property
+    def amplification(self) -> Annotated[float, Out("amplification", digits=4, after="damping_ratio")]:
+        """Amplification of a mode at resonance, ``1/(2 zeta)``; nan without a damped mode, infinite without damping."""
+        if math.isnan(self.damping_ratio):
+            return math.nan
+        return 1 / (2 * self.damping_ratio) if self.damping_ratio > 0 else math.inf
+
+    @property
+    def is_shifted(self) -> bool:
+        """Whether damping shifts the natural frequency of a mode by more than 1 %."""
+        return abs(self.natural_frequency - self.undamped_frequency) > SHIFTED_SHARE * self.undamped_frequency
+
+    @property
+    def remark(self) -> Annotated[str, Out("remark", json=None, after="shape")]:
+        """Text on why a frequency of a mode is missing (overdamped, or only with damping); empty if none is."""
+        if math.isnan(self.natural_frequency):
+            return "overdamped: none with damping"
+        return "exists with damping only" if math.isnan(self.undamped_frequency) else ""
+
+
+def amplification(frequency_ratio: float, damping_ratio: float) -> float:
+    """Magnification ``1/|1 - r^2 + 2 j zeta r|`` of one degree of freedom at r = excitation over natural frequency.
+
+    >>> round(amplification(0.9, 0.01), 2)
+    5.24
+    """
+    size = abs(complex(1 - frequency_ratio**2, 2 * damping_ratio * frequency_ratio))
+    return 1 / size if size else math.inf
+
 
 LEAST_SIMILARITY = 0.5
 """Similarity of strain, from 0 to 1, below which an undamped and a damped mode are no pair."""
@@ -146,3 +214,39 @@ def _assigned(similarity: FloatArray) -> Iterator[tuple[int, int]]:
     for row, column in zip(*linear_sum_assignment(-clear), strict=True):
         if clear[row, column]:
             yield int(row), int(column)
+
+
+# Mode shapes with all angles referred to one shaft, as is usual for geared drivetrains.
+
+
+def referred_shapes(drivetrain: AssembledModel, modes: Modes, referred_to: str) -> Modes:
+    """Modes with angles times speed of a shaft over speed of the node, scaled to a largest angle of 1.
+
+    Nodes to which no ratio leads, as a block on its mounts, keep their own angles; a note names them.
+
+    Raises
+    ------
+    UsageError
+        There is no such node.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> rig = tn.load("amt_rig").configured("V")
+    >>> shapes = referred_shapes(rig, rig.modes(), "motor")
+    >>> bool(abs(shapes.shape_at("input_shaft")[0] - shapes.shape_at("output_shaft")[0]) < 1e-12)
+    True
+    """
+    if referred_to not in drivetrain.nodes:
+        raise UsageError(f'no node is named "{referred_to}"{did_you_mean(referred_to, drivetrain.nodes)}')
+    value = Values(drivetrain.exact_values)
+    paths = SpeedPaths(tuple(drivetrain.elements.values()), value)
+    found = {node: paths.between(node, referred_to) for node in modes.nodes}
+    factors = np.array([1.0 if path is None else float(path.ratio(value)) for path in found.values()])
+    own = [node for node, path in found.items() if path is None]
+    notes = (f"angles referred to {referred_to}", *([f"no ratio leads there from {', '.join(own)}"] if own else []))
+    return replace(
+        modes,
+        shapes=np.asarray(unit_shapes(modes.shapes * factors[:, None]), dtype=complex),
+        notes=(*modes.notes, *notes),
+    )

@@ -355,7 +355,7 @@ def distinct(values: AnyArray, shapes: AnyArray) -> list[int]:
 def refined(pencil: Pencil, values: Any, shapes: Any, errors: FloatArray) -> tuple[Any, Any, FloatArray]:
     """Eigenvalues, shapes over q and relative errors, uncertain modes solved in many digits as far as time allows."""
     import torsionnet.linear.modes.ehrlich_aberth as ehrlich_aberth
-    from torsionnet.linear.modes.rayleigh_quotient import isolated_root
+    from torsionnet.linear.modes.ehrlich_aberth import isolated_root
 
     values, shapes, errors, left = values.copy(), shapes.copy(), errors.copy(), MAX_OPERATIONS
     for j in np.flatnonzero((errors > REFINED_ERROR) & (errors < LARGEST_REFINED_ERROR)):

@@ -177,8 +177,7 @@ def _with_isolated_roots(
     spectrum: Spectrum, p: MatrixPolynomial, some: NDArray[np.intp]
 ) -> tuple[Spectrum, NDArray[np.bool_]]:
     """Spectrum with isolated ones of ``some`` eigenvalues exact to double precision, and mask (n,) of these."""
-    from torsionnet.linear.modes.ehrlich_aberth import CONVERGED, to_complex
-    from torsionnet.linear.modes.rayleigh_quotient import isolated_root, isolation_radii
+    from torsionnet.linear.modes.ehrlich_aberth import CONVERGED, isolated_root, isolation_radii, to_complex
 
     starts, _ = _polynomial_problem(spectrum)
     space = isolation_radii(starts, spectrum.errors)

@@ -20,8 +20,7 @@ from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest
 from torsionnet.linear.responses.transfer import ACCEPTED_ERROR, expected_errors, frequency_response
 from torsionnet.linear.sensitivity.augmented import Augmented, augmented
 from torsionnet.linear.sensitivity.derivative_problem import DerivativeProblem, law_stiffness_of
-from torsionnet.linear.sensitivity.dual import DUALS, gradient_of
-from torsionnet.linear.sensitivity.unknowns import Unknowns, unknowns
+from torsionnet.linear.sensitivity.unknowns import DUALS, Unknowns, gradient_of, unknowns
 from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.element_base.round_section import section_modulus
 from torsionnet.model.elements import Values

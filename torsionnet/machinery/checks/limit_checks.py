@@ -7,9 +7,8 @@ from typing import Any
 
 from torsionnet.base.errors import Fault, ModelError, unknown_name
 from torsionnet.machinery.excitations.reciprocating_engine import ReciprocatingEngine
-from torsionnet.machinery.limits.limit import Limit
-from torsionnet.machinery.limits.subject import LimitSubject
-from torsionnet.machinery.limits.unit_slips import unit_slips
+from torsionnet.machinery.limits.evidence import LimitSubject
+from torsionnet.machinery.limits.limit import Limit, unit_slips
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.parameters import resolve
 

@@ -17,18 +17,17 @@ from torsionnet.base.phrases import phrase
 from torsionnet.base.units import RPM
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.table_range import range_notes
-from torsionnet.linear.modes.mode_pairs import vibration_modes
+from torsionnet.linear.modes.mode_pairs import VibrationMode, vibration_modes
 from torsionnet.linear.modes.natural_modes import modes
-from torsionnet.linear.modes.vibration_mode import VibrationMode
 from torsionnet.machinery.criticals.critical_speeds import CriticalSpeed, CriticalSpeeds
 from torsionnet.machinery.criticals.line_meetings import LineOverModes, Meeting
 from torsionnet.machinery.criticals.modes_over_speed import DAMPED, NATURAL, UNDAMPED, ModesOverSpeed
 from torsionnet.machinery.criticals.speed_peaks import with_speed_peaks
-from torsionnet.machinery.design.damper_states import AS_MODELLED, with_dampers
+from torsionnet.machinery.design.damper_design import AS_MODELLED, with_dampers
 from torsionnet.machinery.excitations import OrderExcitation, OrderTorques
 from torsionnet.machinery.orders.order_line import OrderLine
 from torsionnet.machinery.orders.order_solution import input_senses, orders_at_speeds, with_motions_held
-from torsionnet.machinery.phasors.generalised_force import generalised_force, star_diagram
+from torsionnet.machinery.phasors.vector_sums import generalised_force, star_diagram
 from torsionnet.machinery.verdicts.margin_rules import MarginRule, margin_rule
 from torsionnet.model.channels import Channels
 from torsionnet.model.operating_values import operating_speed_notes

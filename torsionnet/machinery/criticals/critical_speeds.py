@@ -17,9 +17,9 @@ from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Column, Table, result_table
 from torsionnet.base.units import RPM
 from torsionnet.linear.frequency_response import Channel
-from torsionnet.linear.modes.vibration_mode import VibrationMode
+from torsionnet.linear.modes.mode_pairs import VibrationMode
 from torsionnet.machinery.orders.order_line import OrderLine
-from torsionnet.machinery.phasors.star_diagram import StarDiagram
+from torsionnet.machinery.phasors.vector_sums import StarDiagram
 from torsionnet.machinery.verdicts.margin_rules import MarginRule
 
 NEGLIGIBLE_FORCE = 1e-9

@@ -23,9 +23,8 @@ from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.table_range import told_of_reads
 from torsionnet.linear.batch.mode_steps import SAME_MODE_ENERGY
 from torsionnet.linear.frequency_response import ComplexArray, FloatArray
-from torsionnet.linear.modes.mode_pairs import REPEATED_FREQUENCY, vibration_modes
+from torsionnet.linear.modes.mode_pairs import REPEATED_FREQUENCY, VibrationMode, vibration_modes
 from torsionnet.linear.modes.natural_modes import modes
-from torsionnet.linear.modes.vibration_mode import VibrationMode
 from torsionnet.linear.responses.shared_response import shared_by_conditions
 from torsionnet.machinery.orders.operating_groups import drivetrains_at_speeds, own_ratio, values_at_speeds
 from torsionnet.model.operating_values import OperatingPoints

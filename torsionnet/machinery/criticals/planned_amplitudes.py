@@ -11,8 +11,8 @@ import numpy as np
 from torsionnet.base.phrases import Phrase, extended, joined, phrase
 from torsionnet.base.units import RPM
 from torsionnet.machinery.orders.order_comparison import SAME_ORDER_DIFFERENCE
+from torsionnet.machinery.orders.order_line import lines_of_one_frequency, sum_name
 from torsionnet.machinery.orders.order_response import OrderResponse
-from torsionnet.machinery.orders.order_sums import lines_of_one_frequency, sum_name
 from torsionnet.signals.orders.tracked_orders import MeasuredOrder
 
 MOST_CRITICAL, MOST_ORDERS = 5, 3

@@ -17,7 +17,7 @@ import numpy as np
 from torsionnet.base.errors import UsageError
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.frequency_response import Channel, FloatArray
-from torsionnet.linear.responses.peaks import inner_maxima
+from torsionnet.linear.responses.grid import inner_maxima
 from torsionnet.machinery.criticals.critical_speeds import CriticalSpeed, SpeedPeak
 from torsionnet.machinery.orders.order_solution import orders_at_speeds
 from torsionnet.machinery.orders.speed_refinement import SAME_SPEED_DISTANCE

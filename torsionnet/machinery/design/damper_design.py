@@ -1,9 +1,16 @@
-"""Search for damping and stiffness of dampers, within bounds, for which the largest vibration is smallest."""
+"""Search for damping and stiffness of dampers, within bounds, for which the largest vibration is smallest.
+
+Where natural frequencies are quoted without damping, the ring of an
+untuned damper is left out (free), joined to the hub (locked), or half of its inertia is put on the hub, which is where
+the film of best damping brings the resonance near.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Any, TypeVar
 
 import numpy as np
 import scipy
@@ -11,7 +18,7 @@ from numpy.typing import ArrayLike
 
 from torsionnet.base.entries.scalars import read_scalar
 from torsionnet.base.entries.spec import EntryError
-from torsionnet.base.errors import UsageError
+from torsionnet.base.errors import UsageError, suggestion_or
 from torsionnet.base.expressions import Number
 from torsionnet.base.units import parse_unit
 from torsionnet.linear.assembly.assembled import AssembledModel
@@ -31,10 +38,17 @@ from torsionnet.machinery.design.damper_optimum import (
 )
 from torsionnet.machinery.design.levels import Levels, OrderLevels, ReceptanceLevels, VariedModel
 from torsionnet.machinery.design.minimax import Box, largest, smallest_maximum
-from torsionnet.machinery.orders.examined_speeds import ExaminedSpeeds
 from torsionnet.machinery.orders.order_solution import orders_at_speeds
+from torsionnet.machinery.orders.refined_response import ExaminedSpeeds
 from torsionnet.model.channels import Sensor
 from torsionnet.model.checks.parameter_units import parameter_units
+from torsionnet.model.configurations import known_elements
+from torsionnet.model.definition import Definition
+from torsionnet.model.element_base.element import OtherLaws
+from torsionnet.model.elements import Element, Law, Part, Values
+from torsionnet.model.elements.dampers import ViscousDamper
+from torsionnet.model.elements.rigid import Inertia, RigidCoupling
+from torsionnet.model.model import Model
 
 DEFAULT_BOUNDS_FACTOR = 10.0
 """Factor on a parameter's value for the default bounds of a damper design, a tenth to ten times the value."""
@@ -256,3 +270,166 @@ def _fixed_points(
         if spread < FIXED_POINT_SPREAD:
             found.append(FixedPoint(float(point), float(sizes.max()), spread))
     return tuple(sorted(found, key=lambda one: -one.level))
+
+
+# Drivetrain with the rings of its viscous dampers free, locked to the hub, or counted by half.
+
+AS_MODELLED = "as_modelled"
+RING_SHARES = {"free": 0.0, "locked": 1.0, "half": 0.5}
+"""Share of the ring's inertia that turns with the hub of a viscous damper, by state of the ring."""
+STATES = (AS_MODELLED, *RING_SHARES)
+
+
+def with_dampers(
+    definition: Definition, values: Mapping[str, Any], state: str, names: Iterable[str] | None = None
+) -> Definition:
+    """Definition of a model with the rings of its viscous dampers in a given state.
+
+    Parameters
+    ----------
+    state : str
+        ``"as_modelled"``, ``"free"``, ``"locked"`` or ``"half"``.
+    names : iterable of str, optional
+        Elements of type viscous_damper, or the spring or damper that is the film between a hub and a ring; by default
+        all elements of type viscous_damper.
+
+    Raises
+    ------
+    UsageError
+        No such state or element, no damper at all, or an element that is no film of a ring.
+    """
+    if state not in STATES:
+        known = f"choose {', '.join(STATES)}"
+        raise UsageError(f'"{state}" is no state of a damper{suggestion_or(state, STATES, known)}')
+    if state == AS_MODELLED:
+        return definition
+    active = {element.name: element for element in definition.active}
+    chosen = [name for name, one in active.items() if isinstance(one, ViscousDamper)]
+    if names is not None:
+        chosen = known_elements(names, active)
+    if not chosen:
+        raise UsageError("the model has no element of type viscous_damper; name the spring or damper that is the film")
+    elements = dict(definition.elements)
+    for name in chosen:
+        found = active[name]
+        if isinstance(found, ViscousDamper):
+            elements[name] = _of_damper(found, Values(values), RING_SHARES[state])
+        else:
+            elements |= _of_film(found, active, Values(values), RING_SHARES[state])
+    return replace(definition, elements=elements)
+
+
+def _of_damper(damper: ViscousDamper, value: Values, share: float) -> Element:
+    """Element with the inertia of a damper's hub and of a share of its ring."""
+    inertia = float(value(damper.hub_inertia)) + share * float(value(damper.ring_inertia))
+    return Inertia.from_entries(damper.name, node=damper.node, inertia=inertia, enabled=inertia > 0)
+
+
+def _of_film(film: Element, active: Mapping[str, Element], value: Values, share: float) -> dict[str, Element]:
+    """Elements in place of a damper's film and ring, by name.
+
+    A rigid coupling or nothing, and the share of the ring.
+    """
+    hub, ring = _hub_and_ring(film, active)
+    found: dict[str, Element] = {}
+    for element in active.values():
+        if isinstance(element, Inertia) and element.node == ring:
+            inertia = share * float(value(element.inertia))
+            found[element.name] = Inertia.from_entries(element.name, node=ring, inertia=inertia, enabled=share > 0)
+        elif set(element.ports.values()) == {hub, ring}:
+            found[element.name] = replace(element, enabled=False)
+    if share:
+        found[film.name] = RigidCoupling(film.name, nodes=(hub, ring))
+    return found
+
+
+def _hub_and_ring(film: Element, active: Mapping[str, Element]) -> tuple[str, str]:
+    ends = tuple(film.ports.values())
+    rings = [node for node in ends if len(ends) == 2 and _is_ring(node, set(ends), active)]
+    if len(rings) != 1:
+        raise UsageError(
+            f'"{film.name}" is no film of a damper: a film lies between a hub and a ring on which nothing else acts'
+        )
+    (ring,) = rings
+    return next(node for node in ends if node != ring), ring
+
+
+def _is_ring(node: str, ends: set[str], active: Mapping[str, Element]) -> bool:
+    """Whether a node carries only inertias and the film of a viscous damper."""
+    there = [element for element in active.values() if node in element.ports.values()]
+    only = all(isinstance(one, Inertia) or set(one.ports.values()) == ends for one in there)
+    return only and any(isinstance(one, Inertia) for one in there)
+
+
+# Viscous equivalent of hysteretic and tabulated laws, springs and dampers equal to them at one frequency.
+
+AnyModel = TypeVar("AnyModel", bound=Model)
+
+
+def viscous_equivalent(model: AnyModel, frequency: float) -> AnyModel:
+    """Copy of a model with a spring Re kappa and a damper Im kappa/(2 pi f) in place of each law over frequency.
+
+    At f the copy responds as the model does. Elsewhere its damping is c omega where that of the model was k eta:
+    vibrations above f are damped too much and those below too little.
+
+    Parameters
+    ----------
+    model : Drivetrain
+    frequency : float
+        Frequency f in Hz above zero, mostly that of the mode in question.
+
+    Raises
+    ------
+    UsageError
+        The frequency is not above zero, or a law is no spring there, as that of a long continuous shaft.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> rubber = tn.HystereticSpring("rubber", nodes=("a", "ground"), stiffness=1000, loss_factor=0.1)
+    >>> rig = tn.Drivetrain("rig", [tn.Inertia("disc", node="a", inertia=0.5), rubber])
+    >>> round(float(viscous_equivalent(rig, 10).assembly.system.C[0, 0]), 6)  # 1000 * 0.1/(2 pi 10)
+    1.591549
+    """
+    if not 0 < frequency < float("inf"):
+        raise UsageError(f"a viscous equivalent holds at a frequency above 0 Hz, got {frequency:g}")
+    values, elements = Values(model.exact_values), dict(model.definition.elements)
+    for name, element in elements.items():
+        if any(isinstance(part, Law) and _is_over_frequency(part) for part in element.parts(values)):
+            laws = ViscousLaws(element, Fraction(repr(float(frequency))))
+            laws.parts(values)  # refuses what has no equivalent
+            elements[name] = element.with_laws(laws)
+    return model.with_definition(replace(model.definition, elements=elements))
+
+
+def _is_over_frequency(law: Law) -> bool:
+    return law.table is not None or law.loss_factor != 0
+
+
+@dataclass(frozen=True)
+class ViscousLaws(OtherLaws):
+    """Laws of an element with constant coefficients at a frequency in Hz."""
+
+    frequency: Fraction
+
+    def parts(self, value: Values) -> tuple[Part, ...]:
+        return tuple(
+            self._viscous(part, value) if isinstance(part, Law) and _is_over_frequency(part) else part
+            for part in self.element.parts(value)
+        )
+
+    def _viscous(self, law: Law, value: Values) -> Law:
+        omega = value.algebra.pi * value.algebra.number(2 * self.frequency)
+        stiffness, lost = law.stiffness, law.stiffness * law.loss_factor
+        if law.table is not None:
+            import numpy as np
+
+            table = law.table.with_coefficients(*map(float, law.table.coefficients))
+            kappa = complex(table.kappa(np.array([2 * np.pi * float(self.frequency)]))[0])
+            if kappa.real < 0:
+                at = f"{self.element.name}: at {float(self.frequency):g} Hz the stiffness is {kappa.real:.6g} N m/rad"
+                rest = "a continuous shaft may be given as type: shaft with segments"
+                raise UsageError(f"{at}, which no spring has; {rest}")
+            stiffness = stiffness + value.algebra.number(Fraction(kappa.real))
+            lost = lost + value.algebra.number(Fraction(kappa.imag))
+        return replace(law, stiffness=stiffness, damping=law.damping + lost / omega, loss_factor=0, table=None)

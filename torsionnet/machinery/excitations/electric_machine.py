@@ -13,7 +13,15 @@ from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.scalars import Value
 from torsionnet.base.entries.spec import Count, entry, not_none
 from torsionnet.base.errors import LEAVE_OUT, EntryPath, Fault, Remedy
-from torsionnet.machinery.excitations.harmonic_torque import FREQUENCY, PHASE, TableByOrder
+from torsionnet.machinery.excitations.harmonic_torque import (
+    FREQUENCY,
+    PHASE,
+    SpeedRows,
+    SpeedTable,
+    TableByOrder,
+    not_covered,
+    over_speed,
+)
 from torsionnet.machinery.excitations.order_excitation import (
     ComplexArray,
     FloatArray,
@@ -21,7 +29,6 @@ from torsionnet.machinery.excitations.order_excitation import (
     OrderTorques,
     register_excitation,
 )
-from torsionnet.machinery.excitations.speed_table import SpeedRows, SpeedTable, not_covered, over_speed
 from torsionnet.model.element_base.element_entries import NodeName
 
 _LINE_FREQUENCY = Value("frequency of the line or inverter", "frequency", exclusive=True, below=1e6)

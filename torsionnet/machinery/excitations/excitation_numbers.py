@@ -17,9 +17,9 @@ from torsionnet.base.entries.scalars import Value
 from torsionnet.base.entries.spec import EntryError, Spec
 from torsionnet.base.errors import UsageError, did_you_mean
 from torsionnet.base.units import expected_unit
+from torsionnet.machinery.excitations.gas_torque import BY_ORDER, HarmonicTables
 from torsionnet.machinery.excitations.harmonic_torque import TableByOrder
 from torsionnet.machinery.excitations.order_excitation import OrderExcitation
-from torsionnet.machinery.excitations.tangential_harmonics import BY_ORDER, HarmonicTables
 
 NEUTRAL_VALUES = {"misfire_share": 0.0, "factors": 1.0}
 """Value without effect of a cylinder that a table of an engine does not name, by entry."""

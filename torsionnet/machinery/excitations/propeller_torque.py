@@ -18,9 +18,9 @@ from torsionnet.machinery.excitations.order_excitation import (
     FloatArray,
     OrderExcitation,
     OrderTorques,
+    Rating,
     register_excitation,
 )
-from torsionnet.machinery.excitations.rating import Rating
 from torsionnet.model.element_base.element_entries import NodeName
 
 ZERO_PITCH = "zero_pitch"

@@ -14,8 +14,15 @@ from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.linear.assembly.table_range import range_notes
 from torsionnet.linear.modes.eigen import undamped_modes
 from torsionnet.linear.modes.mode_pairs import undamped_place
-from torsionnet.machinery.holzer.holzer_balance import HolzerBalance, NodeLoad, balance_of, trial_angles
-from torsionnet.machinery.holzer.holzer_lines import HolzerLine, Neighbours, holzer_lines
+from torsionnet.machinery.holzer.holzer_balance import (
+    HolzerBalance,
+    HolzerLine,
+    Neighbours,
+    NodeLoad,
+    balance_of,
+    holzer_lines,
+    trial_angles,
+)
 from torsionnet.machinery.holzer.holzer_table import HolzerBranch, HolzerLink, HolzerStation, HolzerTable
 from torsionnet.model.elements import Values
 from torsionnet.model.elements.shaft import Shaft

@@ -5,20 +5,21 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
 from torsionnet.base.entries.scalars import Value
-from torsionnet.base.entries.spec import entry
+from torsionnet.base.entries.spec import OneOf, entry, not_none
 from torsionnet.base.errors import Fault
 from torsionnet.linear.frequency_response import FloatArray
-from torsionnet.machinery.limits.evidence import Evidence
-from torsionnet.machinery.limits.limit import NOT_EXAMINED, PASSING_TIME, TOLERANCE, LimitLine
-from torsionnet.machinery.limits.m68_stress import usual_range
+from torsionnet.machinery.limits.evidence import Evidence, LimitSubject
+from torsionnet.machinery.limits.limit import NOT_EXAMINED, PASSING_TIME, TOLERANCE, LimitLine, register_rule
+from torsionnet.machinery.limits.m68_factors import usual_range
 from torsionnet.machinery.limits.shaft_limit import ShaftLimit
-from torsionnet.machinery.limits.subject import LimitSubject
+from torsionnet.machinery.limits.society_rules import SET_SOCIETIES, SOCIETIES, GeneratingSetNumbers, SocietyName
 from torsionnet.machinery.orders.speed_refinement import vertex_speed
-from torsionnet.machinery.verdicts.limit_check import FAIL, PASS, LimitVerdict
+from torsionnet.machinery.verdicts.limit_check import FAIL, PASS, LimitVerdict, RuleText
 from torsionnet.machinery.verdicts.speed_spans import SpeedSpan, joined_spans, range_end_remarks, spans_above
 
 
@@ -128,3 +129,140 @@ class ClassRuleShaft(ShaftLimit):
     def on_barred(self) -> Iterator[str]:
         """Remarks of the rule on shafts of plants with a barred range."""
         yield from ()
+
+
+# Limits of the vibratory stress of shafts of generating sets that piston engines drive.
+
+SHAFTS = ("generator", "crankshaft_in_line", "crankshaft_other")
+"""Kinds of shafts of a generating set for which societies permit different stresses."""
+NOT_COVERED = (
+    "speeds above the highest ratio; short circuit and faulty synchronisation; bending; crankshafts whose strength was "
+    "calculated throw by throw; the avoidance of major criticals near rated speed"
+)
+"""Text with what the limits of generating sets do not cover, as reports print it."""
+
+
+@register_rule
+@dataclass(frozen=True, kw_only=True)
+class GeneratingSetShaft(ClassRuleShaft):
+    """Generator shaft, or crankshaft of the engine, of a generating set: tau_C around rated speed, tau_T below.
+
+    By KR Rules Part 5 Chapter 4 (2025), 203: a generator shaft bears 31 N/mm^2 from lambda = 0.9 to 1.1, 118 N/mm^2
+    while lower speeds are passed; a crankshaft 21 N/mm^2 (four-stroke engines in line, or V engines that fire every 45
+    or 60 degrees) or 16 N/mm^2 (all others), 90 N/mm^2 in passing. A steel above 440 N/mm^2 raises the former by f_m =
+    1 + 2/3 (T_s/440 - 1), a yield strength Y above 225 N/mm^2 the latter by Y/225.
+
+    Examples
+    --------
+    >>> shaft = GeneratingSetShaft(element="rotor_shaft", shaft="generator", material="alloy",
+    ...     tensile_strength="660 MPa", yield_strength="450 MPa")
+    >>> [round(factor, 4) for factor in shaft.material_factors]
+    [1.3333, 2.0]
+    """
+
+    kind: ClassVar[str] = "generating_set_shaft"
+
+    shaft: str = entry(
+        OneOf("crankshaft_in_line: of a four-stroke engine in line or V that fires every 45 or 60 degrees", SHAFTS)
+    )
+    material: str = entry(OneOf("kind of steel", ("carbon", "alloy")))
+    tensile_strength: float = entry(Value("specified minimum tensile strength", "pressure", exclusive=True))
+    yield_strength: float | None = entry(
+        Value("specified minimum yield strength; default: none above that of the rule", "pressure", exclusive=True),
+        None,
+    )
+    rules: str = entry(SocietyName("society whose text counts", SET_SOCIETIES), "kr")
+
+    @property
+    def numbers(self) -> GeneratingSetNumbers:
+        """Stresses that the society permits in Pa, with the speed ratios they are for."""
+        return not_none(SOCIETIES[self.rules].sets)
+
+    @property
+    def no_barred_above(self) -> float:
+        return self.numbers.lowest
+
+    @property
+    def highest_ratio(self) -> float:
+        return self.numbers.highest
+
+    @property
+    def material_factors(self) -> tuple[float, float]:
+        """Dimensionless factors of the material on the stress in continuous operation and in passing, 1 or more."""
+        numbers = self.numbers
+        strength = min(self.tensile_strength, numbers.caps[self.material])
+        passing = (self.yield_strength or 0.0) / numbers.yield_strength
+        return max(1.0, 1 + 2 / 3 * (strength / numbers.tensile_strength - 1)), max(1.0, passing)
+
+    @property
+    def permitted(self) -> tuple[float, float]:
+        """Stresses in Pa that the shaft bears in continuous operation and in passing."""
+        factors = self.material_factors
+        return self.numbers.continuous[self.shaft] * factors[0], self.numbers.passing[self.shaft] * factors[1]
+
+    def contradictions(self) -> list[Fault]:
+        faults = super().contradictions()
+        if self.tensile_strength < 100e6:
+            got = f"{self.tensile_strength / 1e6:g} N/mm^2"
+            faults.append(
+                Fault(f"steel has a tensile strength of 100 N/mm^2 or more; got {got}", ("tensile_strength",))
+            )
+        if self.yield_strength is not None and self.yield_strength > self.tensile_strength:
+            faults.append(Fault("the yield strength is not above the tensile strength", ("yield_strength",)))
+        return faults
+
+    def unfit(self, subject: LimitSubject) -> Iterator[Fault]:
+        yield from super().unfit(subject)
+        yield from self.no_rated_speed(subject)
+
+    def may_bar_higher(self, subject: LimitSubject) -> bool:
+        # A set runs at rated speed or not at all, also with a cylinder out.
+        del subject
+        return False
+
+    def breaks(self, subject: LimitSubject) -> list[float]:
+        rated = self.rated_speed(subject)
+        return [self.no_barred_above * rated, self.highest_ratio * rated]
+
+    def text(self, evidence: Evidence) -> RuleText:
+        del evidence
+        numbers, society = self.numbers, SOCIETIES[self.rules]
+        own = numbers.continuous[self.shaft] / 1e6, numbers.passing[self.shaft] / 1e6
+        factors = self.material_factors
+        formula = (
+            f"{self.shaft.replace('_', ' ')}: tau_C = {own[0]:g} f_m N/mm^2 up to lambda = {numbers.highest:g}, "
+            f"exceeded below {numbers.lowest:g} alone and in passing; tau_T = {own[1]:g} f_m N/mm^2 up to lambda = "
+            f"{numbers.lowest:g}; f_m = 1 + 2/3 (T_s/{numbers.tensile_strength / 1e6:g} - 1), at least 1: "
+            f"{factors[0]:.4g}; in passing Y/{numbers.yield_strength / 1e6:g}, at least 1: {factors[1]:.4g}"
+        )
+        return RuleText(numbers.source, society.in_words(formula), NOT_COVERED)
+
+    def lines(self, evidence: Evidence) -> Iterator[LimitLine]:
+        society, numbers = SOCIETIES[self.rules], self.numbers
+        ratio = evidence.speeds / self.rated_speed(evidence.subject)
+        values, orders = self.stress(evidence)
+        continuous, passing = self.permitted
+        quantity = "nominal shear stress, half range"
+        allowed = np.where(ratio <= numbers.highest * (1 + 1e-12), continuous, np.nan)
+        cases = self.stress_by_case(evidence)
+        yield LimitLine(society.in_words("tau_C"), quantity, "Pa", values, allowed, (), orders, cases=cases)
+        below = np.where(ratio <= numbers.lowest * (1 + 1e-12), passing, np.nan)
+        yield LimitLine(society.in_words("tau_T"), quantity, "Pa", values, below, (), orders, in_passing=True)
+
+    def remarks(self, line: LimitLine, evidence: Evidence) -> tuple[str, ...]:
+        return () if line.in_passing else tuple(self._remarks(evidence))
+
+    def _remarks(self, evidence: Evidence) -> Iterator[str]:
+        numbers = self.numbers
+        ratio = evidence.speeds / self.rated_speed(evidence.subject)
+        low, high = float(ratio[0]), float(ratio[-1])
+        wanted = f"the set runs from {numbers.lowest:g} to {numbers.highest:g}"
+        if low > numbers.lowest * (1 + 1e-9):
+            yield f"speeds examined begin at lambda = {low:.3g}; {wanted}, and lower speeds are passed"
+        if high < numbers.highest * (1 - 1e-9):
+            yield f"speeds examined end at lambda = {high:.3g}; {wanted}"
+        if high > numbers.highest * (1 + 1e-9):
+            yield f"lambda above {numbers.highest:g} is not covered"
+        if self.tensile_strength > numbers.caps[self.material]:
+            counted = f"{numbers.caps[self.material] / 1e6:g} N/mm^2"
+            yield f"a tensile strength above {counted} counts as the society decides; here {counted}"

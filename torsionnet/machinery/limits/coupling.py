@@ -1,25 +1,88 @@
-"""Limits of flexible couplings on torque, heat and twist as makers state them."""
+"""Limits of flexible couplings and torsional dampers on torque, heat and twist as makers state them."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, TypeVar
 
 import numpy as np
 
-from torsionnet.base.entries.scalars import Value
-from torsionnet.base.entries.spec import OneOf, entry, not_none
+from torsionnet.base.entries.composite import one_at_most
+from torsionnet.base.entries.scalars import Value, read_scalar
+from torsionnet.base.entries.spec import EntryError, OneOf, entry, not_none
 from torsionnet.base.errors import Fault
+from torsionnet.base.expressions import Number
+from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.limits.element_limit import ElementLimit, constant_over_speed
-from torsionnet.machinery.limits.evidence import Evidence
-from torsionnet.machinery.limits.heat_balance import ICE_POINT, TemperatureValue, steady_temperature, temperature_words
+from torsionnet.machinery.limits.evidence import Evidence, LimitSubject
 from torsionnet.machinery.limits.limit import LimitLine, line_without_data, register_rule
-from torsionnet.machinery.limits.speed_band import InSpeedBand
-from torsionnet.machinery.limits.subject import LimitSubject
+from torsionnet.machinery.limits.machine_angle import InSpeedBand
 from torsionnet.machinery.verdicts.limit_check import RuleText
 from torsionnet.model.channels import Sensor
+
+# Steady temperature of a part that vibration heats, by the balance of the heat it takes up and gives off.
+
+ICE_POINT = 273.15
+"""Temperature of 0 degC in K."""
+Heat = TypeVar("Heat", float, FloatArray)
+COLDEST = 200.0
+"""Number without a unit from which on it is a temperature in K; smaller ones are refused, as they may be degC: no
+machinery is as cold."""
+
+
+class TemperatureValue(Value):
+    """Entry of a fixed temperature with its unit, stored in K."""
+
+    def coerce(self, raw: object) -> float:
+        number = read_scalar(raw, self.dimension)
+        if isinstance(number, Number) and number.unit_dimension is None and number.value < COLDEST:
+            raise EntryError(f"a temperature has its unit: write {raw} degC, or {raw} K")
+        return super().coerce(raw)
+
+    def plain(self, value: float) -> str:
+        return f"{value!r} K"
+
+
+def temperature_words(hottest: float) -> str:
+    """Remark on the highest steady temperature, given in K."""
+    return f"steady temperature by balance of heat at most {hottest - ICE_POINT:.3g} degC"
+
+
+def steady_temperature(power: Heat, heat_transfer: float, ambient: float) -> Heat:
+    """Steady temperature in K of a part that turns ``power`` into heat, in the shape of ``power``.
+
+    The heat that the part takes up by damping leaves it by its surface: P = Lambda (t - t_a). It is the temperature
+    reached after many time constants C/Lambda, with C the heat capacity, as a mean over the part; its core is warmer.
+
+    Parameters
+    ----------
+    power : float or array
+        Mean power dissipated, W.
+    heat_transfer : float
+        Lambda, heat given off per degree above ambient, W/K: surface times heat transfer coefficient, from the maker.
+    ambient : float
+        Temperature of the air around the part, K. IACS UR M40 (1986) has 45 degC in engine rooms.
+
+    References
+    ----------
+    F. P. Incropera, D. P. DeWitt et al., Fundamentals of Heat and Mass Transfer, 6th ed. (2007), section 5.1: lumped
+    capacitance.
+
+    Examples
+    --------
+    >>> round(steady_temperature(800.0, 20.0, 45 + 273.15) - 273.15, 6)
+    85.0
+    """
+    return (
+        np.asarray(ambient + power / heat_transfer)
+        if isinstance(power, np.ndarray)
+        else ambient + power / heat_transfer
+    )
+
+
+# Limits of flexible couplings on torque, heat and twist as makers state them.
 
 REFERENCE_HZ = 10.0
 """Frequency in Hz up to which DIN 740-2 takes the permissible vibratory torque of a coupling for constant."""
@@ -202,3 +265,66 @@ class CouplingLimit(InSpeedBand, ElementLimit):
         if self.vibratory_twist is not None:
             allowed = constant_over_speed(self.vibratory_twist, evidence)
             yield LimitLine("vibratory twist", "twist, half range", "rad", size, allowed)
+
+
+# Limits of torsional vibration dampers, viscous or with springs, on heat and twist.
+
+
+@register_rule
+@dataclass(frozen=True, kw_only=True)
+class DamperLimit(ElementLimit):
+    """A damper at the free end of a crankshaft: power it may turn into heat, also per area, and twist.
+
+    Examples
+    --------
+    >>> DamperLimit(element="damper", power_per_area="5 kW/m^2", area="1.4 m^2").allowed_power
+    7000.0
+    """
+
+    kind: ClassVar[str] = "damper"
+    criteria: ClassVar[tuple[str, ...]] = ("power", "power_per_area", "vibratory_twist")
+    alternatives: ClassVar[tuple[tuple[str, ...], ...]] = (("power",), ("power_per_area", "area"))
+
+    power: float | None = entry(Value("power it may turn into heat", "power", exclusive=True), None)
+    power_per_area: float | None = entry(Value("instead: per cooling area", "heat flux", exclusive=True), None)
+    area: float | None = entry(Value("cooling area", "area", exclusive=True), None)
+    vibratory_twist: float | None = entry(Value("twist of ring against hub, peak value", "angle", exclusive=True), None)
+
+    def contradictions(self) -> list[Fault]:
+        faults = super().contradictions() + one_at_most(self, "power", "power_per_area")
+        if (self.power_per_area is None) != (self.area is None):
+            faults.append(Fault("power_per_area and area go together", on_key=True))
+        return faults
+
+    @property
+    def allowed_power(self) -> float | None:
+        """Power in W that the damper may turn into heat, None where it is not limited."""
+        per_area = None if self.power_per_area is None else float(self.power_per_area * not_none(self.area))
+        return float(self.power) if self.power is not None else per_area
+
+    def order_sensors(self, subject: LimitSubject) -> list[Sensor]:
+        del subject
+        return [self.twisting]
+
+    def power_elements(self) -> list[str]:
+        return [self.element] if self.allowed_power is not None else []
+
+    def text(self, evidence: Evidence) -> RuleText:
+        del evidence
+        parts = ["P = sum over frequencies of Re(T conj(dgamma/dt))/2 with T the whole torque, elastic and damping"]
+        if self.power_per_area is not None:
+            parts.append(f"P <= {self.power_per_area / 1000:g} kW/m^2 x {self.area:g} m^2")
+        elif self.power is not None:
+            parts.append(f"P <= {self.power / 1000:g} kW")
+        if self.vibratory_twist is not None:
+            parts.append("half range of twist <= vibratory_twist")
+        return RuleText(self.source, "; ".join(parts), "ageing of the fluid, temperature of the film, wear of springs")
+
+    def lines(self, evidence: Evidence) -> Iterator[LimitLine]:
+        if self.allowed_power is not None:
+            allowed = constant_over_speed(self.allowed_power, evidence)
+            yield LimitLine("P", "dissipated power", "W", evidence.power(self.element), allowed)
+        if self.vibratory_twist is not None:
+            allowed, twist = constant_over_speed(self.vibratory_twist, evidence), [self.twisting]
+            orders = evidence.orders(twist)
+            yield LimitLine("vibratory twist", "twist, half range", "rad", evidence.size(twist), allowed, (), orders)

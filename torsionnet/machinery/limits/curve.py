@@ -3,29 +3,112 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import ClassVar
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, cast
 
 import numpy as np
 
 from torsionnet.base.entries.composite import Listed, one_exactly
-from torsionnet.base.entries.scalars import Value, check_unit
-from torsionnet.base.entries.spec import EntryError, OneOf, Text, entry, name_fault
-from torsionnet.base.errors import EntryPath, Fault, unknown_name
+from torsionnet.base.entries.scalars import SCALAR_SCHEMA, Value, ValueInUnitOfUse, check_unit
+from torsionnet.base.entries.spec import EntryError, Json, OneOf, Plural, Schema, Text, entry, name_fault
+from torsionnet.base.errors import EntryPath, Fault, got, unknown_name
 from torsionnet.base.expressions import Number
 from torsionnet.base.phrases import phrase
 from torsionnet.base.units import RPM
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.excitations.order_excitation import ORDER
-from torsionnet.machinery.limits.allowed_curve import ALLOWED, AllowedTable, Pairs, allowed_at
-from torsionnet.machinery.limits.evidence import Evidence
+from torsionnet.machinery.limits.evidence import Evidence, LimitSubject
 from torsionnet.machinery.limits.limit import PASSING_TIME, TOLERANCE, Limit, LimitLine, register_rule
-from torsionnet.machinery.limits.subject import LimitSubject
-from torsionnet.machinery.orders.order_sums import lines_of_one_frequency
+from torsionnet.machinery.orders.order_line import lines_of_one_frequency
 from torsionnet.machinery.verdicts.limit_check import LimitVerdict, RuleText
 from torsionnet.model.channels import UNITS, ChannelName, Sensor, named_sensor
 from torsionnet.model.element_base.round_section import section_fault
+
+# Allowed values of a limit, one for all speeds or tables over speed or speed ratio.
+
+ALLOWED = ValueInUnitOfUse("value allowed", exclusive=True)
+"""Specification of one allowed value in a table of a limit."""
+_KEYS = {"speed": Value("a speed", "speed", below=1e6), "1": Value("a speed ratio", "1", below=10)}
+Pairs = tuple[tuple[float, Number], ...]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class AllowedTable(Plural[Pairs]):
+    """Entry of a table of values that a limit allows, over speed or speed ratio.
+
+    ``{300 rpm: 40 MPa, 750 rpm: 25 MPa}``, stored as pairs by rising key.
+    """
+
+    over: str
+    """Dimension of the table's keys, "speed" or "1": "speed" or "1"."""
+
+    absent: ClassVar[Any] = ()
+
+    @property
+    def example(self) -> str:
+        return "{300 rpm: 40 MPa, 750 rpm: 25 MPa}" if self.over == "speed" else "{0.4: 40 MPa, 1: 25 MPa}"
+
+    def read(self, raw: object) -> tuple[Pairs, list[Fault]]:
+        if isinstance(raw, tuple):
+            return raw, []
+        if not isinstance(raw, Mapping) or len(raw) < 2:
+            return (), [Fault(f"expected two points or more, {self.example}; {got(raw)}")]
+        found: dict[float, Number] = {}
+        faults: list[Fault] = []
+        for key, value in raw.items():
+            try:
+                at = _KEYS[self.over].coerce(key)
+            except EntryError as error:
+                faults.append(replace(error.fault, path=(key,), on_key=True))
+                continue
+            if at in found:
+                faults.append(Fault(f"{key} stands twice", (key,), on_key=True))
+            allowed, wrong = ALLOWED.read(value)
+            faults += [fault.under(key) for fault in wrong]
+            found[at] = cast("Number", allowed)
+        return (() if faults else tuple(sorted(found.items(), key=lambda pair: pair[0]))), faults
+
+    def coerce(self, raw: object) -> Pairs:
+        pairs, faults = self.read(raw)
+        if faults:
+            raise EntryError(faults[0].message)
+        return pairs
+
+    def plain(self, value: Any) -> Json:
+        unit = " rad/s" if self.over == "speed" else ""
+        return {f"{key!r}{unit}" if unit else key: ALLOWED.plain(allowed) for key, allowed in value}
+
+    def schema(self) -> Schema:
+        return {
+            "type": "object",
+            "description": f"{self.description}: {self.example}",
+            "minProperties": 2,
+            "additionalProperties": SCALAR_SCHEMA,
+        }
+
+
+def allowed_at(pairs: Pairs, at: FloatArray) -> FloatArray:
+    """Allowed values in SI units at speeds or speed ratios, interpolated linearly, in the shape of ``at``.
+
+    NaN outside of the table.
+
+    Examples
+    --------
+    >>> from fractions import Fraction
+    >>> pairs = ((1.0, Number(Fraction(10))), (2.0, Number(Fraction(20))))
+    >>> allowed_at(pairs, np.array([0.5, 1.5, 2.0])).tolist()
+    [nan, 15.0, 20.0]
+    """
+    keys, values = (np.array([float(part) for part in column]) for column in zip(*_plain(pairs), strict=True))
+    slack = 1e-9 * keys[-1]
+    inside = (at >= keys[0] - slack) & (at <= keys[-1] + slack)
+    return np.asarray(np.where(inside, np.interp(at, keys, values), np.nan))
+
+
+def _plain(pairs: Pairs) -> list[tuple[float, float]]:
+    return [(key, float(value.value)) for key, value in pairs]
+
 
 DIMENSION_OF = {"angle": "angle", "velocity": "speed", "acceleration": "acceleration", "twist": "angle",
                 "torque": "torque", "stress": "pressure"}  # fmt: skip

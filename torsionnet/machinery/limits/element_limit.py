@@ -8,14 +8,16 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from torsionnet.base.entries.spec import Text, entry
+from torsionnet.base.entries.composite import given_entries, one_at_most
+from torsionnet.base.entries.scalars import Value
+from torsionnet.base.entries.spec import Flag, Spec, Text, entry
 from torsionnet.base.errors import EntryPath, Fault, ModelError
-from torsionnet.machinery.limits.evidence import Evidence
-from torsionnet.machinery.limits.limit import Limit, LimitLine, line_without_data
-from torsionnet.machinery.limits.subject import LimitSubject
-from torsionnet.model.catalogues.catalogue_values import cell_value
-from torsionnet.model.channels import Sensor
-from torsionnet.model.element_base.element_entries import ElementName
+from torsionnet.machinery.limits.evidence import Evidence, LimitSubject
+from torsionnet.machinery.limits.limit import Limit, LimitLine, line_without_data, register_rule
+from torsionnet.machinery.verdicts.limit_check import RuleText
+from torsionnet.model.catalogues.catalogue_reading import cell_value
+from torsionnet.model.channels import Sensor, port_fault
+from torsionnet.model.element_base.element_entries import ElementName, PlaceOnElement
 from torsionnet.model.elements import Element
 
 
@@ -93,3 +95,109 @@ class ElementLimit(Limit):
 def constant_over_speed(value: float, evidence: Evidence) -> Any:
     """Array of one value in its own unit at every speed, shape (n_speeds,)."""
     return np.full(len(evidence.speeds), float(value))
+
+
+# Limits of gears on vibratory torque against mean torque, and on gear hammer.
+
+
+@register_rule
+@dataclass(frozen=True, kw_only=True)
+class GearLimit(ElementLimit):
+    """Vibratory torque of gear teeth, as a share of the mean torque at rated speed; gear hammer where torque reverses.
+
+    Teeth part and hammer where the half range is larger than the mean torque at the same speed.
+
+    Examples
+    --------
+    >>> GearLimit(element="mesh", vibratory_share="30 %").vibratory_share
+    0.3
+    """
+
+    kind: ClassVar[str] = "gear"
+
+    at: str | None = entry(Text("port or node whose torque is meant; default: the first", "the name of a node"), None)
+    vibratory_share: float | None = entry(
+        Value("vibratory torque over mean torque at rated speed", "1", exclusive=True), None
+    )
+    rated_torque: float | None = entry(Value("that mean torque; default: of the load", "torque", exclusive=True), None)
+    vibratory_torque: float | None = entry(
+        Value("vibratory torque allowed, instead of a share", "torque", exclusive=True), None
+    )
+    hammer: bool = entry(Flag("whether torque must not reverse"), True)
+
+    def contradictions(self) -> list[Fault]:
+        bounds = "vibratory_share", "vibratory_torque"
+        if not (given_entries(self, *bounds) or self.hammer):
+            return [Fault("nothing is limited; give vibratory_share, vibratory_torque or hammer: true", on_key=True)]
+        return one_at_most(self, *bounds)
+
+    @classmethod
+    def spec_beside(cls, name: str, spec: Spec[Any], entries: Mapping[str, Any]) -> Spec[Any]:
+        return PlaceOnElement(spec.description, element=str(entries.get("element"))) if name == "at" else spec
+
+    def unfit(self, subject: LimitSubject) -> Iterator[Fault]:
+        reason = port_fault(subject.elements[self.element], self.at) if self.at else None
+        if reason:
+            yield replace(reason, path=("at",))
+        needs = self.vibratory_share is not None and self.rated_torque is None
+        if needs and subject.rated is None:
+            text = "a share is of the mean torque at rated speed: give rated_torque, or speeds: {rated: 750 rpm}"
+            yield Fault(text, ("vibratory_share",), on_key=True, about="speeds")
+
+    @property
+    def torque(self) -> Sensor:
+        return Sensor("torque", self.element, self.at)
+
+    def order_sensors(self, subject: LimitSubject) -> list[Sensor]:
+        del subject
+        return [self.torque]
+
+    def mean_sensors(self, subject: LimitSubject) -> list[Sensor]:
+        del subject
+        return [self.torque]
+
+    def vibratory_sensors(self, criterion: str, subject: LimitSubject) -> tuple[list[Sensor], float] | None:
+        del criterion, subject
+        return [self.torque], 1.0
+
+    def text(self, evidence: Evidence) -> RuleText:
+        del evidence
+        parts = []
+        if self.vibratory_share is not None:
+            parts.append(f"T_v <= {100 * self.vibratory_share:g} % of the mean torque at rated speed")
+        if self.vibratory_torque is not None:
+            parts.append(f"T_v <= {self.vibratory_torque:g} N*m")
+        if self.hammer:
+            parts.append("no gear hammer: T_v <= mean torque at the same speed")
+        formula = "; ".join(parts) + "; T_v: half range of the sum of all orders"
+        return RuleText(self.source, formula, "tooth root and flank strength, backlash and its noise in other gears")
+
+    def lines(self, evidence: Evidence) -> Iterator[LimitLine]:
+        size, orders, mean = evidence.size([self.torque]), evidence.orders([self.torque]), evidence.mean(self.torque)
+        quantity = "vibratory torque, half range"
+        if self.vibratory_torque is not None:
+            allowed = constant_over_speed(self.vibratory_torque, evidence)
+            yield LimitLine("T_v", quantity, "N*m", size, allowed, (), orders)
+        if self.vibratory_share is not None:
+            rated = self._rated_torque(evidence)
+            if rated is None:
+                yield line_without_data("T_v", _unknown(evidence))
+            else:
+                allowed = constant_over_speed(self.vibratory_share * rated, evidence)
+                remarks = (f"mean torque at rated speed {rated:.6g} N*m",)
+                yield LimitLine("T_v", quantity, "N*m", size, allowed, remarks, orders)
+        if self.hammer:
+            if mean is None:
+                yield line_without_data("hammer", _unknown(evidence))
+            else:
+                yield LimitLine("hammer", quantity, "N*m", size, np.abs(mean), (), orders)
+
+    def _rated_torque(self, evidence: Evidence) -> float | None:
+        mean = evidence.rated_means.get(self.torque)
+        if self.rated_torque is not None:
+            return float(self.rated_torque)
+        return None if mean is None else abs(mean)
+
+
+def _unknown(evidence: Evidence) -> str:
+    return f"the mean torque is not known: {evidence.why_no_mean or 'the rated speed is not among the speeds'}"

@@ -16,10 +16,9 @@ from torsionnet.base.phrases import phrase
 from torsionnet.base.units import RPM
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.limits.class_rule_shaft import ClassRuleShaft
-from torsionnet.machinery.limits.evidence import Evidence
+from torsionnet.machinery.limits.evidence import Evidence, LimitSubject
 from torsionnet.machinery.limits.limit import LimitLine, line_without_data, register_rule
-from torsionnet.machinery.limits.m68_factors import m68_factors
-from torsionnet.machinery.limits.m68_stress import (
+from torsionnet.machinery.limits.m68_factors import (
     CAPS,
     CONSTANT_ABOVE,
     FEATURES,
@@ -36,12 +35,12 @@ from torsionnet.machinery.limits.m68_stress import (
     SLOT_WIDTH,
     STRENGTH_FOR_PASSING,
     STRENGTHS,
+    m68_factors,
     permissible,
     size_factor,
 )
 from torsionnet.machinery.limits.shaft_limit import RoundSection
 from torsionnet.machinery.limits.society_rules import SHAFT_SOCIETIES, SOCIETIES, Society, SocietyName
-from torsionnet.machinery.limits.subject import LimitSubject
 from torsionnet.machinery.verdicts.limit_check import FAIL, LimitVerdict, RuleText
 from torsionnet.machinery.verdicts.speed_spans import SpeedSpan, restriction_words
 

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.scalars import Value
 from torsionnet.base.errors import EntryPath, Fault
+from torsionnet.base.units import expected_unit
 from torsionnet.linear.frequency_response import FloatArray
-from torsionnet.machinery.limits.evidence import Evidence
-from torsionnet.machinery.limits.subject import LimitSubject
+from torsionnet.machinery.limits.evidence import Evidence, LimitSubject
 from torsionnet.machinery.orders.worst_response import ALL_CASES_EQUAL
 from torsionnet.machinery.verdicts.limit_check import (
     BARRED,
@@ -334,3 +334,34 @@ def _coarse(evidence: Evidence, values: FloatArray) -> tuple[str, ...]:
             f"next to nothing damps the resonance at {evidence.run.rpm[at]:.6g} rpm: the value there is not bounded",
         )
     return (f"the peak at {evidence.run.rpm[at]:g} rpm is sharp; a smaller step of speeds may find it higher",)
+
+
+# Check of values of one dimension in one limit that are far from each other in size, as a unit was left out.
+
+UNIT_SLIP_RATIO = 100.0
+"""Ratio of two values of one limit from which a unit was probably left out, as torques of a coupling differ less: by 10
+at most, a forgotten prefix makes 1000."""
+PREFIXES = {"torque": (1e3, "kN*m"), "power": (1e3, "kW"), "pressure": (1e6, "MPa")}
+"""Factor and name of the unit that is likely meant in a limit, by dimension."""
+
+
+def unit_slips(limit: Limit) -> Iterator[Fault]:
+    """Warnings about values that are less than a hundredth of another of the same limit."""
+    kin: dict[str, dict[str, float]] = {}
+    for name, spec in limit.specs():
+        value = getattr(limit, name)
+        if isinstance(spec, Value) and spec.dimension in PREFIXES and isinstance(value, float) and value > 0:
+            kin.setdefault(spec.dimension, {})[name] = value
+    for dimension, values in kin.items():
+        largest = max(values, key=lambda name: values[name])
+        for name, value in values.items():
+            if value * UNIT_SLIP_RATIO < values[largest]:
+                yield _unlike(dimension, name, value, largest, values[largest])
+
+
+def _unlike(dimension: str, name: str, value: float, largest: str, most: float) -> Fault:
+    unit, (factor, likely) = expected_unit(dimension), PREFIXES[dimension]
+    text = f"{name} of {value:g} {unit} beside {largest} of {most:g} {unit}"
+    meant = f"{value:g} {likely}" if value * factor <= most * UNIT_SLIP_RATIO / 10 else ""
+    text += f'; a number without unit is in {unit}: did you mean "{meant}"?' if meant else ""
+    return Fault(text, (name,), "warning", meant=meant)

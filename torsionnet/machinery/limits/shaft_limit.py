@@ -5,14 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
 
 from torsionnet.base.entries.scalars import Value
-from torsionnet.base.entries.spec import entry
+from torsionnet.base.entries.spec import OneOf, Text, entry, not_none
 from torsionnet.base.errors import EntryPath, Fault, ModelName, Worded
 from torsionnet.linear.frequency_response import FloatArray
-from torsionnet.machinery.limits.evidence import Evidence, torques_of
-from torsionnet.machinery.limits.limit import Limit
-from torsionnet.machinery.limits.subject import LimitSubject
+from torsionnet.machinery.limits.evidence import Evidence, LimitSubject, torques_of
+from torsionnet.machinery.limits.limit import Limit, LimitLine, line_without_data, register_rule
+from torsionnet.machinery.verdicts.limit_check import RuleText
 from torsionnet.model.channels import Sensor
 from torsionnet.model.element_base.element_entries import ElementName
 from torsionnet.model.elements import Element, Values
@@ -119,3 +122,116 @@ def _own(element: Element, value: Values) -> RoundSection | None:
     if element.diameters is None:
         return None
     return RoundSection(*(float(value(diameter)) for diameter in element.diameters))
+
+
+# Fatigue limits of shafts in torsion, with strengths that the user gives.
+
+
+@register_rule
+@dataclass(frozen=True, kw_only=True)
+class FatigueLimit(ShaftLimit):
+    """Stress amplitude of a shaft against a fatigue strength in shear, with mean stress by Goodman or Haigh.
+
+    With K the fatigue stress concentration, tau_a the nominal half range and tau_m the nominal mean stress,
+    K tau_a <= tau_W (1 - tau_m/tau_B)/S by Goodman, K tau_a <= (tau_W - M tau_m)/S by Haigh with the sensitivity M to
+    mean stress. tau_W is the fully reversed strength at the knee of the S-N line, times (N_knee/N)^(1/slope) for fewer
+    cycles N. Against yield, tau_m + tau_a <= tau_F/S_F.
+
+    Examples
+    --------
+    >>> limit = FatigueLimit(element="shaft", fatigue_strength="150 MPa", mean_stress="none", cycles=2e5, slope=5)
+    >>> round(limit.strength / 1e6, 2)
+    237.73
+    """
+
+    kind: ClassVar[str] = "fatigue"
+
+    fatigue_strength: float = entry(
+        Value("fully reversed strength in shear tau_W at the knee of the S-N line", "pressure", exclusive=True)
+    )
+    stress_concentration: float = entry(Value("fatigue stress concentration K in torsion", "1", lower=1), 1)
+    mean_stress: str = entry(OneOf("how mean stress counts", ("goodman", "haigh", "none")), "goodman")
+    ultimate_strength: float | None = entry(
+        Value("strength in shear tau_B, for goodman", "pressure", exclusive=True), None
+    )
+    mean_sensitivity: float | None = entry(Value("M, for haigh", "1", below=1), None)
+    cycles: float | None = entry(Value("cycles N to be borne; default: unlimited", "1", lower=1000), None)
+    knee: float = entry(Value("cycles N_knee at the knee of the S-N line", "1", lower=1000), 2_000_000)
+    slope: float | None = entry(Value("of the S-N line: tau ~ N^(-1/slope) up to the knee", "1", lower=1), None)
+    safety: float = entry(Value("S wanted against fatigue", "1", lower=1), 1)
+    yield_strength: float | None = entry(Value("yield strength in shear tau_F", "pressure", exclusive=True), None)
+    yield_safety: float = entry(Value("S_F wanted against yield", "1", lower=1), 1)
+    source: str = entry(Text("where the strengths come from"), "strengths given by the user")
+
+    def contradictions(self) -> list[Fault]:
+        faults = super().contradictions()
+        if self.mean_stress == "goodman" and self.ultimate_strength is None:
+            text = "goodman needs ultimate_strength, in shear; or take mean_stress: haigh or none"
+            faults.append(Fault(text, on_key=True))
+        if self.mean_stress == "haigh" and self.mean_sensitivity is None:
+            faults.append(Fault("haigh needs mean_sensitivity, as 0.2", on_key=True))
+        if self.cycles is not None and self.slope is None:
+            faults.append(Fault("a number of cycles needs the slope of the S-N line, as slope: 5", ("cycles",)))
+        return faults
+
+    @property
+    def strength(self) -> float:
+        """Fatigue strength tau_W in Pa of the shaft for the number of cycles wanted."""
+        if self.cycles is None or self.cycles >= self.knee:
+            return float(self.fatigue_strength)
+        return float(self.fatigue_strength * (self.knee / self.cycles) ** (1 / not_none(self.slope)))
+
+    def text(self, evidence: Evidence) -> RuleText:
+        del evidence
+        terms = {
+            "goodman": f"tau_W (1 - tau_m/tau_B)/S, tau_B = {(self.ultimate_strength or math.nan) / 1e6:g} N/mm^2",
+            "haigh": f"(tau_W - M tau_m)/S, M = {self.mean_sensitivity}",
+            "none": "tau_W/S, mean stress left out",
+        }
+        numbers = (
+            f"K = {self.stress_concentration:g}, tau_W = {self.strength / 1e6:.5g} N/mm^2, S = {self.safety:g}, "
+            f"{'unlimited' if self.cycles is None else f'{self.cycles:g}'} cycles"
+        )
+        formula = f"K tau_a <= {terms[self.mean_stress]}; {numbers}"
+        if self.yield_strength is not None:
+            formula += f"; tau_m + tau_a <= tau_F/S_F, tau_F = {self.yield_strength / 1e6:g} N/mm^2"
+        missing = (
+            "bending and axial stress, size, surface and corrosion unless in the strengths, damage of load spectra"
+        )
+        return RuleText(self.source, formula, missing)
+
+    def lines(self, evidence: Evidence) -> Iterator[LimitLine]:
+        amplitude, orders = self.stress(evidence)
+        mean = self.mean_stress_in(evidence)
+        if mean is None:
+            yield line_without_data("tau_W", f"the mean stress is not known: {evidence.why_no_mean}")
+            return
+        lost = {
+            "goodman": lambda: self.strength * mean / self.ultimate_strength,
+            "haigh": lambda: self.mean_sensitivity * mean,
+            "none": lambda: 0.0 * mean,
+        }
+        strength = np.maximum(self.strength - lost[self.mean_stress](), 0)
+        allowed = strength / (self.safety * self.stress_concentration)
+        quantity = "nominal shear stress, half range"
+        yield LimitLine("tau_W", quantity, "Pa", amplitude, allowed, (), orders)
+        if self.yield_strength is not None:
+            limit = np.full(len(mean), self.yield_strength / self.yield_safety)
+            total = "nominal shear stress, mean and half range"
+            yield LimitLine("tau_F", total, "Pa", mean + amplitude, limit, in_passing=True)
+
+    def remarks(self, line: LimitLine, evidence: Evidence) -> tuple[str, ...]:
+        del evidence
+        if line.criterion != "tau_W":
+            return ()
+        return (f"safety against fatigue {self.safety * float(np.min(line.allowed / line.values)):.3g}",)
+
+    def mean_stress_in(self, evidence: Evidence) -> Any:
+        """Mean shear stress of the shaft in Pa, shape (n_speeds,).
+
+        Zero where it is left out, None where it is needed and not known.
+        """
+        found = self.mean_stress_of(evidence)
+        if found is None and self.mean_stress == "none" and self.yield_strength is None:
+            return np.zeros(len(evidence.speeds))
+        return found

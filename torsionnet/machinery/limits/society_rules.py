@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from torsionnet.base.entries.spec import EntryError, OneOf
-from torsionnet.machinery.limits.m68_stress import SOURCE
+from torsionnet.machinery.limits.m68_factors import SOURCE
 
 
 @dataclass(frozen=True)

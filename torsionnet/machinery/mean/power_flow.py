@@ -12,11 +12,9 @@ import numpy as np
 
 from torsionnet.base.errors import TorsionnetWarning
 from torsionnet.linear.frequency_response import ComplexArray, FloatArray
-from torsionnet.machinery.orders.cycle_extremes import cycle_extremes
-from torsionnet.machinery.orders.engine_blocks import engine_blocks
-from torsionnet.machinery.orders.order_line import OrderLine
+from torsionnet.machinery.orders.order_line import OrderLine, engine_blocks
 from torsionnet.machinery.orders.order_response import OrderResponse
-from torsionnet.machinery.orders.synthesis import common_cycle
+from torsionnet.machinery.orders.synthesis import common_cycle, cycle_extremes
 from torsionnet.machinery.orders.worst_response import WorstResponse
 from torsionnet.model.channels import Sensor
 from torsionnet.model.elements import GROUND, Element, Law, Values

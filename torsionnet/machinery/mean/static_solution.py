@@ -9,7 +9,7 @@ from torsionnet.base.errors import UsageError
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.law_stiffness import functional
 from torsionnet.machinery.mean.mean_solution import external_torques, mean_response, reason_undetermined
-from torsionnet.machinery.mean.static_state import ElementLoad, StaticState
+from torsionnet.machinery.mean.static_state import ElementLoad, PowerBalance, StaticState
 from torsionnet.model.channels import Sensor
 from torsionnet.model.element_base.round_section import section_fault
 from torsionnet.model.elements import GROUND, Constraint, Element, Law, Values
@@ -99,3 +99,32 @@ def _load(element: Element, node: str, known: Mapping[str, float], ratio: float 
     stress = known.get(str(Sensor("stress", element.name))) if first else None
     turning = None if ratio is None else ratio * speed
     return ElementLoad(element=element.name, port=node, speed=turning, torque=torque, twist=twist, stress=stress)
+
+
+# Balance of the mean powers of a drivetrain at one speed.
+
+
+def power_balance(drivetrain: AssembledModel, speed: float | None = None) -> PowerBalance:
+    """Powers that drivers give and absorbers take at one speed, with the mean torques between them.
+
+    Parameters
+    ----------
+    speed : float, optional
+        rad/s, of the node of the model's ``speeds:``; default: as for :meth:`static_state`.
+
+    Raises
+    ------
+    UsageError
+        As for :meth:`mean_response`.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> found = tn.load("bulk_carrier").power_balance()
+    >>> round(found.given / 1e3, 6), round(found.taken / 1e3, 6), round(found.torque / 1e3, 2)  # kW, kN*m
+    (7000.0, 7000.0, 636.62)
+    """
+    state = static_state(drivetrain, speed)
+    ratios = drivetrain.external_torques.ratios
+    powers = {node: torque * ratios.get(node, 0.0) * state.speed for node, torque in state.external.items()}
+    return PowerBalance(state, powers)

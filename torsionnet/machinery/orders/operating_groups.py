@@ -5,6 +5,7 @@ Where such parameters change coefficients of laws and nothing else, all speeds a
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from itertools import groupby
 from types import MappingProxyType
@@ -13,14 +14,22 @@ from typing import TypeAlias, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from torsionnet.base.errors import UsageError
+from torsionnet.base.expressions import Rows
+from torsionnet.base.units import RPM
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.linear.batch.batch import Batch
 from torsionnet.linear.batch.batch_plan import batch_plan
+from torsionnet.linear.modes.modes import OSCILLATORY
+from torsionnet.linear.modes.natural_modes import modes
 from torsionnet.linear.responses.shared_response import shared_by_conditions
+from torsionnet.machinery.criticals.critical_speeds import CriticalSpeed
 from torsionnet.machinery.criticals.total_ratios import cached_total_ratio
+from torsionnet.model.definition import Definition
 from torsionnet.model.load.external_torques import reference_node
 from torsionnet.model.operating_values import OperatingPoints
+from torsionnet.model.parameters import VIBRATORY_TORQUE
 
 IteratedValues: TypeAlias = Mapping[str, FloatArray]
 """Values (n_speeds,) by parameter, in SI units, that were iterated together with the vibration they depend on."""
@@ -148,3 +157,139 @@ def blocks_of_speeds(
         for start in range(0, len(every), SPEEDS_PER_BLOCK):
             part = slice(start, start + SPEEDS_PER_BLOCK)
             yield rigs[:1] if len(some) == 1 else rigs[part], every[part]
+
+
+# Parameters that depend on the vibratory torque, as of rubber couplings, iterated until both agree.
+
+VALUE_TOLERANCE = 1e-8
+"""Relative difference up to which a parameter agrees with its table at the vibratory torque that it causes.
+
+A larger value saves iterations and moves responses by about as much.
+"""
+MOST_ITERATIONS = 100
+"""Most iterations of a parameter at one speed, after which that speed counts as one without a solution."""
+SLOW_CONVERGENCE = 0.7
+"""Change of an iteration, over the change before, from which on steps are halved because the iteration swings."""
+
+
+def values_by_vibration(
+    definition: Definition, speeds: FloatArray, vibration: Callable[[Sequence[str], IteratedValues], FloatArray]
+) -> IteratedValues:
+    """Values (n_speeds,) in SI units by name of the parameters that depend on an element's vibratory torque.
+
+    Every speed is iterated from the smallest vibration in the table, with shorter steps where it swings, until no value
+    moves by more than :data:`VALUE_TOLERANCE`. Where several vibrations agree with their values, the result is the
+    smallest that the iteration meets from there.
+
+    Parameters
+    ----------
+    definition : Definition
+    speeds : (n_speeds,) array
+        rad/s, for messages.
+    vibration : callable
+        (elements, values) -> half ranges of their torques, shape (n_speeds, n_elements), N m.
+
+    Raises
+    ------
+    UsageError
+        A speed does not settle, or settles beyond the table.
+    """
+    tables = {name: one for name, one in definition.following.items() if one.by == VIBRATORY_TORQUE}
+    if not tables:
+        return {}
+    elements = list(dict.fromkeys(one.of for one in tables.values()))
+    columns = [elements.index(one.of) for one in tables.values()]
+    values = np.array([np.full(len(speeds), float(one.table[0][1].value)) for one in tables.values()])
+    length, before = np.ones(len(speeds)), np.full(len(speeds), np.inf)
+    for _ in range(MOST_ITERATIONS):
+        sizes = vibration(elements, dict(zip(tables, values, strict=True)))[:, columns].T
+        wanted = np.array([_clamped(one.table, size) for one, size in zip(tables.values(), sizes, strict=True)])
+        moved = (np.abs(wanted - values) / np.abs(wanted).max(axis=1, keepdims=True)).max(axis=0)
+        if (moved <= VALUE_TOLERANCE).all():
+            for (name, one), size in zip(tables.items(), sizes, strict=True):
+                _require_inside(name, one.of, one.table, size, speeds)
+            return dict(zip(tables, wanted, strict=True))
+        length = np.where(moved > SLOW_CONVERGENCE * before, length / 2, length)
+        before = moved
+        values = values + length * (wanted - values)
+    open_ = moved > VALUE_TOLERANCE
+    first = speeds[open_][0] * RPM
+    text = f"{' and '.join(tables)} and the vibration do not settle within {VALUE_TOLERANCE:g} of each other"
+    advice = "give a smoother table over the vibratory torque"
+    raise UsageError(f"{text} at {open_.sum()} of {len(speeds)} speeds, the first {first:.6g} rpm; {advice}")
+
+
+def _clamped(table: Rows, sizes: FloatArray) -> FloatArray:
+    keys, values = (np.array([float(row[side].value) for row in table]) for side in (0, 1))
+    return np.asarray(np.interp(sizes, keys, values))
+
+
+def _require_inside(name: str, element: str, table: Rows, sizes: FloatArray, speeds: FloatArray) -> None:
+    low, high = (float(table[end][0].value) for end in (0, -1))
+    outside = (sizes < low * (1 - VALUE_TOLERANCE)) | (sizes > high * (1 + VALUE_TOLERANCE))
+    if outside.any():
+        worst = int(np.argmax(np.where(outside, np.abs(sizes - low), -1)))
+        ends = f"the table goes from {table[0][0]} to {table[-1][0]}"
+        where = f"{sizes[worst]:.6g} N*m at {speeds[worst] * RPM:.6g} rpm"
+        raise UsageError(f"{name}: the vibratory torque of {element} is {where}; {ends}, extend it")
+
+
+# Shares of the elements in the damping of a mode at its critical speed.
+
+SMALLEST_SHARE = 1e-9
+"""Share of the damping of a mode below which an element has none but rounding."""
+
+
+def damping_shares(
+    drivetrain: AssembledModel, critical: CriticalSpeed, reference: str | None = None
+) -> dict[str, float]:
+    """Share of every element in the damping of a mode at its critical speed, without unit, by element, largest first.
+
+    The share of an element is its part of the power that the damped mode dissipates, with parameters that follow the
+    operating point at their values for the critical speed. Elements that feed energy in have a negative share.
+
+    Parameters
+    ----------
+    drivetrain : Drivetrain
+        The drivetrain that the critical speed was calculated for.
+    critical : CriticalSpeed
+    reference : str, optional
+        Node to which the critical speed belongs; default: that of the model's ``speeds:``, else the first node.
+
+    Returns
+    -------
+    dict
+        Empty for a mode without damping and one that exists without damping only.
+
+    References
+    ----------
+    E. J. Nestorides, A Handbook on Torsional Vibration, 1958: the damping of a mode as the sum of the energies that
+    its parts dissipate per cycle.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> fan = tn.Drivetrain("fan",
+    ...     [tn.Inertia("rotor", node="a", inertia=2), tn.Inertia("wheel", node="b", inertia=1),
+    ...      tn.Spring("shaft", nodes=("a", "b"), stiffness=1e4, damping=3),
+    ...      tn.Damper("air", nodes=("b", "ground"), damping=0.75)],
+    ...     speeds={"of": "a", "list": ["500 rpm", "700 rpm"]},
+    ...     excitations={"blades": {"type": "harmonic", "node": "b", "orders": {2: {"amplitude": "10 N*m"}}}})
+    >>> {name: round(share, 3) for name, share in damping_shares(fan, fan.critical_speeds().of(1, 2)).items()}
+    {'shaft': 0.9, 'air': 0.1}
+    """
+    mode = critical.mode
+    if math.isnan(mode.natural_frequency):
+        return {}
+    given = drivetrain.definition.speeds
+    node = reference or (given.of if given else None) or drivetrain.nodes[0]
+    speed = critical.speed("natural")
+    rig = drivetrain
+    if math.isfinite(speed):
+        ((rig, _),) = drivetrains_at_speeds(drivetrain, node, np.array([speed]))
+    found = modes(rig)
+    vibrating = [index for index, kind in enumerate(found.kinds) if kind == OSCILLATORY]
+    # Modes may change their order over speed: the frequency at the critical speed tells which it is.
+    place = min(vibrating, key=lambda index: abs(found.natural_frequencies[index] - mode.natural_frequency))
+    shares = zip(found.elements, found.dissipated[:, place].tolist(), strict=True)
+    return dict(sorted(((name, one) for name, one in shares if abs(one) > SMALLEST_SHARE), key=lambda pair: -pair[1]))

@@ -17,12 +17,18 @@ from torsionnet.base.packages import NotebookResult
 from torsionnet.base.table import Column, Table
 from torsionnet.base.units import RPM
 from torsionnet.linear.frequency_response import Channel, ComplexArray, FloatArray
-from torsionnet.machinery.orders.cycle_extremes import cycle_extremes
 from torsionnet.machinery.orders.engine_angles import at_worst_angles
-from torsionnet.machinery.orders.engine_blocks import engine_blocks, has_unknown_angles
-from torsionnet.machinery.orders.order_line import OrderLine, near_fraction
-from torsionnet.machinery.orders.order_sums import lines_of_one_frequency, sum_name, summed_sizes, sums_of_lines
-from torsionnet.machinery.orders.synthesis import common_cycle, waveforms
+from torsionnet.machinery.orders.order_line import (
+    OrderLine,
+    engine_blocks,
+    has_unknown_angles,
+    lines_of_one_frequency,
+    near_fraction,
+    sum_name,
+    summed_sizes,
+    sums_of_lines,
+)
+from torsionnet.machinery.orders.synthesis import common_cycle, cycle_extremes, waveforms
 
 SUMS_NOTE = "sums of lines of one frequency, with their phases, are what a test measures"
 """Text of the note below tables with sums of order lines of one frequency."""

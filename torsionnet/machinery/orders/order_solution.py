@@ -16,7 +16,7 @@ from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.rows import ComplexArray
 from torsionnet.linear.assembly.table_range import range_notes
 from torsionnet.linear.batch.batch import Batch
-from torsionnet.linear.batch.own_frequencies import responses_at_own_frequencies
+from torsionnet.linear.batch.batched_responses import responses_at_own_frequencies
 from torsionnet.linear.dynamic_stiffness.reading_problem import law_of_imposed_twist
 from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest, cached_request, stress_section_moduli
 from torsionnet.linear.frequency_response import Channel, FloatArray
@@ -24,19 +24,18 @@ from torsionnet.linear.responses.shared_response import named, shared_by_conditi
 from torsionnet.linear.responses.transfer import evaluate, warn_infinite
 from torsionnet.machinery.criticals.total_ratios import cached_total_ratio
 from torsionnet.machinery.excitations import OrderExcitation, OrderTorques
-from torsionnet.machinery.excitations.engine_phases import unlocked_engines
+from torsionnet.machinery.excitations.reciprocating_engine import unlocked_engines
 from torsionnet.machinery.orders.operating_groups import (
     SPEEDS_PER_BLOCK,
     IteratedValues,
     batch_over_speeds,
     blocks_of_speeds,
     drivetrains_at_speeds,
+    values_by_vibration,
 )
 from torsionnet.machinery.orders.order_line import OrderLine
 from torsionnet.machinery.orders.order_response import OrderResponse
-from torsionnet.machinery.orders.settling import values_by_vibration
-from torsionnet.machinery.orders.worst_case import contributions, worst_case
-from torsionnet.machinery.orders.worst_combination import Contributions
+from torsionnet.machinery.orders.worst_case import Contributions, contributions, worst_case
 from torsionnet.machinery.orders.worst_response import join_responses
 from torsionnet.model.channels import Channels, Input, Sensor, named_nodes
 from torsionnet.model.operating_values import running_notes

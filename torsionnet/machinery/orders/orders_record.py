@@ -15,8 +15,8 @@ from torsionnet.base.result_rows import NUMBERS, Out
 from torsionnet.base.units import RPM
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.orders.order_comparison import ComparedOrder, compared_orders
+from torsionnet.machinery.orders.order_line import sums_of_lines
 from torsionnet.machinery.orders.order_response import OrderResponse
-from torsionnet.machinery.orders.order_sums import sums_of_lines
 from torsionnet.machinery.orders.worst_response import WorstResponse
 from torsionnet.signals.orders.tracked_orders import MeasuredOrder
 

@@ -72,3 +72,101 @@ def _outermost(waves: FloatArray, at: NDArray[np.intp]) -> FloatArray:
     with np.errstate(divide="ignore", invalid="ignore"):
         rise = np.where(curvature != 0, (before - after) ** 2 / (-8 * curvature), 0)
     return np.asarray(peak + rise)
+
+
+# Extremes of sums of orders over a common cycle, found on a coarse grid and refined by Newton's method.
+
+COARSE_POINTS_PER_PERIOD = 8
+"""Number of points of the coarse grid over a cycle for each period of the highest order: a quarter of its maxima is
+wider than a step."""
+MOST_WAVEFORM_POINTS = 4_000_000
+"""Largest number of waveform points that are held in memory at a time; speeds are processed in parts accordingly."""
+MOST_MAXIMA = 20_000
+"""Largest number of waveform maxima that are refined at a time: their amplitudes take some 10 MB."""
+NEWTON_STEPS = 5
+"""Number of Newton steps from a grid point of a waveform to the maximum near it; three leave 1e-5 where a maximum is
+flat, five less than 1e-9."""
+
+
+def cycle_extremes(amplitudes: ComplexArray, periods: Sequence[int]) -> FloatArray:
+    """Highest and lowest sum of orders Re sum_l X_l exp(j c_l phi), in the unit of X, shape (2, n_speeds, n_out).
+
+    Between two points h apart a wave exceeds the nearer one by at most h^2/8 sum |X_l| c_l^2, so that few maxima of
+    a coarse grid have to be refined.
+
+    Parameters
+    ----------
+    amplitudes : (n_speeds, n_lines, n_out) array
+        Complex amplitudes X_l.
+    periods : sequence of int
+        Periods c_l of each line in the cycle, not negative.
+
+    Examples
+    --------
+    >>> cycle_extremes(np.array([[[1.0], [0.25j]]]), [2, 4]).round(6).tolist()
+    [[[1.100917]], [[-1.100917]]]
+    """
+    counts = np.unique(np.asarray(periods, dtype=np.int64))
+    waves = np.zeros((len(amplitudes), amplitudes.shape[2], len(counts)), dtype=complex)
+    for line, place in enumerate(np.searchsorted(counts, periods)):
+        waves[:, :, place] += amplitudes[:, line]
+    counts //= max(1, math.gcd(*counts.tolist()))
+    together = max(1, MOST_WAVEFORM_POINTS // (COARSE_POINTS_PER_PERIOD * int(counts[-1] + 1) * waves.shape[1]))
+    parts = (waves[start : start + together] for start in range(0, len(waves), together))
+    return np.concatenate([np.zeros((2, 0, waves.shape[1])), *(_of_part(part, counts) for part in parts)], axis=1)
+
+
+def _of_part(amplitudes: ComplexArray, counts: NDArray[np.int64]) -> FloatArray:
+    """Highest and lowest values (2, n_speeds, n_out) of waves in the unit of their amplitudes (n_speeds, n_out, n)."""
+    spectrum = np.zeros((len(amplitudes), int(counts[-1]) + 1, amplitudes.shape[1]), dtype=complex)
+    spectrum[:, counts] = amplitudes.transpose(0, 2, 1)
+    waves = waveforms(spectrum, max(COARSE_POINTS_PER_PERIOD * int(counts[-1]), 1))
+    rise = (2 * np.pi / waves.shape[2]) ** 2 / 8 * (np.abs(amplitudes) * np.square(counts)).sum(axis=2)
+    highest = _highest(waves, rise, amplitudes, counts)
+    return np.array([highest, -_highest(np.negative(waves, out=waves), rise, -amplitudes, counts)])
+
+
+def _highest(waves: FloatArray, rise: FloatArray, amplitudes: ComplexArray, counts: NDArray[np.int64]) -> FloatArray:
+    found: FloatArray = waves.max(axis=2)
+    n = waves.shape[2]
+    speeds, outputs, points = np.nonzero(waves >= (found - rise)[:, :, None])
+    here = waves[speeds, outputs, points]
+    is_crest = here >= np.maximum(waves[speeds, outputs, points - 1], waves[speeds, outputs, (points + 1) % n])
+    speeds, outputs, points = speeds[is_crest], outputs[is_crest], points[is_crest]
+    for start in range(0, len(points), MOST_MAXIMA):
+        part = slice(start, start + MOST_MAXIMA)
+        of = speeds[part], outputs[part]
+        np.maximum.at(found, of, _tops(amplitudes[of], counts, points[part] * (2 * np.pi / n), 2 * np.pi / n))
+    return found
+
+
+def _tops(amplitudes: ComplexArray, counts: NDArray[np.int64], start: FloatArray, step: float) -> FloatArray:
+    """Maxima (n,) of waves with amplitudes (n, n_counts), in their unit, within a step in rad of start angles."""
+    series = _Series(amplitudes, counts)
+    low, high, angle = start - step, start + step, start
+    for _ in range(NEWTON_STEPS):
+        _, slope, curvature = series.at(angle)
+        low, high = np.where(slope > 0, angle, low), np.where(slope > 0, high, angle)
+        newton = angle - np.divide(slope, curvature, out=np.full_like(slope, np.inf), where=curvature < 0)
+        angle = np.where((low <= newton) & (newton <= high), newton, (low + high) / 2)
+    return np.asarray(series.at(angle)[0])
+
+
+class _Series:
+    """Sums Re sum_k X_k exp(j c_k phi) of waves (n, n_counts), in the unit of X, with their derivatives to phi."""
+
+    def __init__(self, amplitudes: ComplexArray, counts: NDArray[np.int64]) -> None:
+        # Value, slope and curvature are sums of X, j c X and -c^2 X; they lie side by side for each count.
+        factors = np.array([np.ones(len(counts)), 1j * counts, -1.0 * np.square(counts)])
+        self.terms = np.ascontiguousarray((factors[:, None] * amplitudes).transpose(2, 0, 1))
+        self.gaps = [int(counts[0]), *np.diff(counts).tolist()]
+
+    def at(self, angle: FloatArray) -> FloatArray:
+        """Value, slope per rad, curvature per rad^2 of waves, in their unit, each at its angle in rad, shape (3, n)."""
+        turns = {gap: np.exp(1j * gap * angle) for gap in set(self.gaps)}
+        total = np.zeros(self.terms.shape[1:], dtype=complex)
+        for terms, gap in zip(self.terms[::-1], self.gaps[::-1], strict=True):
+            total += terms
+            if gap:
+                total *= turns[gap]
+        return np.asarray(total.real)

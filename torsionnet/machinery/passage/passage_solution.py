@@ -21,7 +21,7 @@ from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.linear.assembly.table_range import range_notes
 from torsionnet.linear.dynamic_stiffness.state_space import first_order, output_matrices
 from torsionnet.linear.dynamic_stiffness.transfer_request import resolve_request
-from torsionnet.machinery.design.viscous_equivalent import viscous_equivalent
+from torsionnet.machinery.design.damper_design import viscous_equivalent
 from torsionnet.machinery.orders.operating_groups import drivetrains_at_speeds
 from torsionnet.machinery.orders.order_line import OrderLine
 from torsionnet.machinery.orders.order_response import OrderResponse

@@ -18,17 +18,15 @@ from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.table_range import range_notes
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.checks.limit_checks import limit_subject
-from torsionnet.machinery.excitations.engine_phases import running_engines_text
+from torsionnet.machinery.excitations.reciprocating_engine import running_engines_text
 from torsionnet.machinery.limits import Limit, limit_rules
-from torsionnet.machinery.limits.evidence import Evidence
+from torsionnet.machinery.limits.evidence import Evidence, LimitSubject
 from torsionnet.machinery.limits.limit import LimitLine, merged_line
-from torsionnet.machinery.limits.subject import LimitSubject
 from torsionnet.machinery.mean.mean_solution import lost_power_notes, means_of
 from torsionnet.machinery.mean.power_flow import power_flows, power_sensors
-from torsionnet.machinery.orders.examined_speeds import ExaminedSpeeds
 from torsionnet.machinery.orders.order_response import OrderResponse
 from torsionnet.machinery.orders.order_solution import orders_at_speeds
-from torsionnet.machinery.orders.refined_response import merged_responses
+from torsionnet.machinery.orders.refined_response import ExaminedSpeeds, merged_responses
 from torsionnet.machinery.orders.speed_refinement import refine_speeds, speeds_to_refine
 from torsionnet.machinery.verdicts.limit_check import LimitCheck, listed_names
 from torsionnet.machinery.verdicts.speed_spans import spans_above

@@ -13,9 +13,14 @@ import numpy as np
 from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Table, result_table
+from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.frequency_response import FloatArray
+from torsionnet.machinery.checks.limit_checks import limit_subject
 from torsionnet.machinery.passage.passage_response import PassageResponse
+from torsionnet.machinery.passage.passage_solution import passage_response
 from torsionnet.machinery.verdicts.limit_check import LimitCheck, LimitVerdict
+from torsionnet.machinery.verdicts.operating_instructions import PassedRange
+from torsionnet.machinery.verdicts.speed_spans import SpeedSpan
 
 KEPT, EXCEEDED, NOT_LIMITED = "kept", "exceeded", "no limit"
 """Words for the outcome of a passage, limit in passing kept, limit in passing exceeded, no such limit; the last where
@@ -152,3 +157,51 @@ def passage_table(passages: Sequence[RangePassage], conventions: Conventions = S
         shown = conventions.unit(row.unit)
         rows.append(replace(row, peak=peak, steady=steady, allowed=allowed, in_passing=passing, unit=shown))
     return result_table(title or "passage of a barred range", rows, PassageRow)
+
+
+# Passages of a barred range of speeds, from the response to all orders along speeds that run evenly through it.
+
+RUN_UP_SHARE = 0.25
+"""Share of the width of a barred range by which a passage begins before it and ends behind it, where vibration is small
+and steady."""
+
+
+def range_passages(
+    drivetrain: AssembledModel, barred: PassedRange, seconds: Sequence[float]
+) -> tuple[RangePassage, ...]:
+    """Passages of a barred range up and down in given times in s, judged by each barring limit.
+
+    Speeds run evenly, and begin and end a quarter of the range outside of it, as far as speeds are examined there.
+    Empty where no limit judges a vibratory value, as those of heat.
+
+    Parameters
+    ----------
+    drivetrain : AssembledModel
+        In the configuration of the check of the range.
+    barred : PassedRange
+    seconds : sequence of float
+        s, from one end of the range to the other.
+    """
+    check = barred.check
+    subject = limit_subject(drivetrain.definition, drivetrain.exact_values)
+    judged = []
+    for verdict in barred.verdicts:
+        limit = drivetrain.definition.limits[verdict.limit].fitted(drivetrain.definition.elements)
+        found = limit.vibratory_sensors(verdict.criterion, subject)
+        judged += [] if found is None else [(verdict, *found)]
+    sensors = list(dict.fromkeys(sensor for _, those, _ in judged for sensor in those))
+    if not sensors:
+        return ()
+    low, high = barred.span.low, barred.span.high
+    wide = RUN_UP_SHARE * (high - low)
+    whole = SpeedSpan(low - wide, high + wide).within(SpeedSpan(float(check.speeds[0]), float(check.speeds[-1])))
+    passages = []
+    for duration in seconds:
+        times = np.array([0.0, duration * (whole.high - whole.low) / (high - low)])
+        for ends in ((whole.low, whole.high), (whole.high, whole.low)):
+            run = passage_response(drivetrain, sensors, times, ends, speed_of=check.reference)
+            passages += [
+                RangePassage(check, verdict, low, high, duration, run, tuple(map(str, those)), factor)
+                for verdict, those, factor in judged
+            ]
+    return tuple(passages)

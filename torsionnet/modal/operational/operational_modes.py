@@ -9,7 +9,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-import torsionnet.modal.poles as pole_numbers
+import torsionnet.modal.matrix_fraction as pole_numbers
 from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.notes import NoteOrText
 from torsionnet.base.packages import NotebookResult

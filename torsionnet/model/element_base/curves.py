@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, fields
 from fractions import Fraction
-from typing import Any
+from typing import Any, ClassVar
 
-from torsionnet.base.entries.scalars import PhysicalQuantity, QuantityKind, check_unit, read_scalar
+from torsionnet.base.entries.scalars import NumberTable, PhysicalQuantity, QuantityKind, check_unit, read_scalar
 from torsionnet.base.entries.spec import EntryError, Schema, Spec
 from torsionnet.base.errors import EntryPath, Fault
 from torsionnet.base.expressions import Expression, Number, Rows
@@ -121,3 +121,21 @@ class OnCurve(PhysicalQuantity):
         if first - slack <= (abs(value) if first >= 0 else value) <= last + slack:
             return None
         return f"lies beyond its curve, which goes from {self.rows[0][0]} to {self.rows[-1][0]}; extend it"
+
+
+# Entry for a characteristic, rows of plain numbers interpolated linearly over the first column.
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Characteristic(NumberTable[Rows]):
+    """Entry for a function of an operating value, given by rows of plain numbers.
+
+    There are two rows or more, interpolated linearly.
+    """
+
+    is_read_off: ClassVar[bool] = True
+
+    fewest: int = 2
+
+    def coerce(self, raw: object) -> Rows:
+        return self.rows(raw)

@@ -50,6 +50,15 @@ ELEMENT_TYPES: TypeRegister[type[Element]] = TypeRegister(
     {
         "springs": ("spring", "damper"),
         "rigid": ("inertia", "gear", "planetary", "differential", "rigid_coupling", "lock"),
+        "contacts": ("clearance", "friction"),
+        "dampers": ("viscous_damper", "tuned_damper", "spring_damper", "pendulum_absorber"),
+        "electric_machines": ("synchronous_machine", "induction_machine", "grid_generator"),
+        "flexible_couplings": ("flexible_coupling", "tabulated_spring", "hysteretic_spring"),
+        "fluid_couplings": ("fluid_coupling", "torque_converter"),
+        "gearboxes": ("gearbox", "final_drive"),
+        "loads": ("propeller", "constant_power_load"),
+        "loop_drives": ("belt", "chain_drive"),
+        "vehicles": ("vehicle", "tyre"),
     },
 )
 """Class of every element type, by the word in ``type:``, in alphabetical order; a module is imported when its kind is
@@ -153,7 +162,7 @@ class Element(Declared):
         None counts as not given.
         """
         from torsionnet.model.catalogues.catalogue import Catalogue
-        from torsionnet.model.catalogues.catalogue_values import chosen_row, row_entries
+        from torsionnet.model.catalogues.catalogue_reading import chosen_row, row_entries
 
         if not isinstance(self.catalogue, Catalogue | PurePath):
             return []
@@ -171,7 +180,7 @@ class Element(Declared):
     def _resized(self) -> list[Fault]:
         """Take the catalogue row of another size, where a configuration names one, and return the faults."""
         from torsionnet.model.catalogues.catalogue import CatalogueRow
-        from torsionnet.model.catalogues.catalogue_values import entries_of_other_size
+        from torsionnet.model.catalogues.catalogue_reading import entries_of_other_size
 
         row = self.catalogue
         if not isinstance(row, CatalogueRow) or str(self.size) in ("", row.size):
@@ -383,7 +392,7 @@ class Element(Declared):
         data = {"type": self.kind, **self.written_entries()}
         if self.catalogue is None:
             return data
-        from torsionnet.model.catalogues.catalogue_values import row_entries
+        from torsionnet.model.catalogues.catalogue_reading import row_entries
 
         specs = dict(self.specs())
         taken, _ = row_entries(self.catalogue, specs, {})

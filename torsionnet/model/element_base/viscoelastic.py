@@ -6,13 +6,15 @@ import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from torsionnet.base.entries.composite import given_entries, one_at_most, superfluous
 from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.scalars import NumberTable, RowColumn, Value
 from torsionnet.base.entries.spec import Json, Schema, entry, not_none
 from torsionnet.base.errors import Fault
-from torsionnet.base.expressions import Expression, Number, Rows
-from torsionnet.model.element_base.curves import LookupCurve, Temperature
-from torsionnet.model.element_base.sampled_stiffness import SampledStiffness
+from torsionnet.base.expressions import RATIONAL, Expression, Number, Rows
+from torsionnet.model.damping import DampingMeasure, loss_factor
+from torsionnet.model.element_base.curves import LookupCurve, Temperature, is_share
+from torsionnet.model.element_base.stiffness_table import SampledStiffness
 
 Moduli = tuple[tuple[float, float, float], ...]
 """Type of rows of frequency in Hz, and of storage and loss modulus in Pa."""
@@ -138,3 +140,209 @@ def temperature_faults(material: Viscoelastic, temperature: Expression | None) -
         return [Fault(text, ("temperature",))]
     reason = material.temperature_fault(float(temperature.value))
     return [Fault(reason, ("temperature",))] if reason else []
+
+
+# Shapes of rubber and of silicone films between two parts that turn against each other.
+
+
+def _length(text: str) -> Value:
+    return Value(text, "length", exclusive=True)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShearedShape(Declared):
+    """Base class of rubber or film shapes between two rigid parts that turn against each other."""
+
+    outer_diameter: float = entry(_length("outer diameter"))
+    inner_diameter: float = entry(_length("inner diameter"))
+
+    def contradictions(self) -> list[Fault]:
+        if self.inner_diameter < self.outer_diameter:
+            return []
+        return [Fault("the inner diameter must be smaller than the outer one", ("inner_diameter",))]
+
+    @property
+    def factor(self) -> float:
+        """Torsional stiffness of the shape over its shear modulus, in m^3."""
+        raise NotImplementedError
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShearedDisc(ShearedShape):
+    """An annular disc between two flanges: k = pi G (r_o^4 - r_i^4)/(2 t).
+
+    >>> round(ShearedDisc(outer_diameter="400 mm", inner_diameter="200 mm", thickness="50 mm").factor, 6)
+    0.047124
+    """
+
+    kind: ClassVar[str] = "disc"
+    thickness: float = entry(_length("thickness, from flange to flange"))
+
+    @property
+    def factor(self) -> float:
+        radii = (self.outer_diameter / 2) ** 4 - (self.inner_diameter / 2) ** 4
+        return float(math.pi * radii / (2 * self.thickness))
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShearedBush(ShearedShape):
+    """A cylindrical bush between two sleeves: k = 4 pi G L/(1/r_i^2 - 1/r_o^2).
+
+    >>> round(ShearedBush(outer_diameter="60 mm", inner_diameter="40 mm", length="50 mm").factor, 8)
+    0.00045239
+    """
+
+    kind: ClassVar[str] = "bush"
+    length: float = entry(_length("length of the bush"))
+
+    @property
+    def factor(self) -> float:
+        gap = (2 / self.inner_diameter) ** 2 - (2 / self.outer_diameter) ** 2
+        return float(4 * math.pi * self.length / gap)
+
+
+@dataclass(frozen=True, kw_only=True)
+class FilmGap(ShearedShape):
+    """The gaps round the ring of a viscous damper, thin against its radii: two faces, the outer and the inner rim.
+
+    k/G = pi (r_o^4 - r_i^4)/h_a + 2 pi b r_o^3/h_o + 2 pi b r_i^3/h_i; a gap that is not given has no film that counts.
+
+    >>> round(FilmGap(outer_diameter=0.3, inner_diameter=0.2, axial_gap=0.0005).factor, 6)
+    2.552544
+    """
+
+    kind: ClassVar[str] = "film"
+    axial_gap: float | None = entry(_length("h_a, gap at each of the two faces"), None)
+    width: float | None = entry(_length("b, width of the ring"), None)
+    outer_gap: float | None = entry(_length("h_o, gap outside of the ring"), None)
+    inner_gap: float | None = entry(_length("h_i, gap inside of the ring"), None)
+
+    def contradictions(self) -> list[Fault]:
+        rims = [name for name in ("outer_gap", "inner_gap") if getattr(self, name) is not None]
+        if rims and self.width is None:
+            return [Fault(f"{rims[0]} needs the width of the ring", (rims[0],), on_key=True)]
+        if not rims and self.axial_gap is None:
+            return [Fault("give a gap: axial_gap, outer_gap or inner_gap", on_key=True)]
+        return super().contradictions()
+
+    @property
+    def factor(self) -> float:
+        outer, inner = self.outer_diameter / 2, self.inner_diameter / 2
+        faces = math.pi * (outer**4 - inner**4) / self.axial_gap if self.axial_gap else 0.0
+        rims = ((outer, self.outer_gap), (inner, self.inner_gap))
+        return float(faces + sum(2 * math.pi * not_none(self.width) * radius**3 / gap for radius, gap in rims if gap))
+
+
+RUBBER_SHAPES: dict[str, type[ShearedShape]] = {cls.kind: cls for cls in (ShearedDisc, ShearedBush)}
+
+
+# Faults of a flexible coupling whose entries contradict each other.
+
+_READ_AT = {
+    "stiffness_over_torque": "torque",
+    "torque_factor": "torque",
+    "amplitude_factor": "vibratory_torque",
+    "temperature_factor": "temperature",
+    "damping_temperature_factor": "temperature",
+}
+"""Name of the entry with the operating value at which each curve of a coupling is read, by the curve's entry."""
+_OVER_FREQUENCY = ("frequency_factor", "loss_over_frequency")
+
+
+def given_curves(coupling: Any) -> list[tuple[str, str]]:
+    """Entry name of every curve that a coupling gives, and of the operating value at which the curve is read."""
+    return [(name, operating) for name, operating in _READ_AT.items() if getattr(coupling, name)]
+
+
+def contradictions(coupling: Any) -> list[Fault]:
+    """Faults of a coupling in the source of its stiffness, or, where that is clear, in its other entries."""
+    found = _source_faults(coupling)
+    if found or coupling.material is not None:
+        return found or _material_faults(coupling)
+    return [
+        *_curve_faults(coupling),
+        *_damping_faults(coupling),
+        *_frequency_faults(coupling),
+    ]
+
+
+def _source_faults(coupling: Any) -> list[Fault]:
+    sources = ("stiffness", "stiffness_over_torque", "material")
+    found = given_entries(coupling, *sources)
+    if not found:
+        return [Fault("give stiffness, stiffness_over_torque, or material and geometry", on_key=True)]
+    if len(found) > 1:
+        return one_at_most(coupling, *sources, of="the stiffness")
+    if (coupling.material is None) != (coupling.geometry is None):
+        lacking = "geometry, as {type: disc, ...}" if coupling.material is not None else "material, as {moduli: ...}"
+        return [Fault(f"stiffness from rubber needs material and geometry; here is no {lacking}", on_key=True)]
+    return []
+
+
+def _material_faults(coupling: Any) -> list[Fault]:
+    others = [*_READ_AT, *_OVER_FREQUENCY, "loss_factor"]
+    own = next((name for name in others if getattr(coupling, name)), None)
+    if own is not None:
+        return [superfluous("the material gives stiffness and damping already", own)]
+    return [*temperature_faults(coupling.material, coupling.temperature), *_frequency_faults(coupling)]
+
+
+def _curve_faults(coupling: Any) -> list[Fault]:
+    faults = []
+    found = given_curves(coupling)
+    for name, operating in found:
+        if getattr(coupling, operating) is None:
+            faults.append(Fault(f"{name} needs {operating}, at which it is read", (name,), on_key=True))
+        if is_share(getattr(coupling, name)[0][0]) and coupling.T_KN is None and operating != "temperature":
+            text = "rows without a unit are shares of the nominal torque: give T_KN, or torques in N*m"
+            faults.append(Fault(text, (name,), on_key=True))
+    for operating in dict.fromkeys(_READ_AT.values()):
+        if getattr(coupling, operating) is not None and operating not in {where for _, where in found}:
+            curves = " or ".join(name for name, where in _READ_AT.items() if where == operating)
+            faults.append(
+                Fault(f"nothing here depends on {operating}; give {curves}, or leave it out", (operating,), on_key=True)
+            )
+    return faults
+
+
+def _damping_faults(coupling: Any) -> list[Fault]:
+    both = one_at_most(coupling, "loss_factor", "damping", "loss_over_frequency", of="the damping")
+    if both:
+        return both
+    if coupling.damping_temperature_factor and coupling.loss_factor is None:
+        text = "this factor multiplies loss_factor, which is not given; add loss_factor"
+        return [Fault(text, ("damping_temperature_factor",), on_key=True)]
+    if coupling.frequency_factor and not (coupling.loss_over_frequency or _loses(coupling.loss_factor)):
+        text = "a stiffness over frequency needs a damping, too: loss_factor or loss_over_frequency"
+        return [Fault(text, ("frequency_factor",), on_key=True)]
+    return []
+
+
+def _loses(entry: Any) -> bool:
+    """Whether a loss factor is above zero, or may be, as parameters give it."""
+    return entry is not None and bool(entry.names or loss_factor(entry, {}, RATIONAL) > 0)
+
+
+def _frequency_faults(coupling: Any) -> list[Fault]:
+    """Faults of a coupling's damping that laws over frequency cannot take.
+
+    Their loss is made of numbers: parameters in it would be without derivatives in fits.
+    """
+    if coupling.material is not None and isinstance(coupling.damping, DampingMeasure):
+        return [Fault("beside a material the damping is a viscous coefficient; give it in N*m*s/rad", ("damping",))]
+    if coupling.material is None and coupling.scale is not None:
+        return [
+            Fault(
+                "scale multiplies the moduli of a material, which is not given; add material, or leave it out",
+                ("scale",),
+                on_key=True,
+            )
+        ]
+    if not coupling.frequency_factor:
+        return []
+    names = ["loss_factor", *(["temperature"] if coupling.damping_temperature_factor else [])]
+    return [
+        Fault(f"with curves over frequency {name} must be a number, not an expression of parameters", (name,))
+        for name in names
+        if getattr(getattr(coupling, name), "names", ())
+    ]

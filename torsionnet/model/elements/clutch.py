@@ -12,8 +12,7 @@ from torsionnet.base.entries.spec import OneOf, Spec, entry, not_none
 from torsionnet.base.errors import EntryPath, Fault
 from torsionnet.base.expressions import Expression, Number, Rows, outside_message, slope_at
 from torsionnet.model.damping import DampingMeasure, DampingQuantity
-from torsionnet.model.element_base.characteristic import Characteristic
-from torsionnet.model.element_base.curves import with_curve_ranges
+from torsionnet.model.element_base.curves import Characteristic, with_curve_ranges
 from torsionnet.model.element_base.element import Element, register, viscous
 from torsionnet.model.element_base.element_entries import NodePair, shown
 from torsionnet.model.element_base.laws import (
@@ -29,8 +28,7 @@ from torsionnet.model.element_base.laws import (
     make_row,
 )
 from torsionnet.model.element_base.spring_stages import numbers_of
-from torsionnet.model.motion_laws.friction_curve import clutch_curve
-from torsionnet.model.motion_laws.piece_curve import PieceCurve
+from torsionnet.model.motion_laws.piece_curve import PieceCurve, clutch_curve
 
 _SLIP = RowColumn("slip speed", "speed")
 

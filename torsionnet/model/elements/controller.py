@@ -11,13 +11,13 @@ from torsionnet.base.entries.spec import EntryError, Spec, entry
 from torsionnet.base.errors import EntryPath, Fault
 from torsionnet.base.expressions import Expression
 from torsionnet.model.element_base.control_entries import (
+    ControlLaw,
     ControlLawEntry,
     OneOrTwoNodes,
     SensedEntry,
     SensedMotion,
     law_expressions,
 )
-from torsionnet.model.element_base.control_law import ControlLaw
 from torsionnet.model.element_base.element import Element, register
 from torsionnet.model.element_base.laws import Action, Part, Row, Values, difference, make_row
 

@@ -36,9 +36,7 @@ from torsionnet.model.element_base.spring_stages import (
     stage_range,
     stage_torques,
 )
-from torsionnet.model.motion_laws.friction_curve import friction_curve
-from torsionnet.model.motion_laws.piece_curve import Hold, PieceCurve, Slope
-from torsionnet.model.motion_laws.spring_curves import stage_curve
+from torsionnet.model.motion_laws.piece_curve import Hold, PieceCurve, Slope, friction_curve, stage_curve
 
 _STUCK = 1
 """Number of the step of :func:`.friction_curve`, between the pieces on either side of it."""

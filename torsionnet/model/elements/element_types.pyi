@@ -4,51 +4,49 @@ from pathlib import Path, PurePath
 from torsionnet.base.entries.accepted_types import Entries, GivenStateSpace, GivenTransferFunction, NumberByNumber, NumberRows, Scalar, Scalars, TwoNames, WholeNumber
 from torsionnet.model.catalogues.catalogue import Catalogue, CatalogueRow
 from torsionnet.model.damping import DampingMeasure
-from torsionnet.model.element_base.control_entries import SensedMotion
-from torsionnet.model.element_base.control_law import ControlLaw
-from torsionnet.model.element_base.sheared_shapes import FilmGap, ShearedBush, ShearedDisc
+from torsionnet.model.element_base.control_entries import ControlLaw, SensedMotion
 from torsionnet.model.element_base.spring_stages import SpringStage
 from torsionnet.model.element_base.stiffness_table import StiffnessTable
-from torsionnet.model.element_base.viscoelastic import Viscoelastic
+from torsionnet.model.element_base.viscoelastic import FilmGap, ShearedBush, ShearedDisc, Viscoelastic
 from torsionnet.model.sheets.mass_elastic_sheet import MassElasticSheet
 from typing import Literal, overload
-from torsionnet.model.elements.belt import Belt as _Belt
-from torsionnet.model.elements.chain_drive import ChainDrive as _ChainDrive
-from torsionnet.model.elements.clearance import Clearance as _Clearance
+from torsionnet.model.elements.loop_drives import Belt as _Belt
+from torsionnet.model.elements.loop_drives import ChainDrive as _ChainDrive
+from torsionnet.model.elements.contacts import Clearance as _Clearance
 from torsionnet.model.elements.clutch import Clutch as _Clutch
-from torsionnet.model.elements.constant_power_load import ConstantPowerLoad as _ConstantPowerLoad
+from torsionnet.model.elements.loads import ConstantPowerLoad as _ConstantPowerLoad
 from torsionnet.model.elements.continuous_shaft import ContinuousShaft as _ContinuousShaft
 from torsionnet.model.elements.controller import Controller as _Controller
 from torsionnet.model.elements.crank_throw import CrankThrow as _CrankThrow
 from torsionnet.model.elements.springs import Damper as _Damper
 from torsionnet.model.elements.rigid import Differential as _Differential
 from torsionnet.model.elements.dual_mass_flywheel import DualMassFlywheel as _DualMassFlywheel
-from torsionnet.model.elements.final_drive import FinalDrive as _FinalDrive
-from torsionnet.model.elements.flexible_coupling import FlexibleCoupling as _FlexibleCoupling
-from torsionnet.model.elements.fluid_coupling import FluidCoupling as _FluidCoupling
-from torsionnet.model.elements.friction import Friction as _Friction
+from torsionnet.model.elements.gearboxes import FinalDrive as _FinalDrive
+from torsionnet.model.elements.flexible_couplings import FlexibleCoupling as _FlexibleCoupling
+from torsionnet.model.elements.fluid_couplings import FluidCoupling as _FluidCoupling
+from torsionnet.model.elements.contacts import Friction as _Friction
 from torsionnet.model.elements.rigid import Gear as _Gear
-from torsionnet.model.elements.gearbox import Gearbox as _Gearbox
-from torsionnet.model.elements.grid_generator import GridGenerator as _GridGenerator
-from torsionnet.model.elements.hysteretic_spring import HystereticSpring as _HystereticSpring
-from torsionnet.model.elements.induction_machine import InductionMachine as _InductionMachine
+from torsionnet.model.elements.gearboxes import Gearbox as _Gearbox
+from torsionnet.model.elements.electric_machines import GridGenerator as _GridGenerator
+from torsionnet.model.elements.flexible_couplings import HystereticSpring as _HystereticSpring
+from torsionnet.model.elements.electric_machines import InductionMachine as _InductionMachine
 from torsionnet.model.elements.rigid import Inertia as _Inertia
 from torsionnet.model.elements.rigid import Lock as _Lock
 from torsionnet.model.elements.mass_elastic import MassElastic as _MassElastic
-from torsionnet.model.elements.pendulum_absorber import PendulumAbsorber as _PendulumAbsorber
+from torsionnet.model.elements.dampers import PendulumAbsorber as _PendulumAbsorber
 from torsionnet.model.elements.rigid import Planetary as _Planetary
-from torsionnet.model.elements.propeller import Propeller as _Propeller
+from torsionnet.model.elements.loads import Propeller as _Propeller
 from torsionnet.model.elements.rigid import RigidCoupling as _RigidCoupling
 from torsionnet.model.elements.shaft import Shaft as _Shaft
 from torsionnet.model.elements.springs import Spring as _Spring
-from torsionnet.model.elements.spring_damper import SpringDamper as _SpringDamper
-from torsionnet.model.elements.synchronous_machine import SynchronousMachine as _SynchronousMachine
-from torsionnet.model.elements.tabulated_spring import TabulatedSpring as _TabulatedSpring
-from torsionnet.model.elements.torque_converter import TorqueConverter as _TorqueConverter
-from torsionnet.model.elements.tuned_damper import TunedDamper as _TunedDamper
-from torsionnet.model.elements.tyre import Tyre as _Tyre
-from torsionnet.model.elements.vehicle import Vehicle as _Vehicle
-from torsionnet.model.elements.viscous_damper import ViscousDamper as _ViscousDamper
+from torsionnet.model.elements.dampers import SpringDamper as _SpringDamper
+from torsionnet.model.elements.electric_machines import SynchronousMachine as _SynchronousMachine
+from torsionnet.model.elements.flexible_couplings import TabulatedSpring as _TabulatedSpring
+from torsionnet.model.elements.fluid_couplings import TorqueConverter as _TorqueConverter
+from torsionnet.model.elements.dampers import TunedDamper as _TunedDamper
+from torsionnet.model.elements.vehicles import Tyre as _Tyre
+from torsionnet.model.elements.vehicles import Vehicle as _Vehicle
+from torsionnet.model.elements.dampers import ViscousDamper as _ViscousDamper
 
 class Belt(_Belt):
     r"""A belt over two pulleys or more, rigid or with elastic spans, and with a tensioner arm if wanted.

@@ -15,12 +15,11 @@ from torsionnet.model.damping import DampingMeasure
 from torsionnet.model.element_base.element import Element, register
 from torsionnet.model.element_base.element_entries import TURNING_NODE
 from torsionnet.model.element_base.laws import GROUND, Part, Row, Values, make_row
-from torsionnet.model.elements.hysteretic_spring import HystereticSpring
+from torsionnet.model.elements.flexible_couplings import HystereticSpring
 from torsionnet.model.elements.rigid import Gear, Inertia, Lock, RigidCoupling
 from torsionnet.model.elements.shaft import Shaft
 from torsionnet.model.elements.springs import Damper, Spring
-from torsionnet.model.sheets.mass_elastic_sheet import MassElasticSheet
-from torsionnet.model.sheets.sheet_entry import SheetEntry
+from torsionnet.model.sheets.mass_elastic_sheet import MassElasticSheet, SheetEntry
 from torsionnet.model.sheets.sheet_rows import SheetLink, SheetMass
 
 LARGEST_RATIO_TERM = 10**6

@@ -121,7 +121,7 @@ def _mesh(row: Row, element: Any, value: Values) -> WholePart:
     stiffness = value(element.stiffness)
     damping = viscous(element.damping, stiffness, value)
     if element.backlash is not None:
-        from torsionnet.model.motion_laws.spring_curves import clearance_curve  # few gears have a backlash
+        from torsionnet.model.motion_laws.piece_curve import clearance_curve  # few gears have a backlash
 
         return MotionLaw(row, clearance_curve(value(element.backlash), stiffness, damping))
     return Law(row, stiffness=stiffness, damping=damping)

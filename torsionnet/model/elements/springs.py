@@ -132,10 +132,10 @@ class Spring(Element):
     def _curve(self, value: Values) -> TorqueCurve:
         # few springs have a law of motion, and commands on linear models start faster without
         if self.cubic is not None:
-            from torsionnet.model.motion_laws.cubic_curve import CubicCurve
+            from torsionnet.model.motion_laws.smooth_curves import CubicCurve
 
             return CubicCurve(value(self.stiffness), value(self.cubic))
-        from torsionnet.model.motion_laws.spring_curves import stage_curve, twist_table_curve
+        from torsionnet.model.motion_laws.piece_curve import stage_curve, twist_table_curve
 
         if self.stages:
             return stage_curve(self.stages, value)

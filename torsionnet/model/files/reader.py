@@ -243,7 +243,7 @@ def read_text(
         if further is not None and definition is not None and not has_errors([*document.faults, *faults]):
             faults = [*faults, *further(definition)]
         if definition.authored is not None:
-            from torsionnet.model.parts.written_places import at_written_places
+            from torsionnet.model.parts.authored_model import at_written_places
 
             faults = at_written_places(definition, faults)
     found = located_faults([*document.faults, *faults], document)

@@ -15,9 +15,8 @@ from torsionnet.model.changes import LOAD_SIZES, is_point_setting, with_point_se
 from torsionnet.model.configurations import DEFAULT_AXIS, Overlay
 from torsionnet.model.definition import Definition
 from torsionnet.model.files.located_yaml import LocatedDocument, LocatedNode, Span, compose
-from torsionnet.model.files.quoting import scalar_text
 from torsionnet.model.files.reader import read_text
-from torsionnet.model.files.writer import dump
+from torsionnet.model.files.writer import dump, scalar_text
 from torsionnet.model.parts.authored_model import owner
 
 _NOTHING = Overlay()

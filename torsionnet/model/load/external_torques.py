@@ -19,8 +19,7 @@ from torsionnet.model.operating_point import torque_place
 from torsionnet.model.speeds import mean_speeds, speeds_by_reference
 
 if TYPE_CHECKING:
-    from torsionnet.model.load.absorber import Absorber
-    from torsionnet.model.load.load_section import Load
+    from torsionnet.model.load.load_section import Absorber, Load
 
 ENGINE = "reciprocating_engine"
 """Kind of the excitation that drives where the load names no driver."""

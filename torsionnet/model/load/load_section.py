@@ -2,16 +2,158 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import ClassVar
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, cast
 
 from torsionnet.base.entries.composite import Named, Nested
+from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.scalars import Value
-from torsionnet.base.entries.spec import entry
-from torsionnet.base.errors import Fault
-from torsionnet.model.load.absorber import Absorber
+from torsionnet.base.entries.spec import EntryError, Json, Plural, Schema, entry
+from torsionnet.base.errors import LEAVE_OUT, Fault, Remedy, UsageError, got
+from torsionnet.base.units import RPM
 from torsionnet.model.operating_point import DriverName, TorquePlace, place_fault
+
+# Absorbers of power in a drivetrain, and the law of their torque over speed.
+
+_SPEED = Value("a speed", "speed", below=1e6)
+_TORQUE = Value("a torque", "torque")
+MOST_EXPONENT = 10
+"""Largest exponent of a torque over speed that a load accepts, as 1 to 3 are usual."""
+
+
+class TorqueOverSpeed(Plural[tuple[tuple[float, float], ...]]):
+    """Entry of a table of torque over speed, stored as pairs in rad/s and N m.
+
+    A file has ``{300 rpm: 30 kN*m}``; the pairs rise with the speed.
+    """
+
+    absent: ClassVar[Any] = ()
+
+    def read(self, raw: object) -> tuple[tuple[tuple[float, float], ...], list[Fault]]:
+        if isinstance(raw, tuple):
+            return raw, []
+        if not isinstance(raw, Mapping) or len(raw) < 2:
+            return (), [Fault(f"expected two speeds or more, each with its torque: {self.example}; {got(raw)}")]
+        found: dict[float, float] = {}
+        faults: list[Fault] = []
+        for key, value in raw.items():
+            try:
+                speed = _SPEED.coerce(key)
+            except EntryError as error:
+                faults.append(replace(error.fault, path=(key,), on_key=True))
+                continue
+            if speed in found:
+                faults.append(Fault(f"the speed {key} stands twice", (key,), on_key=True))
+            torque, wrong = _TORQUE.read(value)
+            faults += [fault.under(key) for fault in wrong]
+            found[speed] = cast("float", torque)
+        return tuple(sorted(found.items())) if not faults else (), faults
+
+    @property
+    def example(self) -> str:
+        return "{300 rpm: 30 kN*m, 750 rpm: 188 kN*m}"
+
+    def plain(self, value: Any) -> Json:
+        return {f"{speed!r} rad/s": torque for speed, torque in value}
+
+    def schema(self) -> Schema:
+        return {"type": "object", "description": self.description, "minProperties": 2, "additionalProperties": True}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Absorber(Declared):
+    """A consumer of power: its torque at rated speed with an exponent over speed, or a table over speed.
+
+    Examples
+    --------
+    >>> screw = Absorber(power="3000 kW", torque_exponent=2, rated="151.8 rpm")
+    >>> round(screw.torque_at(screw.rated)), round(screw.torque_at(screw.rated / 2))
+    (188721, 47180)
+    """
+
+    kind: ClassVar[str] = "absorber"
+    article: ClassVar[str] = "an absorber"
+    form: ClassVar[str] = "{power: 3000 kW, torque_exponent: 2}"
+
+    power: float | None = entry(Value("power absorbed at rated speed", "power", exclusive=True), None)
+    torque: float | None = entry(Value("instead: torque absorbed at rated speed", "torque", exclusive=True), None)
+    torque_exponent: float | None = entry(
+        Value("torque follows (speed/rated) to this power: 2 of a propeller or fan, 0 of a hoist", "1", lower=None),
+        None,
+    )
+    rated: float | None = entry(
+        Value(
+            "rated speed of this node; default: what speeds: {rated: ...} means there",
+            "speed",
+            exclusive=True,
+        ),
+        None,
+    )
+    over_speed: tuple[tuple[float, float], ...] = entry(
+        TorqueOverSpeed("instead of all others: torque over the speed of this node"), ()
+    )
+
+    def contradictions(self) -> list[Fault]:
+        sizes = [name for name in ("power", "torque") if getattr(self, name) is not None]
+        law = [*sizes, *(name for name in ("torque_exponent", "rated") if getattr(self, name) is not None)]
+        if self.over_speed and law:
+            return [
+                Fault(
+                    f"a table over speed says it all; leave out {' and '.join(law)}",
+                    (law[0],),
+                    on_key=True,
+                    remedy=Remedy(LEAVE_OUT),
+                )
+            ]
+        if not self.over_speed and len(sizes) != 1:
+            text = "what is absorbed is a power or a torque at rated speed, or a table over_speed"
+            return [Fault(f"{text}; here is {'both' if sizes else 'none of them'}", tuple(sizes[1:]), on_key=True)]
+        if not self.over_speed and self.torque_exponent is None:
+            return [
+                Fault(
+                    "say how the torque follows the speed: torque_exponent: 2 of a propeller, 0 if it does not",
+                    on_key=True,
+                )
+            ]
+        if self.torque_exponent is not None and abs(self.torque_exponent) > MOST_EXPONENT:
+            text = f"torque follows the speed to a power from -{MOST_EXPONENT} to {MOST_EXPONENT}"
+            text += f": 2 of a propeller or fan; got {self.torque_exponent:g}"
+            return [Fault(text, ("torque_exponent",))]
+        return []
+
+    @property
+    def needs_rated(self) -> bool:
+        """Whether the absorber needs the rated speed of another entry."""
+        return not self.over_speed and self.rated is None
+
+    def torque_at(self, speed: float, rated: float | None = None) -> float:
+        """Torque in N m that the absorber takes at a speed >= 0 of its node in rad/s.
+
+        ``rated`` is used where it has none itself.
+
+        Raises
+        ------
+        UsageError
+            The speed is outside the table.
+        """
+        if self.over_speed:
+            return self._from_table(speed)
+        own: Any = self.rated or rated
+        at_rated = self.torque if self.torque is not None else self.power / own
+        return float(at_rated * (speed / own) ** self.torque_exponent)
+
+    def _from_table(self, speed: float) -> float:
+        speeds = [pair[0] for pair in self.over_speed]
+        low, high = speeds[0], speeds[-1]
+        if not low * (1 - 1e-9) <= speed <= high * (1 + 1e-9):
+            range_text = f"from {low * RPM:.6g} to {high * RPM:.6g} rpm"
+            raise UsageError(f"{speed * RPM:.6g} rpm is outside the table over speed, which goes {range_text}")
+        place = min(max(bisect_right(speeds, speed), 1), len(speeds) - 1)
+        (before, lower), (after, upper) = self.over_speed[place - 1 : place + 1]
+        return float(lower + (upper - lower) * (speed - before) / (after - before))
+
 
 _LAW = ("power", "torque", "torque_exponent", "rated", "over_speed")
 _ABSORBER = Nested(

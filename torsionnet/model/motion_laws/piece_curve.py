@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from itertools import pairwise
 from typing import Any, Literal
 
-from torsionnet.model.element_base.laws import MotionState, TorqueCurve
+from torsionnet.model.element_base.laws import MotionState, TorqueCurve, Values
+from torsionnet.model.element_base.spring_stages import NumberRows, SpringStage, stage_spans
 
 ROUNDING = 1e-14
 """Share of a twist or rate by which rounding may carry it over the corner that it lies on."""
@@ -235,3 +237,116 @@ def symmetric_curve(over: Literal["twist", "rate"], above: tuple[Slope | Hold, .
     if isinstance(first, Hold):
         return PieceCurve(over, (*below[:-1], *above), len(others))
     return PieceCurve(over, (*below, Hold(0, -first.torque, first.torque), *above), len(above))
+
+
+# Torque curves of dry friction over the slip speed, constant or by rows, with the torque that sticks.
+
+
+def friction_curve(torque: Any, stick: Any) -> PieceCurve:
+    """Curve of Coulomb friction: T sgn(gamma') against the slip, and anything from -T_s to T_s while it sticks.
+
+    >>> friction_curve(20, 30).torque(0, -1), friction_curve(20, 30).pieces[1]
+    (-20, Hold(at=0, low=-30, high=30))
+    """
+    return symmetric_curve("rate", (Hold(0, -stick, stick), Slope(torque, lower=0)))
+
+
+def slip_curve(rows: NumberRows, stick: Any = None) -> PieceCurve:
+    """Curve of friction by rows [slip speed, torque] from slip zero on, the same both ways, up to the last row.
+
+    It sticks up to ``stick``, by default the torque at slip zero.
+
+    >>> slip_curve(((0, 20.0), (10, 15.0))).torque(0, -4)
+    -18.0
+    """
+    above = _slopes(rows)
+    held = rows[0][1] if stick is None else stick
+    return symmetric_curve("rate", (Hold(0, -held, held), *above))
+
+
+def clutch_curve(rows: NumberRows, stick: Any = None) -> PieceCurve:
+    """Curve of the faces of a clutch by rows [slip speed, torque or friction coefficient], up to the last row.
+
+    Rows from slip zero on hold both ways and stick up to ``stick``, by default the first of them; rows through negative
+    slips hold as they are, without a step.
+
+    >>> curve = clutch_curve(((0, 20.0), (10, 15.0)))
+    >>> curve.torque(0, -4), curve.pieces[1]
+    (-18.0, Hold(at=0, low=-20.0, high=20.0))
+    """
+    if stick is not None:
+        return slip_curve(rows, stick)
+    slopes = _slopes(rows)
+    return symmetric_curve("rate", slopes) if rows[0][0] == 0 else PieceCurve("rate", slopes)
+
+
+def _slopes(rows: NumberRows) -> tuple[Slope, ...]:
+    """Straight pieces over the slip between rows [slip speed, torque]."""
+    found = []
+    for (start, low), (end, high) in pairwise(rows):
+        slope = (high - low) / (end - start)
+        found.append(Slope(low - slope * start, 0, slope, start, end))
+    return tuple(found)
+
+
+# Torque curves over twist: springs in stages with preload, rows of twist and torque, and clearances.
+
+
+def stage_curve(stages: Sequence[SpringStage], value: Values) -> PieceCurve:
+    """Curve of a spring in stages, the same both ways, in numbers of the algebra of ``value``.
+
+    On stage i the torque is T_i + k_i (gamma - gamma_i), which begins at the end gamma_i of the stage before it, with
+    T_i the torque there plus the preload P_i of the stage. Where P_i is not zero, the twist stands still at gamma_i
+    while the torque lies between T_i - P_i and T_i, and at zero between -P_1 and P_1.
+
+    Examples
+    --------
+    >>> from torsionnet.base.expressions import FLOAT
+    >>> stages = (SpringStage(100, "0.1 rad"), SpringStage(400, preload="5 N*m"))
+    >>> curve = stage_curve(stages, Values({}, FLOAT))
+    >>> curve.torque(0.05, 0), curve.torque(0.1, 0), round(curve.torque(0.2, 0), 9), curve.torque(-0.05, 0)
+    (5.0, 15.0, 55.0, -5.0)
+    >>> [state.twist for state in curve.states_at(12)]
+    [0.1]
+    """
+    above: list[Slope | Hold] = []
+    for place, span in enumerate(stage_spans(stages, value)):
+        twist, low = span.begin.twist, span.begin.torque
+        torque = low + span.preload
+        if span.preload > 0:
+            above.append(Hold(twist, low if place else -span.preload, torque))
+        upper = None if span.end is None else span.end.twist
+        above.append(Slope(torque - span.stiffness * twist, span.stiffness, 0, twist, upper))
+    return symmetric_curve("twist", tuple(above)).entered(value.algebra.number)
+
+
+def twist_table_curve(rows: NumberRows) -> PieceCurve:
+    """Curve of rows [twist, torque] in numbers of one algebra, joined by straight lines, which ends at the last row.
+
+    Rows from zero on hold both ways; a torque in the first of them is that under which the springs are installed.
+
+    Examples
+    --------
+    >>> curve = twist_table_curve(((-1.0, -5.0), (0.0, 20.0), (2.0, 30.0)))
+    >>> curve.torque(-0.5, 0), curve.torque(1, 0), curve.energy(1), curve.range()
+    (7.5, 25.0, 22.5, (-1.0, 2.0))
+    """
+    slopes = []
+    for (start, low), (end, high) in pairwise(rows):
+        stiffness = (high - low) / (end - start)
+        slopes.append(Slope(low - stiffness * start, stiffness, 0, start, end))
+    if rows[0][0] == 0:
+        return symmetric_curve("twist", tuple(slopes))
+    return PieceCurve("twist", tuple(slopes))
+
+
+def clearance_curve(gap: Any, stiffness: Any, damping: Any) -> PieceCurve:
+    """Curve of a clearance: no torque from -gap/2 to gap/2, beyond it max(0, k d + c d') at the penetration d.
+
+    On the positive side d = gamma - gap/2 and d' = gamma'; the negative side is its mirror image.
+
+    >>> clearance_curve(0.2, 100, 1).torque(0.3, -50), clearance_curve(0.2, 100, 1).torque(-0.3, 0)
+    (0.0, -20.0)
+    """
+    contact = Slope(-stiffness * gap / 2, stiffness, damping, gap / 2, None, 1)
+    return symmetric_curve("twist", (Slope(lower=0, upper=gap / 2), contact))

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
+from torsionnet.base.errors import EntryPath, Fault, Worded
+from torsionnet.model.configurations import DEFAULT_AXIS
 from torsionnet.model.definition import Definition
 from torsionnet.model.parts.flattening import SECTIONS, flatten_parts
+from torsionnet.model.parts.part import Part
+from torsionnet.model.parts.part_entries import USE
 from torsionnet.model.parts.use import Use
 
 
@@ -98,3 +103,151 @@ def _same(one: Definition, other: Definition) -> bool:
 
 def _order(definition: Definition) -> list[list[str]]:
     return [list(getattr(definition, section)) for section in SECTIONS]
+
+
+# Parts put into models by calls from Python.
+
+
+def as_written(definition: Definition) -> Definition:
+    """Definition of a model with its parts, where it can be written with them."""
+    written = definition.authored
+    changed = written.changed(definition) if isinstance(written, AuthoredModel) else None
+    return replace(definition, authored=None) if changed is None else changed
+
+
+def part_of(definition: Definition) -> tuple[Part, Mapping[str, Part]]:
+    """Part made of a model, and the parts that the model uses itself, by name."""
+    written = as_written(definition)
+    return Part(**{one.name: getattr(written, one.name) for one in fields(Part)}), written.parts
+
+
+def with_use(
+    definition: Definition, name: str, use: Mapping[str, Any], model: Definition | None
+) -> tuple[Definition, list[Fault]]:
+    """Definition with one more use, of ``model`` or of a part that it has, and the faults of that use."""
+    written = as_written(definition)
+    parts = dict(written.parts)
+    if model is not None:
+        if not model.ports:
+            text = f'"{model.name}" has no ports; give them when it is made: ports=["inner", "outer"]'
+            return written, [Fault(text, ("use", name, "part"))]
+        use = {**use, "part": _put(parts, model)}
+    uses, faults = USE.read({name: use})
+    if name in written.use:
+        faults.append(Fault(f'"{name}" is used already; give this one another name', ("use", name), on_key=True))
+    found = [fault.under("use") for fault in faults]
+    return replace(written, parts=parts, use={**written.use, **uses}), found
+
+
+def _put(parts: dict[str, Part], model: Definition) -> str:
+    """Add a model to the parts, and return its name there; an equal part that is there already keeps its name."""
+    part, inner = part_of(model)
+    names = {name: _free(parts, name, one) for name, one in inner.items()}
+    for name, one in inner.items():
+        parts[names[name]] = _renamed_uses(one, names)
+    part = _renamed_uses(part, names)
+    wish = re.sub(r"\W+", "_", model.name, flags=re.ASCII).strip("_").lower()
+    name = _free(parts, wish if wish[:1].isalpha() else f"part_{wish}".rstrip("_"), part)
+    parts[name] = part
+    return name
+
+
+def _renamed_uses(part: Part, names: Mapping[str, str]) -> Part:
+    uses: dict[str, Use] = {name: replace(one, part=names.get(one.part, one.part)) for name, one in part.use.items()}
+    return replace(part, use=uses) if uses else part
+
+
+def _free(parts: Mapping[str, Part], wish: str, part: Part) -> str:
+    """Name ``wish`` of a part if it is free or that of an equal part, else with the first free number behind it."""
+    name, number = wish, 1
+    while name in parts and parts[name] != part:
+        number += 1
+        name = f"{wish}_{number}"
+    return name
+
+
+# Places where an author wrote the entries of a flat model, so that faults are shown there and at each use.
+
+
+@dataclass(frozen=True)
+class PlaceInPart:
+    """Path of a part's entry as written, the uses that lead to it, outermost first, and their prefix of names."""
+
+    path: EntryPath
+    uses: tuple[EntryPath, ...] = ()
+    prefix: str = ""
+
+
+def place_in_part(definition: Definition, path: EntryPath) -> PlaceInPart:
+    """Place where an entry of the flat model is written in a model with parts."""
+    if len(path) < 2 or path[0] not in SECTIONS:
+        return PlaceInPart(path)
+    section, name, rest = str(path[0]), str(path[1]), path[2:]
+    model: Definition | Part = definition
+    base: EntryPath = ()
+    uses: tuple[EntryPath, ...] = ()
+    prefix = ""
+    while name not in getattr(model, section):
+        found = _owner(model, section, name)
+        if found is None:
+            return PlaceInPart((*base, section, *_short(model, section, name), *rest), uses, prefix)
+        use, index, own = found
+        given = model.use[use].parameters.get(own) if section == "parameters" else None
+        if given is not None:
+            each = (index,) if isinstance(given, tuple) else ()
+            return PlaceInPart((*base, "use", use, "parameters", own, *each), uses, prefix)
+        before = model.use[use].prefixes(use)[index] + "."
+        rest = _renamed_back(section, rest, before)
+        prefix += before
+        uses = (*uses, (*base, "use", use))
+        base, name = ("parts", model.use[use].part), own
+        if base[1] not in definition.parts:
+            return PlaceInPart(uses[-1], uses[:-1], prefix)
+        model = definition.parts[str(base[1])]
+    return PlaceInPart((*base, section, name, *rest), uses, prefix)
+
+
+def _owner(model: Definition | Part, section: str, name: str) -> tuple[str, int, str] | None:
+    found = owner(model.use, name)
+    return (*found[:2], DEFAULT_AXIS) if found and section == "configurations" and not found[2] else found
+
+
+def _short(model: Definition | Part, section: str, name: str) -> tuple[str]:
+    """Name of the element that stands for several, one of which has this name."""
+    short = name.partition(".")[0]
+    return (short,) if section == "elements" and short in model.elements else (name,)
+
+
+def _renamed_back(section: str, rest: EntryPath, before: str) -> EntryPath:
+    """Path within an alternative with the name that the changed entry has in the part."""
+    if section != "configurations" or len(rest) < 2:
+        return rest
+    return (rest[0], str(rest[1]).removeprefix(before), *rest[2:])
+
+
+def at_written_places(flat: Definition, faults: Iterable[Fault]) -> list[Fault]:
+    """Faults of a flat model with the paths where their entries are written.
+
+    A fault in every use of a part is kept once, in its words.
+    """
+    if flat.authored is None:
+        return list(faults)
+    found: dict[tuple[object, ...], Fault] = {}
+    for fault in faults:
+        told = _in_part(fault, place_in_part(flat.authored.authored, fault.path))
+        found.setdefault((told.message, told.severity, told.configuration, told.path), told)
+    return list(found.values())
+
+
+def _in_part(fault: Fault, place: PlaceInPart) -> Fault:
+    """Fault at its place in a part, in whose words the names of the flat model have no prefix."""
+    if not place.prefix:
+        return replace(fault, path=place.path)
+
+    def own(name: str) -> str:
+        return name.removeprefix(place.prefix)
+
+    message = fault.message.in_names(own) if isinstance(fault.message, Worded) else fault.message
+    return replace(
+        fault, path=place.path, message=message, about=own(fault.about), meant=own(fault.meant), uses=place.uses
+    )

@@ -2,24 +2,161 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass, replace
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from torsionnet.base.delimited.cell_grid import CellGrid, read_grid
-from torsionnet.base.errors import ModelError
+from torsionnet.base.delimited.cell_grid import Cell, CellGrid, is_like_number, read_grid
+from torsionnet.base.delimited.sheet_headings import has_power
+from torsionnet.base.entries.declared import nearby_file
+from torsionnet.base.entries.spec import EntryError, Schema, Spec, full_name
+from torsionnet.base.errors import Fault, ModelError, got
+from torsionnet.base.plain_names import plain_name
 from torsionnet.base.units import DIMENSIONS, numeral_of
-from torsionnet.model.sheets.factor_readings import FactorDecision, decide_factors, factor_text
-from torsionnet.model.sheets.meanings import BY_KEY
+from torsionnet.model.sheets.factor_readings import READINGS, FactorDecision, decide_factors, factor_text
+from torsionnet.model.sheets.meanings import BY_KEY, referral_target, remark_side
 from torsionnet.model.sheets.sheet_columns import SheetColumn, SheetColumns, read_columns
-from torsionnet.model.sheets.sheet_remarks import SheetRemark, decide_side
 from torsionnet.model.sheets.sheet_rows import SheetLink, SheetMass, SheetRows, read_rows
 from torsionnet.model.sheets.sheet_values import SheetValues
 
 if TYPE_CHECKING:
     from torsionnet.base.table import Table
+
+
+# Texts beside the table of a mass-elastic sheet, and whether its values are referred to one speed.
+
+SIDES = ("real", "referred")
+"""Values of a sheet: each at the speed of its mass, or all referred to one speed."""
+_OF_VALUES = re.compile(
+    r"\b(?:values?|all|inertias?|moments?|\w*stiff\w*|elasticit\w*|flexibilit\w*|complian\w*|[jikce]|times|multipl\w*|divided"
+    r"|werte?|\w*trägheit\w*|drehmasse\w*|\w*steifigkeit\w*|nachgiebigkeit\w*)\b", re.IGNORECASE)  # fmt: skip
+_DISC = re.compile(r"(?<![^\W_])(?:[GP]\s?D)\s?\^?\s?[2²]", re.IGNORECASE)
+_SPEED_WORDS = {"speed", "drehzahl", "shaft", "welle", "side", "rpm", "ratio", "one", "common", "main", "of", "the"}
+_UNKNOWN_SIDE = (
+    "may say that values are referred to one speed, or something else; say which: all values are real, or values are "
+    "referred to the crank; or choose by the option values, real or referred"
+)
+
+
+@dataclass(frozen=True)
+class SheetRemark:
+    """Text of a sheet beside its table, and what was taken from it: ``referred``, ``real`` or nothing."""
+
+    text: str
+    line: int
+    taken: str = ""
+
+
+@dataclass(frozen=True)
+class SideDecision:
+    """Whether values of a sheet are referred to one speed, whether it says so, its remarks, and what stays open."""
+
+    referred: bool
+    is_said: bool
+    remarks: tuple[SheetRemark, ...]
+    faults: tuple[Fault, ...]
+    by_option: bool = False
+
+    def notes(self, ratios: Mapping[str, Fraction]) -> Iterator[str]:
+        """Sentences on the remarks, and on what several speeds of the masses mean for the values."""
+        for remark in self.remarks:
+            if not remark.taken:
+                yield f'line {remark.line}, "{remark.text}", is not used'
+        if not _turn_apart(ratios):
+            return
+        says = "says the option values" if self.by_option else "says the sheet"
+        if self.referred:
+            yield f"values are referred to the speed of ratio 1, {says}; they were made real by the speed ratio"
+        elif self.is_said:
+            yield "values are real"
+        else:
+            yield "whether values are referred is not said; they were taken as real"
+
+
+def decide_side(columns: SheetColumns, rows: SheetRows, grid: CellGrid, option: str = "") -> SideDecision:
+    """Whether values of a sheet are referred to one speed: by option, headings, remarks above the table, or below.
+
+    A word such as reduced that does not stand in a sentence on the values is a fault where speeds differ, as is a
+    factor or GD2 in a remark.
+    """
+    names = {
+        word
+        for row in columns.rows
+        for cell in row
+        for word in (cell.text.casefold(), plain_name(cell.text).casefold())
+    }
+    faults: list[Fault] = []
+    remarks: list[SheetRemark] = []
+    unclear: list[Cell] = []
+    said = [one.referred for one in columns.all if one.meaning in ("inertia", "stiffness") and one.referred is not None]
+    texts = _texts(columns, rows, grid)
+    for cell in texts:
+        side, is_unclear = remark_side(cell.text, names)
+        unclear += [cell] if is_unclear else []
+        said += [] if side is None else [side]
+        remarks.append(SheetRemark(cell.text, cell.line, "" if side is None else "referred" if side else "real"))
+        faults += [grid.fault(text, cell) for text in _weighing(cell.text, columns)]
+    for cell in _free_cells(columns):
+        unclear += [cell] if any(remark_side(cell.text, names)) else []
+    if not option and _turn_apart(rows.ratios):
+        first = next((one for one in remarks if one.taken), None)
+        if first and len(set(said)) > 1:
+            both = "the sheet says of its values that they are referred, and that they are real"
+            faults.append(
+                grid.fault(f"{both}; choose by the option values, real or referred", Cell(first.text, first.line, 1))
+            )
+        faults += [grid.fault(f'"{cell.text}" {_UNKNOWN_SIDE}', cell) for cell in unclear]
+        headings = [one.cell for one in columns.all if one.referred and one.meaning in ("inertia", "stiffness")]
+        for cell in (*headings, *(cell for cell in texts if remark_side(cell.text, names)[0])):
+            if elsewhere := _turning_elsewhere(referral_target(cell.text), rows):
+                said_to = f'"{cell.text}" refers values to {elsewhere.label}, whose speed ratio is not 1'
+                faults.append(grid.fault(f"{said_to}; give ratios to that speed, or choose by the option values", cell))
+    referred = option == "referred" if option else bool(said and said[0])
+    return SideDecision(referred, bool(said or option), tuple(remarks), tuple(faults), bool(option))
+
+
+def _turn_apart(ratios: Mapping[str, Fraction]) -> bool:
+    return len({abs(ratio) for ratio in ratios.values()} | {Fraction(1)}) > 1
+
+
+def _turning_elsewhere(target: str, rows: SheetRows) -> SheetMass | None:
+    """Mass to whose speed values are referred, by the words for it, where that is not the speed of ratio 1."""
+    words = {word for word in target.split() if word not in _SPEED_WORDS}
+    called = [mass for mass in rows.masses if words & set(re.split(r"[^\w]+", mass.label.casefold()))]
+    return called[0] if called and all(abs(mass.ratio) != 1 for mass in called) else None
+
+
+def _texts(columns: SheetColumns, rows: SheetRows, grid: CellGrid) -> list[Cell]:
+    """Comments, and rows above the headings or without values below, each as one text where it begins."""
+    joined = []
+    for row in (*columns.above, *rows.without_values):
+        filled = [cell for cell in row if cell.text]
+        joined.append(Cell(", ".join(cell.text for cell in filled), filled[0].line, filled[0].column))
+    return sorted([*(cell for cell in grid.remarks if cell.text), *joined], key=lambda cell: cell.line)
+
+
+def _free_cells(columns: SheetColumns) -> list[Cell]:
+    """Texts in columns that have no meaning, as remarks on masses."""
+    places = [one.place for one in columns.all if not one.meaning]
+    cells = [row[place] for row in columns.rows for place in places if place < len(row)]
+    return [cell for cell in cells if cell.text and not is_like_number(cell.text)]
+
+
+def _weighing(text: str, columns: SheetColumns) -> Iterator[str]:
+    """Messages on what a remark may say of the size of values, which a heading has to say."""
+    if has_power(text) and _OF_VALUES.search(text):
+        yield f'"{text}" may give a factor of values; put it into the heading of its column, as k [10^6 N*m/rad]'
+    inertia = columns.of("inertia")
+    if (
+        _DISC.search(text)
+        and inertia is not None
+        and not _DISC.search(inertia.heading)
+        and "GD" not in inertia.unit_text
+    ):
+        yield f'"{text}" speaks of GD2, four times the inertia; write GD2 or GD2/4 into "{inertia.heading}"'
 
 
 @dataclass(frozen=True)
@@ -191,3 +328,63 @@ def _gear_note(gear: SheetGear) -> str:
         "at the end of the shaft, whose values are at the speed of the first" if gear.has_shaft else "without a shaft"
     )
     return f"between {gear.first} and {gear.second} a gear of ratio {numeral_of(gear.ratio)} was put, {where}"
+
+
+# Entry of a mass-elastic sheet in a file beside the model file.
+
+FILE = "file"
+"""Key of the name of the file where the entry of a sheet has others, too."""
+_CHOICES = {"values": SIDES, "factors": READINGS}
+
+
+class SheetEntry(Spec[MassElasticSheet]):
+    """Entry that names the file of a mass-elastic sheet.
+
+    The name of a file in the folder of the model file, or below; with what its sheet leaves open, as
+    ``{file: engine.csv, factors: unit}``.
+    """
+
+    @property
+    def example(self) -> str:
+        return "the name of a file beside the model, as engine.csv"
+
+    def coerce(self, raw: object) -> MassElasticSheet:
+        if isinstance(raw, MassElasticSheet):
+            return raw
+        said: dict[str, str] = {}
+        if isinstance(raw, Mapping):
+            said = {str(key): value for key, value in raw.items() if key != FILE}
+            for key, value in said.items():
+                allowed = _CHOICES.get(key, ())
+                if value not in allowed:
+                    text = f"expected {' or '.join(allowed)}" if allowed else f"a sheet has {FILE}, values and factors"
+                    raise EntryError(Fault(f"{text}, {got(value if allowed else key)}", (key,), on_key=not allowed))
+            raw = raw.get(FILE)
+        if not isinstance(raw, str | Path):
+            raise EntryError(f"expected the name of a sheet, as engine.csv, {got(raw)}")
+        reading = SheetReading(**said)
+        try:
+            if isinstance(raw, Path):
+                return read_sheet(raw, reading=reading)
+            return read_sheet(nearby_file(raw), raw, reading)
+        except ModelError as error:
+            count = f"{len(error.faults)} fault{'s' if len(error.faults) > 1 else ''}"
+            raise EntryError([Fault(f'the sheet "{raw}" cannot be used; {count} in it'), *error.faults]) from None
+        except OSError as error:
+            raise EntryError(f'the sheet "{raw}" cannot be read: {error.strerror or error}') from None
+
+    def plain(self, value: Any) -> str | dict[str, str]:
+        said = {key: text for key, text in asdict(value.reading).items() if text}
+        return {FILE: str(value.file), **said} if said else str(value.file)
+
+    def schema(self) -> Schema:
+        name: Schema = {"type": "string", "description": self.description}
+        choices: dict[str, Schema]
+        choices = {key: {"type": "string", "enum": list(allowed)} for key, allowed in _CHOICES.items()}
+        mapping: Schema = {"type": "object", "properties": {FILE: {"type": "string"}, **choices}, "required": [FILE],
+                   "additionalProperties": False}  # fmt: skip
+        return {"anyOf": [name, mapping], "description": self.description}
+
+    @property
+    def accepted(self) -> str:
+        return f"str | pathlib.Path | collections.abc.Mapping[str, str] | {full_name(MassElasticSheet)}"

@@ -7,10 +7,16 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from difflib import SequenceMatcher
 
-from torsionnet.base.delimited.cell_grid import Cell, CellGrid
-from torsionnet.base.delimited.sheet_headings import MOST_CHARACTERS, NO_UNIT, HeadingFactor, SheetHeading, read_heading
-from torsionnet.base.delimited.sheet_numbers import is_like_number
-from torsionnet.base.delimited.sheet_units import SheetUnit, sheet_unit
+from torsionnet.base.delimited.cell_grid import Cell, CellGrid, is_like_number
+from torsionnet.base.delimited.sheet_headings import (
+    MOST_CHARACTERS,
+    NO_UNIT,
+    HeadingFactor,
+    SheetHeading,
+    SheetUnit,
+    read_heading,
+    sheet_unit,
+)
 from torsionnet.base.errors import Fault, ModelError, comma_list
 from torsionnet.base.units import DIMENSIONS, UnitError
 from torsionnet.model.sheets.meanings import (
@@ -18,11 +24,11 @@ from torsionnet.model.sheets.meanings import (
     DAMPING,
     MEANINGS,
     Meaning,
+    heading_side,
     is_limit,
     meanings_of,
     unknown_words,
 )
-from torsionnet.model.sheets.referral_words import heading_side
 
 LEAST_SIMILARITY = 0.8
 """Smallest ``difflib`` ratio at which an unknown heading is taken for a misspelt word: a letter or two in a word; a

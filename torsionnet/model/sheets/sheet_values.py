@@ -7,9 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 
-from torsionnet.base.delimited.cell_grid import Cell, CellGrid
-from torsionnet.base.delimited.sheet_numbers import decimal_sign, is_like_number, plain_number_text
-from torsionnet.base.delimited.sheet_units import SheetUnit, sheet_unit
+from torsionnet.base.delimited.cell_grid import Cell, CellGrid, decimal_sign, is_like_number, plain_number_text
+from torsionnet.base.delimited.sheet_headings import SheetUnit, sheet_unit
 from torsionnet.base.errors import Fault, ModelError
 from torsionnet.base.expressions import is_beyond_range
 from torsionnet.base.units import DIMENSIONS, Real, UnitError, exact, parse_number

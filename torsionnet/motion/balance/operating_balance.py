@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -15,16 +15,19 @@ from torsionnet.base.errors import Fault, ModelError, UsageError
 from torsionnet.base.expressions import Number
 from torsionnet.base.units import RPM
 from torsionnet.model.balanced_state import BalancedState
+from torsionnet.model.definition import Definition
 from torsionnet.model.element_base.laws import AT_REST, MotionState
-from torsionnet.model.elements import Element, MotionLaw
-from torsionnet.model.elimination import exact
+from torsionnet.model.elements import Element, MotionLaw, Row
+from torsionnet.model.elimination import exact, reduce_rows
+from torsionnet.model.kinematics import UNIT, exact_row
 from torsionnet.model.law_network import LawNetwork, PlacedMotionLaw, keeps_own_point, law_network
-from torsionnet.model.load.external_torques import CutOffError, ExternalTorques, stated_torques
+from torsionnet.model.load.external_torques import CutOffError, ExternalTorques, reference_node, stated_torques
+from torsionnet.model.operating_point import OperatingPoint
 from torsionnet.model.parameters import resolve
 
 if TYPE_CHECKING:
-    from torsionnet.model.definition import Definition
     from torsionnet.motion.balance.steady_speeds import SteadySpeeds
+
 
 SAME_SPEED = 1e-9
 """Share of the largest speed by which slips may differ from those that given speeds ask for: more than rounding."""
@@ -123,7 +126,6 @@ class OperatingBalance:
         """
         if self._rests:
             return False
-        from torsionnet.motion.balance.determinate_torques import virtual_opening
 
         network = self.network
         following = [one for one in self.definition.switched_on if self._follows(one)]
@@ -182,7 +184,6 @@ class OperatingBalance:
 
     def _balanced(self, motion: SteadySpeeds, external: Mapping[str, float]) -> list[BalancedState]:
         """States of all laws with steady speeds, whose torques twist the springs; several where a torque falls."""
-        from torsionnet.motion.balance.determinate_torques import determinate_torques
         from torsionnet.motion.balance.twist_search import twist_balance
 
         network = self.network
@@ -214,7 +215,7 @@ class OperatingBalance:
         slipping: Mapping[str, Fraction],
         found: Mapping[PlacedMotionLaw, tuple[MotionState, float]],
     ) -> BalancedState:
-        from torsionnet.motion.balance.steady_stability import returns_to_twists
+        from torsionnet.motion.balance.rate_states import returns_to_twists
 
         self._require_range(found)
         twisted = {one: found[one][0] for one in self.network.over_twist}
@@ -343,3 +344,72 @@ def _not_reached(law: MotionLaw, torque: float) -> str:
         return f"the mean torque is {torque:.6g} N*m, and it holds at most {most:.6g} N*m; reduce the torque"
     reach = f", and it ends at {max(ends, key=lambda end: end * torque):.6g} N*m" if ends else ""
     return f"the mean torque is {torque:.6g} N*m{reach}; extend the table or the last stage, or reduce the torque"
+
+
+# Operating point of a call, from torques by place and a speed or speeds by node.
+
+
+def asked_point(
+    definition: Definition, torque: Mapping[str, Any] | None, speed: Mapping[str, Any] | float | str | None
+) -> OperatingPoint:
+    """Operating point with torques by place and a speed of the reference node, or speeds by node.
+
+    Raises
+    ------
+    UsageError
+        Neither torques nor speeds, or a speed without a reference node.
+    ModelError
+        A value that is no torque or speed.
+    """
+    if not torque and speed is None:
+        raise UsageError('give torques or speeds of the operating point, as at(torque={"crank": "200 N*m"})')
+    if speed is not None and not isinstance(speed, Mapping):
+        reference = reference_node(definition) or next(iter(definition.operating_point.speed), "")
+        if not reference:
+            raise UsageError(
+                f"{speed} is the speed of no node in particular, as the model has neither speeds: nor load:; "
+                "give it by node, as speed={node: value}"
+            )
+        speed = {reference: speed}
+    found, faults = OperatingPoint.read({"torque": dict(torque or {}), "speed": dict(speed or {})})
+    if faults or found is None:
+        raise ModelError(faults or [Fault("no operating point")], "the operating point")
+    return found
+
+
+# Mean torques of laws that equilibrium alone gives, exact as the torques from outside are.
+
+MOST_LAWS = 40
+"""Largest number of laws whose torque is sought by opening each of them, an elimination for every law."""
+
+
+def determinate_torques(network: LawNetwork, external: Mapping[str, Fraction]) -> dict[PlacedMotionLaw, Fraction]:
+    """Mean torque in N m of each law over the twist, of those that share it with nothing else, from torques by node.
+
+    It is the work of the external torques on the virtual motion that opens the law by one and leaves everything else
+    without twist. Torques that leave something over are taken where the free motions are held.
+    """
+    if len(network.over_twist) > MOST_LAWS:
+        return {}
+    found = {}
+    for law in network.over_twist:
+        motion = virtual_opening(network, law)
+        if motion is not None:
+            found[law] = sum((torque * motion.get(node, 0) for node, torque in external.items()), start=Fraction(0))
+    return found
+
+
+def virtual_opening(network: LawNetwork, opened: PlacedMotionLaw) -> dict[str, Fraction] | None:
+    """Virtual motion of the nodes that opens a law by one and nothing else; None where others have to open with it."""
+    rows: list[Row] = [exact_row(row) for row in network.held]
+    rows += [exact_row(law.row) for _, law in network.elastic]
+    rows += [exact_row(one.law.row) for one in network.over_twist if one is not opened]
+    rows += [{node: Fraction(1)} for node in network.free_motions]
+    return _motion_of([*rows, {**exact_row(opened.law.row), UNIT: Fraction(-1)}], network)
+
+
+def _motion_of(rows: Iterable[Row], network: LawNetwork) -> dict[str, Fraction] | None:
+    reduction = reduce_rows(rows, network.order, {UNIT})
+    if reduction.blocked:
+        return None
+    return {node: row[UNIT] for node, row in reduction.solved.items() if UNIT in row}

@@ -26,8 +26,11 @@ from torsionnet.model.law_network import LawNetwork, PlacedMotionLaw
 from torsionnet.model.load.external_torques import UNBALANCED_SHARE
 from torsionnet.model.motion_laws.piece_curve import PieceCurve, Slope
 from torsionnet.motion.balance.rate_states import (
+    ZERO_SHARE,
     LawSpeed,
     beyond_reach,
+    null_space,
+    returns_to_speeds,
     roots_along,
     shared_by_sticking,
     state_at,
@@ -36,7 +39,6 @@ from torsionnet.motion.balance.rate_states import (
     sticks,
     torque_at,
 )
-from torsionnet.motion.balance.steady_stability import ZERO_SHARE, null_space, returns_to_speeds
 
 FloatArray = NDArray[np.float64]
 

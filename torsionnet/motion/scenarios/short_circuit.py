@@ -14,16 +14,16 @@ from torsionnet.base.errors import MISSING_KEY, Fault, unknown_name
 from torsionnet.base.expressions import Expression, Number
 from torsionnet.base.phrases import phrase
 from torsionnet.model.operating_point import MachineName
-from torsionnet.motion.scenarios.grid_tie import GridTie
 from torsionnet.motion.scenarios.scenario import (
     OPERATING_POINT,
     DrivingCourse,
+    GridTie,
     Scenario,
     ScenarioSubject,
     register_scenario,
 )
 from torsionnet.motion.scenarios.time_history import HistoryPiece, TimeHistory, Wave
-from torsionnet.signals.motion_event import MotionEvent
+from torsionnet.signals.recording import MotionEvent
 
 AFTERWARDS = 0.5
 """Time in s after the fault that is simulated unless another is asked for: thirty periods of a 60 Hz line, in which the

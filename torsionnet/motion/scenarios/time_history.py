@@ -4,11 +4,25 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from cmath import exp
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import ceil, pi
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from torsionnet.base.entries.composite import Composite
+from torsionnet.base.entries.scalars import (
+    SCALAR_SCHEMA,
+    AnyQuantity,
+    PhysicalQuantity,
+    Value,
+    plain_number,
+    plain_scalar,
+)
+from torsionnet.base.entries.spec import EntryError, Json, Schema, Spec
+from torsionnet.base.errors import MISSING_KEY, EntryPath, Fault, got, unknown_key
+from torsionnet.base.expressions import Expression, Number
+from torsionnet.model.elements import Values
 
 if TYPE_CHECKING:
     import numpy as np  # reading and checking a model file does without
@@ -169,3 +183,177 @@ def straight(rows: Iterable[tuple[float, float]]) -> TimeHistory:
     if len(listed) > 1:
         pieces.append(HistoryPiece(listed[-1][0], listed[-1][1]))
     return TimeHistory(tuple(pieces))
+
+
+# Entry for a value over time: a constant, rows of times and values, or a sinusoid about a mean.
+
+TIME = Value("a time", "time")
+_FREQUENCY = PhysicalQuantity("frequency", "frequency", exclusive=True)
+_PHASE = PhysicalQuantity("phase of the cosine", "angle", lower=None)
+_WORDS = ("mean", "amplitude", "frequency", "phase")
+
+
+@dataclass(frozen=True)
+class SteadyCourse:
+    """Course of one value."""
+
+    value: Expression
+
+    def at(self, value: Values) -> TimeHistory:
+        """History of the course with the values of parameters."""
+        return constant(float(value(self.value)))
+
+    def parts(self) -> Iterator[tuple[str, Expression]]:
+        """Yield the name of the entry and the expression of every value of the course."""
+        yield "", self.value
+
+
+@dataclass(frozen=True)
+class StraightCourse:
+    """Course that runs straight between rows of times in s and values, and stands still before and after them."""
+
+    rows: tuple[tuple[float, Expression], ...]
+
+    def at(self, value: Values) -> TimeHistory:
+        """History of the course with the values of parameters."""
+        return straight((time, float(value(one))) for time, one in self.rows)
+
+    def parts(self) -> Iterator[tuple[str, Expression]]:
+        """Yield the name of the entry and the expression of every value of the course."""
+        for _, one in self.rows:
+            yield "", one
+
+
+@dataclass(frozen=True)
+class SineCourse:
+    """Course mean + amplitude cos(2 pi frequency t + phase)."""
+
+    amplitude: Expression
+    frequency: Expression
+    mean: Expression = Number(0)
+    phase: Expression = Number(0)
+
+    def at(self, value: Values) -> TimeHistory:
+        """History of the course with the values of parameters."""
+        from cmath import rect
+
+        mean, size, frequency, phase = (float(value(getattr(self, name))) for name in _WORDS)
+        wave = Wave(rect(size, phase), complex(0.0, 2 * pi * frequency))
+        return TimeHistory((HistoryPiece(0.0, mean, 0.0, (wave,)),))
+
+    def parts(self) -> Iterator[tuple[str, Expression]]:
+        """Yield the name of the entry and the expression of every value of the course."""
+        for name in _WORDS:
+            yield name, getattr(self, name)
+
+
+Course: TypeAlias = SteadyCourse | StraightCourse | SineCourse
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class HistoryEntry(Composite[Course]):
+    """Entry for a value over time, ``20 N*m``, ``{0 s: 20 N*m, 50 ms: 250 N*m}`` or a sinusoid.
+
+    Between its rows the value runs straight; before the first and after the last it stands still. Rows as a list,
+    ``[[0.1 s, 0 N*m], [0.1 s, 250 N*m]]``, may give a time twice, which is a jump. A sinusoid
+    ``{mean: 40 N*m, amplitude: 60 N*m, frequency: 10 Hz, phase: 0 deg}`` is mean + amplitude cos(2 pi f t + phase).
+    """
+
+    dimension: str = ""
+    """Name of the dimension of the value; empty: any."""
+
+    @property
+    def of(self) -> Spec[Expression]:
+        """Specification of one value."""
+        if not self.dimension:
+            return AnyQuantity("a value")
+        return PhysicalQuantity(f"a {self.dimension}", self.dimension, lower=None)
+
+    @property
+    def example(self) -> str:
+        unit = " N*m" if self.dimension in ("torque", "") else ""
+        sine = f"{{mean: 40{unit}, amplitude: 60{unit}, frequency: 10 Hz}}"
+        return f"20{unit}, {{0 s: 20{unit}, 50 ms: 250{unit}}} or {sine}"
+
+    def read(self, raw: object) -> tuple[Course | None, list[Fault]]:
+        if isinstance(raw, SteadyCourse | StraightCourse | SineCourse):
+            return raw, []
+        if isinstance(raw, Mapping):
+            return self._sine(raw) if set(raw) & set(_WORDS) else self._rows(list(raw.items()), keyed=True)
+        if isinstance(raw, list | tuple):
+            wrong = [place for place, row in enumerate(raw) if not isinstance(row, list | tuple) or len(row) != 2]
+            if wrong:
+                return None, [Fault(f"a row is [time, value], {got(raw[place])}", (place,)) for place in wrong]
+            return self._rows([(row[0], row[1]) for row in raw], keyed=False)
+        try:
+            return SteadyCourse(self.of.coerce(raw)), []
+        except EntryError as error:
+            return None, [replace(one, message=f"{one.message}; over time, as {self.example}") for one in error.faults]
+
+    def _rows(self, raw: list[tuple[Any, Any]], *, keyed: bool) -> tuple[Course | None, list[Fault]]:
+        if not raw:
+            return None, [Fault(f"expected {self.example}, got no rows")]
+        faults: list[Fault] = []
+        rows: list[tuple[float, Expression]] = []
+        latest = -1.0
+        for place, (key, given) in enumerate(raw):
+            at: EntryPath = (key,) if keyed else (place, 0)
+            try:
+                time = TIME.coerce(key)
+            except EntryError as error:
+                faults.append(Fault(f"a row begins with a time, as 50 ms: {error}", at, on_key=keyed))
+                continue
+            if time < latest or (keyed and time == latest):
+                faults.append(Fault(f"{key} stands after {latest:g} s; the times of a history rise", at, on_key=keyed))
+            latest = max(latest, time)
+            one, found = self.of.read(given)
+            faults += [fault.under(*((key,) if keyed else (place, 1))) for fault in found]
+            if one is not None:
+                rows.append((time, one))
+        thrice = [time for time, after in zip([row[0] for row in rows], [row[0] for row in rows[2:]], strict=False)
+                  if time == after]  # fmt: skip
+        faults += [Fault(f"{time:g} s stands three times; a jump has two rows") for time in dict.fromkeys(thrice)]
+        return (None, faults) if faults else (StraightCourse(tuple(rows)), [])
+
+    def _sine(self, raw: Mapping[Any, Any]) -> tuple[Course | None, list[Fault]]:
+        specs: dict[str, Spec[Expression]] = {
+            "mean": self.of, "amplitude": self.of, "frequency": _FREQUENCY, "phase": _PHASE
+        }  # fmt: skip
+        rest = f"a sinusoid has {', '.join(_WORDS)}"
+        faults = [unknown_key(key, list(_WORDS), (key,), rest) for key in raw if key not in specs]
+        faults += [
+            Fault(f"a sinusoid needs its {key}", on_key=True, kind=MISSING_KEY)
+            for key in ("amplitude", "frequency")
+            if raw.get(key) is None
+        ]
+        values: dict[str, Any] = {}
+        for key, spec in specs.items():
+            if raw.get(key) is not None:
+                values[key], found = spec.read(raw[key])
+                faults += [fault.under(key) for fault in found]
+        return (None, faults) if faults else (SineCourse(**values), [])
+
+    def expressions(self, value: Any) -> tuple[tuple[EntryPath, Expression, str], ...]:
+        wanted = {"frequency": "frequency", "phase": "angle"}
+        return tuple(((name,) if name else (), one, wanted.get(name, self.dimension)) for name, one in value.parts())
+
+    def plain(self, value: Any) -> Json:
+        if isinstance(value, SteadyCourse):
+            return plain_scalar(value.value)
+        if isinstance(value, SineCourse):
+            return {name: plain_scalar(one) for name, one in value.parts() if one != Number(0)}
+        times = [time for time, _ in value.rows]
+        rows = [(f"{plain_number(time)} s", plain_scalar(one)) for time, one in value.rows]
+        return dict(rows) if len(set(times)) == len(times) else [list(row) for row in rows]
+
+    def schema(self) -> Schema:
+        row: Schema = {"type": "array", "items": SCALAR_SCHEMA, "minItems": 2, "maxItems": 2}
+        rows: Schema = {"type": "object", "additionalProperties": SCALAR_SCHEMA, "minProperties": 1}
+        return {
+            "description": self.description,
+            "anyOf": [SCALAR_SCHEMA, rows, {"type": "array", "items": row, "minItems": 1}],
+        }
+
+    @property
+    def accepted(self) -> str:
+        return "Scalar | collections.abc.Mapping[typing.Any, Scalar] | list[list[Scalar]]"

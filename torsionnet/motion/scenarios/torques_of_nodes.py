@@ -15,9 +15,8 @@ from torsionnet.base.phrases import extended, joined, phrase
 from torsionnet.model.element_base.element_entries import ElementName
 from torsionnet.model.elements import GROUND, Element, MotionLaw, Values
 from torsionnet.model.operating_point import TorqueInput, place_fault, torque_place
-from torsionnet.motion.scenarios.history_entry import Course, HistoryEntry
 from torsionnet.motion.scenarios.scenario import DrivingCourse, Scenario, ScenarioSubject, register_scenario
-from torsionnet.motion.scenarios.time_history import TimeHistory
+from torsionnet.motion.scenarios.time_history import Course, HistoryEntry, TimeHistory
 
 _TORQUE = HistoryEntry("torque over time", "torque")
 _TORQUES = Named(

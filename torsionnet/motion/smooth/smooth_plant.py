@@ -5,23 +5,207 @@ y are the states of the contact state, as few as there are, followed by the torq
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from torsionnet.base.errors import UsageError
 from torsionnet.linear.assembly.law_stiffness import Functional
-from torsionnet.linear.assembly.rows import FloatArray
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.model.channels import Input
-from torsionnet.motion.contact_states import Contact, ContactStates
+from torsionnet.motion.contact_form import ContactForm
+from torsionnet.motion.contact_states import Contact, ContactStates, relative_state
 from torsionnet.motion.driving import Driving, Stretch
-from torsionnet.motion.march_tables import in_steps
-from torsionnet.motion.motion_plant import PlacedLaw
-from torsionnet.motion.phases import Phase
-from torsionnet.motion.smooth.smooth_contact import SmoothContact, smooth_contact
+from torsionnet.motion.march_tables import guard_rows, in_steps
+from torsionnet.motion.motion_plant import Drive, LawRow, Layout, Phase, PlacedLaw
+from torsionnet.motion.motion_record import reading_rows
 from torsionnet.motion.smooth_laws import SmoothLaw, SplitPlant
-from torsionnet.motion.start_state import relative_state
-from torsionnet.motion.state_layout import Drive, Layout
+
+# Equations of motion in one contact state over as few states as there are, with smooth laws as torques u.
+
+LEAST_SINGULAR = 0.5
+"""Singular value that parts the motions of the refresh, a projection whose others are 1 or more, from rounding."""
+FEEDBACK = 1e-9
+"""Share of the largest weight in a row by which the torque of a law may seem to change its own motion at once."""
+
+
+@dataclass(frozen=True, eq=False)
+class SmoothForm:
+    """Equations y' = A y + U u + S u' in one contact state, z = Z_y y + Z_u u + Z_s u', and y = take z.
+
+    Attributes
+    ----------
+    form : ContactForm
+    A, U, S : arrays (r, r), (r, n_u), (r, n_u)
+    over_y, over_u, over_s : arrays (N, r), (N, n_u), (N, n_u)
+    take : (r, N) array
+    motions : tuple of arrays
+        Rows over z of the twist and of all rates of each smooth law, the twist first.
+    """
+
+    form: ContactForm
+    A: FloatArray
+    U: FloatArray
+    S: FloatArray
+    over_y: FloatArray
+    over_u: FloatArray
+    over_s: FloatArray
+    take: FloatArray
+    motions: tuple[FloatArray, ...]
+
+    def whole(self, y: FloatArray, u: FloatArray, slopes: FloatArray) -> FloatArray:
+        """States z from y, u and the rates of change of u."""
+        return np.asarray(self.over_y @ y + self.over_u @ u + self.over_s @ slopes)
+
+
+def smooth_form(form: ContactForm, at: Layout, laws: Sequence[SmoothLaw], places: Sequence[int]) -> SmoothForm:
+    """Equations of motion over as few states as there are; the torques of laws stand at ``places`` in u.
+
+    Raises
+    ------
+    UsageError
+        The torque of a law changes its own motion at once, since nothing there has inertia.
+    """
+    own = form.refresh[: at.n_p, : at.n_p]
+    left, sizes, _ = np.linalg.svd(own)
+    basis = left[:, : int((sizes > LEAST_SINGULAR).sum())]
+    take = np.zeros((basis.shape[1], at.size))
+    take[:, : at.n_p] = basis.T @ own
+    over_y, over_u, over_s = form.refresh[:, : at.n_p] @ basis, form.refresh[:, at.u], form.refresh[:, at.slope]
+    rates = take @ form.A
+    angles, speeds, _ = form.motion
+    motions = tuple(np.vstack([one.row @ angles, one.row @ speeds, one.sensed @ speeds]) for one in laws)
+    prompt = [place for place, one in zip(places, laws, strict=True) if not one.lag]
+    for one, rows in zip(laws, motions, strict=True):
+        used = rows[1:] if one.over_rate else rows[:1]
+        if one.lag:
+            continue
+        at_once = np.hstack([used @ over_u[:, prompt], used @ over_s[:, prompt]])
+        if np.abs(at_once).max(initial=0.0) > FEEDBACK * _size(form, at):
+            text = "its torque acts where nothing has inertia, so that its motion follows from a curve alone"
+            raise UsageError(f"{one.owner}: {text}; give the node an inertia")
+    return SmoothForm(form, rates @ over_y, rates @ over_u, rates @ over_s, over_y, over_u, over_s, take, motions)
+
+
+def _size(form: ContactForm, at: Layout) -> float:
+    """Largest acceleration that a torque of 1 N m gives to a coordinate."""
+    return max(1e-300, float(np.abs(form.motion[2][:, at.u]).max(initial=0.0)))
+
+
+# Contact states of a smooth motion: equations, guards, readings, and powers by element, as rows over the state z.
+
+
+@dataclass(frozen=True, eq=False)
+class Powers:
+    """Powers in W as products of two rows (n, N) over z with a factor, and their owners; that outside is ""."""
+
+    firsts: FloatArray
+    seconds: FloatArray
+    factors: FloatArray
+    owners: tuple[str, ...]
+
+    def works(self, Z: FloatArray, weights: FloatArray) -> Iterator[tuple[str, float]]:
+        """Yield owner and work in J of each power over states Z (N, n) with quadrature weights (n,) in s."""
+        sums = self.factors * (((self.firsts @ Z) * (self.seconds @ Z)) @ weights)
+        yield from zip(self.owners, sums.tolist(), strict=True)
+
+
+@dataclass(frozen=True, eq=False)
+class SmoothContact:
+    """Contact state with its equations, guards (n_g, N), readings (n_out, N) and powers over z.
+
+    ``poles`` (n,) in 1/s are those of the motion without the smooth laws. ``needs_slopes`` says whether guards,
+    readings or powers follow how the torques of the smooth laws change.
+    """
+
+    contact: Contact
+    form: SmoothForm
+    guards: FloatArray
+    reads: FloatArray
+    powers: Powers
+    poles: ComplexArray
+    needs_slopes: bool
+
+    @property
+    def turning(self) -> float:
+        """Largest circular frequency of a vibration in rad/s without the smooth laws."""
+        return float(np.abs(self.poles.imag).max(initial=0.0))
+
+
+def smooth_contact(
+    states: ContactStates, contact: Contact, laws: Sequence[SmoothLaw], places: Sequence[int],
+    readings: Sequence[Functional], inputs: Sequence[Input],
+) -> SmoothContact:  # fmt: skip
+    """Contact state of a plant whose smooth laws have their torques at ``places`` in u.
+
+    Raises
+    ------
+    UsageError
+        Parts that stick in a loop, or smooth laws where nothing has inertia.
+    """
+    at, bare = states.at, states.form(contact)
+    form = smooth_form(bare, at, laws, places)
+    guards = guard_rows(bare, states.laws, contact, at, states.drive.scale_of)
+    reads = _readings(states, bare, laws, places, readings, inputs)
+    powers = _powers(states, contact, form, laws, places, len(inputs))
+    own = np.vstack([reads, powers.firsts, powers.seconds, guards]) @ form.over_s[:, list(places)]
+    direct = np.abs(reads[:, at.slope][:, list(places)]).max(initial=0.0)
+    needs = bool(max(np.abs(own).max(initial=0.0), direct) > 0)
+    return SmoothContact(contact, form, guards, reads, powers, np.linalg.eigvals(form.A).astype(complex), needs)
+
+
+def _readings(
+    states: ContactStates, bare: ContactForm, laws: Sequence[SmoothLaw], places: Sequence[int],
+    readings: Sequence[Functional], inputs: Sequence[Input],
+) -> FloatArray:  # fmt: skip
+    """Rows (n_out, N) of the readings, in which the torques of smooth laws stand in u."""
+    plant, at = states.plant, states.at
+    torques, ones = list(bare.torques), np.eye(at.size)[at.u]
+    for place, one in zip(places, laws, strict=True):
+        if one.held >= 0:
+            torques[one.held] = torques[one.held] + ones[place]
+    mine = [(place, one) for place, one in zip(places, laws, strict=True) if one.held < 0]
+    rows = (LawRow(one.owner, one.law, one.number, one.row) for _, one in mine)
+    whole = replace(plant, laws=(*plant.laws, *rows))
+    read = replace(bare, torques=np.array([*torques, *(ones[place] for place, _ in mine)]).reshape(-1, at.size))
+    return reading_rows(whole, readings, inputs, read, at)
+
+
+def _powers(
+    states: ContactStates, contact: Contact, form: SmoothForm, laws: Sequence[SmoothLaw], places: Sequence[int],
+    n_in: int,
+) -> Powers:  # fmt: skip
+    """Powers of dampers, of laws of motion, of controllers and of torques from outside."""
+    plant, at, bare = states.plant, states.at, form.form
+    found: list[tuple[FloatArray, FloatArray, float, str]] = []
+    system, speed, one = plant.assembly.system, bare.motion[1], np.eye(at.size)[at.one]
+    for number, law in enumerate(plant.assembly.laws):
+        if system.damping[number] and not isinstance(law, PlacedLaw):
+            rate = system.rows[number] @ speed
+            found.append((rate, rate, float(system.damping[number]), plant.assembly.owners[number]))
+    for number, (law_of, place) in enumerate(zip(states.laws, contact, strict=True)):
+        phase, rate = law_of.phases[place], bare.rates[number]
+        if law_of.over_rate:
+            found.append((bare.torques[number], rate, 1.0, law_of.owner))
+        elif phase.kind == "free":
+            found.append((phase.torque * one + phase.stiffness * bare.twists[number], rate, -1.0, law_of.owner))
+        elif phase.kind == "slope" and phase.damping:
+            found.append((rate, rate, phase.damping, law_of.owner))
+    ones = np.eye(at.size)[at.u]
+    for place, smooth in zip(places, laws, strict=True):
+        if smooth.over_rate:
+            found.append((ones[place], smooth.row @ speed, 1.0, smooth.owner))
+        elif smooth.number < 0:  # the torque on the row is -u
+            found.append((ones[place], smooth.row @ speed, -1.0, ""))
+    columns = states.drive.columns[:, :n_in].T
+    found += [(row, column @ speed, 1.0, "") for row, column in zip(bare.inputs, columns, strict=False)]
+    for action, torque in zip(plant.actions, bare.act, strict=True):
+        found.append((torque, action.row @ speed, 1.0, ""))
+    firsts, seconds = (np.array([one[side] for one in found]).reshape(-1, at.size) for side in (0, 1))
+    return Powers(firsts, seconds, np.array([one[2] for one in found]), tuple(one[3] for one in found))
+
 
 MOST_CONTACTS = 256
 """Most contact states whose equations are kept."""

@@ -7,28 +7,185 @@ whose torques are worked out at every time. Events are located on the dense outp
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
+import scipy
+from numpy.polynomial import chebyshev
 
 from torsionnet.base.errors import SolveError, TorsionnetError
 from torsionnet.linear.assembly.law_stiffness import Functional
 from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.model.channels import Input
-from torsionnet.motion.contact_states import Contact
+from torsionnet.motion.contact_states import Contact, relative_state
 from torsionnet.motion.driving import Driving, Stretch
-from torsionnet.motion.event_losses import losing_law
 from torsionnet.motion.march_tables import in_steps
-from torsionnet.motion.motion_over_time import MotionOverTime
-from torsionnet.motion.smooth.guard_roots import first_event, nodes
-from torsionnet.motion.smooth.smooth_contact import SmoothContact
-from torsionnet.motion.smooth.smooth_method import RELATIVE, SmoothMethod
-from torsionnet.motion.smooth.smooth_plant import SmoothPlant
+from torsionnet.motion.motion_record import MotionOverTime
+from torsionnet.motion.motion_works import losing_law
+from torsionnet.motion.smooth.smooth_plant import SmoothContact, SmoothPlant
 from torsionnet.motion.smooth_laws import SplitPlant
-from torsionnet.motion.start_state import relative_state
-from torsionnet.signals.energy_balance import EnergyBalance
-from torsionnet.signals.motion_event import MotionEvent
+from torsionnet.signals.recording import EnergyBalance, MotionEvent
+
+# First event within a step of a Runge-Kutta method: where a guard falls below zero, also between two points.
+
+NODES = 13
+"""Number of Chebyshev points in a step, on which a polynomial of degree 12 is exact: dense output has degree 7."""
+GUARD_ROUNDING = 1e-12
+"""Share of the sizes of its terms up to which a guard counts as zero."""
+
+
+@lru_cache(maxsize=1)
+def nodes() -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Places (NODES,) from 0 to 1, weights of Clenshaw and Curtis over them, and the matrix to Chebyshev coefficients.
+
+    >>> places, weights, _ = nodes()
+    >>> round(float(weights @ places**9), 15)
+    0.1
+    """
+    x = -np.cos(np.pi * np.arange(NODES) / (NODES - 1))
+    matrix = np.linalg.inv(chebyshev.chebvander(x, NODES - 1))
+    integrals = np.array([2 / (1 - k**2) if k % 2 == 0 else 0.0 for k in range(NODES)])
+    return (x + 1) / 2, np.asarray(integrals @ matrix / 2), np.asarray(matrix)
+
+
+def first_event(values: FloatArray, sizes: FloatArray, guard_at: Callable[[int, float], float]) -> tuple[float, int]:
+    """Place from 0 to 1 in a step of the first event, and the number of its guard; (-1, -1) without one.
+
+    Parameters
+    ----------
+    values : (n_g, NODES) array
+        Guards at the nodes.
+    sizes : (n_g,) array
+        Sizes of the terms of each guard.
+    guard_at : callable
+        Value of a guard at a place in the step.
+    """
+    found, which = -1.0, -1
+    swing = np.abs(np.diff(values, axis=1)).max(axis=1)
+    for guard in np.flatnonzero(values.min(axis=1) <= swing + GUARD_ROUNDING * sizes).tolist():
+        place = _first_root(values[guard], GUARD_ROUNDING * float(sizes[guard]), guard, guard_at)
+        if place >= 0 and (which < 0 or place < found):
+            found, which = place, guard
+    return found, which
+
+
+def _first_root(values: FloatArray, rounding: float, guard: int, guard_at: Callable[[int, float], float]) -> float:
+    if values[0] < -rounding:
+        return 0.0
+    series = nodes()[2] @ values
+    turning = chebyshev.chebroots(chebyshev.chebder(series)) if np.abs(series[2:]).max() > 0 else np.zeros(0)
+    inside = sorted(float(one.real + 1) / 2 for one in np.atleast_1d(turning) if _is_inside(one))
+    last, positive = 0.0, values[0] > rounding
+    for place in (*inside, 1.0):
+        value = float(values[-1]) if place == 1.0 else float(chebyshev.chebval(2 * place - 1, series))
+        if value < -rounding:
+            if not positive:
+                return last
+            return _refined(guard, last, place, guard_at)
+        if value > rounding:
+            last, positive = place, True
+    return -1.0
+
+
+def _is_inside(root: complex) -> bool:
+    return abs(root.imag) < 1e-6 and -1 < root.real < 1
+
+
+def _refined(guard: int, above: float, below: float, guard_at: Callable[[int, float], float]) -> float:
+    """Place between one where a guard is positive and one where it is not."""
+    if guard_at(guard, above) <= 0:
+        return above
+    if guard_at(guard, below) > 0:
+        return below
+    return float(scipy.optimize.brentq(lambda place: guard_at(guard, place), above, below, xtol=1e-16, rtol=1e-15))
+
+
+# Runge-Kutta method for a smooth motion: explicit, or implicit where the motion is stiff.
+
+RELATIVE, ABSOLUTE = 1e-11, 1e-13
+"""Tolerances of the Runge-Kutta method in a step, relative and in rad and rad/s: its twists are differences of angles
+that grow, of which the eleventh digit still counts."""
+STIFF = 300.0
+"""Ratio of the quickest decay to the fastest vibration from which an implicit method is cheaper. The explicit one takes
+a step per 6 time constants of the decay, the implicit one about 50 in a radian at these tolerances."""
+STEPS_BETWEEN_LOOKS = 200
+"""Steps after which the poles of the motion are looked at again, which cost as much as two or three."""
+ROUNDING = 2.3e-14
+"""Least relative tolerance that the methods take."""
+
+
+class SmoothMethod:
+    """Choice of the method for each part of a motion, by the poles of the motion where it has got to.
+
+    ``turning`` is the largest circular frequency in rad/s seen so far.
+    """
+
+    def __init__(self, plant: SmoothPlant, refinement: int) -> None:
+        self.plant = plant
+        tighter = float(refinement) ** 5
+        self.tolerances = {"rtol": max(RELATIVE / tighter, ROUNDING), "atol": ABSOLUTE / tighter}
+        self.turning = 1 / max(plant.driving.duration, 1e-300)
+        self.stiff = False
+        self._stiff_in: dict[Contact, bool] = {}
+        self.steps, self.looked = 0, -STEPS_BETWEEN_LOOKS
+        self.size: float | None = None
+
+    def entered(self, now: SmoothContact) -> None:
+        """Take the method of a contact state that is known, and look at the motion in a new one."""
+        self.turning = max(self.turning, now.turning)
+        if now.contact in self._stiff_in:
+            self.stiff = self._stiff_in[now.contact]
+        else:
+            self.looked = self.steps - STEPS_BETWEEN_LOOKS
+
+    def solver(self, now: SmoothContact, stretch: Stretch, time: float, y: FloatArray) -> Any:
+        """Solver from a time in s and states y to the end of a stretch."""
+        from scipy.integrate import DOP853, Radau
+
+        right = self.plant.right_side(now, stretch)
+        if self.steps - self.looked >= STEPS_BETWEEN_LOOKS:
+            self._look(now, right, time, y)
+        first = None if self.size is None else min(self.size, stretch.end - time)
+        method = Radau if self.stiff else DOP853
+        return method(right, time, y, stretch.end, first_step=first, **self.tolerances)
+
+    def passed(self, now: SmoothContact, stretch: Stretch, start: float, solver: Any) -> bool:
+        """Whether the method changes after a step that began at a time in s."""
+        self.steps += 1
+        self.size = max(solver.t - start, 1e-12 * solver.t)
+        if self.steps - self.looked < STEPS_BETWEEN_LOOKS or solver.status != "running":
+            return False
+        before = self.stiff
+        self._look(now, self.plant.right_side(now, stretch), solver.t, solver.y)
+        return before != self.stiff
+
+    def _look(self, now: SmoothContact, right: Any, time: float, y: FloatArray) -> None:
+        self.looked = self.steps
+        slopes = slopes_of(right, time, y)
+        poles = np.linalg.eigvals(slopes) if len(y) and np.isfinite(slopes).all() else np.zeros(0)
+        self.turning = max(self.turning, float(np.abs(poles.imag).max(initial=0.0)))
+        self.stiff = float(np.abs(poles.real).max(initial=0.0)) > STIFF * self.turning
+        self._stiff_in[now.contact] = self.stiff
+
+
+def slopes_of(right: Any, time: float, y: FloatArray) -> FloatArray:
+    """Slopes (n, n) of rates of change over states y (n,), by differences.
+
+    >>> slopes_of(lambda t, y: np.array([y[1], -4 * y[0]]), 0.0, np.array([1.0, 0.0])).round(6) + 0.0
+    array([[ 0.,  1.],
+           [-4.,  0.]])
+    """
+    base = right(time, y)
+    found = np.zeros((len(y), len(y)))
+    step = np.sqrt(np.finfo(float).eps) * np.maximum(np.abs(y), 1e-3 * np.abs(y).max(initial=0.0) + 1e-9)
+    for number, size in enumerate(step.tolist()):
+        moved = y.copy()
+        moved[number] += size
+        found[:, number] = (right(time, moved) - base) / size
+    return found
+
 
 STORM_WINDOW, MOST_EVENTS = 64.0, 2_000
 """Angle in rad that the fastest vibration turns in a window, and most events in it: as in :mod:`.piece_system`."""

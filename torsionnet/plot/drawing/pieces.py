@@ -2,20 +2,196 @@
 
 from __future__ import annotations
 
+import importlib.util
 import math
+import re
+import struct
 from collections.abc import Iterable, Sequence
 from copy import copy
 from dataclasses import dataclass, field, fields, replace
-from functools import lru_cache
+from functools import cache, lru_cache
 from itertools import pairwise
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.plot.drawing.palette import INK, MUTED, PALETTE
-from torsionnet.plot.drawing.symbol_runs import symbols_width
-from torsionnet.plot.drawing.text_widths import font_widths
+# Colours of all pictures, as hexadecimal codes.
+
+# Okabe and Ito's colours without the yellow, which is lost on white: told apart with any kind of colour vision.
+PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#444444", "#56B4E9", "#E69F00")
+INK, MUTED, FAINT, PAPER = "#222222", "#6b6b6b", "#dddddd", "#ffffff"
+
+
+# Widths of the texts of a drawing in the font DejaVu Sans, read from its files, without matplotlib.
+
+FACES = {"": "DejaVuSans.ttf", "italic": "DejaVuSans-Oblique.ttf", "bold": "DejaVuSans-Bold.ttf"}
+"""Names of the files of the font by the slope or weight of a text."""
+
+RASTER = 64
+"""Number of steps in a hundredth of the size of the font to which widths are rounded, as matplotlib does."""
+LIGATURES = {"ffi": "\ufb03", "ffl": "\ufb04", "ff": "\ufb00", "fi": "\ufb01", "fl": "\ufb02"}
+"""Characters that stand for several letters which the font draws as one sign, by these letters."""
+
+
+@dataclass(frozen=True)
+class FontWidths:
+    """Widths of the characters of one face of a font, and corrections for pairs of them, in units of the font."""
+
+    unit: int
+    glyphs: dict[int, int]
+    advances: tuple[int, ...]
+    kerning: dict[int, int]
+
+    def width(self, text: str) -> float:
+        """Width of a text in hundredths of the size of the font, as matplotlib draws it."""
+        if "f" in text:
+            for letters, sign in LIGATURES.items():
+                text = text.replace(letters, sign)
+        steps = 100 * RASTER / self.unit
+        numbers = [self.glyphs.get(ord(letter), 0) for letter in text]
+        total = sum(math.floor(self.advances[number] * steps + 0.5) for number in numbers)
+        return (total + sum(math.floor(pair * steps + 0.5) for pair in self._pairs(numbers))) / RASTER
+
+    def symbol_width(self, text: str) -> float:
+        """Width of a text within a label with symbols in hundredths of the size of the font.
+
+        There matplotlib places the characters one by one, and moves pairs of them by whole hundredths.
+        """
+        numbers = [self.glyphs.get(ord(letter), 0) for letter in text]
+        total = 100 / self.unit * sum(self.advances[number] for number in numbers)
+        return total + sum(round(100 * pair / self.unit) for pair in self._pairs(numbers))
+
+    def _pairs(self, numbers: list[int]) -> list[int]:
+        return [self.kerning.get(first << 16 | second, 0) for first, second in pairwise(numbers)]
+
+
+@cache
+def font_widths(face: str) -> FontWidths:
+    """Widths of the characters of a face of DejaVu Sans, a name in ``FACES``."""
+    tables = _tables((font_folder() / FACES[face]).read_bytes())
+    (unit,) = struct.unpack_from(">H", tables["head"], 18)
+    (count,) = struct.unpack_from(">H", tables["hhea"], 34)
+    (glyph_count,) = struct.unpack_from(">H", tables["maxp"], 4)
+    advances = [int(one) for one in np.frombuffer(tables["hmtx"], ">u2", 2 * count)[::2]]
+    advances += advances[-1:] * (glyph_count - count)
+    return FontWidths(unit, _glyphs(tables["cmap"]), tuple(advances), _kerning(tables.get("kern", b"")))
+
+
+def font_folder() -> Path:
+    """Folder of the files of DejaVu Sans, which matplotlib brings; it is looked for without an import of matplotlib."""
+    found = importlib.util.find_spec("matplotlib")
+    for folder in (found.submodule_search_locations or ()) if found is not None else ():
+        if (Path(folder) / "mpl-data" / "fonts" / "ttf" / FACES[""]).is_file():
+            return Path(folder) / "mpl-data" / "fonts" / "ttf"
+    import matplotlib as mpl  # some distributions keep its data elsewhere, and only matplotlib knows where
+
+    return Path(mpl.get_data_path()) / "fonts" / "ttf"
+
+
+def _tables(data: bytes) -> dict[str, bytes]:
+    (count,) = struct.unpack_from(">H", data, 4)
+    found = {}
+    for number in range(count):
+        tag, _, start, length = struct.unpack_from(">4sIII", data, 12 + 16 * number)
+        found[tag.decode()] = data[start : start + length]
+    return found
+
+
+def _glyphs(table: bytes) -> dict[int, int]:
+    """Numbers of the glyphs by code of the character, from the subtable of Unicode's basic plane (format 4)."""
+    (count,) = struct.unpack_from(">H", table, 2)
+    starts = [struct.unpack_from(">HHI", table, 4 + 8 * number) for number in range(count)]
+    start = next(at for _, _, at in starts if struct.unpack_from(">H", table, at)[0] == 4)
+    (double,) = struct.unpack_from(">H", table, start + 6)
+    words = np.frombuffer(table[start:], ">u2", (len(table) - start) // 2).tolist()
+    n = double // 2
+    last, first, delta, offset = (words[at : at + n] for at in (7, 8 + n, 8 + 2 * n, 8 + 3 * n))
+    found: dict[int, int] = {}
+    for place in range(n):
+        for code in range(first[place], min(last[place], 0xFFFE) + 1):
+            glyph = code
+            if offset[place]:
+                glyph = words[8 + 3 * n + place + offset[place] // 2 + code - first[place]]
+                if not glyph:
+                    continue
+            found[code] = (glyph + delta[place]) & 0xFFFF
+    return found
+
+
+def _kerning(table: bytes) -> dict[int, int]:
+    """Corrections of the distance of two glyphs, by the number of the first times 65536 plus that of the second."""
+    if not table:
+        return {}
+    (count,) = struct.unpack_from(">H", table, 4 + 6)
+    pairs = np.frombuffer(table, np.dtype([("left", ">u2"), ("right", ">u2"), ("value", ">i2")]), count, 4 + 14)
+    keys = pairs["left"].astype(int) << 16 | pairs["right"]
+    return dict(zip(keys.tolist(), pairs["value"].tolist(), strict=True))
+
+
+# Runs of a label's text in one style, of which a label with symbols as in mathematics has several.
+
+INDEX_SIZE = 0.7
+"""Size of an index as a multiple of that of its symbol."""
+X_HEIGHT = 100 * 1120 / 2048
+"""Height of a small letter in hundredths of the size of the font."""
+BEHIND_INDEX, BEFORE_INDEX = 0.05 * X_HEIGHT, 0.025 * INDEX_SIZE * X_HEIGHT
+"""Room behind an index and, of an upright symbol, before it, in hundredths of the size of the text."""
+
+LETTERS = {
+    "alpha": "α", "beta": "β", "gamma": "γ", "delta": "δ", "epsilon": "ε", "zeta": "ζ", "eta": "η", "theta": "θ",
+    "iota": "ι", "kappa": "κ", "lambda": "λ", "mu": "μ", "nu": "ν", "xi": "ξ", "pi": "π", "rho": "ρ", "sigma": "σ",
+    "tau": "τ", "upsilon": "υ", "phi": "φ", "chi": "χ", "psi": "ψ", "omega": "ω", "Gamma": "Γ", "Delta": "Δ",
+    "Theta": "Θ", "Lambda": "Λ", "Xi": "Ξ", "Pi": "Π", "Sigma": "Σ", "Upsilon": "Υ", "Phi": "Φ", "Psi": "Ψ",
+    "Omega": "Ω", "varepsilon": "ε",
+}  # fmt: skip
+"""Greek letters by their names."""
+_SYMBOL = re.compile(r"\\?([A-Za-z]+)(?:_\{\\mathrm\{(.*)\}\})?")
+
+
+class TextRun(NamedTuple):
+    """Piece of a label in one style: ``plain``, ``symbol`` (in italics but for capital Greek), or ``index``."""
+
+    text: str
+    style: str
+
+    @property
+    def is_italic(self) -> bool:
+        """Whether the run is set in italics."""
+        return self.style == "symbol" and not "Α" <= self.text <= "Ω"
+
+
+def symbol_runs(text: str) -> list[TextRun]:
+    r"""Runs of a label in which symbols stand between dollars, as ``labels.symbol`` writes them.
+
+    >>> [tuple(run) for run in symbol_runs("$k_{\\mathrm{1}}$ = 460 N·m/rad")]
+    [('k', 'symbol'), ('1', 'index'), (' = 460 N·m/rad', 'plain')]
+    """
+    found: list[TextRun] = []
+    for place, part in enumerate(text.split("$")):
+        match = _SYMBOL.fullmatch(part) if place % 2 else None
+        if match is None:
+            found += [TextRun(part, "plain")] if part else []
+            continue
+        found.append(TextRun(LETTERS.get(match[1], match[1]), "symbol"))
+        if match[2]:
+            found.append(TextRun(match[2].replace("\\_", "_"), "index"))
+    return found
+
+
+@lru_cache(maxsize=4096)
+def symbols_width(text: str) -> float:
+    """Width of a label with symbols in hundredths of the size of its font, rounded up as matplotlib does."""
+    width, upright = 0.0, False
+    for run in symbol_runs(text):
+        own = font_widths("italic" if run.is_italic else "").symbol_width(run.text)
+        if run.style == "index":
+            own = INDEX_SIZE * own + BEHIND_INDEX + (BEFORE_INDEX if upright else 0.0)
+        upright = not run.is_italic
+        width += own
+    return float(math.ceil(width))
+
 
 Point = tuple[float, float]
 Box = tuple[float, float, float, float]

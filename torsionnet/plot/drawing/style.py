@@ -7,15 +7,20 @@ from __future__ import annotations
 
 import math
 import textwrap
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from cycler import cycler
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, MultipleLocator, NullFormatter
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, MultipleLocator, NullFormatter
+from numpy.typing import ArrayLike
 
-import torsionnet.plot.drawing.palette as colors
+import torsionnet.plot.drawing.pieces as colors
+from torsionnet.linear.assembly.rows import FloatArray
 
 PALETTE = colors.PALETTE
 DASHES: tuple[Any, ...] = ("-", (0, (6, 2)), (0, (2, 1.5)), (0, (7, 2, 1.5, 2)), (0, (7, 2, 1.5, 2, 1.5, 2)))
@@ -141,3 +146,113 @@ def set_title(figure: Figure, title: str) -> None:
     if title:
         lines = [textwrap.fill(line, WIDEST_TITLE) for line in title.splitlines()]
         figure.suptitle("\n".join(lines), fontsize=TITLE, color=INK)
+
+
+# Panels with horizontal bars one below the other, and the names of their rows beside them.
+
+BARS, ROW = 1.5, 0.26
+"""Width in inches of the bars of a panel beside their names, and height in inches of a row."""
+FEW_PANELS, MOST_BARS = 6, 100
+"""Number of panels up to which they always make one picture, and number of rows of bars up to which more panels do:
+about one page."""
+
+
+@dataclass(frozen=True)
+class Bars:
+    """Bars of one colour, one in every row, with lengths and start in units of the axis, height and offset in rows."""
+
+    lengths: ArrayLike
+    color: str
+    label: str = ""
+    start: float = 0.0
+    height: float = 0.7
+    below: float = 0.0
+    alpha: float | None = None
+    intervals: tuple[ArrayLike, ArrayLike] | None = None
+    """Arrays of the lower and of the upper ends, in units of the axis, of the interval lines drawn over the bars."""
+
+
+def draw_bars(axes: Axes, rows: int, bars: Sequence[Bars], *, line: str = MUTED, width: float = 0.8) -> None:
+    """Draw bars in ``rows`` rows of the axes, and a vertical line at which the bars begin."""
+    for one in bars:
+        places = [row + one.below for row in range(rows)]
+        axes.barh(
+            places, one.lengths, left=one.start, height=one.height, color=one.color, alpha=one.alpha,
+            label=one.label or None,
+        )  # fmt: skip
+        if one.intervals is not None:
+            axes.hlines(places, *one.intervals, color=INK, linewidth=1.0)
+    axes.axvline(bars[0].start, color=line, linewidth=width)
+
+
+def name_rows(axes: Axes, names: Sequence[str]) -> None:
+    """Write names beside the rows of bars of a panel, the first name on top."""
+    axes.set_yticks(range(len(names)), names)
+    axes.set_ylim(max(len(names), 1) - 0.4, -0.6)
+
+
+def fills_a_page(count: int, rows: int) -> bool:
+    """Whether ``count`` panels of ``rows`` bars are more than can be read as one picture."""
+    return count > FEW_PANELS and count * (rows + 2) > MOST_BARS
+
+
+def bar_panels(count: int, rows: int, longest: float) -> tuple[Figure, list[Axes], float]:
+    """Figure, list of its panels for horizontal bars, and width in inches of a panel with the names of its bars.
+
+    As many panels stand side by side as leave room for bars and names.
+
+    Parameters
+    ----------
+    count, rows : int
+        Number of panels, and of bars in each.
+    longest : float
+        Width of the longest name in inches.
+
+    Returns
+    -------
+    figure, panels : Figure, list of Axes
+    width : float
+        Width in inches of a panel with its names.
+    """
+    columns = panel_columns(count, max(1, int(WIDTH / (BARS + min(longest, WIDTH / 3)))))
+    lines = math.ceil(count / columns)
+    figure = new_figure(WIDTH, 0.9 + lines * (0.8 + ROW * max(rows, 2)))
+    grid = figure.subplots(lines, columns, squeeze=False).ravel()
+    for axes in grid[count:]:
+        axes.remove()
+    return figure, grid[:count].tolist(), WIDTH / columns
+
+
+# Axis of speeds, with room around a steady speed, whose small changes would fill the panel else.
+
+STEADY_SHARE = 1e-3
+"""Span of speeds over the largest up to which they count as one: a governor leaves so much, a run-up far more."""
+ROOM = 0.01
+"""Share of a steady speed that its axis shows on either side, wide enough for ticks of whole numbers."""
+MOST_STEPS = 4
+"""Most steps between ticks of the axis of a steady speed, as panels side by side are narrow."""
+
+
+def is_steady(speeds: FloatArray) -> bool:
+    """Whether speeds are one speed but for what a governor leaves, so that a line through them would not be seen.
+
+    Examples
+    --------
+    >>> is_steady(np.array([929.9999, 930.0001])), is_steady(np.array([870.0, 990.0]))
+    (True, False)
+    """
+    return bool(np.ptp(speeds) <= STEADY_SHARE * np.abs(speeds).max())
+
+
+def curve_mark(speeds: FloatArray) -> dict[str, Any]:
+    """Marks of matplotlib for a curve over speed: dashes where all its points lie at one speed, else none."""
+    return {"marker": "_", "markersize": 24, "markeredgewidth": 1.3} if is_steady(speeds) else {}
+
+
+def fit_speeds(axes: Axes, rpm: FloatArray) -> None:
+    """Show speeds in rpm as plain numbers, and a steady one in the middle of its axis."""
+    axes.ticklabel_format(axis="x", useOffset=False)
+    if is_steady(rpm):
+        middle = float(np.mean(rpm))
+        axes.set_xlim(middle - ROOM * abs(middle), middle + ROOM * abs(middle))
+        axes.xaxis.set_major_locator(MaxNLocator(MOST_STEPS))

@@ -1,20 +1,240 @@
-"""Arrangement of a schematic on a page, with the connected parts of a drivetrain beside each other and a title."""
+"""Arrangement of a schematic on a page, with the connected parts of a drivetrain beside each other and a title.
+
+A line is built from its first vertex onwards, every symbol in a stretch as wide as the symbol and its texts; branches
+are then moved down (or up) to the nearest free place. A line wider than the page is cut and goes on below; a branch
+without room begins a band of its own, with flags at both ends. All lengths are in points.
+"""
 
 from __future__ import annotations
 
+import math
+from collections import deque
 from collections.abc import Sequence
+from itertools import pairwise, zip_longest
 from typing import TYPE_CHECKING
 
 from torsionnet.base.errors import UsageError
-from torsionnet.plot.drawing.pieces import LEADING, ROLES, Box, Label, Piece, text_width
-from torsionnet.plot.schematics.drawing_plan import MOST_NAMED_NODES
-from torsionnet.plot.schematics.layout import layout_bands
-from torsionnet.plot.schematics.pens import POINTS_PER_INCH
-from torsionnet.plot.schematics.texts import wrap_text
+from torsionnet.plot.drawing.pieces import LEADING, ROLES, Box, Label, Piece, Stroke, text_width
+from torsionnet.plot.schematics.branch_lines import UP_IF, Branch, BranchStart
+from torsionnet.plot.schematics.drawing_plan import MOST_NAMED_NODES, DrawingPlan, make_plan
+from torsionnet.plot.schematics.line_routes import (
+    BranchWidth,
+    LineRoute,
+    RouteStep,
+    line_routes,
+    line_width,
+    piece_starts,
+)
+from torsionnet.plot.schematics.outlines import POINTS_PER_INCH
+from torsionnet.plot.schematics.shaft_lines import ShaftLine
+from torsionnet.plot.schematics.taps import wrap_text
+from torsionnet.plot.schematics.topology import Link, Tree, Vertex
 from torsionnet.plot.schematics.wiring import draw_loops
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
+
+
+# Layout of a schematic, with shaft lines from left to right, branches and gear stages on lines of their own.
+
+PAGE_WIDTH = 545.0
+"""Width of a schematic in points unless another is asked for."""
+
+MARGIN = 24.0
+"""Width in points kept free at each side for the wires from one piece of a cut shaft line to the next."""
+
+WIRE_ROOM = 30.0
+"""Width in points kept free at the sides for wires that close loops of the schematic."""
+
+NARROWEST_BRANCH = 0.45
+"""Least room beside a shaft line, as a share of the page's width, in which a branch may be cut into pieces."""
+
+UP_IF_CUT = 1.5
+"""Ratio of the distance upwards to that downwards below which a loop of the schematic is drawn above a shaft line that
+is cut and goes on below: a larger value leads more of them above the line, out of its way."""
+INDENT = 26.0
+"""Width in points by which the pieces of a cut shaft line that begins at gears are indented, clear of the wheels."""
+
+
+TIP, HALF, PAD = 5.0, 7.0, 10.0  # points: tip of a flag, half its height, room beside its text
+LONGEST_FLAG = 24
+"""Largest number of characters of a node's name on a flag of the schematic, the sign where a branch is drawn elsewhere;
+the rest is cut off."""
+
+
+def layout_bands(drivetrain: Drivetrain, page: float = PAGE_WIDTH) -> list[list[Piece]]:
+    """Drawings of shaft lines for a page width in points, a list from top to bottom for each connected part."""
+    plan, grown = make_plan(drivetrain, page)
+    if plan.loops:
+        plan.page -= WIRE_ROOM
+    return [PartLayout(tree, plan).bands() for tree in grown]
+
+
+class PartLayout:
+    """Layout of one connected part of a drivetrain in a schematic.
+
+    Its lines, their widths, and the lines that wait for a band of their own.
+    """
+
+    def __init__(self, tree: Tree, plan: DrawingPlan) -> None:
+        self.tree: Tree = tree
+        self.plan: DrawingPlan = plan
+        self.routes: dict[Vertex, LineRoute] = line_routes(tree)
+        self.starts: dict[Vertex, float] = {}
+        self.steps: dict[Vertex, list[RouteStep]] = {}
+        self.needs: dict[Vertex, float] = {}
+        self.waiting: deque[Vertex] = deque([tree.root])
+        for head in reversed(self.routes):
+            self._measure(head)
+
+    def _measure(self, head: Vertex) -> None:
+        """Store the widths in points of a shaft line of the schematic and its nodes, after those of its branches."""
+        self._steps(head)
+        room = self.plan.page - MARGIN - INDENT
+        wide = zip(self.routes[head].vertices, self.steps[head], strict=True)
+        crowded = {vertex: math.ceil(step.whole / (0.8 * room)) for vertex, step in wide if step.whole > room}
+        if crowded:
+            self.routes[head] = self.routes[head].split(crowded)
+            self._steps(head)
+        self.needs[head] = line_width(self.starts[head], self.steps[head])
+
+    def _steps(self, head: Vertex) -> None:
+        route, line = self.routes[head], ShaftLine(self.plan, measures=True)
+        if route.incoming is not None:
+            line.begin(route.incoming, route.parent, head)
+        self.starts[head] = line.x
+        self.steps[head] = [self._step(line, route.cut(place, place + 1)) for place in range(len(route.vertices))]
+
+    def _step(self, line: ShaftLine, route: LineRoute) -> RouteStep:
+        """Draw one node or box of a shaft line, and return the widths in points that it takes."""
+        start, boxes, columns, exits = line.x, len(line.block.boxes), len(line.columns), len(line.exits)
+        self._fill(line, route)
+        taken = [*line.block.boxes[boxes:], *line.columns[columns:]]
+        left = start - min((box[0] for box in taken), default=start)
+        right = max((box[1] for box in taken), default=line.x) - line.x
+        heads = ((each, each.what) for each in line.exits[exits:])
+        leaving = [BranchWidth(each.x - start, self.needs[what]) for each, what in heads if isinstance(what, Vertex)]
+        return RouteStep(line.x - start, max(0.0, left), max(0.0, right), tuple(leaving))
+
+    def bands(self) -> list[Piece]:
+        """List of the drawings of the main line, and of each branch for which there was no room beside its own line."""
+        found = []
+        while self.waiting:
+            head = self.waiting.popleft()
+            found.append(self._band(head))
+        return found
+
+    def _band(self, head: Vertex) -> Piece:
+        route = self.routes[head]
+        if route.incoming is None:
+            return self._route(head, self.plan.page, top=True)
+        came = route.incoming
+        line = ShaftLine(self.plan)
+        with line.block.owned("node", self._shared_node(head)):
+            line.x = _flag(line.block, 0.0, self._shared_node(head)) + 6
+            line.block.line((line.x - 6, 0), (line.x, 0))
+        if not came.is_gear:
+            line.draw_incoming(came, route.parent)
+        return self._route(head, self.plan.page, top=True, begun=line)
+
+    def _route(self, head: Vertex, room: float, *, top: bool = False, begun: ShaftLine | None = None) -> Piece:
+        """Drawing of a shaft line with all its branches, cut into pieces if it is wider than ``room`` points."""
+        route = self.routes[head]
+        start = begun.x if begun is not None else self.starts[head]
+        indent = INDENT if begun is None and route.incoming is not None and route.incoming.is_gear else 0.0
+        begins = piece_starts(start, self.steps[head], room, MARGIN + indent)
+        narrow = room if len(begins) == 1 else room - MARGIN - indent
+        built = []
+        for first, last in zip_longest(begins, begins[1:], fillvalue=len(route.vertices)):
+            piece = route.cut(first, last)
+            line = ShaftLine(self.plan)
+            if first == 0 and begun is not None:
+                line = begun
+            elif piece.incoming is not None:
+                line.begin(piece.incoming, piece.parent, head)
+            self._fill(line, piece)
+            built.append(self._finished(line, narrow, may_rise=top and first == 0, loops_up=last < len(route.vertices)))
+        return _stacked(built, indent)
+
+    def _fill(self, line: ShaftLine, route: LineRoute) -> None:
+        before = route.incoming or route.before
+        for place, (vertex, onward) in enumerate(zip_longest(route.vertices, route.links)):
+            leaving = [pair for pair in self.tree.children[vertex] if self._leaves(pair)]
+            line.draw_vertex(vertex, before, onward, leaving, route.share(place))
+            if onward is not None:
+                line.draw_link(onward)
+            before = onward
+
+    def _leaves(self, pair: tuple[Link, Vertex]) -> bool:
+        return pair[1] in self.routes and self.routes[pair[1]].incoming is pair[0]
+
+    def _finished(self, line: ShaftLine, room: float, *, may_rise: bool, loops_up: bool) -> Piece:
+        overhang = max(0.0, -min((box[0] for box in line.block.boxes), default=0.0))
+        # Where the line goes on below, what leads a loop around it stays out of its way.
+        return line.finish(
+            lambda each: self._settled(each, room - overhang - each.x, UP_IF_CUT if loops_up else UP_IF),
+            may_rise=may_rise,
+        )
+
+    def _settled(self, leaving: BranchStart, room: float, loops_up_if: float) -> Branch:
+        """Branch of the schematic with its line as finished drawing, or a flag if there is no room for the line."""
+        x, y, what, stages = leaving.x, leaving.y, leaving.what, leaving.stages
+        if isinstance(what, Piece):
+            return Branch(x, y, what, stages, up_if=loops_up_if, owner=leaving.owner)
+        if self.needs[what] <= room or self._may_be_cut(what, room):
+            up_if = UP_IF if self.needs[what] <= room else 0.0
+            return Branch(x, y, self._route(what, room), stages, up_if=up_if, owner=leaving.owner)
+        self.waiting.append(what)
+        block = Piece()
+        begin = stages[-1].offset + 18 if stages else 12.0
+        with block.owned("node", self._shared_node(what)):
+            block.line((0, 0), (begin, 0))
+            _flag(block, begin, self._shared_node(what))
+        return Branch(x, y, block, stages, owner=leaving.owner)
+
+    def _shared_node(self, head: Vertex) -> str:
+        """Name of the node on the flags that mark where a branch leaves its line and where it is drawn instead."""
+        route = self.routes[head]
+        shaft = route.incoming is not None and route.incoming.elements and not route.incoming.is_gear
+        return route.parent.name if shaft and route.parent is not None else head.name
+
+    def _may_be_cut(self, head: Vertex, room: float) -> bool:
+        """Whether a branch too wide for a page needs no more pieces in a ``room`` in points than on a whole page."""
+        steps, start = self.steps[head], self.starts[head]
+        if room < max(NARROWEST_BRANCH * self.plan.page, start, *(step.whole + MARGIN + INDENT for step in steps)):
+            return False
+        return (
+            len(piece_starts(start, steps, room, MARGIN + INDENT))
+            <= len(piece_starts(start, steps, self.plan.page, MARGIN))
+            > 1
+        )
+
+
+def _stacked(built: list[Piece], indent: float) -> Piece:
+    """Drawing of the pieces of a cut shaft line one below the other, joined by wires."""
+    whole = built[0]
+    for before, piece in pairwise(built):
+        bottom = whole.extent[2]
+        drop, lane, edge = bottom - 30 - piece.extent[3], bottom - 14, indent - 14
+        begin, x_before = indent - piece.extent[0], indent - before.extent[0] if before is not built[0] else 0.0
+        x, y = whole.anchors.pop(-1)
+        far = x_before + before.extent[1] + 8
+        whole.line((x, y), (far, y), (far, lane), (edge, lane), (edge, drop), (begin, drop))
+        whole.add(piece.shifted(begin, drop))
+    whole.anchors.pop(-1, None)
+    return whole
+
+
+def _flag(block: Piece, x: float, text: str) -> float:
+    """Draw a flag with a text on a shaft, from (x, 0) to the right, and return the x in points at the flag's tip."""
+    shown = text if len(text) <= LONGEST_FLAG else text[: LONGEST_FLAG - 1] + "…"
+    end = x + text_width(shown, "what") + 2 * TIP + PAD
+    outline = ((x, -HALF), (end - TIP, -HALF), (end, 0.0), (end - TIP, HALF), (x, HALF))
+    block.strokes.append(Stroke(outline, "thin", closed=True, fill="#ffffff"))
+    block.boxes.append((x, end, -HALF, HALF))
+    block.write((x + end - TIP) / 2, -4.4, [(shown, "what")])
+    return end
+
 
 EDGE, BETWEEN, BESIDE = 10.0, 26.0, 40.0  # points: margin, gap between rows of parts, gap between parts
 MILLIMETRES_PER_INCH = 25.4

@@ -4,25 +4,84 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import zip_longest
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
 from torsionnet.model.channels import Input
+from torsionnet.model.definition import all_nodes
+from torsionnet.model.element_base.laws import Part as LawOrConstraint
 from torsionnet.model.elements import GROUND, Element, Law, Values
+from torsionnet.model.parts.flattening import copies
 from torsionnet.plot.drawing.labels import value_lines
 from torsionnet.plot.drawing.pieces import Box, Piece, Texts
-from torsionnet.plot.schematics.epicyclic import BoxElement, EpicyclicSet
 from torsionnet.plot.schematics.glyphs import inline_glyph
 from torsionnet.plot.schematics.outlines import DRAGS, Glyph
-from torsionnet.plot.schematics.part_boxes import PartBox
-from torsionnet.plot.schematics.taps import Tap, is_on_link
-from torsionnet.plot.schematics.texts import break_lines, planetary_set_lines
-from torsionnet.plot.schematics.topology import Connections, Link, Tree, Vertex, connections, trees
+from torsionnet.plot.schematics.taps import Tap, break_lines, is_on_link, planetary_set_lines
+from torsionnet.plot.schematics.topology import (
+    BoxElement,
+    Connections,
+    EpicyclicSet,
+    Link,
+    Tree,
+    Vertex,
+    connections,
+    trees,
+)
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
+
+
+# Copy of a drivetrain for a schematic that draws each copy of a part as one box.
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PartBox(Element):
+    """Box in a schematic that stands for all elements of one copy of a part; it has no laws."""
+
+    glyph: ClassVar[str] = "part"
+
+    joined: tuple[tuple[str, str], ...] = ()
+    inner: tuple[str, ...] = ()
+
+    @property
+    def ports(self) -> dict[str, str]:
+        return dict(self.joined)
+
+    def own_parts(self, value: Values) -> tuple[LawOrConstraint, ...]:
+        del value
+        return ()
+
+    @property
+    def internal_nodes(self) -> tuple[str, ...]:
+        return self.inner
+
+
+def with_part_boxes(drivetrain: Drivetrain) -> Drivetrain:
+    """Copy of a drivetrain with one box as element in place of each copy of a part; itself if it uses no parts.
+
+    Sensors on elements within a part are not drawn; motions of its nodes stand at its first port.
+    """
+    definition = drivetrain.definition
+    if definition.authored is None or not definition.authored.authored.use:
+        return drivetrain
+    elements = dict(definition.elements)
+    for use_name, use in definition.authored.authored.use.items():
+        for copy in copies(use_name, use):
+            prefix = f"{copy.name}."
+            inside = [one for name, one in definition.elements.items() if name.startswith(prefix)]
+            outer = {*copy.nodes.values(), GROUND}
+            inner = tuple(node for node in all_nodes(inside) if node not in outer)
+            elements = {name: one for name, one in elements.items() if not name.startswith(prefix)}
+            elements[copy.name] = PartBox(
+                copy.name, description=use.part, joined=tuple(copy.nodes.items()), inner=inner
+            )
+    sensors = {name: one for name, one in definition.sensors.items() if not one.is_on_element or one.of in elements}
+    drawn = replace(definition, elements=elements, sensors=sensors, excitations={}, limits={}, load=None, authored=None)
+    return drivetrain.with_definition(drawn)
+
 
 MOST_NAMED_NODES = 40
 """Largest number of nodes with which the elements of a schematic have names and values; above, only nodes are named, in

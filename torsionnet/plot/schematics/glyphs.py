@@ -8,10 +8,8 @@ from typing import Any
 
 from torsionnet.model.elements import Element, Law, Values
 from torsionnet.plot.drawing.pieces import Point, Stroke, arc
-from torsionnet.plot.schematics.box_symbols import box_symbol
-from torsionnet.plot.schematics.motion_symbols import clearance_symbol, friction_symbol
 from torsionnet.plot.schematics.outlines import BODY, BOX, Glyph, rectangle, wheel
-from torsionnet.plot.schematics.spring_chains import chain_symbol
+from torsionnet.plot.schematics.symbols import box_symbol, chain_symbol, clearance_symbol, friction_symbol
 
 _LENGTH, _HALF = 52.0, 14.0
 

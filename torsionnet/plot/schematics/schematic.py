@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties
+from matplotlib.patches import PathPatch
+from matplotlib.path import Path
 
+from torsionnet.plot.drawing.pieces import PAPER, ROLES, Box, Label, Piece, Stroke, is_math
+from torsionnet.plot.drawing.style import bare_figure
 from torsionnet.plot.schematics.arrangement import (
     MILLIMETRES_PER_INCH,
     PAPER_WIDTH,
@@ -15,13 +23,158 @@ from torsionnet.plot.schematics.arrangement import (
     page_width,
     titled,
 )
-from torsionnet.plot.schematics.canvas import figure_of_drawing
-from torsionnet.plot.schematics.drawing_parts import cut_heights, part_between
-from torsionnet.plot.schematics.part_boxes import with_part_boxes
-from torsionnet.plot.schematics.pens import POINTS_PER_INCH
+from torsionnet.plot.schematics.drawing_plan import with_part_boxes
+from torsionnet.plot.schematics.outlines import DASHES, PENS, POINTS_PER_INCH, is_behind
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
+
+
+# Matplotlib figures of drawings made of strokes and labels, on one axes whose unit is a point of 1/72 inch.
+
+TALLEST_FIGURE = 24.0
+"""Height in inches above which a drawing is scaled down, its texts with it."""
+
+
+def figure_of_drawing(block: Piece, extent: Box) -> Figure:
+    """Figure of a drawing, as large as the drawing's extent, whose edges are x0, x1, y0, y1 in points.
+
+    One axes without ticks whose unit is a point.
+    """
+    figure, axes, scale = _canvas(extent)
+    for order, stroke in enumerate(block.strokes):
+        _draw(axes, stroke, scale, order)
+    for label in block.labels:
+        _write(axes, label, scale)
+    return figure
+
+
+def _canvas(extent: Box) -> tuple[Figure, Axes, float]:
+    width, height = extent[1] - extent[0], extent[3] - extent[2]
+    scale = min(1.0, TALLEST_FIGURE * POINTS_PER_INCH / height)
+    size = (width * scale / POINTS_PER_INCH, height * scale / POINTS_PER_INCH)
+    figure = bare_figure(*size)
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    axes.set_axis_off()
+    axes.set_xlim(extent[0], extent[1])
+    axes.set_ylim(extent[2], extent[3])
+    return figure, axes, scale
+
+
+def _draw(axes: Axes, stroke: Stroke, scale: float, order: int) -> None:
+    color, width = PENS[stroke.look]
+    path = Path([*stroke.points, stroke.points[0]] if stroke.closed else stroke.points, closed=stroke.closed)
+    fill = PENS[stroke.fill][0] if stroke.fill in PENS else stroke.fill
+    depth = 1.0 if is_behind(stroke) else 2.0
+    patch = PathPatch(
+        path,
+        edgecolor=color,
+        facecolor=fill or PAPER,
+        fill=bool(fill),
+        linewidth=width * scale,
+        linestyle=(0, DASHES[stroke.look]) if stroke.look in DASHES else "-",
+        zorder=depth + order * 1e-5,
+        capstyle="round",
+        joinstyle="round",
+    )
+    axes.add_patch(patch)
+
+
+def _write(axes: Axes, label: Label, scale: float) -> None:
+    role = ROLES[label.role]
+    axes.text(
+        label.x,
+        label.y,
+        label.text,
+        ha="left" if label.left else "center",
+        va="baseline",
+        color=role.color,
+        fontproperties=_font(label.role, role.size * scale),
+        parse_math=is_math(label.text, label.role),
+        zorder=4,
+    )
+
+
+def _font(role: str, size: float) -> FontProperties:
+    """Font of matplotlib for the texts of a role, a name in ``ROLES``, in a size in points."""
+    look = ROLES[role]
+    return FontProperties(
+        family="DejaVu Sans",
+        size=size,
+        style="italic" if look.italic else "normal",
+        weight="bold" if look.bold else "normal",
+    )
+
+
+# Parts of a drawing that is too tall for a page, cut where no symbol and no text stands.
+
+LEAST_SHARE = 0.5
+"""Least height of a part as a share of that of even parts: a lower one would be a strip without sense of its own."""
+STEP = 2.0
+"""Distance in points between the heights that are tried for a cut, less than the gap between two symbols."""
+EDGE = 4.0
+"""Room in points between a cut and what stands beside it."""
+OVERSIZE = 1.5
+"""Height of a part, as a multiple of the tallest one wanted, up to which fewer cut lines count more than the height."""
+LINE_THICKNESS = 6.0
+"""Height in points that a level line occupies among the wires of a drawing."""
+
+
+def cut_heights(block: Piece, extent: Box, tallest: float) -> list[float]:
+    """List of the y in points, from the top, at which a drawing is cut into parts of at most ``tallest`` points.
+
+    A cut meets upright lines only, as few as can be; for that a part may be half as tall again, or more where there is
+    no place for a cut.
+
+    Parameters
+    ----------
+    block : Piece
+    extent : tuple of float
+        Edges x0, x1, y0, y1 of the drawing.
+    tallest : float
+
+    Examples
+    --------
+    >>> discs = Piece(boxes=[(0, 10, 0, 80), (0, 10, 120, 200)])
+    >>> cut_heights(discs, (0, 10, 0, 200), 150)
+    [100.0]
+    """
+    _, _, bottom, top = extent
+    level = [one for one in block.wires if one[3] - one[2] <= LINE_THICKNESS + STEP]
+    upright = [one for one in block.wires if one[3] - one[2] > LINE_THICKNESS + STEP]
+    found: list[float] = []
+    while top - bottom > tallest:
+        even = (top - bottom) / math.ceil((top - bottom) / tallest)
+        solid, least = [*block.boxes, *level], top - LEAST_SHARE * even
+        cut = _best_cut(solid, upright, (top - OVERSIZE * tallest, least), top - even)
+        if cut is None:
+            cut = _best_cut(solid, [], (bottom + LEAST_SHARE * even, least), top - tallest)
+        if cut is None:
+            break
+        found.append(cut)
+        top = cut
+    return found
+
+
+def _best_cut(solid: Sequence[Box], upright: Sequence[Box], span: tuple[float, float], wanted: float) -> float | None:
+    """Height in a span where nothing solid stands, with the fewest lines across and nearest to the one wanted."""
+    low, high = span
+    count = int((high - low) / STEP) + 1
+    tried = sorted((low + number * STEP for number in range(count)), key=lambda y: abs(y - wanted))
+    free = [y for y in [wanted, *tried] if not _crossed(solid, y, EDGE)]
+    return min(free, key=lambda y: max(len(_crossed(upright, y, 0.0)), 1), default=None)  # one: the line goes on below
+
+
+def _crossed(boxes: Iterable[Box], y: float, room: float) -> list[Box]:
+    return [one for one in boxes if one[2] - room < y < one[3] + room]
+
+
+def part_between(block: Piece, low: float, high: float) -> Piece:
+    """Part of a drawing between two heights in points: the strokes that reach into it, and the labels inside of it."""
+    strokes = [
+        one for one in block.strokes if max(y for _, y in one.points) > low and min(y for _, y in one.points) < high
+    ]
+    return Piece(strokes, [one for one in block.labels if low <= one.y <= high])
 
 
 def schematic(

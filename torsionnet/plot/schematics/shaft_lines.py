@@ -4,21 +4,188 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from itertools import groupby
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
+from torsionnet.model.elements import GROUND, Element
 from torsionnet.plot.drawing.labels import symbol
-from torsionnet.plot.drawing.pieces import LEADING, ROLES, Box, Piece, Texts, label_width
-from torsionnet.plot.schematics.bodies import draw_body, draw_line_end
-from torsionnet.plot.schematics.boxes import draw_box
-from torsionnet.plot.schematics.branch_lines import ELBOW, Branch, BranchStart, GearPair, place_branches, wheel_ratio
-from torsionnet.plot.schematics.marks import Mark
+from torsionnet.plot.drawing.pieces import LEADING, ROLES, Box, Owner, Piece, Stroke, Texts, label_width, text_width
+from torsionnet.plot.schematics import outlines
+from torsionnet.plot.schematics import symbols as box_symbols
+from torsionnet.plot.schematics.branch_lines import (
+    ELBOW,
+    Branch,
+    BranchStart,
+    GearPair,
+    PlannedRow,
+    place_branches,
+    wheel_ratio,
+)
 from torsionnet.plot.schematics.outlines import Glyph
-from torsionnet.plot.schematics.planned_row import PlannedRow
+from torsionnet.plot.schematics.symbols import far_end
+from torsionnet.plot.schematics.taps import Mark
 from torsionnet.plot.schematics.topology import Link, Vertex
 
 if TYPE_CHECKING:
-    from torsionnet.model.elements import Element
     from torsionnet.plot.schematics.drawing_plan import DrawingPlan
+    from torsionnet.plot.schematics.topology import BoxElement
+
+
+# Symbols at a node of a schematic, as discs, elements to ground or a mass, and the element at a shaft line's end.
+
+WALL, LEADER = 18.0, 14.0  # points: half height of a wall or disc at the end of a line, length of a mark's leader
+
+
+def draw_body(line: PlannedRow, disc: Element | None, hanging: Element | None) -> None:
+    """Draw at a node of the schematic a disc and the element that hangs below it, either of which may be missing."""
+    drawn, key = line.plan.bodies_drawn, (disc.name if disc else "", hanging.name if hanging else "")
+    if key not in drawn:
+        drawn[key] = _body(line, disc, hanging)
+    half_width = 10.0 * line.plan.scale
+    line.put(drawn[key], half_width, half_width)
+
+
+def _body(line: PlannedRow, disc: Element | None, hanging: Element | None) -> Piece:
+    above = line.plan.texts(disc) if disc else []
+    below = line.plan.texts(hanging) if hanging else []
+    scale, piece = line.plan.scale, Piece()
+    half = line.plan.discs.get(disc.name, 0.0) if disc else 0.0
+    if disc:
+        with piece.owned("element", disc.name):
+            piece.strokes += outlines.disc(0, half, scale * outlines.DISC_WIDTH)
+            piece.boxes.append((-8 * scale, 8 * scale, -half, half))
+            piece.write(0, half + 3, above)
+    if hanging:
+        with piece.owned("element", hanging.name):
+            _hang(line, piece, hanging, -half, below)
+    return piece
+
+
+def _hang(line: PlannedRow, piece: Piece, element: Element, y: float, texts: Texts) -> None:
+    """Draw an element of the schematic downwards from y to its far end, texts below and marks of its sensors above."""
+    length, half_width = 14.0, 8.0
+    y = _tapped(line, piece, element, y)
+    if element.glyph == "clamp":
+        piece.strokes.append(Stroke(((0, y), (0, y - length))))
+    else:
+        glyph = line.plan.glyph(element)
+        length, half_width = glyph.length, glyph.half_width
+        piece.strokes += glyph.hanging(0, y)
+    end = far_end(element, line.values)
+    foot = outlines.ground(0, y - length) if end == GROUND else outlines.mass(0, y - length) if end else []
+    piece.strokes += foot
+    bottom = min([y - length, *(v for stroke in foot for _, v in stroke.points)]) - 1
+    wide = max(half_width, outlines.GROUND_WIDTH / 2 + 1)
+    piece.boxes.append((-wide, wide, bottom, y))
+    piece.write(0, bottom - 2, texts, upward=False)
+
+
+def _tapped(line: PlannedRow, piece: Piece, element: Element, y: float) -> float:
+    """Draw the marks of an element's torque sensors downwards, and return the y in points where the element begins."""
+    for tap in line.plan.sensors_on(element):
+        mark = tap.mark(alone=True)
+        texts = mark.texts
+        height = sum(LEADING * ROLES[role].size for _, role in texts) + 4
+        piece.strokes.append(Stroke(((0, y), (0, y - height))))
+        with piece.owned("sensor", tap.name):
+            piece.strokes += outlines.side_mark(0, y - height / 2, LEADER)
+            piece.boxes += [(-6, LEADER, y - height / 2 - 5, y - height / 2 + 5), (-4, 4, y - height, y)]
+            piece.write(LEADER + 3 + label_width(texts) / 2, y - 2, texts, upward=False)
+        y -= height
+    return y
+
+
+def draw_line_end(line: PlannedRow, element: Element) -> float:
+    """Draw the element to ground or a mass that ends a shaft line, and return the x in points where the shaft stops."""
+    texts = line.plan.texts(element)
+    glyph = None if element.glyph == "clamp" else line.plan.glyph(element)
+    length, half_width = (glyph.length, glyph.half_width) if glyph else (0.0, 0.0)
+    end = far_end(element, line.values)
+    last = outlines.wall(length / 2, WALL) if end == GROUND else outlines.disc(length / 2 + 4, WALL) if end else []
+    high = max(WALL, half_width) if end else half_width
+    piece = Piece()
+    with piece.owned("element", element.name):
+        piece.strokes += [*(glyph.along(-length / 2, 0) if glyph else []), *last]
+        piece.boxes.append((-length / 2, length / 2 + 8, -high, high))
+        piece.write(0, high + 4, texts)
+    return line.put(piece, length / 2 + 8, length / 2 + 8) - length / 2
+
+
+# Boxes of a schematic for elements with three and more ports, as planetary sets, with the ports at their edges.
+
+HALF_HEIGHT = 35.0
+"""Half the height in points of a box of the schematic: room for a symbol and the names of the ports below it."""
+BOX_GAP, STUB = 10.0, 12.0  # points: more than the texts in width, piece of shaft below a port
+
+
+def draw_box(
+    line: PlannedRow, vertex: Vertex, before: Link | None, after: Link | None, leaving: Sequence[tuple[Link, Vertex]]
+) -> None:
+    """Draw an element with three and more ports as a box on a shaft line of the schematic.
+
+    The line enters left and goes on right, other ports below.
+    """
+    with line.block.owned(*vertex.owner):
+        _draw(line, vertex, before, after, leaving)
+
+
+def _draw(
+    line: PlannedRow, vertex: Vertex, before: Link | None, after: Link | None, leaving: Sequence[tuple[Link, Vertex]]
+) -> None:
+    element = line.plan.found.boxes[vertex.name]
+    texts = line.plan.texts(element)
+    below = _ports_below(line, vertex, element, leaving)
+    side = max((text_width(link.port, "port") + 8 for link in (before, after) if link is not None), default=8.0)
+    slots = [max(30.0, text_width(port, "port") + 8) for port in below]
+    width = max(2 * (box_symbols.HALF_SIZE + side), label_width(texts) + BOX_GAP, sum(slots) + 8)
+    before_x, middle = line.x, line.keep_free(width)
+    start, end = middle - width / 2, middle + width / 2
+    line.block.line((before_x, 0), (start, 0))
+    line.block.strokes.append(outlines.rectangle(start, end, -HALF_HEIGHT, HALF_HEIGHT, outlines.BOX))
+    line.block.strokes += box_symbols.box_symbol(element, middle, HALF_HEIGHT - box_symbols.HALF_SIZE - 5)
+    line.block.boxes.append((start, end, -HALF_HEIGHT, HALF_HEIGHT))
+    line.block.write(middle, HALF_HEIGHT + 3, texts)
+    for link, left in ((before, True), (after, False)):
+        if link is not None:
+            half = text_width(link.port, "port") / 2 + 4
+            line.block.write(start + half if left else end - half, -10, [(link.port, "port")])
+    x = middle - sum(slots) / 2
+    for (port, use), slot in zip(below.items(), slots, strict=True):
+        line.block.write(x + slot / 2, -HALF_HEIGHT + 2, [(port, "port")])
+        _port(line, x + slot / 2, use, vertex.owner)
+        x += slot
+
+
+def _ports_below(
+    line: PlannedRow, vertex: Vertex, element: BoxElement, leaving: Sequence[tuple[Link, Vertex]]
+) -> dict[str, Any]:
+    """Targets of the ports at the lower edge of a schematic's box by port, a node, box or loop, None for ground."""
+    below: dict[str, Any] = {link.port: child for link, child in leaving}
+    below |= {link.port: (number, link, end) for number, link, end in line.plan.loops.get(vertex, ())}
+    return below | {port: None for port, node in element.ports.items() if node == "ground"}
+
+
+def _port(line: PlannedRow, x: float, use: Any, owner: Owner) -> None:
+    if isinstance(use, Vertex):
+        line.exits.append(BranchStart(x, -HALF_HEIGHT, use, owner=owner))
+    elif use is None:
+        line.block.strokes += [
+            Stroke(((x, -HALF_HEIGHT), (x, -HALF_HEIGHT - 10))),
+            *outlines.ground(x, -HALF_HEIGHT - 10),
+        ]
+        line.block.boxes.append((x - 14, x + 14, -HALF_HEIGHT - 17, -HALF_HEIGHT))
+    else:
+        line.exits.append(BranchStart(x, -HALF_HEIGHT, _loop(line, owner, *use), owner=owner))
+
+
+def _loop(line: PlannedRow, owner: Owner, number: int, link: Link, end: Vertex) -> Piece:
+    """Drawing of a short shaft with a loose end, at a port of a schematic's box whose link closes a loop."""
+    piece = type(line)(line.plan, wall=6.0)
+    with piece.block.owned(*owner):
+        piece.block.line((0, 0), (STUB, 0))
+        piece.x = STUB
+        piece.draw_marks_on_shaft(piece.link_marks(end.name, link))
+    piece.add_loose_end(number, end)
+    return piece.block
 
 
 GAP = 9.0

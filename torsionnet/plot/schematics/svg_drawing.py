@@ -2,17 +2,254 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from itertools import groupby
+from typing import TYPE_CHECKING, Any
+from xml.sax.saxutils import escape
 
-from torsionnet.plot.drawing.pieces import Owner, Piece
+from torsionnet.model.elements import GROUND, Element
+from torsionnet.plot.drawing.labels import value_lines
+from torsionnet.plot.drawing.pieces import (
+    INDEX_SIZE,
+    INK,
+    PAPER,
+    ROLES,
+    Label,
+    Owner,
+    Piece,
+    Stroke,
+    is_math,
+    symbol_runs,
+)
 from torsionnet.plot.schematics.arrangement import PAPER_WIDTH, arranged, framed, page_width, titled
-from torsionnet.plot.schematics.svg_groups import SvgGroup, drawn_groups
-from torsionnet.plot.schematics.svg_marks import attribute_text, content_text, labels_svg, number, strokes_svg
+from torsionnet.plot.schematics.outlines import BODY, BOX, DASHES, PENS, WHEEL, is_behind
+from torsionnet.plot.schematics.topology import epicyclic_sets
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
+
+
+# Groups of a schematic in SVG, one for each part of a drivetrain, with ids and titles for screen readers.
+
+
+@dataclass
+class SvgGroup:
+    """Group of a schematic in SVG with what it draws and the groups of parts that its symbol hides.
+
+    Its kind is ``element``, ``node``, ``input`` or ``sensor``.
+    """
+
+    kind: str
+    name: str
+    id: str
+    words: str
+    """Classes of the group: its kind, and the type of an element."""
+    title: str
+    strokes: list[Stroke] = field(default_factory=list)
+    labels: list[Label] = field(default_factory=list)
+    hides: list[Owner] = field(default_factory=list)
+    """Owners whose symbol this one is too, as the planets in the box of a planetary set."""
+    within: Owner | None = None
+    """Owner in whose symbol this one is hidden."""
+
+
+def drawn_groups(model: Drivetrain, whole: Piece) -> dict[Owner, SvgGroup]:
+    """Groups of a drawing by kind and name, nodes first so that symbols of elements lie over shafts."""
+    ids: set[str] = set()
+    found = {
+        Owner(kind, name): SvgGroup(kind, name, _id(kind, name, ids), words, title)
+        for kind, name, words, title in _parts(model)
+    }
+    _hide(model, found)
+    for stroke in whole.strokes:
+        if stroke.owner in found:
+            found[stroke.owner].strokes.append(stroke)
+    for label in whole.labels:
+        if label.owner in found:
+            found[label.owner].labels.append(label)
+    return found
+
+
+def _parts(model: Drivetrain) -> list[tuple[str, str, str, str]]:
+    """Rows (kind, name, classes, title) of all parts of a drivetrain."""
+    values = model.exact_values
+    return [
+        *(("node", name, "node", f"node {name}") for name in model.nodes),
+        *(
+            ("element", name, f"element {one.kind}", _element_title(one, values))
+            for name, one in model.elements.items()
+        ),
+        *(("input", name, "input", f"input {name}: {one.quantity} on {one.of}") for name, one in model.inputs.items()),
+        *(
+            ("sensor", name, "sensor", f"sensor {name}: {one.quantity} of {one.of}")
+            for name, one in model.sensors.items()
+        ),
+    ]
+
+
+def _element_title(element: Element, values: Any) -> str:
+    """Title of an element, as "shaft_1, spring, gearbox to car: k_1 = 460 N·m/rad"."""
+    ends = [node for node in dict.fromkeys(element.ports.values()) if node != GROUND]
+    joined = " to ".join(ends) + (" to ground" if GROUND in element.ports.values() and ends else "")
+    lines = ", ".join(_plain(line) for line in value_lines(element, values))
+    return f"{element.name}, {element.kind.replace('_', ' ')}, {joined}{': ' if lines else ''}{lines}"
+
+
+def _plain(text: str) -> str:
+    r"""Text of a label without its markup for symbols.
+
+    >>> _plain("$k_{\\mathrm{1}}$ = 460 N·m/rad")
+    'k_1 = 460 N·m/rad'
+    """
+    return "".join(f"_{run.text}" if run.style == "index" else run.text for run in symbol_runs(text))
+
+
+def _id(kind: str, name: str, taken: set[str]) -> str:
+    """Id of a group, in which other characters than letters, digits, dots and lines stand as their codes."""
+    plain = re.sub(r"[^A-Za-z0-9_.-]", lambda match: f"_{ord(match[0]):x}_", name)
+    found, number = f"{kind}-{plain}", 1
+    while found in taken:
+        number += 1
+        found = f"{kind}-{plain}-{number}"
+    taken.add(found)
+    return found
+
+
+def _hide(model: Drivetrain, found: dict[Owner, SvgGroup]) -> None:
+    """Note which elements and nodes have no symbol of their own: those in a planetary set, nodes within an element."""
+    hidden: list[tuple[Owner, Owner]] = []
+    for drawn in epicyclic_sets(model):
+        box = Owner("element", drawn.name)
+        hidden += [(Owner("element", one.name), box) for one in drawn.elements if one.name != drawn.name]
+        hidden += [(Owner("node", node), box) for node in drawn.planets]
+    for name, element in model.elements.items():
+        hidden += [(Owner("node", node), Owner("element", name)) for node in element.internal_nodes]
+    for inner, outer in hidden:
+        if inner in found and found[inner].within is None:
+            drawn_in = outer
+            while (further := found[drawn_in].within) is not None:
+                drawn_in = further
+            found[inner].within = drawn_in
+            found[drawn_in].hides.append(inner)
+
+
+# Strokes and labels of a schematic as SVG text, with classes and colours for light and dark pages.
+
+FILLS = {BODY: "body", WHEEL: "wheel", BOX: "box", PAPER: "paper", "#d9d9d9": "pad", INK: "ink"}
+"""Names of the colours with which symbols are filled, by the colour on white paper."""
+
+INDEX_DROP = 0.16
+"""Distance by which an index stands below its symbol as a multiple of the size of the font."""
+ILLEGAL = dict.fromkeys((*range(9), 11, 12, *range(14, 32), 65534, 65535, *range(55296, 57344)), "�")
+"""Replacement of the characters that XML does not allow, by code."""
+
+_MARKUP = re.compile("[&<>\"'\x00-\x1f\ud800-\udfff\ufffe\uffff]")
+
+
+def number(value: float) -> str:
+    """Text of a coordinate in points with six digits.
+
+    >>> number(12.0), number(-123.4567)
+    ('12', '-123.457')
+    """
+    return f"{value:.6g}"
+
+
+def content_text(text: str) -> str:
+    """Text as content of an XML element, with replacements for what XML does not allow."""
+    return escape(text.translate(ILLEGAL)) if _MARKUP.search(text) else text
+
+
+def attribute_text(text: str) -> str:
+    """Text as value of an XML attribute between double quotes."""
+    if not _MARKUP.search(text):
+        return text
+    quoted = escape(text.translate(ILLEGAL), {'"': "&quot;", "'": "&#39;"})
+    return quoted.replace("\n", "&#10;").replace("\t", "&#9;").replace("\r", "&#13;")
+
+
+def strokes_svg(strokes: Iterable[Stroke]) -> str:
+    """Text of strokes as paths, those that lie behind the symbols first; strokes of one look become one path."""
+    ordered = sorted(strokes, key=lambda one: not is_behind(one))
+    found = []
+    for (look, fill), some in groupby(ordered, lambda one: (one.look, one.fill)):
+        if fill:  # each of them covers what lies behind it
+            found += [_path(_outline(one), look, fill) for one in some]
+        else:
+            found.append(_path("".join(map(_outline, some)), look, fill))
+    return "".join(found)
+
+
+def _outline(stroke: Stroke) -> str:
+    points = " ".join([f"{x:.6g},{-y:.6g}" for x, y in stroke.points])
+    return f"M{points}{'Z' if stroke.closed else ''}"
+
+
+def _path(outline: str, look: str, fill: str) -> str:
+    color, width = PENS[look]
+    words, more = f"pen-{look}", ""
+    if color != INK:
+        more += f' stroke="{_pen_color(look)}"'
+    if width != PENS["part"][1]:
+        more += f' stroke-width="{number(width)}"'
+    if look in DASHES:
+        more += f' stroke-dasharray="{" ".join(number(width * one) for one in DASHES[look])}"'
+    if fill:
+        words += f" fill-{FILLS.get(fill, fill)}"
+        more += f' fill="{_fill_color(fill)}"'
+    return f'<path class="{words}"{more} d="{outline}"/>'
+
+
+def _pen_color(look: str) -> str:
+    color, _ = PENS[look]
+    name = {"wire": "muted", "carrier": "muted", "housing": "muted", "leader": "input", "blank": "paper"}.get(
+        look, look
+    )
+    return f"var(--schematic-{name}, {color})"
+
+
+def _fill_color(fill: str) -> str:
+    if fill in PENS:
+        return "currentColor" if PENS[fill][0] == INK else _pen_color(fill)
+    name = FILLS.get(fill)
+    if name == "ink":
+        return "currentColor"
+    return f"var(--schematic-{name}, {fill})" if name else fill
+
+
+def labels_svg(labels: Iterable[Label]) -> str:
+    """Text of labels as SVG texts, an index as a smaller text that stands lower."""
+    return "".join(map(_label, labels))
+
+
+def _label(label: Label) -> str:
+    role = ROLES[label.role]
+    color = {"input": "input", "sensor": "sensor"}.get(label.role, "muted")
+    fill = "currentColor" if role.color == INK else f"var(--schematic-{color}, {role.color})"
+    more = ' text-anchor="start"' if label.left else ""
+    more += ' font-style="italic"' if role.italic else ""
+    more += ' font-weight="bold"' if role.bold else ""
+    content = _runs(label.text, role.size) if is_math(label.text, label.role) else content_text(label.text)
+    return (
+        f'<text class="text-{label.role}" x="{number(label.x)}" y="{number(-label.y)}" font-size="{number(role.size)}" '
+        f'stroke="none" fill="{fill}"{more}>{content}</text>'
+    )
+
+
+def _runs(text: str, size: float) -> str:
+    found, low = "", False
+    for run in symbol_runs(text):
+        is_index = run.style == "index"
+        more = f' font-size="{number(INDEX_SIZE * size)}"' if is_index else ""
+        more += ' font-style="italic"' if run.is_italic else ""
+        if is_index != low:
+            more += f' dy="{number(INDEX_DROP * size if is_index else -INDEX_DROP * size)}"'
+        low = is_index
+        content = content_text(run.text)
+        found += f"<tspan{more}>{content}</tspan>" if more else content
+    return found
 
 
 @dataclass(frozen=True)

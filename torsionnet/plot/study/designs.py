@@ -12,11 +12,11 @@ import torsionnet.plot.drawing.style as style
 from torsionnet.base.number_text import typeset_unit
 from torsionnet.machinery.design.damper_optimum import DesignParameter
 from torsionnet.plot.study.study_axes import axis_label, is_wide, legend_below, log_axis, parameter_rows, text_rows
-from torsionnet.study.design.conditions_damper import DamperOverConditions
+from torsionnet.study.design.best_damper import DamperOverConditions
 from torsionnet.study.design.design_goals import DesignObjective
 from torsionnet.study.design.design_optimum import DesignOptimum
-from torsionnet.study.design.pareto_front import ParetoFront
-from torsionnet.study.design.robust_design import RobustOptimum
+from torsionnet.study.design.pareto import ParetoFront
+from torsionnet.study.design.robust_optimum import RobustOptimum
 from torsionnet.study.shown_units import IN_SI, ShownUnits
 
 WIDE_BOUNDS = 3.0

@@ -14,7 +14,14 @@ from torsionnet.machinery.limits.m68_factors import BORE
 from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion, WorstLimit
 from torsionnet.machinery.verdicts.rule_factors import RuleFactor, RuleSymbol, RuleWords
 from torsionnet.model.channels import Sensor
-from torsionnet.report.component_rows import GROUPS, ComponentRow, component_rows, throws
+from torsionnet.report.component_rows import (
+    FACTOR_UNITS,
+    GROUPS,
+    ComponentRow,
+    component_rows,
+    engineering_unit,
+    throws,
+)
 from torsionnet.report.document_tree import (
     Block,
     Cell,
@@ -30,7 +37,6 @@ from torsionnet.report.document_tree import (
     TableGroup,
     Text,
 )
-from torsionnet.report.engineering_units import FACTOR_UNITS, engineering_unit
 from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import as_words, capital, unit

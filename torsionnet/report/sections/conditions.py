@@ -7,17 +7,63 @@ from collections.abc import Iterator, Mapping
 from torsionnet.base.phrases import joined, phrase
 from torsionnet.base.units import RPM
 from torsionnet.machinery.excitations.engine_entries import EngineEntries
-from torsionnet.machinery.excitations.engine_phases import conditions_running_alone
+from torsionnet.machinery.excitations.reciprocating_engine import conditions_running_alone
+from torsionnet.machinery.limits.society_rules import SOCIETIES
 from torsionnet.machinery.verdicts.limit_check import FAIL, OPEN, LimitCheck
 from torsionnet.machinery.verdicts.speed_spans import restriction_words
 from torsionnet.model.load.external_torques import ENGINE
-from torsionnet.report.cylinders_out import lost_torque_words
 from torsionnet.report.document_tree import Block, Cell, Heading, Listing, Paragraph, Section, Strong, TableBlock, Text
+from torsionnet.report.plan import SECTIONS
 from torsionnet.report.report_conditions import alternative_words, load_words, speed_words, unexamined
+from torsionnet.report.report_cylinders import lost_torque_words
 from torsionnet.report.report_data import MOST_JUDGED_CASES, Case, ReportData
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import as_words, capital, choices_of_some, first_names
-from torsionnet.report.sections.society_form import society_form
+
+# Table of a report with the particulars that a classification society asks for, and where they stand.
+
+
+def society_form(subject: ReportData) -> list[Block]:
+    """Table of the particulars that the society in ``rules`` of the report asks for, with the sections that hold them.
+
+    Empty where no society is named.
+    """
+    society = SOCIETIES.get(subject.request.plan.rules or "")
+    if society is None:
+        return []
+    rows = [
+        (paragraph, capital(asked), capital(as_words(name)) if subject.request.wants(name) else "not in this document")
+        for paragraph, asked, name in society.asked_for
+        if name in SECTIONS
+    ]
+    columns = (Heading("Paragraph"), Heading("Asked for", wide=True), Heading("Section"))
+    notes = [f"{society.name}: {society.edition}."]
+    notes += (
+        [phrase("Barred speed ranges are marked by {marking}.", marking=society.marking)] if society.marking else []
+    )
+    notes += [f"{capital(society.remark)}."] if society.remark else []
+    notes += _speeds_missing(subject, society.highest_critical_ratio)
+    if not rows:
+        return [Paragraph((" ".join(notes),))]
+    return [table("Particulars by the rules of the society", columns, rows, notes)]
+
+
+def _speeds_missing(subject: ReportData, highest: float | None) -> list[str]:
+    """Sentence that speeds up to which critical speeds are asked for were not examined; empty where they were."""
+    speeds = subject.model.definition.speeds
+    if highest is None or speeds is None or speeds.rated is None:
+        return []
+    reached = max(speeds.values) / speeds.rated
+    if reached >= highest * (1 - 1e-9):
+        return []
+    return [
+        phrase(
+            "Speeds are examined up to lambda = {reached:.3g}, critical speeds are asked for up to {highest:g}.",
+            reached=reached,
+            highest=highest,
+        )
+    ]
+
 
 MOST_AXES = 5
 """Largest number of axes of configurations that have a column each, as more would not fit beside the verdict."""

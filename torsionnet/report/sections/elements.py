@@ -9,22 +9,34 @@ from typing import TYPE_CHECKING, Any
 from torsionnet.base.entries.scalars import QuantityKind, Value
 from torsionnet.base.entries.spec import Spec
 from torsionnet.base.expressions import Expression, Name, Number
+from torsionnet.base.number_text import aligned_numbers, typeset_unit
 from torsionnet.base.phrases import phrase
-from torsionnet.base.units import expected_unit
+from torsionnet.base.units import RPM, expected_unit
 from torsionnet.model.channels import PORT_QUANTITIES, UNITS, Input
+from torsionnet.model.checks.parameter_units import parameter_units
 from torsionnet.model.damping import MEASURES, DampingMeasure
-from torsionnet.model.element_base.characteristic import Characteristic
-from torsionnet.model.element_base.curves import LookupCurve
+from torsionnet.model.element_base.curves import Characteristic, LookupCurve
 from torsionnet.model.element_base.element_entries import MultipleValues
 from torsionnet.model.element_base.laws import Law
 from torsionnet.model.element_base.quantity_table import TableByName
 from torsionnet.model.element_base.spring_stages import QuantityRows
-from torsionnet.model.element_base.stiffness_rows import TableEntry
+from torsionnet.model.element_base.stiffness_table import TableEntry
 from torsionnet.model.elements import Values
-from torsionnet.model.given_values import given, in_words
-from torsionnet.report.document_tree import Block, Cell, Heading, Inline, Math, NumberText, Section, TableBlock
-from torsionnet.report.expression_latex import expression_latex
-from torsionnet.report.report_data import ReportData
+from torsionnet.model.overview import given, in_words
+from torsionnet.report.document_tree import (
+    Block,
+    Cell,
+    Heading,
+    Inline,
+    Math,
+    NumberText,
+    Picture,
+    Section,
+    TableBlock,
+    Text,
+)
+from torsionnet.report.formula_widths import expression_latex
+from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_tables import shown_cells, table
 from torsionnet.report.report_text import as_words, first_names, symbol_or_words, unit
 from torsionnet.report.wording import REPORTED_ENTRIES
@@ -32,6 +44,8 @@ from torsionnet.report.wording import REPORTED_ENTRIES
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
     from torsionnet.model.elements import Element
+    from torsionnet.model.parameters import Parameter
+
 
 DRIVEN = {"torque": "Torque on {node}", "angle": "Angle on {node}", "twist": "Twist on {element}"}
 """Words on what an input drives, by quantity."""
@@ -219,3 +233,170 @@ def _place_driven(entry: Input) -> str:
     """Text of what an input drives, and against what."""
     template = DRIVEN[entry.quantity] + (" against {other}" if entry.against else "")
     return phrase(template, node=as_words(entry.of), element=as_words(entry.of), other=as_words(entry.against or ""))
+
+
+# Section of a report on parameters as written and in SI units, configurations and operating points.
+
+MOST_ROWS, MOST_COLUMNS = 60, 12
+"""Largest number of rows in a table of parameters or nodes, and of parameters compared between configurations."""
+
+
+def parameters_section(subject: ReportData) -> Section | None:
+    """Section of a report on the parameters, configurations and operating points; None for a model without any."""
+    rig = subject.model
+    blocks: list[Block] = []
+    if rig.parameters:
+        blocks.append(_parameters(rig, dict(subject.request.settings)))
+    changed = _changed(subject.cases)
+    if changed:
+        blocks.append(_configurations(subject.cases, changed, rig))
+    switched = _switched(subject.cases)
+    if switched:
+        blocks.append(_switches(subject.cases, switched))
+    blocks += _operating_points(subject.cases)
+    return Section("parameters", ("Parameters",), tuple(blocks)) if blocks else None
+
+
+def _units(rig: Drivetrain) -> dict[str, str]:
+    return parameter_units(rig.definition)
+
+
+def _parameters(rig: Drivetrain, settings: dict[str, str]) -> TableBlock:
+    units = _units(rig)
+    columns = (
+        Heading("Symbol"),
+        Heading("As given"),
+        Heading("SI value", numeric=True),
+        Heading("SI unit"),
+        Heading("Plausible"),
+        Heading("Description", wide=True),
+    )
+    rows = [
+        (
+            symbol_or_words(name),
+            _written(parameter),
+            NumberText(rig.parameters[name], 6),
+            unit(units[name]),
+            _bounds(parameter),
+            parameter.description + ("; changed for this report" if name in settings else ""),
+        )
+        for name, parameter in rig.parameter_definitions.items()
+    ]
+    return table("Parameters", columns, rows, most=MOST_ROWS)
+
+
+def _written(parameter: Parameter) -> Cell:
+    value = parameter.value
+    if parameter.by is not None:
+        return parameter.written
+    if isinstance(value, Number):
+        return typeset_unit(str(value))
+    return Math(expression_latex(value))
+
+
+def _bounds(parameter: Parameter) -> Text:
+    if parameter.bounds is None:
+        return ()
+    low, high = parameter.bounds
+    return (NumberText(low), " to ", NumberText(high))
+
+
+def _changed(cases: tuple[Case, ...]) -> list[str]:
+    """Names of parameters that do not have the same value in all configurations of the report."""
+    first = cases[0].drivetrain.parameters
+    return [name for name in first if len({case.drivetrain.parameters[name] for case in cases}) > 1]
+
+
+def _configurations(cases: tuple[Case, ...], names: list[str], rig: Drivetrain) -> TableBlock:
+    units = _units(rig)
+    shown = names[:MOST_COLUMNS]
+    columns = (
+        Heading("Configuration"),
+        *(Heading(symbol_or_words(name), unit(units[name]), numeric=True) for name in shown),
+    )
+    values = [[NumberText(case.drivetrain.parameters[name], 6) for case in cases] for name in shown]
+    rows = [(case.configuration, *row) for case, row in zip(cases, zip(*values, strict=True), strict=True)]
+    rest = len(names) - len(shown)
+    notes = [phrase("… and {count} more parameters", count=rest)] if rest > 0 else []
+    return table("Parameters that differ between the configurations", columns, rows, notes)
+
+
+def _switched(cases: tuple[Case, ...]) -> list[str]:
+    every = cases[0].drivetrain.definition.elements
+    return [name for name in every if len({name in case.drivetrain.elements for case in cases}) > 1]
+
+
+def _switches(cases: tuple[Case, ...], names: list[str]) -> TableBlock:
+    columns = (Heading("Configuration"), *(Heading(as_words(name)) for name in names))
+    rows = [
+        (case.configuration, *("on" if name in case.drivetrain.elements else "off" for name in names)) for case in cases
+    ]
+    return table("Elements that are switched", columns, rows)
+
+
+def _operating_points(cases: tuple[Case, ...]) -> list[Block]:
+    """Tables of mean speeds and torques at operating points, one for all configurations that share it."""
+    alike: dict[tuple[object, ...], list[Case]] = {}
+    for case in cases:
+        rig = case.drivetrain
+        alike.setdefault((*rig.mean_speeds.items(), None, *rig.mean_torques.items()), []).append(case)
+    found: list[Block] = []
+    for group in alike.values():
+        names = ", ".join(case.configuration for case in group) if len(alike) > 1 else ""
+        shown = _operating_point(group[0].drivetrain, phrase(", configuration {name}", name=names) if names else "")
+        found += [shown] if shown else []
+    return found
+
+
+def _operating_point(rig: Drivetrain, where: str) -> TableBlock | None:
+    speeds = rig.mean_speeds if any(rig.mean_speeds.values()) else {}
+    torques = {node: value for node, value in rig.mean_torques.items() if value}
+    nodes = [node for node in rig.nodes if node in speeds or node in torques]
+    if not nodes:
+        return None
+    columns = (Heading("Node"), Heading("Mean speed", "rpm", numeric=True), Heading("Mean torque", "N·m", numeric=True))
+    shaft_speeds = aligned_numbers([speeds[node] * RPM if node in speeds else None for node in nodes])
+    loads = aligned_numbers([torques.get(node) for node in nodes])
+    rows = [(as_words(node), speed, load) for node, speed, load in zip(nodes, shaft_speeds, loads, strict=True)]
+    together: dict[str, list[tuple[Cell, ...]]] = {}
+    for row in rows:
+        together.setdefault(str(shown_cells(row[1:])), []).append(row)
+    return table(
+        phrase("Operating point{where}", where=where),
+        columns,
+        [row for group in together.values() for row in group],
+        most=MOST_ROWS,
+    )
+
+
+# Section of a report with the schematic of the drivetrain.
+
+HALF_PAGE = 135.0
+"""Largest height in mm of a part of the schematic: with its caption half a page, so that pages can be filled."""
+
+
+def schematic_section(subject: ReportData) -> Section:
+    """Section of a report with the schematic of the drivetrain in the first configuration.
+
+    A tall one is cut into parts. Others differ in values or switched elements.
+    """
+    from torsionnet.plot.schematics.schematic import schematic_parts
+
+    case = subject.cases[0]
+    rig = case.drivetrain
+    where = phrase(", configuration {name}", name=case.configuration) if len(subject.cases) > 1 else ""
+    legend = " Discs are inertias; curved arrows mark inputs, dots sensors of motion and diamonds sensors of torque."
+    nodes = first_names([as_words(node) for node in rig.nodes])
+    alt = f"Schematic of {rig.name}: {len(rig.elements)} elements between the nodes {nodes}"
+    parts = schematic_parts(rig, HALF_PAGE)
+    pictures = []
+    for number, figure in enumerate(parts, 1):
+        part = f", part {number} of {len(parts)}" if len(parts) > 1 else ""
+        caption = (
+            phrase("The drivetrain{where}, part {number} of {count}.", where=where, number=number, count=len(parts))
+            if part
+            else phrase("The drivetrain{where}.", where=where)
+        )
+        name = f"schematic_{number}" if part else "schematic"
+        pictures.append(Picture(name, figure, (caption, *([legend] if number == 1 else [])), f"{alt}{part}"))
+    return Section("schematic", ("Drivetrain",), tuple(pictures))

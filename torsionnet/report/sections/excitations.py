@@ -16,16 +16,21 @@ from torsionnet.base.number_text import MISSING_TYPESET, aligned_numbers
 from torsionnet.base.phrases import phrase
 from torsionnet.base.units import RPM, expected_unit
 from torsionnet.machinery.excitations.pressure_trace import PressureTrace
+from torsionnet.machinery.excitations.propeller_torque import PropellerTorque
+from torsionnet.machinery.excitations.reciprocating_engine import ReciprocatingEngine
 from torsionnet.machinery.excitations.table_by_pressure import TableByPressure
 from torsionnet.machinery.orders.order_solution import shaft_speeds
 from torsionnet.report.document_tree import Block, Cell, Heading, NumberText, Paragraph, Section, TableBlock
+from torsionnet.report.report_cylinders import engine_blocks, state_table
 from torsionnet.report.report_data import Case, ReportData
+from torsionnet.report.report_orders import other_table, propeller_block
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import as_words, unit
 
 if TYPE_CHECKING:
     from torsionnet.machinery.excitations import OrderExcitation
     from torsionnet.machinery.excitations.speed_range import SpeedRange
+
 
 EQUAL_AMPLITUDES = 1e-9
 """Relative difference up to which amplitudes of torques count as equal, no more than rounding."""
@@ -188,3 +193,36 @@ def _changes(subject: ReportData) -> Iterator[Row]:
                 value = getattr(excitation, entry)
                 if name in written and value != getattr(written[name], entry, None):
                     yield case.configuration, as_words(name), as_words(entry), _shown(spec, value)[0]
+
+
+# Section of a report on the excitation: engines, propellers, and everything else that acts by order.
+
+
+def harmonics_section(subject: ReportData) -> Section | None:
+    """Section of a report on the harmonics of all excitations; None for a model without excitations."""
+    if not subject.has_excitations or not subject.natural_frequencies:
+        return None
+    blocks: list[Block] = []
+    others: list[tuple[Case, str]] = []
+    for name in subject.model.definition.excitations:
+        case = _first_acting(subject, name)
+        if case is None:
+            continue
+        excitation = case.drivetrain.definition.excitations[name]
+        if isinstance(excitation, ReciprocatingEngine):
+            blocks += engine_blocks(subject, case, name, excitation)
+        elif isinstance(excitation, PropellerTorque):
+            blocks.append(propeller_block(case, name, excitation))
+        else:
+            others.append((case, name))
+    if others:
+        blocks.append(other_table(others))
+    states = state_table(subject)
+    if states is not None:
+        blocks.append(states)
+    return Section("harmonics", ("Excitation",), tuple(blocks)) if blocks else None
+
+
+def _first_acting(subject: ReportData, name: str) -> Case | None:
+    """First configuration in which an excitation acts; None where it never does."""
+    return next((one for one in subject.judged_cases if one.drivetrain.definition.excitations[name].enabled), None)

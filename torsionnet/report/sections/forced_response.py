@@ -2,23 +2,46 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import groupby
 
 import numpy as np
 
 from torsionnet.base.equal_remarks import condition_words
+from torsionnet.base.errors import TorsionnetError
 from torsionnet.base.number_text import aligned_numbers
-from torsionnet.base.phrases import phrase
-from torsionnet.machinery.verdicts.governing_peaks import GoverningPeaks, line_name
+from torsionnet.base.phrases import extended, phrase
+from torsionnet.machinery.orders.order_line import lines_of_one_frequency, sum_name
+from torsionnet.machinery.orders.order_response import OrderResponse
+from torsionnet.machinery.orders.worst_response import WorstResponse
 from torsionnet.machinery.verdicts.limit_check import LimitCheck, LimitVerdict
 from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion
-from torsionnet.machinery.verdicts.order_peaks import OrderPeak, largest_orders, vibratory_verdicts
-from torsionnet.report.document_tree import Block, Cell, Heading, NumberText, Paragraph, Picture, Section, TableBlock
+from torsionnet.machinery.verdicts.order_peaks import (
+    GoverningPeaks,
+    OrderPeak,
+    largest_orders,
+    line_name,
+    vibratory_verdicts,
+)
+from torsionnet.motion.motion_summary import energy_table, event_table, peak_table
+from torsionnet.report.component_rows import DIGITS, component, limit_number, limit_unit, order_list
+from torsionnet.report.document_tree import (
+    Block,
+    Cell,
+    Heading,
+    Inline,
+    NumberText,
+    Paragraph,
+    Picture,
+    Remark,
+    Section,
+    TableBlock,
+)
 from torsionnet.report.document_tree import TableGroup as Group
-from torsionnet.report.limit_values import DIGITS, component, limit_number, limit_unit, order_list
-from torsionnet.report.report_data import ReportData
-from torsionnet.report.report_text import as_words, symbol_or_words
+from torsionnet.report.report_data import FEW_CASES, MOST_OUTPUTS, Case, ReportData
+from torsionnet.report.report_machines import engine_angle_tables, engine_remarks
+from torsionnet.report.report_tables import results_table, table
+from torsionnet.report.report_text import as_words, capital, symbol_or_words, unit
 
 MOST_PANELS = 6
 """Largest number of components in one picture, three rows of two: more would not fit a page with their caption."""
@@ -70,7 +93,7 @@ def forced_response_section(subject: ReportData) -> Section | None:
 
 def _families(subject: ReportData, found: LimitConclusion) -> list[Picture]:
     """Pictures of all components with limits on vibration, over speed in every condition."""
-    from torsionnet.plot.limit_family_plot import families_of, limit_families
+    from torsionnet.plot.limit_plot import families_of, limit_families
 
     names = list(dict.fromkeys(family.members[0][1][0].limit for family in families_of(found.checks)))
     parts = [names[start : start + MOST_PANELS] for start in range(0, len(names), MOST_PANELS)]
@@ -199,3 +222,161 @@ def _critical_row(subject: ReportData, speed: Cell, those: Sequence[OrderPeak]) 
         limit_unit(limit.unit, subject.conventions),
         order_list(largest_orders(one.check, limit, one.at, MOST_ORDERS), limit, subject.conventions),
     )
+
+
+# Section of a report on the response to all excitations over speed: each order, and all orders together.
+
+MOST_CURVES = 7
+"""Largest number of configurations in one plot over speed, as more curves cannot be told apart."""
+HALF_RANGE_NOTE = (
+    "All orders act at once. The half range is (max − min)/2 of their sum with the phases they have, not the sum of "
+    "their magnitudes; amplitudes of single orders are peak values."
+)
+"""Sentence that says what a half range is."""
+NO_CYCLE_NOTE = " What has no short common cycle takes every position to each other: such half ranges are added."
+"""Sentence on half ranges of excitations without a short common cycle."""
+
+
+def orders_section(subject: ReportData) -> Section | None:
+    """Section of a report on the response by order over speed; None for a model without excitations."""
+    if not subject.has_excitations or not subject.order_outputs:
+        return None
+    blocks: list[Block] = [Paragraph(_introduction(subject)), *engine_remarks(subject)]
+    for number, name in enumerate(subject.order_outputs, 1):
+        blocks += _output(subject, name, number)
+    return Section("orders", ("Response by order",), tuple(blocks))
+
+
+def _introduction(subject: ReportData) -> tuple[Inline, ...]:
+    has_cycle = all(run.revolutions is not None for run in subject.order_responses)
+    return (*((HALF_RANGE_NOTE,) if has_cycle else (HALF_RANGE_NOTE, NO_CYCLE_NOTE)), *subject.coverage_note)
+
+
+def _output(subject: ReportData, name: str, number: int) -> list[Block]:
+    """Blocks of the report on one output over speed.
+
+    Half ranges of all configurations, orders of the worst one, and the largest values.
+    """
+    from torsionnet.plot.order_response_plot import half_ranges, order_response
+
+    runs = subject.order_responses
+    place = runs[0].output(name)
+    worst = int(np.argmax([run.half_range[:, place].max() for run in runs]))
+    shown = name if not runs[worst].title else f"{name}, {subject.cases[worst].configuration}".rstrip(", ")
+    blocks: list[Block] = []
+    if len(runs) > 1:
+        chosen = runs[:MOST_CURVES]
+        labels = [case.configuration for case in subject.cases[:MOST_CURVES]]
+        drawn = half_ranges(chosen, name, labels=labels, conventions=subject.conventions, title="")
+        rest = (
+            phrase("; the first {shown} of {count} configurations", shown=len(chosen), count=len(runs))
+            if len(runs) > len(chosen)
+            else ""
+        )
+        caption = (
+            symbol_or_words(name),
+            phrase(": half range of all orders over speed, by configuration{rest}.", rest=rest),
+        )
+        blocks.append(Picture(f"half_range_{number}", drawn, caption, f"Half range of {as_words(name)} over speed"))
+    drawn = order_response(runs[worst], name, conventions=subject.conventions, title="")
+    where = phrase(" in configuration {name}", name=subject.cases[worst].configuration) if len(runs) > 1 else ""
+    caption = (symbol_or_words(name), phrase(": largest orders over speed{where}.", where=where))
+    blocks.append(Picture(f"orders_{number}", drawn, caption, f"Orders of {shown} over speed"))
+    return [*blocks, _worst_half_range(subject, name), *engine_angle_tables(subject, name)]
+
+
+def _worst_half_range(subject: ReportData, name: str) -> TableBlock:
+    """Table of the largest half range of an output in every configuration, and of the largest order there."""
+    runs, place = subject.order_responses, subject.order_responses[0].output(name)
+    scale = subject.conventions.scale(runs[0].outputs[place].unit)
+    shown = unit(subject.conventions.unit(runs[0].outputs[place].unit))
+    worst = [(run, int(np.argmax(run.half_range[:, place]))) for run in runs]
+    sizes = [np.abs(run.by_frequency()[index, :, place]) for run, index in worst]
+    columns = (
+        Heading("Configuration"),
+        Heading("Speed", "r/min", numeric=True),
+        Heading("Half range", shown, numeric=True),
+        Heading("RMS", shown, numeric=True),
+        Heading("Largest order there"),
+        Heading("its amplitude", shown, numeric=True),
+    )
+    cells: list[list[Cell]] = [
+        [_condition(case, run, name, index) for case, (run, index) in zip(subject.cases, worst, strict=True)],
+        list(aligned_numbers([float(run.rpm[index]) for run, index in worst])),
+        list(aligned_numbers([float(run.half_range[index, place]) * scale for run, index in worst])),
+        list(aligned_numbers([float(run.rms[index, place]) * scale for run, index in worst])),
+        [as_words(_line_name(run, int(np.argmax(size)))) for run, size in zip(runs, sizes, strict=True)],
+        list(aligned_numbers([float(size.max()) * scale for size in sizes])),
+    ]
+    return table((symbol_or_words(name), ": largest over the speeds"), columns, list(zip(*cells, strict=True)))
+
+
+def _line_name(run: OrderResponse, number: int) -> str:
+    """Name of all lines of a response that have the frequency with this number."""
+    return sum_name([run.lines[place] for place in lines_of_one_frequency(run.lines)[number]])
+
+
+def _condition(case: Case, run: OrderResponse, name: str, index: int) -> str:
+    """Name of a configuration, with its worst case at a speed where the configuration has several cases."""
+    if not isinstance(run, WorstResponse):
+        return case.configuration
+    return ": ".join(part for part in (case.configuration, as_words(run.cases(name)[index])) if part)
+
+
+# Section of a report on the motion over time under the scenarios of the model.
+
+MOST_SCENARIOS = 6
+"""Largest number of scenarios that a report shows, each with a table and a picture."""
+WHAT_IS_SHOWN = "Peaks are those of the samples, with the times at which they occur."
+"""Sentence that says what the tables on scenarios hold."""
+
+
+def scenarios_section(subject: ReportData) -> Section | None:
+    """Section of a report on the motion under scenarios; None for a model without scenarios."""
+    names = list(subject.model.definition.scenarios)[:MOST_SCENARIOS]
+    blocks = [block for name in names for case in subject.cases[:FEW_CASES] for block in _scenario(subject, case, name)]
+    if not blocks:
+        return None
+    return Section("scenarios", ("Motion over time",), (Paragraph((WHAT_IS_SHOWN,)), *blocks))
+
+
+def _scenario(subject: ReportData, case: Case, name: str) -> Iterator[Block]:
+    """Blocks of the report on one scenario: what happens, peaks, events and energies, and the signals drawn."""
+    from torsionnet.plot.histories import scenario_motion
+
+    several = case.configuration and len(subject.cases) > 1
+    where = phrase(" in configuration {name}", name=case.configuration) if several else ""
+    try:
+        record = case.drivetrain.simulate(scenario=name)
+    except TorsionnetError as error:
+        yield Remark(
+            "warning",
+            (
+                phrase(
+                    "The scenario {name}{where} could not be simulated: {reason}", name=name, where=where, reason=error
+                ),
+            ),
+        )
+        return
+    words = case.drivetrain.definition.scenarios[name].words
+    yield Paragraph(tuple(extended(capital(str(one)), ". ") for one in (words, *record.notes)))
+    yield results_table(
+        peak_table(record, ""),
+        phrase("Peaks in the scenario {name}{where}", name=name, where=where),
+        notes=False,
+        words=str,
+    )
+    if record.events:
+        yield results_table(
+            event_table(record.events),
+            phrase("Events in the scenario {name}{where}", name=name, where=where),
+            words=str,
+        )
+    energy = energy_table(record)
+    if energy is not None and energy.rows:
+        yield results_table(energy, phrase("Energies in the scenario {name}{where}", name=name, where=where), words=str)
+    shown = list(dict.fromkeys((*record.names[:1], *record.names[-MOST_OUTPUTS:])))
+    drawn = scenario_motion(record, shown, conventions=subject.conventions, title="")
+    caption = phrase("The scenario {name}{where}: signals over time, events as dashed lines.", name=name, where=where)
+    number = subject.cases.index(case) + 1
+    yield Picture(f"scenario_{name}_{number}", drawn, (caption,), caption)

@@ -15,8 +15,7 @@ from torsionnet.base.errors import UsageError
 from torsionnet.base.number_text import NumberText, aligned_numbers
 from torsionnet.base.phrases import phrase
 from torsionnet.base.units import RPM
-from torsionnet.io.order_tables import tracked_channel
-from torsionnet.io.tracked_order_tables import is_tracked_table, read_tracked_orders
+from torsionnet.io.tracked_order_tables import is_tracked_table, read_tracked_orders, tracked_channel
 from torsionnet.machinery.criticals.planned_amplitudes import (
     PlannedAmplitude,
     PlannedSpeed,
@@ -25,20 +24,23 @@ from torsionnet.machinery.criticals.planned_amplitudes import (
     merged_speeds,
     planned_amplitudes,
 )
+from torsionnet.machinery.orders.calculated_order import swept_comparison
 from torsionnet.machinery.orders.order_response import OrderResponse
-from torsionnet.machinery.orders.swept_comparison import swept_comparison
 from torsionnet.machinery.orders.worst_response import WorstResponse
 from torsionnet.machinery.verdicts.limit_check import LimitCheck
-from torsionnet.machinery.verdicts.measured_range import MeasuredRange
-from torsionnet.machinery.verdicts.measured_ranges import measured_ranges
+from torsionnet.machinery.verdicts.measured_range import MeasuredRange, measured_ranges
 from torsionnet.machinery.verdicts.speed_spans import joined_spans
 from torsionnet.model.channels import Sensor
 from torsionnet.model.element_base.round_section import section_fault
-from torsionnet.report.cylinders_out import governing_misfire
+from torsionnet.report.component_rows import engineering_unit
 from torsionnet.report.document_tree import Block, Cell, Heading, Paragraph, Picture, Section, TableBlock
-from torsionnet.report.engineering_units import engineering_unit
-from torsionnet.report.measured_orders import MeasuredFile, PlaceTest, read_measured
-from torsionnet.report.measured_tables import measured_order_tables, measured_range_block
+from torsionnet.report.measured_orders import (
+    MeasuredFile,
+    PlaceTest,
+    measured_order_tables,
+    measured_range_block,
+    read_measured,
+)
 from torsionnet.report.measurement_places import (
     MeasuringPlace,
     files_by_case,
@@ -46,6 +48,7 @@ from torsionnet.report.measurement_places import (
     planned_condition,
     within_calculated,
 )
+from torsionnet.report.report_cylinders import governing_misfire
 from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import as_words, capital, unit

@@ -10,7 +10,7 @@ from torsionnet.base.errors import TorsionnetError
 from torsionnet.base.phrases import phrase
 from torsionnet.base.units import RPM
 from torsionnet.machinery.holzer.counted_vibration import CountedVibration, natural_frequency_table
-from torsionnet.machinery.holzer.vibration_nodes import vibration_nodes
+from torsionnet.machinery.holzer.holzer_table import vibration_nodes
 from torsionnet.report.document_tree import (
     Block,
     Cell,
@@ -175,7 +175,7 @@ def _shapes(subject: ReportData) -> list[Block]:
     drawn = [tables[mode] for mode in excited[:MOST_DRAWN] if mode in tables]
     where = phrase(" Configuration {name}.", name=_where(subject, 0)) if len(subject.judged_drivetrains) > 1 else ""
     if drawn:
-        from torsionnet.plot.relative_amplitudes import relative_amplitudes
+        from torsionnet.plot.shapes import relative_amplitudes
 
         text = phrase(PICTURE_TEXT, node=as_words(drawn[0].referred_to))
         alt = phrase("Relative amplitudes of modes {numbers}", numbers=", ".join(str(one.mode) for one in drawn))

@@ -4,22 +4,230 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from itertools import groupby
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from torsionnet.base.equal_remarks import condition_words
 from torsionnet.base.number_text import aligned_numbers
 from torsionnet.base.phrases import phrase
 from torsionnet.base.units import RPM
 from torsionnet.machinery.criticals.critical_speeds import CriticalSpeed
-from torsionnet.machinery.orders.damping_shares import damping_shares
-from torsionnet.machinery.verdicts.governing_peaks import GoverningPeaks, line_name
-from torsionnet.machinery.verdicts.order_peaks import LEAST_SHARE, OrderPeak
-from torsionnet.report.document_tree import Block, Cell, Heading, NumberText, Paragraph, Picture, Section, TableBlock
+from torsionnet.machinery.orders.operating_groups import damping_shares
+from torsionnet.machinery.verdicts.margin_rules import PRESETS
+from torsionnet.machinery.verdicts.order_peaks import LEAST_SHARE, GoverningPeaks, OrderPeak, line_name
+from torsionnet.report.component_rows import DIGITS, component, limit_number, limit_unit
+from torsionnet.report.document_tree import (
+    Block,
+    Cell,
+    Details,
+    Heading,
+    NumberText,
+    Paragraph,
+    Picture,
+    Section,
+    TableBlock,
+)
 from torsionnet.report.document_tree import TableGroup as Group
-from torsionnet.report.limit_values import DIGITS, component, limit_number, limit_unit
 from torsionnet.report.report_data import Case, ReportData
-from torsionnet.report.report_text import as_words, first_names, symbol_or_words
-from torsionnet.report.sections.separation_margins import separation_margins
+from torsionnet.report.report_holzer import holzer_blocks
+from torsionnet.report.report_tables import results_table, table
+from torsionnet.report.report_text import as_words, distinct_choices, first_names, shared_choices, symbol_or_words
+
+if TYPE_CHECKING:
+    from torsionnet.base.table import Table
+    from torsionnet.machinery.criticals.critical_speeds import CriticalSpeeds
+    from torsionnet.machinery.orders.order_line import OrderLine
+
+
+# Section of a report on critical speeds, with crossings of orders and modes and Holzer tables.
+
+MOST_DRAWN, MOST_HOLZER_TABLES = 3, 4
+"""Largest number of drivetrains whose interference diagram is drawn, and of modes whose Holzer table is printed."""
+MOST_ROWS = 30
+"""Largest number of crossings of orders and modes in a table of the report; of more, those with the largest generalised
+force are kept."""
+LEFT_OUT_COLUMNS = ("on its shaft", "amplifi- cation")
+"""Headings of columns that the report leaves out, as a page has no room for them."""
+CROSSINGS = (
+    "A critical speed is one at which an order meets a natural frequency. Damping shifts natural frequencies: both the "
+    "undamped and the damped one are given. A crossing that is not excited in one condition may be in another, as with "
+    "a misfire."
+)
+
+
+def critical_speeds_section(subject: ReportData) -> Section | None:
+    """Section of a report on critical speeds, at which orders meet natural frequencies.
+
+    None for a model without excitations.
+    """
+    if not subject.has_excitations:
+        return None
+    blocks: list[Block] = [Paragraph((CROSSINGS, *subject.coverage_note))]
+    for number, cases in enumerate(subject.distinct_drivetrains, 1):
+        blocks += _of_drivetrain(cases, number, several=len(subject.distinct_drivetrains) > 1)
+    return Section("critical_speeds", ("Critical speeds",), tuple(blocks))
+
+
+def _of_drivetrain(cases: tuple[Case, ...], number: int, *, several: bool) -> list[Block]:
+    """Tables and diagram of critical speeds of one drivetrain, with the conditions that excite each crossing."""
+    names = [case.configuration for case in cases]
+    runs = [
+        replace(case.drivetrain.critical_speeds(), condition=distinct_choices(case.configuration, names))
+        for case in cases
+    ]
+    found = runs[0].in_conditions(runs) if len(runs) > 1 else runs[0]
+    where = phrase(" in configuration {name}", name=shared_choices(names)) if several and names[0] else ""
+    excited, others = _split(found, len(runs))
+    blocks: list[Block] = [
+        results_table(_reached(found), phrase("Natural frequencies without and with damping{where}", where=where))
+    ]
+    if number <= MOST_DRAWN:
+        blocks.append(_crossings_diagram(found, number, where))
+    chosen = _largest(excited, runs)
+    few = (
+        phrase(", the {count} with the largest generalised force", count=MOST_ROWS)
+        if len(excited.crossings) > MOST_ROWS
+        else ""
+    )
+    blocks.append(results_table(_narrow(chosen), phrase("Critical speeds{where}{few}", where=where, few=few)))
+    if others.crossings:
+        rest = results_table(
+            _narrow(_largest(others, runs)),
+            phrase("Crossings that no condition here excites{where}", where=where),
+            notes=False,
+        )
+        count = len(others.crossings)
+        instead = (phrase("{count} further crossings are not excited in these conditions.", count=count),)
+        blocks.append(Details(("Crossings that are not excited",), (rest,), instead))
+    if number == 1:
+        blocks += _holzer_tables(cases[0], excited)
+    return blocks
+
+
+def _reached(found: CriticalSpeeds) -> Table:
+    """Table of modes up to the highest that any order meets, and one more; of overdamped modes those that are met."""
+    met = {one.mode.number for one in found.crossings}
+    swings = [one.number for one in found.modes if not math.isnan(one.natural_frequency)]
+    last = max(met.intersection(swings), default=MOST_HOLZER_TABLES) + 1
+    kept = tuple(one for one in found.modes if one.number in met or (one.number in swings and one.number <= last))
+    return replace(found, modes=kept).mode_table()
+
+
+def _largest(found: CriticalSpeeds, runs: Sequence[CriticalSpeeds]) -> CriticalSpeeds:
+    """Critical speeds with the largest generalised force in any condition, in the order of modes."""
+    forces: dict[tuple[object, ...], float] = {}
+    for one in (one for run in runs for one in run.crossings):
+        forces[_place(one)] = max(forces.get(_place(one), 0.0), _force(one))
+    sizes = sorted((forces[_place(one)] for one in found.crossings), reverse=True)
+    least = sizes[MOST_ROWS - 1] if len(sizes) >= MOST_ROWS else 0.0
+    return replace(found, crossings=tuple(one for one in found.crossings if forces[_place(one)] >= least))
+
+
+def _force(one: CriticalSpeed) -> float:
+    """Generalised force of a crossing in N m, infinite for an imposed motion, which has none and is never left out."""
+    return math.inf if math.isnan(one.generalised_force) else one.generalised_force
+
+
+def _place(one: CriticalSpeed) -> tuple[object, ...]:
+    return one.mode.number, one.excitation, one.order, one.fixed
+
+
+def _narrow(found: CriticalSpeeds) -> Table:
+    table = found.table()
+    return table.chosen([index for index, column in enumerate(table.columns) if column.name not in LEFT_OUT_COLUMNS])
+
+
+def _split(found: CriticalSpeeds, conditions: int) -> tuple[CriticalSpeeds, CriticalSpeeds]:
+    """Critical speeds that some condition excites, and critical speeds that none excites."""
+    acts = [one.excited is not False or (conditions > 1 and bool(one.excited_in)) for one in found.crossings]
+    pairs = list(zip(found.crossings, acts, strict=True))
+    return (
+        replace(found, crossings=tuple(one for one, excited in pairs if excited)),
+        replace(found, crossings=tuple(one for one, excited in pairs if not excited)),
+    )
+
+
+def _crossings_diagram(found: CriticalSpeeds, number: int, where: str) -> Picture:
+    from torsionnet.plot.interference_plot import interference_diagram
+
+    caption = (phrase("Interference diagram{where}: natural frequencies and orders over speed.", where=where),)
+    alt = f"Interference diagram{where}: {len(found.modes)} modes, {len(found.crossings)} crossings"
+    return Picture(f"interference_{number}", interference_diagram(found, title=""), caption, alt)
+
+
+def _holzer_tables(case: Case, excited: CriticalSpeeds) -> list[Block]:
+    """Holzer tables of the lowest modes that any excitation reaches."""
+    modes = sorted({one.mode.number for one in excited.crossings})[:MOST_HOLZER_TABLES]
+    return [block for mode in modes for block in holzer_blocks(case.drivetrain.holzer_table(mode))]
+
+
+# Table of a report with the separation margins of a train from shaft speeds and electrical frequencies.
+
+MOST_DRIVETRAINS = 3
+"""Largest number of drivetrains with other modes whose separation margins a report shows."""
+
+
+def separation_margins(subject: ReportData) -> list[Block]:
+    """Tables of the margins of all low modes from 1 and 2 times shaft speeds and line frequencies, by drivetrain.
+
+    Empty unless the report's ``rules`` name a rule of separation margins and the model has speeds.
+    """
+    rule = subject.request.plan.rules
+    if rule is None or rule not in PRESETS or subject.model.definition.speeds is None:
+        return []
+    several = len(subject.distinct_drivetrains) > 1
+    return [_margins(rule, cases, several=several) for cases in subject.distinct_drivetrains[:MOST_DRIVETRAINS]]
+
+
+def _margins(rule: str, cases: tuple[Case, ...], *, several: bool) -> TableBlock:
+    from torsionnet.machinery.verdicts.shaft_margins import shaft_margins
+
+    found = shaft_margins(cases[0].drivetrain, rule)
+    where = (
+        phrase(" in configuration {name}", name=shared_choices([case.configuration for case in cases]))
+        if several
+        else ""
+    )
+    columns = (
+        Heading("Mode"),
+        Heading("Natural frequency", "Hz", numeric=True),
+        Heading("Compared with"),
+        Heading("From", "Hz", numeric=True),
+        Heading("To", "Hz", numeric=True),
+        Heading("Margin", "%", numeric=True),
+        Heading("Required", "%", numeric=True),
+        Heading("Margin kept"),
+    )
+    pairs = zip(found.crossings, found.lines * len(found.modes), strict=True)
+    rows = [_row(found, one, line) for one, line in pairs]
+    first = range(0, len(rows), len(found.lines))
+    rows = [row if place in first else ("", "", *row[2:]) for place, row in enumerate(rows)]
+    notes = [
+        "Margin: distance of the nearer of undamped and damped natural frequency from the frequencies compared, "
+        "as a share of them; 0 where one of the speeds meets it.",
+        phrase("Margins by {rule}.", rule=found.rule),
+    ]
+    if any(one.passes is False for one in found.crossings):
+        notes.append("Where a margin is not kept, stresses at the critical speed have to show that it does no harm.")
+    return table(phrase("Separation margins{where}", where=where), columns, rows, notes)
+
+
+def _row(found: CriticalSpeeds, one: CriticalSpeed, line: OrderLine) -> tuple[Cell, ...]:
+    low, high = np.abs(line.frequency(np.array(found.speed_range))).tolist()
+    compared = (
+        f"{one.order:g} x {as_words(one.excitation)}" if one.order else f"{one.fixed:g} Hz, {as_words(one.excitation)}"
+    )
+    required = "" if one.required is None else NumberText(100 * one.required, 3)
+    kept = "" if one.passes is None else "yes" if one.passes else "no"
+    return (
+        str(one.mode.number), NumberText(one.mode.undamped_frequency, 4),
+        compared, NumberText(low, 3), NumberText(high, 3),
+        NumberText(100 * one.margin, 3), required, kept,
+    )  # fmt: skip
+
 
 MOST_SHARES = 3
 """Number of elements whose share in the damping of a mode is named."""

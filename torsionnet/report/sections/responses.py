@@ -9,11 +9,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from torsionnet.base.conventions import Conventions
+from torsionnet.base.errors import UsageError
+from torsionnet.base.notes import Note
 from torsionnet.base.number_text import aligned_numbers
 from torsionnet.base.phrases import phrase
 from torsionnet.linear.frequency_response import FrequencyResponse
 from torsionnet.linear.phase import phase_at_zero_frequency
-from torsionnet.linear.responses.peaks import Peak, peaks, static_value
+from torsionnet.linear.responses.grid import Peak, peaks, static_value
 from torsionnet.report.document_tree import (
     Block,
     Cell,
@@ -28,12 +31,15 @@ from torsionnet.report.document_tree import (
     Text,
 )
 from torsionnet.report.plan import Pair
-from torsionnet.report.report_data import FEW_CASES, ReportData, is_damped
+from torsionnet.report.report_data import FEW_CASES, Case, ReportData, cases_of, is_damped
+from torsionnet.report.report_request import Measured
 from torsionnet.report.report_tables import table
-from torsionnet.report.report_text import pair_latex, sentence, unit
+from torsionnet.report.report_text import capital, channel_latex, pair_latex, sentence, unit
+from torsionnet.signals.comparison import agreement
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
 
 MOST_PEAKS, FEW_PEAKS = 6, 3
 """Number of peaks listed of each configuration where configurations are few, and where they are many."""
@@ -180,3 +186,68 @@ def static_value_and_peaks(
     highest = sorted(sorted(found, key=lambda peak: -peak.magnitude)[:MOST_PEAKS], key=lambda peak: peak.frequency)
     rest = [(phrase("peak {number}", number=number), peak) for number, peak in enumerate(highest, 1)]
     return [("static value", Peak(0.0, abs(value), phase_at_zero_frequency(value))), *rest]
+
+
+# Section of a report on tests, with measured responses over those of the model.
+
+
+def comparison_section(subject: ReportData) -> Section:
+    """Section of a report that compares each measured response with the model."""
+    blocks: list[Block] = []
+    for number, test in enumerate(subject.request.tests, 1):
+        blocks += _test(subject, test, number)
+    return Section("test", ("Test and model",), tuple(blocks))
+
+
+def _case(subject: ReportData, test: Measured) -> Case:
+    if test.configuration:
+        return cases_of(subject.model, (test.configuration,))[0]
+    if len(subject.cases) > 1:
+        names = ", ".join(case.configuration for case in subject.cases)
+        raise UsageError(f"a test is of one configuration; choose it: {names}")
+    return subject.cases[0]
+
+
+def _test(subject: ReportData, test: Measured, number: int) -> list[Block]:
+    from torsionnet.plot.comparison_plot import comparison
+
+    case, measured = _case(subject, test), test.response
+    model = calculated(case, measured, test.excitation)
+    shown = subject.conventions
+    where = phrase(", configuration {name}", name=case.configuration) if case.configuration else ""
+    pair = f"{channel_latex(measured.outputs[0].name)} / {channel_latex(measured.inputs[0].name)}"
+    caption = (Math(pair), phrase(", test and model{where}. Differences are test minus model.", where=where))
+    alt = f"Test over model of {measured.outputs[0].name}/{measured.inputs[0].name}{where}"
+    notes = [capital(note.named if isinstance(note, Note) else note) + "." for note in measured.notes]
+    drawn = comparison(measured, model, conventions=shown, title="")
+    label_axes(drawn, Pair(measured.outputs[0].name, measured.inputs[0].name))
+    return [
+        Picture(f"test_{number}", drawn, caption, alt),
+        _agreement(measured, model, shown, pair, where),
+        *([Paragraph(sentence(" ".join(notes), case.drivetrain))] if notes else []),
+    ]
+
+
+def calculated(case: Case, measured: FrequencyResponse, excitation: str | None = None) -> FrequencyResponse:
+    """Response of the model at the frequencies of a test, under the test's names of output and input."""
+    output, into = measured.outputs[0].name, measured.inputs[0].name
+    found = case.drivetrain.frequency_response(output, into, measured.frequencies, excitation=excitation)
+    return replace(found, outputs=_renamed(found, measured, "outputs"), inputs=_renamed(found, measured, "inputs"))
+
+
+def _renamed(found: FrequencyResponse, measured: FrequencyResponse, side: str) -> tuple:  # type: ignore[type-arg]
+    pairs = zip(getattr(found, side), getattr(measured, side), strict=True)
+    return tuple(replace(mine, name=theirs.name) for mine, theirs in pairs)
+
+
+def _agreement(
+    measured: FrequencyResponse, model: FrequencyResponse, shown: Conventions, pair: str, where: str
+) -> TableBlock:
+    found = agreement(measured, model, shown)
+    columns = (Heading("Quantity"), Heading("At", "Hz", numeric=True), Heading("Value", numeric=True), Heading("Unit"))
+    rows = [
+        (capital(row[0]), NumberText(row[1]) if row[1] is not None else "", NumberText(row[2]), unit(row[3]))
+        for row in found.rows
+    ]
+    notes = [capital(note) + "." for note in found.notes]
+    return table((Math(pair), phrase(", how far test and model are apart{where}", where=where)), columns, rows, notes)

@@ -9,9 +9,8 @@ from pathlib import Path
 
 from torsionnet.base.atomic import write_text
 from torsionnet.report.document_tree import Cell, Heading, NumberText, Picture, Report, TableBlock
-from torsionnet.report.writers.html_text import escaped, inline, number
-from torsionnet.report.writers.mathml import mathml
-from torsionnet.report.writers.page_breaks import stays_whole
+from torsionnet.report.writers.html_text import escaped, inline, mathml, number
+from torsionnet.report.writers.numbering import stays_whole
 from torsionnet.report.writers.templating import Illustrations, TextFormat, render
 
 
@@ -27,7 +26,7 @@ def html_page(report: Report, *, folds: bool = True) -> str:
 
 
 def _drawing(block: Picture, number: str) -> str:
-    from torsionnet.plot.drawing.rendering import inline_svg
+    from torsionnet.plot.drawing.save import inline_svg
 
     svg = inline_svg(block.figure, f"f{number}-")
     return svg.replace("<svg ", f'<svg role=img aria-label="{escaped(block.alt)}" ', 1)

@@ -18,8 +18,7 @@ from torsionnet.report.document_tree import (
     TableBlock,
     inlines,
 )
-from torsionnet.report.writers.figure_files import figure_folder, figures_beside, write_beside
-from torsionnet.report.writers.templating import TextFormat, render
+from torsionnet.report.writers.templating import TextFormat, figure_folder, figures_beside, render, write_beside
 
 _MARKS = re.compile(r"([\\`*_{}\[\]<>#|$~&])")
 

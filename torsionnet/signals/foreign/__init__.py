@@ -6,6 +6,6 @@ attributes, whichever format it is in.
 """
 
 from torsionnet.signals.foreign.content import Content, ForeignFileError, StoredArray
-from torsionnet.signals.foreign.opening import open_content
+from torsionnet.signals.foreign.process import open_content
 
 __all__ = ["Content", "ForeignFileError", "StoredArray", "open_content"]

@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from torsionnet.base.errors import MissingExtraError
-from torsionnet.signals.foreign import Content, opening
+from torsionnet.signals.foreign import Content
+from torsionnet.signals.foreign import process as opening
 
 EXTRA_PACKAGES = {
     "tdms": ("nptdms", "npTDMS", "TDMS"),

@@ -14,8 +14,7 @@ from torsionnet.linear.frequency_response import ComplexArray
 from torsionnet.signals.orders.mean_rotation import MeanRotation
 from torsionnet.signals.orders.phase_reference import PhaseReference
 from torsionnet.signals.orders.record_window import RecordWindow
-from torsionnet.signals.orders.tracked_orders import TrackedOrders
-from torsionnet.signals.orders.tracking_kernel import TrackingKernel
+from torsionnet.signals.orders.tracked_orders import TrackedOrders, TrackingKernel
 from torsionnet.signals.recording import FloatArray, Signal
 from torsionnet.signals.rotation.wheel_rotation import WHOLE_ORDER, WheelRotation
 

@@ -21,7 +21,7 @@ import numpy as np
 
 from torsionnet.base.errors import SolveError, UsageError
 from torsionnet.linear.frequency_response import ComplexArray
-from torsionnet.signals.orders.tracking_kernel import TrackingKernel
+from torsionnet.signals.orders.tracked_orders import TrackingKernel
 from torsionnet.signals.recording import FloatArray
 
 COEFFICIENTS_PER_BANDWIDTH = 10

@@ -7,15 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from torsionnet.base.delimited.headings import plain_unit
-from torsionnet.base.errors import Fault, ModelError, UsageError, comma_list, unknown_name
+from torsionnet.base.delimited.dialect import plain_unit
+from torsionnet.base.errors import Fault, ModelError, UsageError, comma_list, remedy, unknown_name
 from torsionnet.base.expressions import LARGEST_SIZE
 from torsionnet.base.notes import warning
-from torsionnet.base.remedies import remedy
 from torsionnet.linear.between_samples import Between, check_between
 from torsionnet.signals.recording import FloatArray, Recording, Signal, is_rate
-from torsionnet.signals.records.axes import other_axis, seconds_in
-from torsionnet.signals.records.channel_choice import ChannelChoice, choose, length_faults
+from torsionnet.signals.records.arrays import with_doubts
+from torsionnet.signals.records.channel_choice import ChannelChoice, ReadOptions, choose, length_faults
 from torsionnet.signals.records.clock import (
     SAME_RATE_TOLERANCE,
     Clock,
@@ -30,11 +29,9 @@ from torsionnet.signals.records.clock import (
     value_faults,
 )
 from torsionnet.signals.records.rasters import MOST_NAMED
-from torsionnet.signals.records.read_options import ReadOptions
 from torsionnet.signals.records.several_rates import choose_rate, read_others, shares_time, unit_of_scale, with_others
-from torsionnet.signals.records.source import FileChannel, Source, is_time
+from torsionnet.signals.records.source import FileChannel, Source, is_time, other_axis, seconds_in
 from torsionnet.signals.records.stored_pulses import names_of_signals, rate_of, stored_pulses, with_pulses
-from torsionnet.signals.records.table_clocks import with_doubts
 
 
 def with_given_clock(source: Source, options: ReadOptions) -> tuple[Source, ReadOptions]:

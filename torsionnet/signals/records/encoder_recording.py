@@ -7,19 +7,24 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from torsionnet.base.delimited.headings import plain_unit
+from torsionnet.base.delimited.dialect import plain_unit
 from torsionnet.base.errors import Fault, ModelError, SolveError, UsageError, unknown_name
 from torsionnet.base.notes import NoteOrText, about_channel
 from torsionnet.base.units import parse_unit
 from torsionnet.signals.bandlimited import Rotation
-from torsionnet.signals.encoder import angle_from_counts, rotation_of
-from torsionnet.signals.pulse_train import holds_pulse_times, pulse_times, refuse_unlikely_unit
+from torsionnet.signals.encoder import (
+    angle_from_counts,
+    holds_pulse_times,
+    pulse_times,
+    refuse_unlikely_unit,
+    rotation_of,
+)
 from torsionnet.signals.recording import FloatArray, Recording, Signal
 from torsionnet.signals.records.assembling import recordings
-from torsionnet.signals.records.read_options import ReadOptions
+from torsionnet.signals.records.channel_choice import ReadOptions
 from torsionnet.signals.records.source import FileChannel, Source
 from torsionnet.signals.records.stored_pulses import pulses_of
-from torsionnet.signals.sample_counts import even_times
+from torsionnet.signals.resampling import even_times
 
 
 @dataclass(frozen=True, eq=False)

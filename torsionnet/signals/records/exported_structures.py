@@ -13,17 +13,14 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from torsionnet.base.delimited.headings import plain_unit
-from torsionnet.base.errors import comma_list
+from torsionnet.base.delimited.dialect import plain_unit
+from torsionnet.base.errors import comma_list, remedy
 from torsionnet.base.notes import Note, NoteOrText, warning
-from torsionnet.base.remedies import remedy
 from torsionnet.base.units import UnitError, parse_unit
 from torsionnet.signals.foreign import StoredArray
 from torsionnet.signals.foreign.content import COMPLEX, Blocks, Plain
-from torsionnet.signals.records.arrays import by_column
-from torsionnet.signals.records.axes import other_axis, seconds_in
-from torsionnet.signals.records.source import FileChannel, Source
-from torsionnet.signals.records.table_clocks import with_table_clocks
+from torsionnet.signals.records.arrays import by_column, with_table_clocks
+from torsionnet.signals.records.source import FileChannel, Source, other_axis, seconds_in
 
 VALUES, ABSCISSA = ".y_values.values", ".x_values"
 """Ends of the names of a Testlab structure's values, and of what tells their times."""

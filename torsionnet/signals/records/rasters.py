@@ -11,7 +11,6 @@ from torsionnet.base.errors import Fault, comma_list
 from torsionnet.base.notes import NoteOrText, warning
 from torsionnet.signals.foreign.content import Blocks
 from torsionnet.signals.recording import FloatArray
-from torsionnet.signals.records.axes import seconds_in
 from torsionnet.signals.records.channel_choice import ChannelChoice
 from torsionnet.signals.records.clock import (
     UNIFORM_TOLERANCE,
@@ -24,7 +23,7 @@ from torsionnet.signals.records.clock import (
     time_unit_warnings,
     value_faults,
 )
-from torsionnet.signals.records.source import Source
+from torsionnet.signals.records.source import Source, seconds_in
 
 EQUAL_RATES = 1e-7
 """Relative difference of sampling rates that are the same, as those of intervals with rounded decimals are."""

@@ -8,18 +8,17 @@ from collections.abc import Generator, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from torsionnet.base.errors import Fault, ModelError, UsageError
-from torsionnet.base.remedies import remedy
+from torsionnet.base.errors import Fault, ModelError, UsageError, remedy
+from torsionnet.signals.decimation import Recordings
 from torsionnet.signals.formats.registry import FORMATS, format_of, reading
 from torsionnet.signals.recording import Recording
 from torsionnet.signals.records.assembling import recordings, with_given_clock, with_given_courses
-from torsionnet.signals.records.channel_choice import choose
+from torsionnet.signals.records.channel_choice import ReadOptions, choose
 from torsionnet.signals.records.encoder_recording import encoder_recording
-from torsionnet.signals.records.read_options import ReadOptions
 from torsionnet.signals.records.source import Source
 from torsionnet.signals.records.stored_pulses import with_readings
 from torsionnet.signals.resampling import resampled
-from torsionnet.signals.rotation.pulse_reading import PulseReading
+from torsionnet.signals.rotation.counter import PulseReading
 
 
 def read_recording(
@@ -219,3 +218,28 @@ def write_recording(recording: Recording, path: str | os.PathLike[str]) -> None:
             f"write one of {endings}, or leave the pulses out: replace(recording, pulses=())"
         )
     form.write(recording, target)
+
+
+# Signals of a record of any size: a large file is read in blocks, so that it does not fill the memory.
+
+LARGE_FILE = 300_000_000
+"""Bytes of a file of signals above which it is read in blocks, so that it does not fill the memory; a larger value
+takes more memory, a smaller one blocks needlessly."""
+BLOCK_SECONDS = 30.0
+"""Duration in s of a block of a large file, as longer ones take more memory and shorter ones more reads: 19 MB for 8
+channels at 10 kHz."""
+
+
+def is_large_record(path: str | os.PathLike[str]) -> bool:
+    """Whether the file of a record is so large that it is read in blocks."""
+    return Path(path).is_file() and Path(path).stat().st_size > LARGE_FILE
+
+
+def blocks_of_record(path: str | os.PathLike[str], **reading: Any) -> Iterator[Recording]:
+    """Blocks of a large file in SI; arguments are those of :func:`read_recording`, without ``pulses``."""
+    return iter_blocks(path, BLOCK_SECONDS, **reading)
+
+
+def record_or_blocks(path: str | os.PathLike[str], **reading: Any) -> Recordings:
+    """Recording of a file in SI, or an iterator of its blocks if the file is large."""
+    return blocks_of_record(path, **reading) if is_large_record(path) else read_recording(path, **reading)

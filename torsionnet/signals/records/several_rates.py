@@ -7,11 +7,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from torsionnet.base.errors import Fault, ModelError, comma_list
+from torsionnet.base.errors import Fault, ModelError, comma_list, remedy
 from torsionnet.base.notes import NoteOrText, warning
-from torsionnet.base.remedies import remedy
 from torsionnet.signals.recording import FloatArray, Recording, Signal
-from torsionnet.signals.records.channel_choice import ChannelChoice
+from torsionnet.signals.records.channel_choice import ChannelChoice, ReadOptions
 from torsionnet.signals.records.clock import SAME_RATE_TOLERANCE
 from torsionnet.signals.records.rasters import (
     MOST_NAMED,
@@ -25,7 +24,6 @@ from torsionnet.signals.records.rasters import (
     own_start,
     rasters_of,
 )
-from torsionnet.signals.records.read_options import ReadOptions
 from torsionnet.signals.records.source import NOWHERE, FileChannel, Source, group_of, time_note
 from torsionnet.signals.resampling import band_loss, interpolated_at, resampled
 

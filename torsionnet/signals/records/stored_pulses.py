@@ -7,15 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from torsionnet.base.delimited.headings import plain_unit
+from torsionnet.base.delimited.dialect import plain_unit
 from torsionnet.base.errors import Fault, ModelError, UsageError, unknown_name
 from torsionnet.base.notes import NoteOrText, warning
 from torsionnet.base.units import parse_unit
 from torsionnet.signals.recording import Recording, is_rate
 from torsionnet.signals.records.source import NOWHERE, FileChannel, Source, StoredPulses, is_time, time_note
-from torsionnet.signals.rotation.counter import pulse_channel
+from torsionnet.signals.rotation.counter import PulseReading, pulse_channel
 from torsionnet.signals.rotation.pulse_channel import PulseChannel
-from torsionnet.signals.rotation.pulse_reading import PulseReading
 
 Names = Sequence[str] | Mapping[str, str] | None
 

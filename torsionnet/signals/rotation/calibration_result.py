@@ -4,19 +4,59 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
 from torsionnet.base.conventions import SI, Conventions
+from torsionnet.base.entries.scalars import Value
 from torsionnet.base.errors import comma_list
 from torsionnet.base.notes import NoteOrText
 from torsionnet.base.packages import NotebookResult
+from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Column, Table
 from torsionnet.base.units import RPM
-from torsionnet.signals.rotation.calibration_record import CalibrationRecord, PitchOrderRecord
+from torsionnet.signals.recording import FloatArray
 from torsionnet.signals.rotation.pitch_order import ABOVE, CALCULATED, PitchOrder
-from torsionnet.signals.rotation.wheel_pattern import WheelPattern
+from torsionnet.signals.rotation.wheel import WheelPattern
+
+# The calibration of a wheel as plain data, for JSON.
+
+
+@dataclass(frozen=True, eq=False)
+class PitchOrderRecord:
+    """Whole order of a wheel's pitch pattern as ``torsionnet calibrate-wheel --json`` prints it, amplitudes in rad."""
+
+    order: int
+    amplitude: Annotated[complex, Out(json="amplitude_rad")]
+    half_width: Annotated[float, Out(json="half_width_rad")]
+    resolved: bool
+    by: str
+    gain: float | None
+    change: Annotated[float, Out(json="vibration_changes_by_rad")]
+    scatter: Annotated[float, Out(json="scatter_rad")]
+    why: Annotated[str, Out(json="why_not_resolved")]
+
+
+@dataclass(frozen=True, eq=False)
+class CalibrationRecord:
+    """Calibrated wheel as ``torsionnet calibrate-wheel --json`` prints it, with angles in rad."""
+
+    name: str
+    teeth: int
+    missing: Annotated[int, Out(json="missing_teeth")]
+    first: Annotated[str, Out(json="first_tooth")]
+    lowest: Annotated[float, Out(json="lowest_speed_rpm")]
+    highest: Annotated[float, Out(json="highest_speed_rpm")]
+    windows: int
+    revolutions: Annotated[int, Out(json="revolutions_of_a_window")]
+    angle: Annotated[float | None, Out(json="angle_between_pickups_rad")]
+    angle_half_width: Annotated[float | None, Out(json="angle_half_width_rad")]
+    positions: Annotated[FloatArray, Out(json="positions_rad")]
+    half_widths: Annotated[FloatArray, Out(json="half_widths_rad")]
+    orders: tuple[PitchOrderRecord, ...]
+    notes: tuple[NoteOrText, ...]
+
 
 MOST_LISTED = 12
 """Orders that a note lists at most, so that it stays short."""
@@ -158,3 +198,12 @@ class WheelCalibration(NotebookResult):
 
 def _amount(row: PitchOrder) -> str:
     return f"{row.order} ({np.degrees(abs(row.value)):.2g} degrees)"
+
+
+# Angles that a calibration of a wheel takes, with their units, for the command line and files.
+
+PICKUP_ANGLE = Value(
+    "angle from the first to the second pickup in the sense of rotation", "angle", exclusive=True, below=2 * math.pi
+)
+ZERO_ANGLE = Value("angle of the reference shaft at tooth 0", "angle", lower=None)
+TICK = Value("time of one count of the counter", "time", exclusive=True)

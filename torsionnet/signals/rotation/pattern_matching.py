@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 from torsionnet.base.errors import UsageError
 from torsionnet.signals.recording import FloatArray
 from torsionnet.signals.rotation.calibration_windows import order_set, windows_of_test
-from torsionnet.signals.rotation.wheel import Wheel
-from torsionnet.signals.rotation.wheel_pattern import WheelPattern
+from torsionnet.signals.rotation.wheel import Wheel, WheelPattern
 
 MATCHED_SHARE = 0.2
 """Share of the number of teeth above which orders are compared: vibration fills those below it."""
@@ -82,3 +81,34 @@ def _compared(values: FloatArray) -> np.ndarray[tuple[int], np.dtype[np.complex1
     if len(values) % 2 == 0:
         found[-1] /= np.sqrt(2)  # half the tooth count stands once in the spectrum of a full turn, others twice
     return np.asarray(found)
+
+
+# Whether a stored pitch pattern can be that of a wheel.
+
+
+def check_pattern(name: str, wheel: Wheel, pattern: WheelPattern) -> None:
+    """Refuse a pitch pattern that cannot be that of a wheel.
+
+    Raises
+    ------
+    UsageError
+        Other numbers of teeth or of missing teeth, or the other sense of rotation; all of them at once.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> check_pattern("n1", Wheel(teeth=60), WheelPattern(np.zeros(60), np.zeros(60)))
+    """
+    faults = []
+    if pattern.teeth != wheel.teeth:
+        faults.append(f"a pattern of {pattern.teeth} teeth does not fit a wheel of {wheel.teeth}")
+    if pattern.missing != wheel.missing_teeth:
+        faults.append(f"the pattern's gap lacks {pattern.missing} teeth, the wheel's {wheel.missing_teeth}")
+    if pattern.reversed != wheel.reversed:
+        senses = ("in the sense of the model", "against the sense of the model")
+        faults.append(
+            f"the pattern was calibrated while the wheel turned {senses[pattern.reversed]}, but it turns "
+            f"{senses[wheel.reversed]}: the pickup sees the other edges in the other sequence; calibrate in this sense"
+        )
+    if faults:
+        raise UsageError(f"{name}: {'; '.join(faults)}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -115,3 +116,87 @@ def _signs(kinds: NDArray[np.intp]) -> NDArray[np.intp]:
         rises = kinds[own] < 2
         signs[own] = np.where(rises != high, 1, -1) if track == 0 else np.where(rises == high, 1, -1)
     return signs
+
+
+# Standstills after which a shaft may have turned back, which the pulses of one track do not tell.
+
+NEAR, FAR = 2, 9
+"""Number of pulses from a standstill at which intervals are compared, as their growth there tells it from a change of
+speed and from a gap."""
+GROWTH, LAST_GROWTH = 1.7, 2.5
+"""Least ratios of the intervals near and at a standstill to those far from it. At constant deceleration the former is
+1.9."""
+INTERVALS_TOGETHER = 2**17
+"""Number of intervals that are compared together, which limits the memory."""
+
+
+def refuse_turning_back(times: FloatArray, name: str) -> None:
+    """Refuse pulses of a shaft that stands still in between, as it may turn back there.
+
+    Parameters
+    ----------
+    times : (n,) array
+        Times of the pulses, s.
+    name : str
+        Channel, for the message.
+
+    Raises
+    ------
+    UsageError
+        With the time of the standstill and what would help.
+    """
+    longest, place = 0.0, -1
+    for begin in range(0, len(times) - 2 * FAR - 1, INTERVALS_TOGETHER):
+        steps = np.diff(times[begin : begin + INTERVALS_TOGETHER + 2 * FAR + 1])
+        here = steps[FAR:-FAR]
+        far = np.maximum(steps[: -2 * FAR], steps[2 * FAR :])
+        near = np.minimum(steps[FAR - NEAR : -FAR - NEAR], steps[FAR + NEAR : len(steps) - FAR + NEAR])
+        closer = np.minimum(steps[FAR - 1 : -FAR - 1], steps[FAR + 1 : len(steps) - FAR + 1])
+        found = (near > GROWTH * far) & (closer >= near) & (here > LAST_GROWTH * far)
+        if found.any() and here[found].max() > longest:
+            at = np.flatnonzero(found)[here[found].argmax()]
+            longest, place = float(here[at]), begin + FAR + int(at)
+    if place >= 0:
+        raise UsageError(
+            f"{name}: the shaft stands still around {times[place]:.6g} s, pulse {place}: whether it turns on or back, "
+            "the pulses of one track do not tell; record a second track a quarter pitch further (second:), or cut the "
+            "record there"
+        )
+
+
+# Rotation of a shaft that turns back, through the pulses of an encoder with two tracks.
+
+REVERSING_BAND = 1 / 3
+"""Share of half the pulses of a turn up to which cubic splines read orders within 0.2 %."""
+END_PULSES = 4
+"""Number of pulses from either end on which the spline depends on what comes beyond it."""
+SPLINE_DEGREE = 3
+"""Degree of the splines, which follow constant acceleration through a standstill."""
+
+
+class ReversingRotation:
+    """Rotation of a shaft over time in encoder steps by cubic splines over time, as it has no course to be even over.
+
+    Parameters
+    ----------
+    times : (n,) array
+        Times of the pulses, s.
+    places : (n,) array
+        Steps at which they stand, from 0.
+    """
+
+    kept_band = REVERSING_BAND
+    end_pulses = END_PULSES
+
+    def __init__(self, times: FloatArray, places: FloatArray) -> None:
+        from scipy.interpolate import make_interp_spline
+
+        self.mean_rotation: Any = make_interp_spline(times, places, k=min(SPLINE_DEGREE, len(times) - 1))
+
+    def at(self, times: FloatArray) -> FloatArray:
+        """Rotation in encoder steps since the first pulse at times in s between first and last pulse, shape (n,)."""
+        return np.asarray(self.mean_rotation(times), dtype=float)
+
+    def rate(self, times: FloatArray) -> FloatArray:
+        """Speed in encoder steps a second at times in s between first and last pulse, shape (n,)."""
+        return np.asarray(self.mean_rotation(times, 1), dtype=float)

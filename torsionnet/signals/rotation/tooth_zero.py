@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from torsionnet.base.errors import UsageError, comma_list
+from torsionnet.signals.bandlimited import NEIGHBOURS
 from torsionnet.signals.pulses import MOST_BEYOND_BAND, MissingPulses, Pulses, check_pulses, rotation_beyond_band
-from torsionnet.signals.rotation.gap_filling import NEIGHBOURS
-from torsionnet.signals.rotation.stated_pattern import ToothPlaces, matched_pulses, runs_in_words
+from torsionnet.signals.rotation.wheel import ToothPlaces, matched_pulses, runs_in_words
 
 if TYPE_CHECKING:
     from torsionnet.signals.bandlimited import Rotation

@@ -12,7 +12,6 @@ from torsionnet.base.errors import UsageError
 from torsionnet.base.notes import Note, warning
 from torsionnet.linear.frequency_response import ComplexArray
 from torsionnet.signals.recording import FloatArray
-from torsionnet.signals.rotation.calculated_orders import CalculatedOrders
 from torsionnet.signals.rotation.calibration_result import WheelCalibration
 from torsionnet.signals.rotation.calibration_windows import (
     WINDOW_REVOLUTIONS,
@@ -23,14 +22,23 @@ from torsionnet.signals.rotation.calibration_windows import (
     stacked,
     windows_of_test,
 )
-from torsionnet.signals.rotation.constant_part import NORMAL, constant_part, speed_groups, student
 from torsionnet.signals.rotation.pattern_matching import best_shift
-from torsionnet.signals.rotation.pitch_order import ABOVE, SPEEDS, PitchEvidence, PitchOrder, repeating
+from torsionnet.signals.rotation.pitch_order import (
+    ABOVE,
+    NORMAL,
+    SPEEDS,
+    CalculatedOrders,
+    PitchEvidence,
+    PitchOrder,
+    constant_part,
+    repeating,
+    speed_groups,
+    student,
+)
 from torsionnet.signals.rotation.pulse_channel import PulseChannel
 from torsionnet.signals.rotation.pulse_deviations import UNIFORM_STEPS
-from torsionnet.signals.rotation.reversing import ReversingRotation
-from torsionnet.signals.rotation.wheel import Wheel
-from torsionnet.signals.rotation.wheel_pattern import WheelPattern
+from torsionnet.signals.rotation.quadrature import ReversingRotation
+from torsionnet.signals.rotation.wheel import Wheel, WheelPattern
 from torsionnet.signals.rotation.wheel_rotation import WHOLE_ORDER, WheelRotation, wheel_rotation
 
 WIDEST = np.radians(0.01)

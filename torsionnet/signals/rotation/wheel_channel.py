@@ -9,9 +9,9 @@ import numpy as np
 
 from torsionnet.base.entries.spec import Text, entry
 from torsionnet.base.errors import Fault, UsageError, did_you_mean
-from torsionnet.signals.pulse_train import HIGH_PERCENTILE, LOW_PERCENTILE, flanks, holds_pulse_times
+from torsionnet.signals.encoder import HIGH_PERCENTILE, LOW_PERCENTILE, flanks, holds_pulse_times
+from torsionnet.signals.rotation.counter import PulseReading
 from torsionnet.signals.rotation.pulse_channel import PulseChannel
-from torsionnet.signals.rotation.pulse_reading import PulseReading
 from torsionnet.signals.rotation.quadrature import quadrature_pulses
 from torsionnet.signals.rotation.wheel import Wheel
 

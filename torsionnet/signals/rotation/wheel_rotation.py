@@ -11,22 +11,16 @@ from numpy.typing import NDArray
 
 from torsionnet.base.errors import SolveError, UsageError
 from torsionnet.base.notes import NoteOrText
-from torsionnet.signals.bandlimited import Rotation, smooth_course
-from torsionnet.signals.pulse_train import refuse_unlikely_unit
+from torsionnet.signals.bandlimited import Rotation, filled_band, smooth_course
+from torsionnet.signals.encoder import refuse_unlikely_unit
 from torsionnet.signals.pulses import Pulses, check_pulses, repaired_pulses
 from torsionnet.signals.recording import FloatArray
-from torsionnet.signals.rotation.gap_filling import filled_band
-from torsionnet.signals.rotation.pattern_checks import check_pattern
-from torsionnet.signals.rotation.pattern_matching import first_tooth
+from torsionnet.signals.rotation.pattern_matching import check_pattern, first_tooth
 from torsionnet.signals.rotation.pulse_channel import PulseChannel
 from torsionnet.signals.rotation.pulse_deviations import PulseDeviations, seen_deviations
-from torsionnet.signals.rotation.quadrature import DirectedPulses
-from torsionnet.signals.rotation.reversing import ReversingRotation
-from torsionnet.signals.rotation.stated_pattern import ToothPlaces, lobes_in_words, matched_pulses
+from torsionnet.signals.rotation.quadrature import DirectedPulses, ReversingRotation, refuse_turning_back
 from torsionnet.signals.rotation.tooth_zero import pulses_by_gap, tooth_after_gap, tooth_after_index
-from torsionnet.signals.rotation.turning_back import refuse_turning_back
-from torsionnet.signals.rotation.wheel import Wheel
-from torsionnet.signals.rotation.wheel_pattern import WheelPattern
+from torsionnet.signals.rotation.wheel import ToothPlaces, Wheel, WheelPattern, lobes_in_words, matched_pulses
 
 HALF_WIDTH_DEVIATIONS = 1.96
 """Half width of the 95 % interval of a normal variable over its standard deviation."""

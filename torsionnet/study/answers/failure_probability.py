@@ -15,14 +15,23 @@ from torsionnet.base.entries.spec import Count, OneOf, Text, entry
 from torsionnet.base.errors import Fault
 from torsionnet.base.table import Column, Table
 from torsionnet.linear.assembly.rows import FloatArray
-from torsionnet.study.answers.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
-from torsionnet.study.answers.answer_case import AnswerCase, OfPoints, answer_cases
-from torsionnet.study.answers.answer_inputs import LIMIT, distribution_faults, limit_faults, limit_words
-from torsionnet.study.answers.conclusion_data import PlainConclusion
+from torsionnet.study.answers.answer import (
+    LIMIT,
+    AnswerCase,
+    AskedStudy,
+    OfPoints,
+    PlainConclusion,
+    StudyAnswer,
+    VariantValues,
+    answer_cases,
+    distribution_faults,
+    limit_faults,
+    limit_words,
+    register_answer,
+)
 from torsionnet.study.answers.importance_sampling import FEWEST_VARIANTS, importance_sampling
-from torsionnet.study.answers.rare_event import RareEvent
-from torsionnet.study.answers.subset_sampling import CHAIN_LENGTH, subset_sampling
-from torsionnet.study.quantities.quantity_limit import QuantityLimit
+from torsionnet.study.answers.subset_sampling import CHAIN_LENGTH, RareEvent, subset_sampling
+from torsionnet.study.quantities.quantity import QuantityLimit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -13,11 +13,22 @@ from torsionnet.base.entries.spec import Count, OneOf, Text, entry
 from torsionnet.base.errors import Fault
 from torsionnet.base.table import Column, Table
 from torsionnet.linear.assembly.rows import FloatArray
-from torsionnet.study.answers.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
-from torsionnet.study.answers.answer_case import AnswerCase, OfVariants, answer_cases
-from torsionnet.study.answers.answer_inputs import QUANTITY, VARIED, measure_of, quantity_faults, units_of
-from torsionnet.study.answers.conclusion_data import PlainConclusion
-from torsionnet.study.quantities.quantity_limit import QuantityLimit
+from torsionnet.study.answers.answer import (
+    QUANTITY,
+    VARIED,
+    AnswerCase,
+    AskedStudy,
+    OfVariants,
+    PlainConclusion,
+    StudyAnswer,
+    VariantValues,
+    answer_cases,
+    measure_of,
+    quantity_faults,
+    register_answer,
+    units_of,
+)
+from torsionnet.study.quantities.quantity import QuantityLimit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

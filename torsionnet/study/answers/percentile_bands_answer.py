@@ -13,9 +13,16 @@ from torsionnet.base.entries.spec import Text, entry
 from torsionnet.base.errors import Fault
 from torsionnet.base.table import Column, Table
 from torsionnet.linear.assembly.rows import FloatArray
-from torsionnet.study.answers.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
-from torsionnet.study.answers.answer_inputs import QUANTITY, case_label, measure_of
-from torsionnet.study.answers.conclusion_data import PlainConclusion
+from torsionnet.study.answers.answer import (
+    QUANTITY,
+    AskedStudy,
+    PlainConclusion,
+    StudyAnswer,
+    VariantValues,
+    case_label,
+    measure_of,
+    register_answer,
+)
 from torsionnet.study.quantities.quantity import QuantityForm
 
 if TYPE_CHECKING:

@@ -15,10 +15,20 @@ from torsionnet.base.entries.spec import Count, Text, entry
 from torsionnet.base.errors import Fault, SolveError, UsageError
 from torsionnet.base.table import Column, Table
 from torsionnet.linear.assembly.rows import FloatArray
-from torsionnet.study.answers.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
-from torsionnet.study.answers.answer_case import AnswerCase, OfPoints, answer_cases
-from torsionnet.study.answers.answer_inputs import QUANTITY, chosen_quantities, distribution_faults, quantity_faults
-from torsionnet.study.answers.conclusion_data import PlainConclusion
+from torsionnet.study.answers.answer import (
+    QUANTITY,
+    AnswerCase,
+    AskedStudy,
+    OfPoints,
+    PlainConclusion,
+    StudyAnswer,
+    VariantValues,
+    answer_cases,
+    chosen_quantities,
+    distribution_faults,
+    quantity_faults,
+    register_answer,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

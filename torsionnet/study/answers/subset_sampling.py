@@ -9,8 +9,57 @@ from numpy.typing import NDArray
 
 from torsionnet.base.errors import UsageError
 from torsionnet.linear.assembly.rows import FloatArray
-from torsionnet.study.answers.answer_case import OfPoints
-from torsionnet.study.answers.rare_event import RareEvent
+from torsionnet.study.answers.answer import OfPoints
+
+# Small probability of a failure with its confidence interval and the reasons that make it uncertain.
+
+
+@dataclass(frozen=True)
+class RareEvent:
+    """Probability of a failure with its confidence interval, its error and the number of variants calculated.
+
+    Attributes
+    ----------
+    probability, low, high : float
+        Probability and ends of its interval; NaN where nothing failed.
+    variation : float
+        Standard error over the probability.
+    evaluations : int
+        Variants calculated.
+    doubts : tuple of str
+        Reasons why the probability is uncertain; empty where there are none.
+    method : {"importance", "subset"}
+    """
+
+    probability: float
+    low: float
+    high: float
+    variation: float
+    evaluations: int
+    doubts: tuple[str, ...]
+    method: str
+
+    @property
+    def index(self) -> float:
+        """Reliability index beta, with which the failure probability is Phi(-beta), of the normal distribution."""
+        from scipy.special import ndtri
+
+        return float(-ndtri(self.probability))
+
+    @property
+    def words(self) -> str:
+        """Failure probability in words, with its interval and the number of variants."""
+        between = f"{self.low:.3g} to {self.high:.3g}; " if np.isfinite(self.low) else ""
+        return f"{self.probability:.3g} ({between}{self.evaluations} variants)"
+
+
+def lognormal_interval(probability: float, variation: float, quantile: float) -> tuple[float, float]:
+    """Ends of the confidence interval of a small probability whose logarithm is normally distributed."""
+    if not probability or not np.isfinite(variation):
+        return float("nan"), float("nan")
+    factor = float(np.exp(quantile * np.sqrt(np.log1p(variation**2))))
+    return probability / factor, min(1.0, probability * factor)
+
 
 LEVEL_PROBABILITY = 0.1
 """Share of a level's variants that begin the Markov chains of the next, the usual choice of subset simulation."""
@@ -191,3 +240,59 @@ def _begun(inside: NDArray[np.bool_], count: int, numbers: np.random.Generator) 
     """Indices (count,) of the variants from which chains begin, each drawn about as often as another."""
     able = np.flatnonzero(inside)
     return np.resize(numbers.permutation(able), count) if len(able) else np.zeros(count, dtype=np.intp)
+
+
+# Share of random draws with the confidence interval of Clopper and Pearson.
+
+
+@dataclass(frozen=True)
+class Share:
+    """Share of draws between 0 and 1 with its confidence interval, and the number of draws counted."""
+
+    value: float
+    low: float
+    high: float
+    count: int
+
+    @property
+    def percent(self) -> str:
+        """Text of the share in percent with its interval, with as many digits as the interval's width allows.
+
+        >>> counted_share(31, 1000).percent
+        '3.1 % (2.1 to 4.4 %)'
+        """
+        width = max(self.high - self.value, self.value - self.low) * 100
+        decimals = next((digits for digits in range(9) if 2 * 10.0**-digits <= width), 9)
+        value, low, high = (f"{100 * number:.{decimals}f}" for number in (self.value, self.low, self.high))
+        return f"{value} % ({low} to {high} %)"
+
+
+def counted_share(hits: float, count: int, confidence: float = 0.95) -> Share:
+    """Share from 0 to 1 of independent draws that are hits, with the confidence interval of Clopper and Pearson.
+
+    The interval contains the true share at least as often as ``confidence`` says, also where nothing was hit. Draws of
+    a Latin hypercube or a Sobol sequence spread more evenly, which makes it wider than needed.
+
+    Parameters
+    ----------
+    hits : float
+        Sum over the draws of 1 for a hit and 0 otherwise; a mean over several conditions of a draw lies
+        between, and varies less than a count of the same mean, so that the interval is on the safe side.
+    count : int
+        Number of draws.
+    confidence : float
+
+    Examples
+    --------
+    >>> none = counted_share(0, 100)
+    >>> round(none.high, 5) == round(1 - 0.025 ** (1 / 100), 5)
+    True
+    """
+    from scipy.special import betaincinv
+
+    if not 0 <= hits <= count or count < 1:
+        raise UsageError(f"a share needs hits between 0 and the number of draws, got {hits} of {count}")
+    tail = (1 - confidence) / 2
+    low = float(betaincinv(hits, count - hits + 1, tail)) if hits else 0.0
+    high = float(betaincinv(hits + 1, count - hits, 1 - tail)) if hits < count else 1.0
+    return Share(hits / count, low, high, count)

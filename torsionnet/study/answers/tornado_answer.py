@@ -14,10 +14,21 @@ from torsionnet.base.entries.spec import OneOf, Text, entry
 from torsionnet.base.errors import Fault
 from torsionnet.base.table import Column, Table
 from torsionnet.linear.assembly.rows import FloatArray
-from torsionnet.study.answers.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
-from torsionnet.study.answers.answer_case import AnswerCase, OfPoints, answer_cases
-from torsionnet.study.answers.answer_inputs import QUANTITY, chosen_quantities, measure_of, quantity_faults, units_of
-from torsionnet.study.answers.conclusion_data import PlainConclusion
+from torsionnet.study.answers.answer import (
+    QUANTITY,
+    AnswerCase,
+    AskedStudy,
+    OfPoints,
+    PlainConclusion,
+    StudyAnswer,
+    VariantValues,
+    answer_cases,
+    chosen_quantities,
+    measure_of,
+    quantity_faults,
+    register_answer,
+    units_of,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -2,19 +2,240 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from functools import partial
+from types import ModuleType
+from typing import TYPE_CHECKING, Any, ClassVar, cast
+
+import numpy as np
+from numpy.typing import ArrayLike
 
 from torsionnet.base.entries.composite import Listed
 from torsionnet.base.entries.scalars import Band
-from torsionnet.base.entries.spec import Text, entry
+from torsionnet.base.entries.spec import Json, Text, entry
 from torsionnet.base.errors import Fault, UsageError
+from torsionnet.base.table import Column, Table
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.linear.assembly.table_range import range_notes
 from torsionnet.linear.dynamic_stiffness.transfer_request import named_output, resolve_inputs
-from torsionnet.study.answers.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
-from torsionnet.study.answers.answer_inputs import PARAMETER
-from torsionnet.study.design.conditions_damper import DamperOverConditions, damper_over_conditions
+from torsionnet.linear.frequency_response import Channel, FloatArray
+from torsionnet.linear.modes.natural_modes import modes
+from torsionnet.linear.responses.grid import vibration_range
+from torsionnet.linear.sensitivity.unknowns import unknowns
+from torsionnet.machinery.design.damper_design import Bounds, highest_peaks, levels_of, sought_box, sought_units
+from torsionnet.machinery.design.damper_optimum import EQUAL_PEAK_DIFFERENCE, DesignParameter, LevelPeak
+from torsionnet.machinery.design.levels import Levels, OrderLevels, WorstLevels
+from torsionnet.machinery.design.minimax import smallest_maximum
+from torsionnet.model.channels import Sensor
+from torsionnet.study.answers.answer import PARAMETER, AskedStudy, StudyAnswer, VariantValues, register_answer
 from torsionnet.study.design.design_entries import DESIGN, DesignBounds, chosen_parameters
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+# Damper over several operating conditions, with which the largest level in the worst condition is smallest.
+
+
+@dataclass(frozen=True, eq=False)
+class DamperInCondition:
+    """Largest levels in one operating condition with the damper as given, with the one for all, with its own best."""
+
+    condition: str
+    before: LevelPeak
+    after: LevelPeak
+    alone: LevelPeak
+    alone_values: dict[str, float]
+
+
+@dataclass(frozen=True, eq=False)
+class DamperOverConditions:
+    """Damper with which the largest level in the worst of several operating conditions is smallest.
+
+    Attributes
+    ----------
+    channel : Channel
+        Output whose level is minimised.
+    of : str
+        Name and unit of the axis of the levels.
+    parameters : tuple of DesignParameter
+    conditions : tuple of DamperInCondition
+    title : str
+    notes : tuple of str
+        On tables over frequency that end before the levels do.
+    """
+
+    channel: Channel
+    of: tuple[str, str]
+    parameters: tuple[DesignParameter, ...]
+    conditions: tuple[DamperInCondition, ...]
+    title: str = ""
+    notes: tuple[str, ...] = ()
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Value in SI of each damper parameter, by its name."""
+        return {one.name: one.value for one in self.parameters}
+
+    @property
+    def worst_before(self) -> DamperInCondition:
+        return max(self.conditions, key=lambda one: one.before.level)
+
+    @property
+    def worst(self) -> DamperInCondition:
+        """Operating condition with the largest level when this damper is fitted."""
+        return max(self.conditions, key=lambda one: one.after.level)
+
+    @property
+    def holding(self) -> tuple[str, ...]:
+        """Names of the operating conditions whose level is within a thousandth of the largest."""
+        top = self.worst.after.level * (1 - EQUAL_PEAK_DIFFERENCE)
+        return tuple(one.condition for one in self.conditions if one.after.level >= top)
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """Result of the damper search in sentences, on levels before and after, bounds reached, cost of one for all."""
+        before, after = self.worst_before, self.worst
+        bounds = [f"{one.name} is at its {one.bound} bound" for one in self.parameters if one.bound]
+        if not after.condition:  # a model without configurations
+            levels = f"{before.before.level:.5g} to {after.after.level:.5g} {self.channel.unit}"
+            return f"the largest {self.channel.name} goes from {levels}", *bounds, *self.notes
+        said = [
+            f"the largest {self.channel.name} of all conditions goes from {before.before.level:.5g} "
+            f"({before.condition}) to {after.after.level:.5g} {self.channel.unit} ({' and '.join(self.holding)})"
+        ]
+        said += bounds
+        dear = max(self.conditions, key=lambda one: one.after.level / one.alone.level)
+        more = 100 * (dear.after.level / dear.alone.level - 1)
+        said.append(f"one damper for all costs at most {more:.3g} % against one for {dear.condition} alone")
+        return (*said, *self.notes)
+
+    def table(self) -> Table:
+        """Table of the largest levels without and with the best damper, a row for each operating condition."""
+        columns = (
+            Column("condition"),
+            Column("as given", self.channel.unit),
+            Column("optimum for all", self.channel.unit),
+            Column(f"at {self.of[0]}", self.of[1]),
+            Column("optimum alone", self.channel.unit),
+            *(Column(f"{one.name} alone", one.unit) for one in self.parameters),
+        )
+        rows = tuple(
+            (
+                one.condition,
+                one.before.level,
+                one.after.level,
+                one.after.point,
+                one.alone.level,
+                *one.alone_values.values(),
+            )
+            for one in self.conditions
+        )
+        best = [f"{one.name} = {one.value:.6g} {one.unit} (given: {one.start:.6g})" for one in self.parameters]
+        return Table.of(self.title, "best damper for all conditions", columns, rows, (*best, *self.sentences))
+
+    def figure(self, plot: ModuleType, **look: Any) -> Figure:
+        """Draw the levels in all operating conditions as a figure by :mod:`torsionnet.plot`."""
+        return cast("Figure", plot.damper_over_conditions(self, **look))
+
+    def to_data(self) -> dict[str, Json]:
+        """Best damper and its levels in SI as JSON data in full precision."""
+        return {
+            "values": self.values,
+            "holding": list(self.holding),
+            "conditions": [
+                {
+                    "condition": one.condition,
+                    "before": one.before.level,
+                    "after": one.after.level,
+                    "at": one.after.point,
+                    "alone": one.alone.level,
+                    "alone_values": one.alone_values,
+                }
+                for one in self.conditions
+            ],
+            "sentences": list(self.sentences),
+        }
+
+
+def damper_over_conditions(
+    drivetrain: Drivetrain,
+    output: str | Sensor,
+    parameters: str | Sequence[str] | Bounds,
+    conditions: Sequence[str] | None = None,
+    *,
+    input: str | Sensor | None = None,
+    band: tuple[float, float] | None = None,
+    speeds: ArrayLike | None = None,
+    speed_of: str | None = None,
+    excitations: Iterable[str] | None = None,
+    kept: Callable[[str, Callable[[], FloatArray]], FloatArray] = lambda _what, search: search(),
+) -> DamperOverConditions:
+    """Search the damper with which the largest level in the worst of several operating conditions is smallest.
+
+    Parameters
+    ----------
+    conditions : sequence of str, optional
+        Configurations of the drivetrain; by default all.
+    kept : callable, optional
+        Returns the result of a search for a condition, or "" for all of them, from an earlier run if there is one.
+    drivetrain, output, parameters, input, band, speeds, speed_of, excitations
+        As for :meth:`torsionnet.Drivetrain.damper_design`.
+
+    Raises
+    ------
+    UsageError
+        No conditions, or what :meth:`torsionnet.Drivetrain.damper_design` refuses.
+    """
+    labels = tuple(drivetrain.configurations if conditions is None else conditions)
+    if not labels:
+        raise UsageError(f"{drivetrain.name} has no configurations; for one condition ask for its damper design")
+    names = [parameters] if isinstance(parameters, str) else list(parameters)
+    if not names:
+        raise UsageError("say which parameter is sought, such as the damping of a film")
+    rigs = [drivetrain.configured(label) if label else drivetrain for label in labels]
+    sought = [unknowns(rig, names) for rig in rigs]
+    units = sought_units(sought[0])
+    box = sought_box(sought[0], parameters if isinstance(parameters, Mapping) else {}, units)
+    start = np.array(sought[0].start)
+    chosen = None if excitations is None else [*excitations]
+    if input is not None and band is None:
+        ranges = [vibration_range(modes(rig)) for rig in rigs]
+        band = min(low for low, _ in ranges), max(high for _, high in ranges)
+    parts = tuple(
+        levels_of(rig, varied, output, input, band, speeds, speed_of, chosen)
+        for rig, varied in zip(rigs, sought, strict=True)
+    )
+    best = kept("", lambda: smallest_maximum(WorstLevels(parts, _highest(parts, band)), box, start))
+    alone = [
+        kept(f"{label} alone", partial(smallest_maximum, levels, box, start))
+        for label, levels in zip(labels, parts, strict=True)
+    ]
+    read = (range_notes(rig.assembly, levels.frequencies) for rig, levels in zip(rigs, parts, strict=True))
+    return DamperOverConditions(
+        parts[0].channel,
+        parts[0].of,
+        tuple(
+            DesignParameter(name, unit, *map(float, numbers))
+            for name, unit, *numbers in zip(names, units, start, box.lower, box.upper, best, strict=True)
+        ),
+        tuple(_in_condition(*one, names, start, best) for one in zip(labels, parts, alone, strict=True)),
+        drivetrain.name,
+        tuple(dict.fromkeys(note for notes in read for note in notes)),
+    )
+
+
+def _highest(parts: Sequence[Levels], band: tuple[float, float] | None) -> float:
+    speeds = [float(one.run.speeds[-1]) for one in parts if isinstance(one, OrderLevels)]
+    return max(speeds) if band is None else band[1]
+
+
+def _in_condition(
+    label: str, levels: Levels, alone: FloatArray, names: Sequence[str], start: FloatArray, best: FloatArray
+) -> DamperInCondition:
+    before, after, own = (highest_peaks(levels, values)[0] for values in (start, best, alone))
+    return DamperInCondition(label, before, after, own, dict(zip(names, map(float, alone), strict=True)))
 
 
 @register_answer

@@ -17,9 +17,8 @@ from torsionnet.model.checks.parameter_units import parameter_units
 from torsionnet.model.model import Model
 from torsionnet.model.parameters import Parameter
 from torsionnet.study.answers.answer import AskedStudy
-from torsionnet.study.quantities.quantity_limit import QuantityValue
-from torsionnet.study.space.variations.nominal import NominalReader, nominals
-from torsionnet.study.space.variations.variation import ParameterValue
+from torsionnet.study.quantities.quantity import QuantityValue
+from torsionnet.study.space.variations.variation import NominalReader, ParameterValue, nominals
 
 DEFAULT_BOUND_FACTOR = 10.0
 """Factor between a parameter and either default bound, a decade, for parameters without bounds of their own."""

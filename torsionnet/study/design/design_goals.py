@@ -9,7 +9,7 @@ import numpy as np
 
 from torsionnet.base.errors import UsageError, did_you_mean
 from torsionnet.linear.assembly.rows import FloatArray
-from torsionnet.study.quantities.quantity_limit import QuantityLimit
+from torsionnet.study.quantities.quantity import QuantityLimit
 
 Found = Mapping[str, FloatArray]
 """Mapping of each quantity to its values (n, n_points) in SI for n designs."""

@@ -4,16 +4,188 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
 
 from torsionnet.base.errors import SolveError
 from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.study.design.design_optimum import TARGET_MET, DesignOptimum
-from torsionnet.study.design.design_problem import DesignProblem, Rank
-from torsionnet.study.design.global_search import MOST_GENERATIONS, distant_places, evolve, initial_places
-from torsionnet.study.design.local_search import polish
+from torsionnet.study.design.design_problem import BoundedPoints, BoundedRows, DesignProblem, Rank, finite
+
+# Global search of designs within bounds by an even spread of samples, and differential evolution from them.
+
+MOST_GENERATIONS = 60
+"""Most generations of designs in differential evolution, after which a local search goes on."""
+SCALE, CROSSOVER = (0.5, 1.0), 0.7
+"""Scale factor of differential evolution, drawn from this range in each generation, and its crossover rate."""
+PER_PARAMETER, FEWEST_MEMBERS = 12, 24
+"""Designs in a population for each parameter, and fewest designs, as fewer find fewer optima and more take longer."""
+START_DISTANCE = 0.05
+"""Smallest distance in the unit cube between starts of local searches, as nearer ones mostly find the same optimum."""
+VIOLATION_MERIT = 1e30
+"""Merit of a design that violates limits, times one plus the violation, worse than of any design that keeps them."""
+CONVERGED_SPREAD = 1e-4
+"""Standard deviation of a population's merits over their mean at which evolution stops, the rest being local search."""
+
+
+def initial_places(problem: DesignProblem) -> FloatArray:
+    """Points (n, n_p) of the unit cube, the given design and an even spread, the best first."""
+    size = len(problem.parameters)
+    count = 1 << int(np.ceil(np.log2(max(FEWEST_MEMBERS, PER_PARAMETER * size))))
+    spread = scipy.stats.qmc.Sobol(size, scramble=False).random(count)
+    places = np.vstack([problem.start, np.clip(spread, 0.5 / count, 1 - 0.5 / count)])
+    ranks = problem.ranks(problem.at(places))
+    return places[sorted(range(len(places)), key=lambda index: ranks[index])]
+
+
+def distant_places(places: FloatArray, count: int) -> list[FloatArray]:
+    """First ``count`` points of the unit cube that are not near each other, each (n_p,)."""
+    chosen: list[FloatArray] = []
+    for place in places:
+        if all(np.abs(place - other).max() > START_DISTANCE for other in chosen):
+            chosen.append(place)
+        if len(chosen) == count:
+            break
+    return chosen
+
+
+def evolve(
+    problem: DesignProblem, places: FloatArray, seed: int, each: Callable[[float], None], generations: int
+) -> FloatArray:
+    """Best point (n_p,) of the unit cube after some generations of differential evolution.
+
+    ``each`` is called with every best merit.
+
+    A generation is calculated as a whole. Of two designs the one that violates limits less is the better one. Mutants
+    start from the best design (R. Storn and K. Price, J. Global Optim. 11 (1997) 341, best/1/bin).
+    """
+    from scipy.optimize import Bounds, OptimizeResult, differential_evolution
+
+    size = len(problem.parameters)
+    crowd = places[: max(FEWEST_MEMBERS, PER_PARAMETER * size)]
+
+    def merits(columns: FloatArray) -> Any:
+        over, merit = np.array(problem.ranks(problem.at(columns.T))).T
+        return np.where(over > 0, VIOLATION_MERIT * (1 + over), merit)
+
+    def report(intermediate_result: OptimizeResult) -> None:
+        each(float(intermediate_result.fun))
+
+    found = differential_evolution(
+        merits, Bounds(np.zeros(size), np.ones(size)), strategy="best1bin", mutation=SCALE, recombination=CROSSOVER,
+        init=crowd, maxiter=generations, tol=CONVERGED_SPREAD, atol=0, polish=False, vectorized=True,
+        updating="deferred", rng=seed, callback=report,
+    )  # fmt: skip
+    return np.asarray(found.x)
+
+
+# Local search of the best design, least squares for targets, sequential quadratic programming for objectives.
+
+MOST_STEPS, MOST_PEAK_STEPS = 200, 60
+"""Most steps of one local search, and of one after which the points of peaks are chosen anew."""
+MOST_LOCAL_ROUNDS, MOST_PEAK_ROUNDS = 12, 40
+"""Most rounds of local search with new active points, without and with curves over frequency, which have any number."""
+OBJECTIVE_TOLERANCE = 1e-14
+"""Relative change of the objective at which quadratic programming stops, a little above rounding."""
+
+
+def solve_programme(problem: DesignProblem, place: FloatArray) -> FloatArray:
+    """Best point (n_p,) of the unit cube by sequential quadratic programming, with active points renewed in rounds."""
+    best, best_rank = place, problem.ranks(problem.at(place))[0]
+    try:
+        chosen = BoundedPoints.highest(problem, place).with_curve_points(problem, place)
+        for _ in range(MOST_PEAK_ROUNDS if chosen.peaks else MOST_LOCAL_ROUNDS):
+            rows = BoundedRows(problem, chosen, place)
+            place = _solved(rows, place)
+            rank = problem.ranks(problem.at(place))[0]
+            if rank < best_rank:
+                best, best_rank = place, rank
+            highest = BoundedPoints.highest(problem, place)
+            if rows.include(highest, place):
+                break
+            chosen = chosen.joined(highest)
+    except SolveError:  # somewhere a curve has no levels: what was found before stands
+        pass
+    return best
+
+
+def _solved(rows: BoundedRows, start: FloatArray) -> FloatArray:
+    """Point (n_p,) that minimises t, with the active rows of the objective below t and those of the limits below 0."""
+    size, sizes = len(start), rows.sizes(start)
+    several = len(sizes) > 1
+
+    def inside(x: FloatArray) -> FloatArray:
+        kept = -rows.excess(x[:size])
+        return np.concatenate([kept, x[-1] - rows.sizes(x[:size])]) if several else kept
+
+    def inside_slopes(x: FloatArray) -> FloatArray:
+        kept = -rows.excess_slopes(x[:size])
+        if not several:
+            return kept
+        top = np.column_stack([-rows.size_slopes(x[:size]), np.ones(len(sizes))])
+        return np.concatenate([np.column_stack([kept, np.zeros(len(kept))]), top])
+
+    search: Any = scipy.optimize.minimize  # its published types know no constraints that are functions
+    found = search(
+        (lambda x: float(x[-1])) if several else (lambda x: float(rows.sizes(x)[0])),
+        np.append(start, sizes.max()) if several else start,
+        jac=(lambda x: np.append(np.zeros(len(x) - 1), 1.0)) if several else (lambda x: rows.size_slopes(x)[0]),
+        method="SLSQP",
+        bounds=[(0.0, 1.0)] * size + [(None, None)] * several,
+        constraints={"type": "ineq", "fun": inside, "jac": inside_slopes} if several or rows.is_limited else (),
+        options={"ftol": OBJECTIVE_TOLERANCE, "maxiter": MOST_PEAK_STEPS if rows.chosen.peaks else MOST_STEPS},
+    )
+    return np.asarray(np.clip(found.x[:size], 0.0, 1.0))
+
+
+LEAST_SQUARES_TOLERANCE = 4 * np.finfo(float).eps
+"""Relative change of the parameters or residuals at which least squares stop, which is rounding."""
+BOUND_DISTANCE = 1e-3
+"""Distance from a bound in the unit cube within which an interior-point method may have stopped short of the bound."""
+
+
+def polish(problem: DesignProblem, place: FloatArray) -> FloatArray:
+    """Best point (n_p,) of the unit cube found by local searches from a point, never a worse one."""
+    tried = [np.asarray(place, float)]
+    if problem.goals.limits or problem.goals.objectives:
+        tried.append(solve_programme(problem, tried[-1]))
+    if problem.goals.targets:
+        tried.append(_fitted(problem, tried[-1]))
+    ranks = problem.ranks(problem.at(np.array(tried)))
+    return tried[min(range(len(tried)), key=lambda index: (ranks[index], -index))]
+
+
+def _fitted(problem: DesignProblem, start: FloatArray) -> FloatArray:
+    """Least-squares point (n_p,) for targets, sought once more from bounds by a method that stays exactly at them."""
+
+    def slopes(place: FloatArray) -> FloatArray:
+        moved = problem.jacobian(place)
+        return np.concatenate([one.scale * moved[one.quantity] for one in problem.goals.targets])
+
+    def residuals(place: FloatArray) -> FloatArray:
+        return finite(problem.goals.deviations(problem.at(place))[0])
+
+    place = np.clip(start, 0.0, 1.0)
+    for method in ("trf", "dogbox"):
+        found = scipy.optimize.least_squares(
+            residuals,
+            place,
+            slopes,
+            bounds=(0.0, 1.0),
+            method=method,
+            ftol=LEAST_SQUARES_TOLERANCE,
+            xtol=LEAST_SQUARES_TOLERANCE,
+            gtol=LEAST_SQUARES_TOLERANCE,
+            max_nfev=MOST_STEPS,
+        )
+        place = np.clip(found.x, 0.0, 1.0)
+        if np.all((place > BOUND_DISTANCE) & (place < 1 - BOUND_DISTANCE)):
+            break
+    return place
+
 
 EQUAL_MERIT = 1e-6
 """Largest relative difference of two designs' merits that count as equally good, as searches end within less."""

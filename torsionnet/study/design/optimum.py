@@ -3,17 +3,108 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
-from torsionnet.base.entries.spec import entry
-from torsionnet.base.errors import EntryPath, Fault
-from torsionnet.study.answers.answer import AskedStudy, VariantValues, register_answer
-from torsionnet.study.design.design_answer import DesignAnswer
-from torsionnet.study.design.design_entries import NAMES, TARGETS, OneOrSeveral, TargetEntry
+from torsionnet.base.entries.composite import Named, Nested
+from torsionnet.base.entries.spec import Count, entry
+from torsionnet.base.errors import EntryPath, Fault, ModelError
+from torsionnet.linear.dynamic_stiffness.sweep import compiled_works
+from torsionnet.machinery.design.damper_optimum import DesignParameter
+from torsionnet.study.answers.answer import (
+    PARAMETER,
+    QUANTITY,
+    AskedStudy,
+    StudyAnswer,
+    VariantValues,
+    measure_of,
+    register_answer,
+)
+from torsionnet.study.design.design_entries import (
+    DESIGN,
+    NAMES,
+    TARGETS,
+    DesignBounds,
+    OneOrSeveral,
+    TargetEntry,
+    chosen_parameters,
+    design_parameters,
+)
 from torsionnet.study.design.design_goals import DesignGoals, DesignObjective, DesignTarget
 from torsionnet.study.design.design_optimum import DesignOptimum
-from torsionnet.study.quantities.quantity_limit import QuantityLimit
+from torsionnet.study.design.design_problem import DesignProblem
+from torsionnet.study.design.design_quantities import DesignQuantities, peak_curves
+from torsionnet.study.quantities.quantity import QuantityLimit, wrong_unit
+
+# Base class of the answers on designs, with their parameters, limits, and the design problem of a study.
+
+
+@dataclass(frozen=True, kw_only=True)
+class DesignAnswer(StudyAnswer):
+    """Base class of a study's answers on designs (optimum, Pareto front, robust design).
+
+    Every configuration of the study counts.
+    """
+
+    of_variants: ClassVar[bool] = False
+    naming: ClassVar[Mapping[str, str]] = {
+        "design": PARAMETER, "limits": QUANTITY, "targets": QUANTITY, "minimise": QUANTITY, "maximise": QUANTITY,
+    }  # fmt: skip
+
+    design: Mapping[str, DesignBounds | None] = entry(DESIGN, None)
+    limits: Mapping[str, QuantityLimit] = entry(
+        Named(
+            "limits of quantities, beside those of the study",
+            Nested("a limit", lambda: QuantityLimit, "quantity_limit"),
+        ),
+        None,
+    )
+    seed: int = entry(Count("of the search; the same seed gives the same answer", lower=0, upper=2**31 - 1), 0)
+
+    def goals(self, limits: Mapping[str, QuantityLimit]) -> DesignGoals:
+        """Targets or objectives of the design, together with these limits."""
+        raise NotImplementedError
+
+    def study_faults(self, study: AskedStudy) -> Iterator[Fault]:
+        known = study.quantities
+        _, faults = design_parameters(study.model, self.design)
+        yield from (fault.under("design") for fault in faults)
+        for name, value, path in self.with_values():
+            if name in known:
+                unit = known[name].measured(study.model_in(study.configurations[0]), known).unit
+                yield from wrong_unit(value, name, unit, path)
+
+    def with_values(self) -> Iterator[tuple[str, float | None, EntryPath]]:
+        """Yield the quantities with the values of their limits or targets in SI, and the paths of these in the file."""
+        for name, limit in self.limits.items():
+            yield name, limit.below, ("limits", name, "below")
+            yield name, limit.above, ("limits", name, "above")
+
+    def parameters(self, study: AskedStudy) -> tuple[DesignParameter, ...]:
+        """Design parameters of the study with bounds in SI."""
+        found, faults = chosen_parameters(study, self.design)
+        if faults:
+            raise ModelError([fault.under("design") for fault in faults], "the design")
+        return tuple(found)
+
+    def problem(self, study: AskedStudy, names: tuple[str, ...] = ()) -> tuple[DesignProblem, DesignQuantities]:
+        """Design problem of the study, and the function that calculates its quantities.
+
+        Parameters ``names`` vary beside those designed.
+        """
+        parameters = self.parameters(study)
+        goals = self.goals({**study.limits, **self.limits})
+        units = {name: measure_of(study, name).unit for name in goals.quantities if name in study.quantities}
+        goals = replace(goals, units=units)
+        varied = tuple(dict.fromkeys([*(one.name for one in parameters), *names]))
+        method = "compiled" if compiled_works() else "graph"
+        evaluators = tuple(study.evaluator(one, varied, method) for one in study.configurations)
+        quantities = DesignQuantities(evaluators, goals.quantities)
+        acted_on = any(one.model.assembly.kinematics.actions for one in evaluators)
+        if names or acted_on:  # no derivatives, neither of samples nor where a torque follows another motion
+            return DesignProblem(parameters, goals, quantities), quantities
+        curves = peak_curves(goals.quantities, varied, evaluators)
+        return DesignProblem(parameters, goals, quantities, quantities.slopes, curves), quantities
 
 
 @dataclass(frozen=True, kw_only=True)

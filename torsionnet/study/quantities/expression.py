@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
-from collections.abc import Iterator, Mapping
+import pickle
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from types import CodeType
 from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from torsionnet.base.entries.spec import EntryError, Json, Schema, Spec, Text, entry
-from torsionnet.base.errors import Fault, UsageError, got, unknown_name
+from torsionnet.base.errors import Fault, TorsionnetError, UsageError, got, unknown_name
 from torsionnet.base.expression_reading import parse_expression
 from torsionnet.base.expressions import Algebra, Expression, ExpressionError
 from torsionnet.base.units import DIMENSIONS, Dimension, UnitError, parse_unit
@@ -142,3 +146,166 @@ def _dimension(unit: str) -> Dimension | None:
         return parse_unit(unit).dimension if unit else DIMENSIONS["1"]
     except UnitError:
         return None
+
+
+# Quantities of a study that are calculated by Python functions of the user, which study files cannot name.
+
+OVER = ("frequency", "speed")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class UserFunction(StudyQuantity):
+    """Quantity that a Python function of the user calculates for every variant, a number or a curve.
+
+    Attributes
+    ----------
+    of : callable
+        ``of(drivetrain) -> number`` or (n_points,) array, SI units.
+    unit_of_value : str
+    over : str
+        Axis of a curve, "frequency" or "speed".
+    points : (n_points,) array
+        Hz or rad/s.
+    """
+
+    kind: ClassVar[str] = "function"
+    singly: ClassVar[bool] = True
+
+    of: Callable[[Drivetrain], ArrayLike]
+    unit_of_value: str = ""
+    over: str = ""
+    points: Any = ()
+
+    def model_faults(self, model: Drivetrain, quantities: Mapping[str, StudyQuantity]) -> Iterator[Fault]:
+        del quantities
+        value = np.atleast_1d(np.asarray(self.of(model)))
+        if value.dtype.kind not in "biuf":
+            given = "complex values; take a magnitude, a phase or a part" if value.dtype.kind == "c" else "no numbers"
+            yield Fault(f"{self.function_name} gives {given}")
+            return
+        expected, found = np.shape(self.points) or (1,), value.shape
+        if found != (expected if self.over else (1,)):
+            wanted = expected if self.over else "one number"
+            yield Fault(f"{self.function_name} gives values of shape {found}; expected {wanted}")
+
+    @property
+    def words(self) -> str:
+        return f"what the function {self.function_name} calculates"
+
+    def measure(self, model: Drivetrain) -> QuantityForm:
+        del model
+        if not self.over:
+            return QuantityForm(self.unit_of_value)
+        return QuantityForm(self.unit_of_value, self.over, np.asarray(self.points, dtype=float))
+
+    def evaluate(self, block: VariantBlock) -> FloatArray:
+        names = tuple(block.values)
+
+        def of(variant: Drivetrain) -> ArrayLike:
+            try:
+                return self.of(variant)
+            except TorsionnetError:
+                raise
+            except Exception as error:
+                values = ", ".join(f"{name} = {variant.parameters[name]:.9g}" for name in names)
+                error.add_note(f"{self.function_name} was asked for the variant {values}")
+                raise
+
+        return block.one_by_one(of, len(self.points) if self.over else 1)
+
+    @property
+    def function_name(self) -> str:
+        """Name of the user's function in messages."""
+        return str(getattr(self.of, "__qualname__", self.of))
+
+    def require_picklable(self) -> None:
+        """Refuse a function that cannot be handed to other processes.
+
+        Raises
+        ------
+        UsageError
+            The function is a lambda or is defined inside another function.
+        """
+        try:
+            pickle.loads(pickle.dumps(self.of))  # noqa: S301 - what was written here
+        except Exception as error:  # noqa: BLE001 - whatever a user's object raises
+            where = "define it with def at the top level of a module, or run the study in one process"
+            raise UsageError(f"{self.function_name} cannot be handed to other processes ({error}); {where}") from None
+
+    def to_data(self) -> dict[str, Json]:
+        """Identity of the user's function as JSON data, its name, a digest of its code and of its captured values.
+
+        Functions that it calls, and variables of its module that it reads, are not part of it.
+        """
+        place = f"{getattr(self.of, '__module__', '')}.{self.function_name}"
+        data = {"of": place, "code": _digest(self.of), "unit": self.unit_of_value}
+        return data | ({"over": self.over, "points": list(self.points)} if self.over else {})
+
+
+def _digest(of: Callable[..., Any]) -> str:
+    """Digest of a function's code and default values as a text of 16 digits, equal on every machine.
+
+    Empty where it has no code object.
+    """
+    code = getattr(of, "__code__", None)
+    if code is None:
+        return ""
+    values = [cell.cell_contents for cell in of.__closure__ or ()]
+    values += [*(of.__defaults__ or ()), *(one for pair in sorted((of.__kwdefaults__ or {}).items()) for one in pair)]
+    return hashlib.sha256(repr((_essence(code), [_shown(one) for one in values])).encode()).hexdigest()[:16]
+
+
+def _shown(value: Any) -> str:
+    """Text of a value that a function was made with, without its address in memory."""
+    if callable(value):
+        return _digest(value)
+    text = repr(value)
+    return type(value).__qualname__ if " at 0x" in text else text
+
+
+def _essence(code: CodeType) -> tuple[Any, ...]:
+    """Byte code, names and constants of a function, without file names and line numbers."""
+    constants = [_essence(one) if isinstance(one, CodeType) else _in_order(one) for one in code.co_consts]
+    return code.co_code, code.co_names, constants
+
+
+def _in_order(constant: Any) -> Any:
+    """Constant of a function in a fixed order, because a set of texts has another order at every start of Python."""
+    return sorted(constant, key=repr) if isinstance(constant, frozenset) else constant
+
+
+def function(
+    of: Callable[[Drivetrain], ArrayLike], *, unit: str = "", over: str = "", points: ArrayLike = ()
+) -> UserFunction:
+    """Make a quantity of a study from a Python function that is called for every variant, one by one.
+
+    Parameters
+    ----------
+    of : callable
+        ``of(drivetrain)`` gives a number, or with ``points`` an array of that length; SI units. An error of this
+        package, as for an unknown name, leaves the variant without a value; any other error ends the study.
+    unit : str
+    over : str
+        ``"frequency"`` or ``"speed"`` of a curve.
+    points : (n_points,) array
+        Hz or rad/s, of a curve.
+
+    Raises
+    ------
+    UsageError
+        Not a function, or a curve without points.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> from torsionnet.study.quantities.variant_block import VariantBlock
+    >>> ratio = function(lambda rig: rig.modes().natural_frequencies[1] / rig.modes().natural_frequencies[0])
+    >>> block = VariantBlock(tn.load("dmf_rig"), {"k_2": np.array([460.0])}, {}, None)
+    >>> ratio.evaluate(block).round(4).tolist()
+    [[11.3977]]
+    """
+    if not callable(of):
+        raise UsageError(f"expected a function of a drivetrain, got {of!r}")
+    if over not in ("", *OVER) or bool(over) != bool(np.size(points)):
+        raise UsageError("a curve needs its points and over='frequency' or over='speed'; a number has neither")
+    return UserFunction(of=of, unit_of_value=unit, over=over, points=tuple(np.ravel(np.asarray(points)).tolist()))

@@ -11,7 +11,7 @@ from typing import Any, Protocol, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from torsionnet.base.collected_warnings import collected_warnings
+from torsionnet.base.equal_remarks import collected_warnings
 from torsionnet.base.errors import TorsionnetError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.linear.assembly.assembled import AssembledModel
@@ -19,14 +19,29 @@ from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.linear.assembly.table_range import told_of_reads
 from torsionnet.linear.batch.batch import Batch
 from torsionnet.linear.batch.batched_modes import BatchedModes, batched_modes, single_modes
-from torsionnet.linear.batch.batched_responses import batched_responses
+from torsionnet.linear.batch.batched_responses import batched_responses, responses_at_own_frequencies
 from torsionnet.linear.batch.mode_tracking import TrackedModes, track_modes
-from torsionnet.linear.batch.own_frequencies import responses_at_own_frequencies
 from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest, cached_request
 from torsionnet.linear.modes.modes import Modes
 from torsionnet.linear.responses.transfer import responses, warn_infinite
 from torsionnet.model.channels import Input, Sensor
-from torsionnet.study.quantities.counted_remarks import remark
+
+# Counter of the warnings of a study by their text, with a bound on the number of texts.
+
+MOST_REMARKS, OTHERS = 50, "other remarks, which differ in numbers or names"
+"""Most different texts of warnings counted, as texts with numbers could be millions, and the text for the rest."""
+
+
+def remark(known: Counter[str], text: str, count: int) -> None:
+    """Count a warning by its text, or beyond :data:`MOST_REMARKS` texts under :data:`OTHERS`.
+
+    >>> texts = Counter({f"text {number}": 1 for number in range(MOST_REMARKS)})
+    >>> remark(texts, "one more", 2)
+    >>> texts["one more"], texts[OTHERS]
+    (0, 2)
+    """
+    known[text if text in known or len(known) < MOST_REMARKS else OTHERS] += count
+
 
 GRAPH = "graph"
 """Default method of the response solver, which needs no compiling."""

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.base.errors import UsageError
-from torsionnet.study.quantities.quantity_limit import QuantityLimit
+from torsionnet.study.quantities.quantity import QuantityLimit
 
 MOST_LIMITS = 64
 """Largest number of limits in a study, as the set of limits that a variant exceeds is kept as a number of 64 bits."""

@@ -16,14 +16,52 @@ from dataclasses import dataclass
 from functools import lru_cache
 from itertools import islice
 from multiprocessing import resource_tracker
-from typing import Any, TypeVar
+from typing import Any, Protocol, TypeVar
 
 from torsionnet.base.errors import SolveError
 from torsionnet.base.threads import one_thread
-from torsionnet.study.run.executor import part_name
+
+# Protocol of executors, which call a function for the chunks of a study or the blocks of its answers.
 
 S = TypeVar("S")
 T = TypeVar("T")
+
+
+class Executor(Protocol):
+    """Executor that calls a function for every part of a study, the number of a chunk, or a block of variants."""
+
+    def map(self, work: Callable[[S], T], parts: Iterable[S]) -> Iterator[tuple[S, T]]:
+        """Yield each part of a study with its result, in the order in which they are done.
+
+        Function and parts can be pickled.
+        """
+        ...
+
+
+@dataclass(frozen=True)
+class SerialExecutor:
+    """Executor that does one part of a study after the other in this process.
+
+    Examples
+    --------
+    >>> list(SerialExecutor().map(abs, [-1, 2]))
+    [(-1, 1), (2, 2)]
+    """
+
+    def map(self, work: Callable[[S], T], parts: Iterable[S]) -> Iterator[tuple[S, T]]:
+        """Yield each part of a study with its result, in the order of the parts."""
+        for part in parts:
+            yield part, work(part)
+
+
+def part_name(part: object) -> str:
+    """Words for a part of a study in messages.
+
+    >>> part_name(7)
+    'chunk 7'
+    """
+    return f"chunk {part}" if isinstance(part, int) else str(part)
+
 
 QUEUED_PER_WORKER = 2
 """Chunks of variants that wait for each worker, enough that none is idle, few enough to be ended soon."""

@@ -3,23 +3,112 @@
 from __future__ import annotations
 
 import errno
+import hashlib
 import json
 import os
+import platform
 import time
+import uuid
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 
 from torsionnet.base.atomic import write_text
 from torsionnet.base.errors import SolveError, TorsionnetWarning, UsageError
+from torsionnet.base.version import __version__
 from torsionnet.study.run.calculating import chunk_file
-from torsionnet.study.run.chunk_values import ChunkValues, DamagedChunk
-from torsionnet.study.run.chunks import Chunks
-from torsionnet.study.run.evaluation_memory import ANSWERS
-from torsionnet.study.run.study_record import differ_by_installation, record_differences, record_text
+from torsionnet.study.run.chunk_values import Chunks, ChunkValues, DamagedChunk, counted_limits
+from torsionnet.study.run.shared_blocks import ANSWERS
+from torsionnet.study.study import Study
+
+# Record of what the results in a folder depend on (model, study, versions, method), and its differences.
+
+FILE_FORMAT = 2
+"""Version of the format of the files in a study's folder, raised when older files cannot be read any more."""
+LIBRARIES = ("numpy", "scipy", "numba")
+"""Packages whose version may change a number in the results of a study."""
+INSTALLATION = ("version", "libraries", "machine")
+"""Entries that say what calculated the results, by which complete results may differ from what reads them."""
+AFTERWARDS = ("name", "limits", "answers")
+"""Entries of a study on which no value of a variant depends, so that they may change between runs in one folder.
+
+Limits only where the values of all variants are kept; else variants beyond them are counted as they are calculated.
+"""
+WORDS = {
+    "format": "the form of the files",
+    "version": "the version of torsionnet",
+    "libraries": "the set of libraries",
+    "machine": "the kind of machine",
+    "method": "the method of the solver",
+    "model": "the model",
+    "study": "the study",
+    "chunks": "the size of chunks",
+    "keep": "what is kept",
+    "limits": "the limits",
+}
+
+
+def study_record(study: Study, chunks: Chunks, every: int) -> dict[str, Any]:
+    """Record of all that the results of a study depend on, as JSON data; every ``every``-th variant keeps values."""
+    text = study.model_text
+    limits = {name: limit.to_data() for name, limit in counted_limits(study, every).items()}
+    return {
+        "format": FILE_FORMAT,
+        "version": __version__,
+        "libraries": {name: _version(name) for name in LIBRARIES},
+        "machine": f"{platform.system()} {platform.machine()}",
+        "method": study.method,
+        "seed": study.seed,
+        "model": {"title": study.model.title, "sha256": hashlib.sha256(text.encode()).hexdigest(), "text": text},
+        "study": {key: entry for key, entry in study.to_data().items() if key not in AFTERWARDS},
+        "chunks": {"cases": chunks.cases, "count": chunks.count, "size": chunks.size},
+        "keep": every,
+        "limits": limits,
+    }
+
+
+def record_text(record: dict[str, Any]) -> str:
+    """JSON text of a study's record, equal for equal records."""
+    return json.dumps(record, indent=1, ensure_ascii=False) + "\n"
+
+
+def record_differences(kept: dict[str, Any], wanted: dict[str, Any]) -> list[str]:
+    """Differences in words between the record in a study's folder and the one wanted now."""
+    return [_said(key, kept.get(key), wanted.get(key)) for key in WORDS if kept.get(key) != wanted.get(key)]
+
+
+def differ_by_installation(kept: dict[str, Any], wanted: dict[str, Any]) -> bool:
+    """Whether two records of one major version differ in nothing but what calculated them."""
+    same_major = str(kept.get("version")).partition(".")[0] == str(wanted["version"]).partition(".")[0]
+    return same_major and all(kept.get(key) == wanted.get(key) for key in WORDS if key not in INSTALLATION)
+
+
+def _said(key: str, kept: Any, wanted: Any) -> str:
+    if key in ("version", "machine", "method", "format"):
+        return f"{WORDS[key]} was {kept}, now it is {wanted}"
+    if key == "limits" and isinstance(kept, dict) and isinstance(wanted, dict):
+        names = [name for name in {**kept, **wanted} if kept.get(name) != wanted.get(name)]
+        why = "of so many variants those beyond the limits are counted as they are calculated"
+        return f"limits were others ({', '.join(names)}), and {why}"
+    if isinstance(kept, dict) and isinstance(wanted, dict):
+        names = [name for name in {**kept, **wanted} if kept.get(name) != wanted.get(name) and name != "text"]
+        plain = [name for name in names if not isinstance(kept.get(name), dict | list)]
+        shown = [f"{name} {kept.get(name)} -> {wanted.get(name)}" for name in plain if name != "sha256"]
+        parts = shown if len(shown) == len(names) else [name for name in names if name != "sha256"]
+        return f"{WORDS[key]} is another: {', '.join(parts)}" if parts else f"{WORDS[key]} is another"
+    return f"{WORDS[key]} is another"
+
+
+def _version(name: str) -> str:
+    try:
+        return metadata.version(name)
+    except metadata.PackageNotFoundError:
+        return ""
+
 
 RECORD = "study.json"
 """Name of the file with the record of the study in its folder."""
@@ -117,3 +206,114 @@ def writing(folder: Path) -> Iterator[None]:
         raise SolveError(
             f"{folder}: {why}; the chunks in it are whole, and the study goes on from there when it is run again"
         ) from error
+
+
+# Lock of a study folder against a second run: a file with the number of the process, void once that has ended.
+
+LOCK = "running.json"
+"""Name of the lock file in the folder of a study."""
+ERROR_ACCESS_DENIED = 5
+"""Error number of the Windows API for a process that exists but belongs to another user."""
+
+
+@contextmanager
+def locked(folder: Path) -> Iterator[None]:
+    """Lock the folder of a study against other runs within ``with``.
+
+    Raises
+    ------
+    UsageError
+        Another run uses the folder.
+    """
+    file, own = folder / LOCK, {"host": platform.node(), "process": os.getpid(), "began": _began(os.getpid())}
+    _take(file, {**own, "word": uuid.uuid4().hex})
+    try:
+        yield
+    finally:
+        with suppress(OSError):
+            file.unlink()
+
+
+def _take(file: Path, own: dict[str, Any]) -> None:
+    """Write the lock file under another name and link it into place, which fails where there is one."""
+    beside = file.with_name(f".{own['word']}")
+    beside.write_text(json.dumps(own))
+    try:
+        for _ in range(10):
+            try:
+                _put(beside, file)
+            except FileExistsError:
+                _remove_if_dead(file)
+            else:
+                return
+        raise UsageError(f"another run uses {file.parent}; wait for it, or end it")
+    finally:
+        beside.unlink()
+
+
+def _put(beside: Path, file: Path) -> None:
+    """Link the lock file to its final name, or, on file systems without links, write it there if there is none."""
+    try:
+        os.link(beside, file)
+    except FileExistsError:
+        raise
+    except OSError:
+        with file.open("x", encoding="utf-8") as stream:
+            stream.write(beside.read_text(encoding="utf-8"))
+
+
+def _remove_if_dead(file: Path) -> None:
+    try:
+        other = json.loads(file.read_text(encoding="utf-8"))
+        host, process, began = other["host"], int(other["process"]), other["began"]
+    except FileNotFoundError:
+        return
+    except (ValueError, KeyError, TypeError):
+        host, process, began = platform.node(), 0, None
+    if host != platform.node():
+        raise UsageError(
+            f"a run on {host} (process {process}) uses {file.parent}; if it is not running any more, remove {file}"
+        )
+    if process and _is_alive(process, began):
+        raise UsageError(f"process {process} is running this study in {file.parent}; {_remedy(file, began)}")
+    aside = file.with_name(f".{uuid.uuid4().hex}")
+    with suppress(FileNotFoundError):  # by name first, so that of two who find it dead only one removes it
+        file.rename(aside)
+        aside.unlink()
+
+
+def _remedy(file: Path, began: str | None) -> str:
+    """Advice for an error message on a running process that locks the folder.
+
+    Without its start time the number may be that of another program.
+    """
+    return "wait for it, or end it" if began else f"wait for it, end it, or, if it is another program, remove {file}"
+
+
+def _is_alive(process: int, began: str | None) -> bool:
+    if os.name == "nt":  # where asking by a signal would end it
+        import ctypes
+
+        # By names, as other systems have none of these.
+        kernel = getattr(ctypes, "WinDLL")("kernel32", use_last_error=True)  # noqa: B009
+        handle = kernel.OpenProcess(0x1000, False, process)
+        if not handle:
+            return bool(getattr(ctypes, "get_last_error")() == ERROR_ACCESS_DENIED)  # noqa: B009
+        kernel.CloseHandle(handle)
+        return True
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:
+        return True
+    return began is None or _began(process) in (None, began)
+
+
+def _began(process: int) -> str | None:
+    """Start time of a process, by which it differs from a later one of the same number, None where unknown."""
+    try:
+        state, started = Path(f"/proc/{process}/stat").read_text("utf-8", "replace").rpartition(")")[2].split()[0:20:19]
+    except (OSError, ValueError):
+        return None
+    return "dead" if state == "Z" else started

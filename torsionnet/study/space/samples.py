@@ -3,15 +3,203 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import log2
-from typing import ClassVar
+from functools import lru_cache
+from hashlib import sha256
+from math import isqrt, log2
+from typing import Any, ClassVar, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
 
 from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.spec import Count, OneOf, entry
 from torsionnet.base.errors import Fault
-from torsionnet.study.space.many import Many
-from torsionnet.study.space.sampling_points import LatinHypercubePoints, RandomPoints, UnitPoints
-from torsionnet.study.space.sampling_sobol import COORDINATE_BITS, SobolPoints
+from torsionnet.linear.frequency_response import FloatArray
+
+# Entry of a study file for a whole number that may be large.
+
+
+class Many(Count):
+    """Entry for a whole number within bounds that may be written as 1e6."""
+
+    def coerce(self, raw: object) -> int:
+        return super().coerce(int(raw) if isinstance(raw, float) and raw.is_integer() else raw)
+
+
+# Random and Latin hypercube points of the unit cube by index.
+
+HashWords = NDArray[np.uint64]
+FEISTEL_ROUNDS = 4
+"""Rounds of the Feistel network that permutes draws, as with fewer, orders look less random."""
+MOST_SORTED = 4096
+"""Most numbers that are permuted by sorting, as of few numbers a Feistel network gives too few permutations."""
+
+
+def permuted(places: NDArray[np.int64], count: int, seed: np.random.SeedSequence) -> NDArray[np.int64]:
+    """Numbers (n,) at some places (n,) of a random permutation of 0 to ``count - 1``.
+
+    A Feistel network of two digits orders a square of slightly more numbers; where it leads beyond ``count`` it is
+    followed on until it does not, which keeps every number once (Black and Rogaway, 2002).
+
+    Parameters
+    ----------
+    places : (n,) array
+    count : int
+        At most 2^62.
+    seed : SeedSequence
+        Seed of the permutation.
+
+    Examples
+    --------
+    >>> order = permuted(np.arange(5), 5, np.random.SeedSequence(1))
+    >>> sorted(order.tolist())
+    [0, 1, 2, 3, 4]
+    """
+    if count <= MOST_SORTED:
+        return np.argsort(np.random.PCG64(seed).random_raw(count), kind="stable")[places]
+    side = np.uint64(isqrt(count - 1) + 1)
+    keys = np.asarray(seed.generate_state(2 * FEISTEL_ROUNDS, np.uint64), dtype=np.uint64)
+    found = _shuffled(places.astype(np.uint64), side, keys)
+    outside = np.flatnonzero(found >= count)
+    while len(outside):
+        found[outside] = _shuffled(found[outside], side, keys)
+        outside = outside[found[outside] >= count]
+    return found.astype(np.int64)
+
+
+def _shuffled(numbers: HashWords, side: np.uint64, keys: HashWords) -> HashWords:
+    first, second = numbers // side, numbers % side
+    for key in keys.reshape(-1, 2):
+        first = (first + _mixed(second, key[0]) % side) % side
+        second = (second + _mixed(first, key[1]) % side) % side
+    return np.asarray(first * side + second)
+
+
+def _mixed(numbers: HashWords, key: np.uint64) -> HashWords:
+    """Hash (n,) of numbers (n,) with a key (the finaliser of SplitMix64)."""
+    z = numbers * np.uint64(0x9E3779B97F4A7C15) + key
+    z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+    z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+    return np.asarray(z ^ (z >> np.uint64(31)))
+
+
+SEED_BLOCK = 4096
+"""Points from one state of the random generator, in blocks, so that a point depends on its index alone."""
+
+
+class UnitPoints(Protocol):
+    """Sequence of points of the unit cube, any stretch of which depends on the indices alone."""
+
+    def __call__(self, start: int, stop: int) -> FloatArray:
+        """Points (stop - start, n_names) of the unit cube with the indices ``start`` to ``stop - 1``."""
+        ...
+
+
+@dataclass(frozen=True)
+class RandomPoints:
+    """Independent random points of the unit cube by index.
+
+    Every name has its own numbers, which stay the same when another name is added.
+    """
+
+    names: tuple[str, ...]
+    seed: int
+
+    def __call__(self, start: int, stop: int) -> FloatArray:
+        found = np.empty((stop - start, len(self.names)))
+        for column, name in enumerate(self.names):
+            for block in range(start // SEED_BLOCK, -(-stop // SEED_BLOCK)):
+                begin, end = max(start, block * SEED_BLOCK), min(stop, (block + 1) * SEED_BLOCK)
+                numbers = _uniform(_seed(name, self.seed, block), end - block * SEED_BLOCK)
+                found[begin - start : end - start, column] = numbers[begin - block * SEED_BLOCK :]
+        return found
+
+
+def _seed(name: str, *further: int) -> np.random.SeedSequence:
+    words = np.frombuffer(sha256(name.encode()).digest(), dtype="<u4")
+    return np.random.SeedSequence(words.tolist(), spawn_key=further)
+
+
+def _uniform(seed: np.random.SeedSequence, count: int) -> FloatArray:
+    """Random numbers (count,) above 0 and below 1 from raw bits, which are the same in every version of numpy."""
+    raw = np.random.PCG64(seed).random_raw(count) >> np.uint64(12)
+    return np.asarray((raw.astype(float) + 0.5) * 2.0**-52)
+
+
+@dataclass(frozen=True)
+class LatinHypercubePoints:
+    """Latin hypercube of ``count`` points by index, one in each of ``count`` equal parts of every coordinate."""
+
+    names: tuple[str, ...]
+    count: int
+    seed: int
+
+    def __call__(self, start: int, stop: int) -> FloatArray:
+        places = np.arange(start, stop)
+        within = RandomPoints(self.names, self.seed)(start, stop)
+        for column, name in enumerate(self.names):
+            within[:, column] += permuted(places, self.count, _seed(name, self.seed))
+        return np.minimum(within / self.count, 1 - 2.0**-53)
+
+
+# Points of a scrambled Sobol sequence by index.
+
+COORDINATE_BITS = 30
+"""Number of bits of every Sobol coordinate, and of the number of points, the default of scipy."""
+LOW_BITS = 12
+"""Number of low bits of a point's index that one table of 4096 points covers, as a table of more takes longer."""
+SobolWords = NDArray[np.uint32]
+
+
+class SobolPoints:
+    """Scrambled Sobol sequence of points by index, that of :class:`scipy.stats.qmc.Sobol`.
+
+    Point i is the sum modulo 2, over the bits set in the Gray code of i, of direction numbers; these are found from
+    the points 0, 1, 2, 4, ... so that any stretch costs no more than another.
+    """
+
+    def __init__(self, dimension: int, count: int, seed: int) -> None:
+        self.dimension, self.bits, self.seed = dimension, max(LOW_BITS, (count - 1).bit_length()), seed
+
+    def __call__(self, start: int, stop: int) -> FloatArray:
+        table, directions = _table(self.dimension, self.bits, self.seed)
+        found = np.empty((stop - start, self.dimension), dtype=np.uint32)
+        for block in range(start >> LOW_BITS, -(-stop >> LOW_BITS)):
+            begin, end = max(start, block << LOW_BITS), min(stop, (block + 1) << LOW_BITS)
+            rest = _sums(np.array([block << LOW_BITS], dtype=np.uint32), directions)
+            found[begin - start : end - start] = table[begin - (block << LOW_BITS) : end - (block << LOW_BITS)] ^ rest
+        # Half a step keeps the points above 0, which no unbounded distribution could take.
+        return np.asarray((found + 0.5) * 2.0**-COORDINATE_BITS)
+
+
+def _sums(indices: SobolWords, directions: SobolWords) -> SobolWords:
+    """Sums modulo 2 (m, n) of the direction numbers (bits, n) over the Gray codes of indices (m,)."""
+    gray = indices ^ (indices >> np.uint32(1))
+    found = np.zeros((len(indices), directions.shape[1]), dtype=np.uint32)
+    for bit, numbers in enumerate(directions):
+        found[(gray >> np.uint32(bit)) & np.uint32(1) == 1] ^= numbers
+    return found
+
+
+@lru_cache(maxsize=8)
+def _table(dimension: int, bits: int, seed: int) -> tuple[SobolWords, SobolWords]:
+    """First points (2^LOW_BITS, n) of the Sobol sequence and its direction numbers (bits, n)."""
+    from scipy.stats.qmc import Sobol
+
+    engine = Sobol(dimension, bits=COORDINATE_BITS, seed=np.random.default_rng(seed))
+    first, *corners = (_taken(engine, index) for index in (0, *(2**bit for bit in range(bits))))
+    directions = np.empty((bits, dimension), dtype=np.uint32)
+    for bit, corner in enumerate(corners):
+        # The Gray code of 2^b has the bits b and b - 1.
+        directions[bit] = first ^ corner ^ (directions[bit - 1] if bit else np.uint32(0))
+    return first ^ _sums(np.arange(1 << LOW_BITS, dtype=np.uint32), directions), directions
+
+
+def _taken(engine: Any, index: int) -> SobolWords:
+    if index > engine.num_generated:
+        engine.fast_forward(index - engine.num_generated)
+    return np.asarray(np.rint(engine.random(1)[0] * 2.0**COORDINATE_BITS), dtype=np.uint32)
+
 
 RANDOM, LATIN, SOBOL = "random", "latin_hypercube", "sobol"
 

@@ -52,7 +52,7 @@ class Space:
     --------
     >>> import torsionnet as tn
     >>> from torsionnet.study.space.variations.uniform import Uniform
-    >>> from torsionnet.study.space.variations.list_of_values import ListOfValues
+    >>> from torsionnet.study.space.variations.uniform import ListOfValues
     >>> space = Space(tn.load("amt_rig"), {"k_2": Uniform(low="-10 %", high="+10 %"),
     ...     "c_O": ListOfValues(values=[170, 360])}, sampling=Samples(count=3))
     >>> space.count, space.values(2, 4)["c_O"]

@@ -11,7 +11,7 @@ import sympy
 from torsionnet.base.errors import UsageError
 from torsionnet.linear.assembly.symbolic import OMEGA
 from torsionnet.model.element_base.dynamic_stiffness import DynamicStiffness
-from torsionnet.symbolic.algebra.algebras import InPowersOfS, PolynomialInS
+from torsionnet.symbolic.algebra.algebras import Expressions, InPowersOfS, PolynomialInS
 
 if TYPE_CHECKING:
     from torsionnet.model.element_base.dynamic_stiffness import Complexes, Floats
@@ -102,3 +102,40 @@ class InPowersNearRest(InPowersOfS):
             return super().leaf(payload)
         terms = [(-delay.time) ** power / sympy.factorial(power) for power in range(self.limit or 1)]
         return PolynomialInS(tuple(self.coefficient(term) for term in terms), self.limit)
+
+
+# Sympy expressions built without sorting their terms, for results too long to be sorted.
+
+
+class Raw:
+    """Sympy expression under construction, whose terms are not sorted."""
+
+    __slots__ = ("expression",)
+
+    def __init__(self, expression: Any) -> None:
+        self.expression = expression
+
+    def __add__(self, other: Raw) -> Raw:
+        return Raw(_joined(sympy.Add, self.expression, other.expression))
+
+    def __mul__(self, other: Raw) -> Raw:
+        return Raw(_joined(sympy.Mul, self.expression, other.expression))
+
+
+def _joined(operation: Any, left: Any, right: Any) -> Any:
+    if left.is_Number or right.is_Number:
+        return operation(
+            left, right, evaluate=bool(left.is_Number and right.is_Number) or _is_neutral(operation, left, right)
+        )
+    return operation._from_args([*operation.make_args(left), *operation.make_args(right)])  # noqa: SLF001
+
+
+def _is_neutral(operation: Any, left: Any, right: Any) -> bool:
+    return operation.identity in (left, right)
+
+
+class RawExpressions(Expressions):
+    """Algebra of sympy expressions with unsorted terms; see :class:`Raw`."""
+
+    def leaf(self, payload: Any) -> Raw:
+        return Raw(super().leaf(payload))

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
 from torsionnet.app.cli.command import TABLE, Answer, Command, click_command
-from torsionnet.app.cli.declarations import argument, option
-from torsionnet.app.cli.options import file_option
+from torsionnet.app.cli.options import argument, file_option, option
 from torsionnet.app.cli.pulse_options import PulseOptions
 from torsionnet.app.cli.record_options import RecordSpan
 from torsionnet.app.cli.terminal import print_warnings
@@ -101,7 +100,7 @@ class AngleCommand(Command):
 
         from torsionnet.signals.formats.registry import format_of
         from torsionnet.signals.records.recording_files import write_recording
-        from torsionnet.signals.rotation.angle_record import angle_record
+        from torsionnet.signals.rotation.rotations_of_wheels import angle_record
 
         if self.output_file:
             format_of(Path(self.output_file), "recording")

@@ -12,12 +12,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 import click
 
 from torsionnet.app.cli.command import NUMBERS, Answer, Command, click_command, result_path
-from torsionnet.app.cli.declarations import argument, option
-from torsionnet.app.cli.options import SETTINGS, file_option
+from torsionnet.app.cli.options import SETTINGS, argument, file_option, option
 from torsionnet.app.cli.terminal import print_warnings
 from torsionnet.base.notes import NoteOrText, is_warning
 from torsionnet.base.result_rows import Out
-from torsionnet.bench.true_fault import TrueFault
+from torsionnet.bench.wheel_turning import TrueFault
 
 if TYPE_CHECKING:
     from torsionnet.base.table import Table
@@ -104,10 +103,10 @@ class BenchCommand(Command):
     truth: bool = option("--truth", help="Write torque and motion as they are, without errors of measurement.")
 
     def answer(self) -> Answer:
-        from torsionnet.app.cli.progress import progress
+        from torsionnet.app.cli.terminal import progress
         from torsionnet.base.conventions import Conventions
         from torsionnet.bench import load_bench
-        from torsionnet.bench.wheel_speeds import with_wheel_speeds
+        from torsionnet.bench.wheel_turning import with_wheel_speeds
         from torsionnet.signals.formats.registry import format_of
         from torsionnet.signals.records.recording_files import write_recording
 

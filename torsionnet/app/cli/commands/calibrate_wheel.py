@@ -7,16 +7,15 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from torsionnet.app.cli.command import TABLE, Answer, Command, click_command
-from torsionnet.app.cli.declarations import argument, option
-from torsionnet.app.cli.options import SETTINGS, EntryOption, file_option
+from torsionnet.app.cli.options import SETTINGS, EntryOption, argument, file_option, option
 from torsionnet.app.cli.pulse_options import PulseOptions
 from torsionnet.app.cli.record_options import RecordSpan
 from torsionnet.base.errors import UsageError
 
 if TYPE_CHECKING:
-    from torsionnet.signals.rotation.calculated_orders import CalculatedOrders
     from torsionnet.signals.rotation.calibration_result import WheelCalibration
-    from torsionnet.signals.rotation.pulse_reading import PulseReading
+    from torsionnet.signals.rotation.counter import PulseReading
+    from torsionnet.signals.rotation.pitch_order import CalculatedOrders
     from torsionnet.signals.rotation.wheel_calibration import WheelTest
     from torsionnet.signals.rotation.wheel_channel import WheelChannel
 
@@ -76,7 +75,7 @@ class CalibrateWheelCommand(Command):
 
     def answer(self) -> Answer:
         from torsionnet.base.conventions import Conventions
-        from torsionnet.io.wheel_pattern_files import write_wheel_pattern
+        from torsionnet.io.wheel_files import write_wheel_pattern
 
         self._refuse_contradictions()
         found = self.calibration()
@@ -91,7 +90,7 @@ class CalibrateWheelCommand(Command):
 
     def calibration(self) -> WheelCalibration:
         """Calibrated wheel with its pitch pattern in rad, from the records named."""
-        from torsionnet.app.cli.progress import progress
+        from torsionnet.app.cli.terminal import progress
         from torsionnet.signals.rotation.wheel_calibration import calibrate_wheel
 
         name, wheel, marks = self._wheel()
@@ -151,7 +150,7 @@ class CalibrateWheelCommand(Command):
         return WheelTest(wheel_pulses(record, name, wheel), found.get(self.second_pickup or ""), found.get(wheel.index))
 
     def _calculated(self, tests: list[WheelTest], wheel: WheelChannel) -> CalculatedOrders:
-        from torsionnet.app.cli.models import load_model
+        from torsionnet.app.cli.options import load_model
         from torsionnet.identification.wheel_orders import calculated_wheel_orders, speed_grid
         from torsionnet.signals.rotation.wheel_calibration import speed_range
 

@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from torsionnet.app.cli.command import TABLE, Answer, Command, click_command, separated_by_lines
-from torsionnet.app.cli.declarations import argument, option
-from torsionnet.app.cli.options import ANGLE, OutputFolder, file_option
+from torsionnet.app.cli.options import ANGLE, OutputFolder, argument, file_option, option
 from torsionnet.app.cli.terminal import message
 
 if TYPE_CHECKING:
@@ -49,7 +48,7 @@ class CampaignCommand(Command):
 
     def answer(self) -> Answer:
         from torsionnet.base.conventions import Conventions
-        from torsionnet.bench.campaign.campaign_json import campaign_json
+        from torsionnet.bench.campaign.campaign_result import campaign_json
 
         result, conventions = self._result(), Conventions(angle=self.angle)
         return Answer(
@@ -62,7 +61,7 @@ class CampaignCommand(Command):
         )
 
     def _result(self) -> CampaignResult:
-        from torsionnet.app.cli.progress import stages
+        from torsionnet.app.cli.terminal import stages
         from torsionnet.bench.campaign.loading_campaign import load_campaign
         from torsionnet.bench.campaign.running_campaign import run_campaign
 
@@ -79,7 +78,7 @@ class CampaignCommand(Command):
         return result
 
     def _write_report(self, result: CampaignResult, file: str) -> None:
-        from torsionnet.app.cli.progress import stages
+        from torsionnet.app.cli.terminal import stages
         from torsionnet.report.campaign_report import campaign_report
         from torsionnet.report.report import writer_for
 

@@ -7,8 +7,7 @@ from collections.abc import Iterator, Sequence
 import click
 
 from torsionnet.app.cli.command import JSON, Answer, Command, click_command
-from torsionnet.app.cli.declarations import argument, option
-from torsionnet.app.cli.models import STANDARD_INPUT, checked_model
+from torsionnet.app.cli.options import STANDARD_INPUT, argument, checked_model, option
 from torsionnet.app.cli.terminal import message, print_line
 from torsionnet.base.errors import Fault, UsageError
 

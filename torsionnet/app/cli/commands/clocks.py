@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import click
 
 from torsionnet.app.cli.command import TABLE, Answer, Command, click_command
-from torsionnet.app.cli.declarations import argument, option
-from torsionnet.app.cli.options import file_option
+from torsionnet.app.cli.options import argument, file_option, option
 from torsionnet.app.cli.pulse_options import PulseOptions
 from torsionnet.base.notes import NoteOrText
 from torsionnet.base.result_rows import Out
@@ -76,9 +75,8 @@ class ClocksCommand(Command):
         from torsionnet.io.turning_records import read_turning_record
         from torsionnet.io.wheel_files import channels_of, patterns_of
         from torsionnet.signals.records.recording_files import channel_names, read_recording
-        from torsionnet.signals.rotation.rotation_clocks import rotation_clocks
+        from torsionnet.signals.rotation.clock_drift import rotation_clocks, signal_clocks
         from torsionnet.signals.rotation.rotations_of_wheels import rotations_of_wheels
-        from torsionnet.signals.rotation.signal_clocks import signal_clocks
 
         wheels = self.reading.wheels()
         if (self.channel is None) == (len(wheels) != 1):
@@ -102,7 +100,7 @@ class ClocksCommand(Command):
         return name, rotation_clocks(*turned, same_start=self.same_start), records[1]
 
     def _signal(self, path: str, name: str) -> Recording:
-        from torsionnet.app.cli.records import checked_record
+        from torsionnet.app.cli.record_options import checked_record
         from torsionnet.signals.records.recording_files import read_recording
 
         record = read_recording(path, names=[name], **self.reading.arguments)

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 
 from torsionnet.app.cli.cases import ModelCommand
 from torsionnet.app.cli.command import TABLE, Answer, click_command
-from torsionnet.app.cli.declarations import option
-from torsionnet.app.cli.options import ALIGN, ANGLE, HIGHEST_FREQUENCY, LOWEST_FREQUENCY
+from torsionnet.app.cli.options import ALIGN, ANGLE, HIGHEST_FREQUENCY, LOWEST_FREQUENCY, option
 from torsionnet.app.cli.record_options import Averaging, Estimator, RecordCommand
 
 if TYPE_CHECKING:
@@ -50,7 +49,7 @@ class CompareCommand(ModelCommand, RecordCommand):
         from torsionnet.app.cli.commands.estimate import estimate_record
         from torsionnet.app.cli.frf_output import comparison_record
         from torsionnet.base.conventions import Conventions
-        from torsionnet.signals.agreement import agreement
+        from torsionnet.signals.comparison import agreement
 
         self.require_one("a record is of one configuration: name one with -c")
         case = self.cases()[0]

@@ -8,8 +8,7 @@ import click
 
 from torsionnet.app.cli.cases import ConfiguredCase, ModelCommand
 from torsionnet.app.cli.command import TABLE, Answer, click_command, separated_by_lines
-from torsionnet.app.cli.declarations import option
-from torsionnet.app.cli.options import ANGLE, FiniteFloat, PairType
+from torsionnet.app.cli.options import ANGLE, FiniteFloat, PairType, option
 from torsionnet.base.errors import UsageError
 
 if TYPE_CHECKING:

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from torsionnet.app.cli.command import TABLE, Answer, click_command, separated_by_lines
-from torsionnet.app.cli.declarations import option
-from torsionnet.app.cli.options import FiniteFloat
+from torsionnet.app.cli.options import FiniteFloat, option
 from torsionnet.app.cli.pulse_options import NamedWheel, PulseOptions
 from torsionnet.app.cli.record_options import RecordCommand
 from torsionnet.app.cli.terminal import print_warnings
@@ -169,8 +168,8 @@ class DampingCommand(RecordCommand):
         return self.excitation or "constant"
 
     def _recording(self) -> Recording:
-        from torsionnet.app.cli.progress import progress
-        from torsionnet.app.cli.records import load_record
+        from torsionnet.app.cli.record_options import load_record
+        from torsionnet.app.cli.terminal import progress
         from torsionnet.signals.recording import Recording
 
         names = [*self.channels, *(one for one in (self.speed, self.angle) if one)]
@@ -187,11 +186,10 @@ class DampingCommand(RecordCommand):
 
     def _turning(self, wheels: dict[str, WheelOfTest], kept: list[str]) -> Recording:
         """Recording of the channels kept, with the angle (rad) of each wheel, or its speed (rad/s), by its name."""
-        from torsionnet.app.cli.records import checked_record
+        from torsionnet.app.cli.record_options import checked_record
         from torsionnet.io.turning_records import read_turning_record
         from torsionnet.io.wheel_files import channels_of, patterns_of
-        from torsionnet.signals.rotation.angle_record import angle_record
-        from torsionnet.signals.rotation.rotations_of_wheels import rotations_of_wheels
+        from torsionnet.signals.rotation.rotations_of_wheels import angle_record, rotations_of_wheels
 
         channels = channels_of(wheels)
         marks = self.reading.marks({one.index for one in channels.values()}, wheels)

@@ -13,8 +13,8 @@ import click
 
 from torsionnet.app.cli.cases import ConfiguredCase, ModelCommand
 from torsionnet.app.cli.command import JSON, Answer, click_command
-from torsionnet.app.cli.declarations import option
-from torsionnet.app.cli.equation_output import (
+from torsionnet.app.cli.options import SIMPLIFY, EntryOption, option
+from torsionnet.app.cli.output import (
     ConfiguredMotion,
     TransferFunctionRecord,
     dependent_angles,
@@ -22,7 +22,6 @@ from torsionnet.app.cli.equation_output import (
     matrix_rows,
     simplification_errors,
 )
-from torsionnet.app.cli.options import SIMPLIFY, EntryOption
 from torsionnet.base.table import Column, Table
 
 if TYPE_CHECKING:

@@ -74,8 +74,8 @@ def estimate_record(
     align: bool = False,
 ) -> FrequencyResponse:
     """Frequency response estimated from a record in a band in Hz; its warnings go to stderr."""
-    from torsionnet.app.cli.progress import progress
-    from torsionnet.app.cli.records import load_record
+    from torsionnet.app.cli.record_options import load_record
+    from torsionnet.app.cli.terminal import progress
     from torsionnet.signals.estimators import estimate
 
     chosen, references = estimator.estimator, estimator.references

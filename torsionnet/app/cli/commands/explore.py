@@ -9,8 +9,7 @@ import click
 
 from torsionnet.app.cli.cases import ModelCommand
 from torsionnet.app.cli.command import Answer, click_command
-from torsionnet.app.cli.declarations import argument, option
-from torsionnet.app.cli.models import STANDARD_INPUT, standard_input_text
+from torsionnet.app.cli.options import STANDARD_INPUT, argument, option, standard_input_text
 from torsionnet.app.cli.terminal import message, print_faults, print_line
 
 if TYPE_CHECKING:
@@ -75,7 +74,7 @@ class ExploreCommand(ModelCommand):
             given = f"{self.band[0]:g} {self.band[1]:g}"
             raise click.UsageError(f"--band needs 0 < LOW < HIGH <= {HIGHEST_FREQUENCY:g} Hz, got {given}")
         from torsionnet.app.explore import ExploreServer, open_documents
-        from torsionnet.app.explore.choices import read_pair
+        from torsionnet.app.explore.session import read_pair
 
         documents, faults = open_documents(
             self.model or TEMPLATE_FILE,

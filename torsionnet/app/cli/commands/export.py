@@ -10,8 +10,7 @@ import click
 
 from torsionnet.app.cli.cases import ModelCommand
 from torsionnet.app.cli.command import Answer, click_command, result_path
-from torsionnet.app.cli.declarations import option
-from torsionnet.app.cli.options import file_option
+from torsionnet.app.cli.options import file_option, option
 from torsionnet.app.cli.terminal import message, print_file_written
 from torsionnet.base.errors import UsageError
 
@@ -115,7 +114,7 @@ class ExportCommand(ModelCommand):
         if self.viscous_at is None:
             return drivetrain
         from torsionnet.linear.assembly.table_range import range_notes
-        from torsionnet.machinery.design.viscous_equivalent import viscous_equivalent
+        from torsionnet.machinery.design.damper_design import viscous_equivalent
 
         equivalent = viscous_equivalent(drivetrain, self.viscous_at)
         message(

@@ -6,8 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from torsionnet.app.cli.command import TABLE, Answer, Command, click_command
-from torsionnet.app.cli.declarations import argument, option
-from torsionnet.app.cli.options import OutputFile, file_option
+from torsionnet.app.cli.options import OutputFile, argument, file_option, option
 from torsionnet.app.cli.terminal import message
 from torsionnet.base.errors import UsageError
 
@@ -45,11 +44,11 @@ class FitCommand(Command):
     model_file: str | None = option("--model", type=OutputFile(ENDINGS), help="Write the model with the values found.")
 
     def answer(self) -> Answer:
-        from torsionnet.app.cli.progress import progress
+        from torsionnet.app.cli.terminal import progress
         from torsionnet.base.conventions import Conventions
         from torsionnet.identification import identify, rank_causes
         from torsionnet.identification.fit_file import load_fit_plan
-        from torsionnet.identification.fit_record import fit_record
+        from torsionnet.identification.ranking import fit_record
         from torsionnet.io import read_frequency_response
 
         with progress("fitting", None):
@@ -87,7 +86,7 @@ class FitCommand(Command):
                 f"{' and '.join(named)}: the fit file names no parameters, so that parameters are only "
                 "ranked; name those to be fitted under parameters: in it, or leave these options out"
             )
-        from torsionnet.identification.fit_record import RankingRecord
+        from torsionnet.identification.ranking import RankingRecord
 
         table = ranking.table()
         return Answer(screen=lambda: [table], data=lambda: RankingRecord(ranking.causes), csv=lambda: [("", table)])
@@ -107,8 +106,8 @@ def _screen(table: Table, profiles: Intervals, ranking: Ranking | None) -> Itera
 
 def _announce(plan: FitPlan) -> None:
     """Print notes on the decimation of records, and on the memory of the fit if that is large."""
-    from torsionnet.app.cli.memory_note import note_memory
-    from torsionnet.identification.residuals.memory_demand import memory_demand, total_memory
+    from torsionnet.app.cli.terminal import note_memory
+    from torsionnet.identification.residuals.measurement_blocks import memory_demand, total_memory
     from torsionnet.signals.decimation import usable_up_to
     from torsionnet.signals.recording import Recording
 

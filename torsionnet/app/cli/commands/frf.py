@@ -8,15 +8,14 @@ import click
 
 from torsionnet.app.cli.cases import ConfiguredCase, ModelCommand
 from torsionnet.app.cli.command import TABLE, Answer, click_command
-from torsionnet.app.cli.declarations import option
-from torsionnet.app.cli.options import ANGLE, FREQUENCY_UNIT, REFERRED_TO, referred_outputs
+from torsionnet.app.cli.options import ANGLE, FREQUENCY_UNIT, REFERRED_TO, option, referred_outputs
 from torsionnet.app.cli.terminal import message
 from torsionnet.base.errors import UsageError
 
 if TYPE_CHECKING:
     from torsionnet.base.table import Table
     from torsionnet.linear.frequency_response import FloatArray, FrequencyResponse
-    from torsionnet.linear.responses.peaks import Solver
+    from torsionnet.linear.responses.grid import Solver
 
 QUANTITIES = ("receptance", "mobility", "accelerance", "dynamic_stiffness")
 
@@ -69,8 +68,7 @@ class FrfCommand(ModelCommand):
 
     def answer(self) -> Answer:
         cases = self.cases()
-        from torsionnet.app.cli.frf_output import DisplayUnits, full_table, peak_table, responses_record
-        from torsionnet.app.cli.sampling import Sampling
+        from torsionnet.app.cli.frf_output import DisplayUnits, Sampling, full_table, peak_table, responses_record
         from torsionnet.base.conventions import Conventions
 
         shown = DisplayUnits(Conventions(angle=self.angle, frequency=self.frequency_unit), self.decibels)

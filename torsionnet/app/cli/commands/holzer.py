@@ -8,8 +8,7 @@ import click
 
 from torsionnet.app.cli.cases import ConfiguredCase, ModelCommand
 from torsionnet.app.cli.command import TABLE, Answer, click_command, separated_by_lines
-from torsionnet.app.cli.declarations import option
-from torsionnet.app.cli.options import EntryOption
+from torsionnet.app.cli.options import EntryOption, option
 
 if TYPE_CHECKING:
     from torsionnet.machinery.holzer.holzer_table import HolzerTable

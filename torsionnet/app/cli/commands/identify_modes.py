@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from torsionnet.app.cli.command import TABLE, Answer, click_command, separated_by_lines
-from torsionnet.app.cli.declarations import option
+from torsionnet.app.cli.options import option
 from torsionnet.app.cli.record_options import EstimateArguments
 from torsionnet.app.cli.terminal import print_warnings
 

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from torsionnet.app.cli.command import Answer, Command, click_command, text_answer
-from torsionnet.app.cli.declarations import argument, option
-from torsionnet.app.cli.options import file_option
+from torsionnet.app.cli.options import argument, file_option, option
 from torsionnet.app.cli.terminal import message
 
 if TYPE_CHECKING:

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 from torsionnet.app.cli.cases import ConfiguredCase, ModelCommand
 from torsionnet.app.cli.command import TABLE, Answer, click_command
-from torsionnet.app.cli.declarations import option
-from torsionnet.app.cli.options import ANGLE
+from torsionnet.app.cli.options import ANGLE, option
 
 if TYPE_CHECKING:
     from torsionnet.base.conventions import Conventions
@@ -81,7 +80,7 @@ class LimitsCommand(ModelCommand):
     def _tests(self, case: ConfiguredCase, check: LimitCheck) -> tuple[MeasuredRange, ...]:
         """Half ranges of the test beside the limits that judge them."""
         from torsionnet.io.tracked_order_tables import read_tracked_orders
-        from torsionnet.machinery.verdicts.measured_ranges import measured_ranges
+        from torsionnet.machinery.verdicts.measured_range import measured_ranges
 
         return measured_ranges(case.drivetrain, check, read_tracked_orders(str(self.measured)))
 
@@ -92,7 +91,7 @@ class LimitsCommand(ModelCommand):
         tests: tuple[MeasuredRange, ...],
         conventions: Conventions,
     ) -> Iterator[Table | str]:
-        from torsionnet.machinery.excitations.engine_phases import conditions_running_alone
+        from torsionnet.machinery.excitations.reciprocating_engine import conditions_running_alone
         from torsionnet.machinery.verdicts.limit_check import PASS
         from torsionnet.machinery.verdicts.operating_instructions import instruction_table
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from torsionnet.app.cli.cases import ModelCommand
 from torsionnet.app.cli.command import TABLE, Answer, click_command, separated_by_lines
-from torsionnet.app.cli.declarations import option
+from torsionnet.app.cli.options import option
 
 if TYPE_CHECKING:
     pass

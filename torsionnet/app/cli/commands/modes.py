@@ -9,9 +9,8 @@ import click
 
 from torsionnet.app.cli.cases import ConfiguredCase, ModelCommand
 from torsionnet.app.cli.command import TABLE, Answer, click_command, separated_by_lines
-from torsionnet.app.cli.declarations import option
-from torsionnet.app.cli.options import EXCITATION, FREQUENCY_UNIT
-from torsionnet.app.cli.wide_tables import blank_zero_shares, split_table
+from torsionnet.app.cli.options import EXCITATION, FREQUENCY_UNIT, option
+from torsionnet.app.cli.terminal import blank_zero_shares, split_table
 
 if TYPE_CHECKING:
     from torsionnet.base.table import Table
@@ -89,7 +88,7 @@ class ModesCommand(ModelCommand):
         """Modes of a case with shapes referred to the shaft asked for."""
         if self.referred_to is None:
             return modes
-        from torsionnet.linear.modes.referred_shapes import referred_shapes
+        from torsionnet.linear.modes.mode_pairs import referred_shapes
 
         return referred_shapes(case.drivetrain, modes, self.referred_to)
 

@@ -10,8 +10,7 @@ from typing import Any
 import click
 
 from torsionnet.app.cli.command import Answer, Command, click_command, text_answer
-from torsionnet.app.cli.declarations import argument, option
-from torsionnet.app.cli.options import OutputFile
+from torsionnet.app.cli.options import OutputFile, argument, option
 from torsionnet.base.errors import readable_text
 
 KINDS = ("ship", "genset", "rig", "train", "turbine")
@@ -75,7 +74,7 @@ class NewCommand(Command):
 
 def starting_model(kind: str, name: str) -> str:
     """Text of a model file of a kind of plant, with the name given in the place of the placeholder."""
-    from torsionnet.model.files.quoting import scalar_text
+    from torsionnet.model.files.writer import scalar_text
 
     template = (files("torsionnet.app.cli") / "starting_models" / f"{kind}.yaml").read_text(encoding="utf-8")
     return template.replace(_NAME_LINE, f"name: {scalar_text(readable_text(name))}\n", 1)

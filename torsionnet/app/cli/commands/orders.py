@@ -9,8 +9,7 @@ import click
 
 from torsionnet.app.cli.cases import ConfiguredCase, ModelCommand
 from torsionnet.app.cli.command import TABLE, Answer, click_command
-from torsionnet.app.cli.declarations import option
-from torsionnet.app.cli.options import ANGLE, REFERRED_TO, referred_outputs
+from torsionnet.app.cli.options import ANGLE, REFERRED_TO, option, referred_outputs
 from torsionnet.base.errors import UsageError
 
 if TYPE_CHECKING:
@@ -20,8 +19,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from torsionnet.base.table import Table
+    from torsionnet.machinery.orders.calculated_order import SweptComparison
     from torsionnet.machinery.orders.order_response import OrderResponse
-    from torsionnet.machinery.orders.swept_comparison import SweptComparison
     from torsionnet.signals.orders.tracked_orders import MeasuredOrder
 
     Tests: TypeAlias = dict[str, tuple[MeasuredOrder, ...]]
@@ -121,15 +120,14 @@ class OrdersCommand(ModelCommand):
 
     def _tests(self, case: ConfiguredCase, run: OrderResponse) -> Tests:
         """Orders measured at each output of the drivetrain, by output name."""
-        from torsionnet.io.order_tables import read_orders
+        from torsionnet.io.tracked_order_tables import read_orders
 
         return {channel.name: read_orders(str(self.measured), channel, case.configuration) for channel in run.outputs}
 
     def _swept(self, case: ConfiguredCase, run: OrderResponse) -> SweptComparison:
         """Orders of the model along the speed over time of a run-up too fast for steady peaks, and remarks on it."""
-        from torsionnet.io.order_tables import tracked_channel
-        from torsionnet.io.tracked_order_tables import is_tracked_table
-        from torsionnet.machinery.orders.swept_comparison import SweptComparison, swept_comparison
+        from torsionnet.io.tracked_order_tables import is_tracked_table, tracked_channel
+        from torsionnet.machinery.orders.calculated_order import SweptComparison, swept_comparison
 
         if not self.measured or not is_tracked_table(self.measured):
             return SweptComparison()

@@ -10,15 +10,13 @@ import click
 
 from torsionnet.app.cli.cases import ModelCommand
 from torsionnet.app.cli.command import Answer, click_command
-from torsionnet.app.cli.declarations import option
-from torsionnet.app.cli.models import STANDARD_INPUT, load_model
-from torsionnet.app.cli.options import PRESETS, SIMPLIFY, FiniteFloat, file_option
+from torsionnet.app.cli.options import PRESETS, SIMPLIFY, STANDARD_INPUT, FiniteFloat, file_option, load_model, option
 from torsionnet.app.cli.record_options import Averaging, Estimator, RecordReading
 from torsionnet.app.cli.terminal import print_file_written
 from torsionnet.base.packages import rare_collections
 
 if TYPE_CHECKING:
-    from torsionnet.app.cli.progress import ShowProgress
+    from torsionnet.app.cli.terminal import ShowProgress
     from torsionnet.drivetrain import Drivetrain
     from torsionnet.identification import Fit
     from torsionnet.linear.frequency_response import FrequencyResponse
@@ -110,7 +108,7 @@ class ReportCommand(ModelCommand):
     )
 
     def answer(self) -> Answer:
-        from torsionnet.app.cli.progress import stages
+        from torsionnet.app.cli.terminal import stages
 
         with stages() as show, rare_collections():
             written = self._write(show)
@@ -176,7 +174,7 @@ def _studies(names: tuple[str, ...], rig: Drivetrain, show: ShowProgress) -> lis
     """Results of the studies named, in their order, calculated as far as their folders do not have them."""
     if not names:
         return []
-    from torsionnet.report.study_model_checks import check_study_models
+    from torsionnet.report.report import check_study_models
     from torsionnet.study import load_study, run_study
 
     pairs = [name.partition("=") for name in names]

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING
 import click
 
 from torsionnet.app.cli.command import Answer, Command, click_command, text_answer
-from torsionnet.app.cli.declarations import option
-from torsionnet.app.cli.options import file_option
-from torsionnet.app.cli.output_schema import OUTPUTS, output_schema_text
+from torsionnet.app.cli.options import file_option, option
+from torsionnet.app.cli.output import OUTPUTS, output_schema_text
 
 if TYPE_CHECKING:
     from torsionnet.base.entries.declared import Declared

@@ -10,8 +10,7 @@ import click
 
 from torsionnet.app.cli.cases import ModelCommand
 from torsionnet.app.cli.command import TABLE, Answer, click_command
-from torsionnet.app.cli.declarations import option
-from torsionnet.app.cli.options import EXCITATION
+from torsionnet.app.cli.options import EXCITATION, option
 from torsionnet.base.errors import UsageError
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from torsionnet.app.cli.cases import ConfiguredCase, ModelCommand
 from torsionnet.app.cli.command import TABLE, Answer, click_command, separated_by_lines
-from torsionnet.app.cli.declarations import option
+from torsionnet.app.cli.options import option
 from torsionnet.app.cli.terminal import wrapped
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ class ShowCommand(ModelCommand):
     matrices: bool = option("--matrices", help="M, C, K in numbers.")
 
     def answer(self) -> Answer:
-        from torsionnet.app.cli.model_output import shown_model
+        from torsionnet.app.cli.output import shown_model
         from torsionnet.model.overview import elements_table
 
         cases = self.cases()

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 
 from torsionnet.app.cli.cases import ConfiguredCase, ModelCommand
 from torsionnet.app.cli.command import TABLE, Answer, click_command, result_path, separated_by_lines
-from torsionnet.app.cli.declarations import argument, option
-from torsionnet.app.cli.options import ANGLE, EntryOption, file_option
+from torsionnet.app.cli.options import ANGLE, EntryOption, argument, file_option, option
 
 if TYPE_CHECKING:
     from torsionnet.base.table import Table

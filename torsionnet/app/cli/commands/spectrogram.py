@@ -6,8 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from torsionnet.app.cli.command import TABLE, Answer, click_command
-from torsionnet.app.cli.declarations import option
-from torsionnet.app.cli.options import ANGLE, FiniteFloat
+from torsionnet.app.cli.options import ANGLE, FiniteFloat, option
 from torsionnet.app.cli.record_options import Averaging, RecordCommand
 
 if TYPE_CHECKING:
@@ -52,8 +51,8 @@ class SpectrogramCommand(RecordCommand):
 
     def spectrograms(self) -> list[Spectrogram]:
         """Spectrograms of the recorded channels asked for."""
-        from torsionnet.app.cli.progress import progress
-        from torsionnet.app.cli.records import load_record
+        from torsionnet.app.cli.record_options import load_record
+        from torsionnet.app.cli.terminal import progress
         from torsionnet.signals.decimation import decimated
         from torsionnet.signals.recording import Recording
         from torsionnet.signals.spectrograms import spectrogram

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from torsionnet.app.cli.command import TABLE, Answer, Command, click_command
-from torsionnet.app.cli.declarations import argument, option
-from torsionnet.app.cli.options import OutputFile, OutputFolder
+from torsionnet.app.cli.options import OutputFile, OutputFolder, argument, option
 from torsionnet.app.cli.terminal import message, print_faults
 
 if TYPE_CHECKING:
@@ -19,7 +18,7 @@ if TYPE_CHECKING:
     from torsionnet.base.table import Table
     from torsionnet.study.answers.answer import Conclusion, Conclusions
     from torsionnet.study.run.answering import AnsweredStudy
-    from torsionnet.study.run.workload import Workload
+    from torsionnet.study.run.run_chunks import Workload
     from torsionnet.study.study import Study
     from torsionnet.study.study_result import StudyResult
 
@@ -66,7 +65,7 @@ class StudyCommand(Command):
     )
 
     def answer(self) -> Answer:
-        from torsionnet.app.cli.study_output import study_json
+        from torsionnet.app.cli.output import study_json
         from torsionnet.signals.formats.extras import require_extra
         from torsionnet.study.loading_study import load_study
 
@@ -88,10 +87,9 @@ class StudyCommand(Command):
         )
 
     def _answered(self, study: Study) -> AnsweredStudy:
-        from torsionnet.app.cli.progress import stages
-        from torsionnet.study.run.answering import answer_study
+        from torsionnet.app.cli.terminal import stages
+        from torsionnet.study.run.answering import Workers, answer_study
         from torsionnet.study.run.run_chunks import LONGEST_SECONDS
-        from torsionnet.study.run.workers import Workers
 
         workers = Workers(
             self.processes,

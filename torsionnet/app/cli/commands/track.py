@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from torsionnet.app.cli.command import TABLE, Answer, Command, click_command
-from torsionnet.app.cli.declarations import argument, option
-from torsionnet.app.cli.options import ANGLE, EntryOption, PairOption, file_option
+from torsionnet.app.cli.options import ANGLE, EntryOption, PairOption, argument, file_option, option
 from torsionnet.app.cli.pulse_options import NamedWheel, PulseOptions, TeethOption
 from torsionnet.app.cli.record_options import RecordSpan
 from torsionnet.base.errors import UsageError, did_you_mean
@@ -26,7 +25,7 @@ if TYPE_CHECKING:
     from torsionnet.io.wheel_files import WheelOfTest
     from torsionnet.signals.orders.cycle_average import CycleAverage
     from torsionnet.signals.orders.mean_rotation import MeanRotation
-    from torsionnet.signals.orders.orders_of_test import PhaseMark
+    from torsionnet.signals.orders.track_orders import PhaseMark
     from torsionnet.signals.orders.tracked_orders import TrackedOrders
     from torsionnet.signals.orders.tracked_signals import Twist
     from torsionnet.signals.orders.vold_kalman import VoldKalman
@@ -129,10 +128,10 @@ class TrackCommand(Command):
 
     def tracked(self) -> tuple[TrackedOrders, ...]:
         """Complex orders of all channels and wheels asked for, in SI."""
-        from torsionnet.app.cli.progress import progress
-        from torsionnet.app.cli.records import load_record
+        from torsionnet.app.cli.record_options import load_record
+        from torsionnet.app.cli.terminal import progress
         from torsionnet.signals.orders.derived_orders import order_slices
-        from torsionnet.signals.orders.orders_of_test import orders_of_test
+        from torsionnet.signals.orders.track_orders import orders_of_test
 
         self.span.check(self.record)
         shafts = [one for one in (self.reference, self.further) if one]
@@ -191,7 +190,7 @@ class TrackCommand(Command):
         """Rotations of the wheels, the mark of the phases, and channels of one pulse per turn, all from the record."""
         from torsionnet.io.turning_records import read_turning_record
         from torsionnet.io.wheel_files import channels_of, patterns_of
-        from torsionnet.signals.orders.orders_of_test import PhaseMark
+        from torsionnet.signals.orders.track_orders import PhaseMark
         from torsionnet.signals.rotation.rotations_of_wheels import rotations_of_wheels
         from torsionnet.signals.rotation.wheel_channel import wheel_pulses
 
@@ -219,7 +218,7 @@ class TrackCommand(Command):
         once: dict[str, PulseChannel],
         advance: Callable[[float], None],
     ) -> MeanRotation:
-        from torsionnet.app.cli.records import load_record
+        from torsionnet.app.cli.record_options import load_record
         from torsionnet.signals.orders.mean_rotation import mean_rotation
         from torsionnet.signals.records.recording_files import channel_names
 

@@ -4,28 +4,258 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from torsionnet.app.text.completing.completion_keys import kind_of, typed_options, usual_first
-from torsionnet.app.text.completing.completion_option import CompletionOption, Writing, summary
-from torsionnet.app.text.completing.completion_places import KindWord, entry_place
-from torsionnet.app.text.completing.completion_units import units_of, usual_units
+from torsionnet.app.text.completing.completion_places import (
+    CompletionOption,
+    EntryPlace,
+    KindWord,
+    Writing,
+    class_at,
+    entry_place,
+    holds_entries,
+    summary,
+    unit_text,
+)
+from torsionnet.app.text.name_homes import changeable_sections, properties_of
 from torsionnet.base.entries.composite import Listed, Nested, PairOf, Typed
-from torsionnet.base.entries.declared import files_beside, nearby_file
+from torsionnet.base.entries.declared import Declared, files_beside, nearby_file
 from torsionnet.base.entries.scalars import AnyQuantity, QuantityKind
 from torsionnet.base.entries.spec import MODEL_NAME, EntryError, Spec, Text
 from torsionnet.base.errors import TorsionnetError
-from torsionnet.base.units import DIMENSIONS, Dimension, UnitError, parse_quantity
+from torsionnet.base.units import (
+    CELSIUS,
+    DIMENSIONS,
+    KNOWN_UNITS,
+    Dimension,
+    UnitError,
+    expected_unit,
+    parse_quantity,
+    parse_unit,
+)
 from torsionnet.model.catalogues.catalogue_entries import CATALOGUE, CatalogueEntry, SizeName
-from torsionnet.model.channels import ELEMENT_QUANTITIES, ChannelName
+from torsionnet.model.channels import ELEMENT_QUANTITIES, ChannelEntry, ChannelName
+from torsionnet.model.configurations import ChangedEntry
+from torsionnet.model.damping import MEASURES, DampingQuantity, LossFactor
 from torsionnet.model.element_base.element import ELEMENT_TYPES
-from torsionnet.model.element_base.element_entries import NodePair
-from torsionnet.model.element_base.quantity_table import TableByName
+from torsionnet.model.element_base.element_entries import NodeName, NodePair
+from torsionnet.model.element_base.laws import GROUND
+from torsionnet.model.element_base.quantity_table import TableByName, TableByNode
 from torsionnet.model.files.library import library_models
 from torsionnet.model.parts.use import OneOrEach
 from torsionnet.model.response_pair import PairEntry
 from torsionnet.report.plan.report_plan import SectionName
+
+# Options for a key: the entries that may stand at a place, or the names that a table is by.
+
+_NEW = "name of a new entry"
+"""Key that stands for any name in a table by name."""
+USUAL_TYPES = (
+    "inertia",
+    "spring",
+    "damper",
+    "shaft",
+    "gear",
+    "flexible_coupling",
+    "propeller",
+    "planetary",
+    "hysteretic_spring",
+)
+"""Element types that most models are made of, which are offered before the others."""
+_USUAL_ENTRIES = {"spring": ("stiffness",), "flexible_coupling": ("stiffness",), "gear": ("ratio",)}
+"""Entries that nearly every element of a type has though another one can take their place, by type."""
+_COLON = re.compile(r"\w*\s*:(\s|$)")
+
+
+def key_options(writing: Writing) -> Iterator[CompletionOption]:
+    """Options for the key that is being written, those that have to be given first."""
+    spec, data = writing.place.spec, writing.place.data
+    given: Mapping[Any, Any] = data if isinstance(data, Mapping) else {}
+    if spec is None:
+        return
+    cls = class_at(writing.place)
+    if isinstance(spec, Typed) and spec.key not in given:
+        yield _key(writing, spec.key, spec, "required")
+        if not given:
+            yield from typed_options(writing, spec)
+    if cls is not None:
+        yield from _entries(writing, cls, given)
+    yield from _name_options(writing, spec, given)
+    if cls is None and not holds_entries(spec):  # of a table by name the keys are free
+        yield from _keys_of_whole(writing, spec, given)
+
+
+def _entries(writing: Writing, cls: type[Declared], given: Mapping[Any, Any]) -> Iterator[CompletionOption]:
+    specs, required = dict(cls.specs()), cls.required()
+    for name in cls.head:
+        if name not in given:
+            yield CompletionOption(name, "entry", _with_colon(writing, name), "required", "version of the file format")
+    order = sorted(specs, key=lambda name: name not in required)
+    for name in order:
+        if name not in given:
+            yield _key(writing, name, specs[name], "required" if name in required else "")
+
+
+def _key(writing: Writing, name: str, spec: Spec[Any], note: str = "") -> CompletionOption:
+    unit = unit_text(spec)
+    detail = ", ".join(one for one in (unit, note) if one)
+    return CompletionOption(name, "entry", _with_colon(writing, name, spec), detail, spec.description)
+
+
+def _with_colon(writing: Writing, name: str, spec: Spec[Any] | None = None) -> str:
+    if _COLON.match(writing.after):
+        return name
+    if not writing.is_flow and holds_entries(spec):
+        return f"{name}:\n{' ' * (writing.context.indent + 2)}"
+    return f"{name}: "
+
+
+def _name_options(writing: Writing, spec: Spec[Any], given: Mapping[Any, Any]) -> Iterator[CompletionOption]:
+    """Names of nodes or other things that are keys of a table."""
+    named = NodeName("a node") if isinstance(spec, TableByNode) else spec.key_names({**given, _NEW: None}).get(_NEW)
+    if isinstance(named, ChangedEntry):
+        yield from _changed(writing, given)
+    elif named is not None:
+        for kind, name in writing.names.for_spec(named):
+            if name not in given and name != GROUND:
+                yield CompletionOption(name, kind, _with_colon(writing, name), kind)
+
+
+def _changed(writing: Writing, given: Mapping[Any, Any]) -> Iterator[CompletionOption]:
+    """Options for what an alternative of a configuration changes: parameters, and entries as ``box.engaged``."""
+    for name in writing.names.names("parameters"):
+        if name not in given:
+            yield CompletionOption(name, "parameter", _with_colon(writing, name), "parameter")
+    owner = writing.word.rpartition(".")[0]
+    for section, table in changeable_sections().items():
+        kind = section[:-1]
+        if not owner:
+            yield from (CompletionOption(f"{one}.", kind, f"{one}.", kind) for one in writing.names.table(section))
+            continue
+        cls = class_at(EntryPlace(table.of, writing.names.table(section).get(owner)))
+        for name, spec in cls.specs() if cls else ():
+            full = f"{owner}.{name}"
+            if full not in given:
+                yield CompletionOption(full, "entry", _with_colon(writing, full), unit_text(spec), spec.description)
+
+
+def _keys_of_whole(writing: Writing, spec: Spec[Any], given: Mapping[Any, Any]) -> Iterator[CompletionOption]:
+    """Keys of an entry that is read as a whole, as a damping measure; of those that exclude each other only one."""
+    one_of: tuple[str, ...] = ()
+    if isinstance(spec, ChannelEntry):
+        one_of = spec.quantities
+    elif isinstance(spec, DampingQuantity | LossFactor):
+        one_of = tuple(MEASURES)
+    is_chosen = any(name in given for name in one_of)
+    for name, schema in properties_of(spec).items():
+        if name not in given and not (is_chosen and name in one_of):
+            text = schema.get("description", "") if isinstance(schema, Mapping) else ""
+            yield CompletionOption(str(name), "entry", _with_colon(writing, str(name)), "", str(text))
+
+
+def typed_options(writing: Writing, spec: Typed[Any], *, opens: bool = False) -> Iterator[CompletionOption]:
+    """Options for a whole entry of each type with the entries that it needs, in the layout of its neighbours.
+
+    ``opens`` says that the entry stands behind its key, so that it begins with a bracket or on a line of its own.
+    """
+    for kind, cls in usual_first(spec):
+        needed = (*cls.required(), *(_USUAL_ENTRIES.get(kind, ()) if kind_of(spec) == "element type" else ()))
+        lines = [f"{spec.key}: {kind}", *(f"{name}: " for name in needed)]
+        label = f"{kind} with {', '.join(needed)}" if needed else kind
+        if writing.is_flow or (opens and _neighbours_are_flow(writing)):
+            insert = ", ".join(lines)
+            insert = f"{{{insert}}}" if opens else insert
+        else:
+            indent = writing.context.indent + (2 if opens else 0)
+            insert = f"\n{' ' * indent}".join(["", *lines] if opens else lines)
+        yield CompletionOption(label, kind_of(spec), insert, spec.what, summary(cls))
+
+
+def usual_first(spec: Typed[Any]) -> list[tuple[str, type[Declared]]]:
+    """Types with their names, those that most models are made of first."""
+    ranks = {name: rank for rank, name in enumerate(USUAL_TYPES)}
+    return sorted(spec.kinds().items(), key=lambda one: ranks.get(one[0], len(ranks)))
+
+
+def kind_of(spec: Typed[Any]) -> str:
+    """Kind of the options for a type: an element type, or a word."""
+    return "element type" if spec.what == "element" else "word"
+
+
+def _neighbours_are_flow(writing: Writing) -> bool:
+    """Whether the entries beside one are written in brackets on one line, as most models write elements."""
+    indent = " " * writing.context.indent
+    own = writing.text.rfind("\n", 0, writing.offset) + 1
+    beside = re.compile(rf"^{indent}[^\s#].*?:[ \t]*(\S?)", re.MULTILINE)
+    found = [one[1] for one in beside.finditer(writing.text) if one.start() != own]
+    return "" not in found or "{" in found
+
+
+# Units of a physical quantity that may follow its number.
+
+_MULTIPLES = {
+    "N": ("kN", "MN"), "Pa": ("MPa", "GPa", "bar"), "W": ("kW", "MW"), "m": ("mm",), "s": ("ms",),
+    "kg*m^2": ("kg*mm^2", "t*m^2", "lbf*in*s^2", "lb*ft^2"), "N*m": ("lbf*in", "lbf*ft"),
+}  # fmt: skip
+"""Units that engineers write in place of the beginning of a product of SI units."""
+_SHARES = ("%", "ppm", "J", "kJ", "MJ")
+
+
+@lru_cache(maxsize=64)
+def units_of(dimension: str) -> tuple[str, ...]:
+    """Units of a named dimension, that of SI first, then its multiples and other units of the same dimension.
+
+    Examples
+    --------
+    >>> units_of("inertia")[:2], "N*m" in units_of("inertia")
+    (('kg*m^2', 'kg*mm^2'), False)
+    >>> units_of("speed")[:2]
+    ('rad/s', 'rpm')
+    """
+    if dimension == "1":
+        return ("%",)
+    first = expected_unit(dimension)
+    found = [first, *([CELSIUS] if dimension == "temperature" else [])]
+    # A moment without rad could be a torque that was meant to be a stiffness.
+    atoms = [] if "/rad" in first else [one for one in KNOWN_UNITS if one not in _SHARES and _fits(one, dimension)]
+    variants = [unit for unit in _variants(first) if _fits(unit, dimension)]
+    found += [*atoms, *variants] if dimension in ("speed", "frequency") else [*variants, *atoms]
+    found += [unit for name in KNOWN_UNITS for unit in _joined(name, first) if _fits(unit, dimension)]
+    return tuple(dict.fromkeys(found))
+
+
+def _variants(text: str) -> Iterator[str]:
+    for unit, others in _MULTIPLES.items():
+        if text == unit or text.startswith((f"{unit}*", f"{unit}/", f"{unit}^")):
+            yield from (other + text[len(unit) :] for other in others)
+    if text.startswith("N") and text.endswith("/rad"):
+        yield from (f"{start}{text[:-3]}deg" for start in ("", "k"))
+    if text == "rad/s":
+        yield "rev/s"
+
+
+def _joined(name: str, text: str) -> Iterator[str]:
+    """Unit with the product at its beginning written without signs, as ``kNm/rad``."""
+    product, slash, rest = text.partition("/")
+    if slash and product.startswith("N*m") and name.endswith("Nm" if product == "N*m" else "Nms"):
+        yield f"{name}/{rest}"
+
+
+def _fits(unit: str, dimension: str) -> bool:
+    try:
+        return parse_unit(unit).dimension == DIMENSIONS[dimension]
+    except UnitError:
+        return False
+
+
+@lru_cache(maxsize=1)
+def usual_units() -> tuple[str, ...]:
+    """Units of all dimensions of a drivetrain, those that are usual for each, for values of any dimension."""
+    rarest_last = sorted((name for name in DIMENSIONS if name != "1"), key=lambda name: name == "cubic stiffness")
+    return tuple(dict.fromkeys(unit for name in rarest_last for unit in units_of(name)[:3]))
+
 
 _NUMBER = re.compile(r"(?:\S+?\s*\.\.\s*)?[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?\s+(?![\d*/+()-])")
 _NAME = re.compile(r"[A-Za-z_][\w.]*$|$")
@@ -99,7 +329,7 @@ def _rows_by_name(writing: Writing, spec: Spec[Any]) -> Iterator[CompletionOptio
     kind = element.get("type") if isinstance(element, Mapping) else None
     if not isinstance(kind, str) or kind not in ELEMENT_TYPES:
         return
-    from torsionnet.model.elements.gearbox import NEUTRAL
+    from torsionnet.model.elements.gearboxes import NEUTRAL
 
     specs = dict(ELEMENT_TYPES[kind].specs())
     tables = [table for key, table in element.items() if isinstance(specs.get(key), TableByName)]
@@ -230,8 +460,7 @@ def _part_or_own(writing: Writing, parameter: str) -> Any:
 
 def _sizes(writing: Writing) -> Iterable[str]:
     """Sizes of the catalogue that the element names."""
-    from torsionnet.model.catalogues.catalogue_reading import read_catalogue
-    from torsionnet.model.catalogues.catalogue_values import shipped_catalogues
+    from torsionnet.model.catalogues.catalogue_reading import read_catalogue, shipped_catalogues
 
     name = writing.entries_around().get(CATALOGUE)
     if not isinstance(name, str):
@@ -245,7 +474,7 @@ def _sizes(writing: Writing) -> Iterable[str]:
 
 def _catalogues(folder: Path | None) -> Iterable[str]:
     """Names of the library's catalogues, and of the tables beside the model."""
-    from torsionnet.model.catalogues.catalogue_values import shipped_catalogues
+    from torsionnet.model.catalogues.catalogue_reading import shipped_catalogues
 
     return [*_files(folder, "*.csv"), *shipped_catalogues()]
 

@@ -1,29 +1,37 @@
-"""Recordings in CSV and other text files of columns, whose separator, decimal sign, names and units are detected."""
+"""Recordings in CSV and other text files of columns, whose separator, decimal sign, names and units are detected.
+
+Rigol DS and MSO1000Z: ``X,CH1,Start,Increment`` above ``Sequence,Volt,-1.2E-02,1E-04``; MSO5000: ``CH1(V),t0 = -25s,
+tInc = 2e-06s``.
+"""
 
 from __future__ import annotations
 
 import contextlib
 import io
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import islice
 from pathlib import Path
 
-from torsionnet.base.delimited.dialect import Dialect, data_start, detect_dialect, detect_encoding
-from torsionnet.base.delimited.headings import Headings, headings
-from torsionnet.base.delimited.number_rows import NumberRows
-from torsionnet.base.delimited.stamp_formats import stamp_columns
-from torsionnet.base.delimited.time_stamps import StampReader
-from torsionnet.base.errors import Fault, ModelError, Position, UsageError
+from torsionnet.base.atomic import atomic_replacement
+from torsionnet.base.delimited.dialect import (
+    Dialect,
+    Headings,
+    data_start,
+    detect_dialect,
+    detect_encoding,
+    headings,
+    stamp_columns,
+)
+from torsionnet.base.delimited.number_rows import NumberRows, StampReader
+from torsionnet.base.errors import Fault, ModelError, Position, UsageError, remedy
 from torsionnet.base.notes import NoteOrText
-from torsionnet.base.remedies import remedy
-from torsionnet.signals.formats.text.channel_lengths import EmptyCells, check_lengths
-from torsionnet.signals.formats.text.csv_columns import description_in, write_columns
-from torsionnet.signals.formats.text.labview_lines import is_labview
-from torsionnet.signals.formats.text.labview_text import labview_source
-from torsionnet.signals.formats.text.oscilloscopes import ScopeHeading, scope_heading
+from torsionnet.signals.formats.text.labview_header import is_labview
+from torsionnet.signals.formats.text.labview_text import EmptyCells, check_lengths, labview_source
 from torsionnet.signals.recording import FloatArray, Recording
+from torsionnet.signals.records.arrays import with_table_clocks
 from torsionnet.signals.records.recording_description import (
     KEY,
     TIME,
@@ -33,7 +41,86 @@ from torsionnet.signals.records.recording_description import (
     with_description,
 )
 from torsionnet.signals.records.source import FileChannel, Source, is_time
-from torsionnet.signals.records.table_clocks import with_table_clocks
+
+# Tables of numbers as CSV with a line of description above them, which this module also reads.
+
+ROWS_PER_PIECE = 20_000
+"""Rows of a CSV file that are converted to text at a time, as more take more memory, fewer more time."""
+
+
+def description_in(comments: Iterable[str], key: str) -> str | None:
+    """Description after ``key`` in the first comment of a CSV file that has it; None where none has.
+
+    >>> description_in(["% a comment", '# torsionnet_recording: {"title": "run 7"}'], "torsionnet_recording")
+    '{"title": "run 7"}'
+    """
+    found = (re.match(rf"#\s*{key}:\s*(.*)", comment) for comment in comments)
+    return next((match[1] for match in found if match), None)
+
+
+def write_columns(
+    path: Path, key: str, description: str, headings: Sequence[str], columns: Sequence[FloatArray]
+) -> None:
+    """Write a CSV file of a line of description, headings, and the columns beside each other with all digits."""
+    with atomic_replacement(path) as temporary, temporary.open("w", encoding="utf-8", newline="\n") as file:
+        file.write(f"# {key}: {description}\n{','.join(headings)}\n")
+        for first in range(0, len(columns[0]), ROWS_PER_PIECE):
+            rows = zip(*(column[first : first + ROWS_PER_PIECE].tolist() for column in columns), strict=True)
+            file.writelines(",".join(map(repr, row)) + "\n" for row in rows)
+
+
+# Headings of the text files of oscilloscopes that tell first time and interval of the samples, but list no times.
+
+START, INCREMENT, COUNTED = "start", "increment", "sequence"
+"""Headings above the first time and the interval in s, and the unit of a column that counts samples, in lower case."""
+_STATED = re.compile(r"\s*(?P<name>t0|tinc)\s*=\s*(?P<number>[+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*s?\s*", re.IGNORECASE)
+_CHANNEL = re.compile(r"\s*(?P<name>[^()]*[^()\s])\s*(?:\((?P<unit>[^()]*)\))?\s*")
+
+
+@dataclass(frozen=True)
+class ScopeHeading:
+    """Names and units of the columns of an oscilloscope's file, with the clock that its heading tells.
+
+    ``start`` and ``interval`` are in s; the first ``skipped`` columns only count samples.
+    """
+
+    headings: Headings
+    start: float
+    interval: float
+    skipped: int = 0
+
+
+def scope_heading(dialect: Dialect, above: Sequence[str], width: int) -> ScopeHeading | None:
+    """Heading of an oscilloscope's file in the lines above its numbers, None where there is none of these kinds.
+
+    >>> lines = ["X,CH1,Start,Increment,", "Sequence,Volt,-1.2E-02,1.0E-04,"]
+    >>> found = scope_heading(Dialect(","), lines, 3)
+    >>> found.headings.names, found.headings.units, found.start, found.interval
+    (('X', 'CH1', ''), ('Sequence', 'Volt', ''), -0.012, 0.0001)
+    """
+    if len(above) > 1:
+        names, second = (dialect.cells(line) for line in above[-2:])
+        places = [at for word in (START, INCREMENT) for at, name in enumerate(names) if name.casefold() == word]
+        if len(places) == 2 and max(places) < len(second) and all(dialect.is_number(second[at]) for at in places):
+            start, interval = (dialect.number(second[at]) for at in places)
+            count = min(places)
+            headings = _padded(names[:count], second[:count], width, 2)
+            return ScopeHeading(headings, start, interval, int(second[0].casefold() == COUNTED))
+    cells = re.split(r"[,;\t]", above[-1].strip()) if above else []
+    stated = {match["name"].casefold(): float(match["number"]) for match in map(_STATED.fullmatch, cells) if match}
+    if stated.keys() < {"t0", "tinc"} or not stated:
+        return None
+    channels = [match for cell in cells if not _STATED.fullmatch(cell) and (match := _CHANNEL.fullmatch(cell))]
+    headings = _padded([match["name"] for match in channels], [match["unit"] or "" for match in channels], width, 1)
+    return ScopeHeading(headings, stated["t0"], stated["tinc"])
+
+
+def _padded(names: Sequence[str], units: Sequence[str], width: int, lines: int) -> Headings:
+    """Headings of as many columns as there are, those without a name at the end being empty."""
+    rest = [""] * width
+    note = "names, start and interval from the heading of an oscilloscope"
+    return Headings(tuple([*names, *rest][:width]), tuple([*units, *rest][:width]), lines, (note,))
+
 
 SNIFFED_LINES = 400
 """Number of lines at the beginning from which the format of a text file is detected."""

@@ -14,12 +14,16 @@ from time import monotonic
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from torsionnet.base.errors import UsageError
-from torsionnet.study.run.cluster.chunk_task import DoneChunk, Versions, check_versions, done_chunks, refuse_faults
-from torsionnet.study.run.cluster.cluster_losses import (
+from torsionnet.study.run.cluster.chunk_task import (
+    DoneChunk,
     Notify,
+    Versions,
     WorkerAbsence,
     await_workers,
     cancel_tasks,
+    check_versions,
+    done_chunks,
+    refuse_faults,
     scheduler_errors,
     worker_errors,
 )

@@ -2,20 +2,171 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from math import nan
 from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from torsionnet.base.entries.declared import Declared
-from torsionnet.base.entries.scalars import SCALAR_SCHEMA, plain_number, read_scalar
+from torsionnet.base.entries.scalars import SCALAR_SCHEMA, QuantityKind, plain_number, read_scalar
 from torsionnet.base.entries.spec import EntryError, Json, Schema, Spec
-from torsionnet.base.expressions import Number
+from torsionnet.base.errors import Fault
+from torsionnet.base.expressions import Name, Number
 from torsionnet.base.registers import TypeRegister
+from torsionnet.base.units import DIMENSIONS, Dimension, expected_unit
 from torsionnet.linear.frequency_response import FloatArray
-from torsionnet.study.space.variations.nominal import NominalReader
+from torsionnet.model.model import Model
+from torsionnet.model.parameters import dimensions
+
+# Value and unit of a parameter in the model, to which a variation is relative.
+
+
+@dataclass(frozen=True)
+class ParameterUse:
+    """Use of a parameter as the value of an element's entry, with its kind of quantity and its dimension."""
+
+    quantity: QuantityKind[object]
+    dimension: str
+
+
+def parameter_uses(model: Model) -> dict[str, list[ParameterUse]]:
+    """Uses of every parameter, by name, as the value of an element's entry without an expression, one of each kind."""
+    found: dict[str, dict[object, ParameterUse]] = {}
+    for element in model.definition.elements.values():
+        for _, spec, expression, dimension in element.expressions():
+            if isinstance(expression, Name) and isinstance(spec, QuantityKind):
+                kind = dimension, spec.lower, spec.exclusive, spec.nonzero
+                found.setdefault(expression.name, {}).setdefault(kind, ParameterUse(spec, dimension))
+    return {name: list(uses.values()) for name, uses in found.items()}
+
+
+LEAST_BARE_DEVIATION = 1e-3
+"""Share of a mean below which a deviation without unit is refused, as 0.05 usually means 5 %, not 0.05 N m/rad."""
+
+
+def is_share(number: Number) -> bool:
+    """Whether a number of a study file was written in percent."""
+    return number.unit_dimension == DIMENSIONS["1"] and (number.text or "").rstrip().endswith("%")
+
+
+@dataclass(frozen=True)
+class Nominal:
+    """Value in SI and unit of a parameter in the model.
+
+    Attributes
+    ----------
+    name : str
+    value : float or None
+        SI; None where it follows the operating point.
+    dimension : Dimension or None
+        None of a bare number.
+    unit : str
+        SI; empty of a plain number.
+    in_percent : bool
+        Whether the model writes it in percent.
+    """
+
+    name: str
+    value: float | None
+    dimension: Dimension | None = None
+    unit: str = ""
+    in_percent: bool = False
+
+
+def nominals(model: Model, names: Iterable[str]) -> dict[str, Nominal]:
+    """Value in SI and unit in the model of each of the named parameters, by name."""
+    known, _ = dimensions(model.definition.parameters)
+    uses = parameter_uses(model)
+    return {name: _nominal(model, name, known.get(name), uses.get(name, [])) for name in names}
+
+
+def _nominal(model: Model, name: str, dimension: Dimension | None, uses: Sequence[ParameterUse]) -> Nominal:
+    unit = "" if dimension is None else str(dimension).removeprefix("1")
+    if uses and uses[0].dimension:
+        unit = expected_unit(uses[0].dimension).removeprefix("1")
+        dimension = dimension or DIMENSIONS[uses[0].dimension]
+    parameter = model.parameter_definitions[name]
+    written = parameter.value
+    in_percent = isinstance(written, Number) and is_share(written)
+    return Nominal(name, model.parameters[name] if parameter.by is None else None, dimension, unit, in_percent)
+
+
+class NominalReader:
+    """Conversion of the values of one variation to SI numbers, with the faults found.
+
+    A faulty value becomes NaN, with which no further comparison fails.
+    """
+
+    def __init__(self, nominal: Nominal) -> None:
+        self.nominal = nominal
+        self.faults: list[Fault] = []
+
+    def fault(self, text: str, *path: str | int) -> float:
+        self.faults.append(Fault(text, path))
+        return nan
+
+    def value(self, number: Number | None, *path: str | int) -> float:
+        """Value in SI of a number, of a signed percentage of the model's value, or, for None, the model's value."""
+        nominal = self.nominal
+        if number is None:
+            if nominal.value is None:
+                self.faults.append(Fault(f"{self._without_value}; give {path[-1]}:", path[:-1], on_key=True))
+                return nan
+            return nominal.value
+        if not is_share(number):
+            return self._absolute(number, path)
+        if self._is_ambiguous(number, path):
+            return nan
+        text = (number.text or "").strip()
+        if number.value and text[0] not in "+-":
+            return self.fault(
+                f'"{text}" leaves open what is meant; write "+{text}" for a change from the value in the model', *path
+            )
+        if nominal.value is None:
+            return self.fault(f'{self._without_value}; "{text}" is relative to none', *path)
+        if nominal.value == 0 and number.value:
+            return self.fault(f'{nominal.name} is 0 in the model, and so is "{text}" of it; give a value', *path)
+        return nominal.value + float(number.value) * abs(nominal.value)
+
+    def spread(self, number: Number, of: float, *path: str | int) -> float:
+        """Standard deviation in SI, above 0, from a number or a percentage ``of`` a value."""
+        if number.value <= 0:
+            return self.fault(f"must be greater than 0, got {number}", *path)
+        if not is_share(number):
+            return self._no_slip(self._absolute(number, path), number, of, path)
+        if self._is_ambiguous(number, path):
+            return nan
+        if of == 0:
+            return self.fault(f'the mean is 0, and so is "{number}" of it; give a value with unit', *path)
+        return float(number.value) * abs(of)
+
+    def _no_slip(self, found: float, number: Number, of: float, path: tuple[str | int, ...]) -> float:
+        """Refuse a small bare number as deviation, which is more often meant as a share than in SI."""
+        nominal = self.nominal
+        if number.unit_dimension is None and nominal.unit and found < min(1, LEAST_BARE_DEVIATION * abs(of)):
+            text = f"{found:g} {nominal.unit} is only {found / abs(of):.1g} of {nominal.name}"
+            return self.fault(f'{text}; write "{found * 100:g} %" for a share, or "{found:g} {nominal.unit}"', *path)
+        return found
+
+    def _absolute(self, number: Number, path: tuple[str | int, ...]) -> float:
+        wanted, found = self.nominal.dimension, number.unit_dimension
+        if None not in (wanted, found) and wanted != found:
+            expected = f"expected a unit such as {self.nominal.unit}, or percent"
+            return self.fault(f'"{number}" is not a value of {self.nominal.name}; {expected}', *path)
+        return float(number.value)
+
+    def _is_ambiguous(self, number: Number, path: tuple[str | int, ...]) -> bool:
+        if self.nominal.in_percent:
+            text = f'{self.nominal.name} is itself in percent: "{number}" could be its value or a share of it'
+            self.fault(f"{text}; write {float(number.value):g} for the value", *path)
+        return self.nominal.in_percent
+
+    @property
+    def _without_value(self) -> str:
+        return f"{self.nominal.name} follows the operating point and has no value of its own"
 
 
 class Marginal:
@@ -142,7 +293,7 @@ class Variation(Declared):
 
 VARIATIONS: TypeRegister[type[Variation]] = TypeRegister(
     "torsionnet.study.space.variations",
-    {"list_of_values": ("list",), "range_of_values": ("range",), "triangle": ("triangular",)},
+    {"uniform": ("list", "range", "triangular"), "normal": ("lognormal",)},
 )
 """Classes of variations by the word that a study file writes as their ``type``."""
 

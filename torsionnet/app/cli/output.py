@@ -1,0 +1,251 @@
+"""Output of commands with ``--json`` as plain data, equations, models and studies, and the schema of all of it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from importlib import import_module
+from typing import TYPE_CHECKING, Annotated, Any
+
+from torsionnet.base.entries.spec import Schema
+from torsionnet.base.result_rows import Out, json_schema, out_fields, record_schema, to_json
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.model.overview import ModelRecord, model_record
+from torsionnet.study.run.answering import AnsweredStudy
+from torsionnet.study.study import Study
+from torsionnet.study.study_result import StatisticsRecord
+
+if TYPE_CHECKING:
+    from torsionnet.symbolic.simplified import Simplified
+
+
+# Equations of motion, matrices and transfer functions as plain data, for JSON.
+
+
+@dataclass(frozen=True)
+class Configured:
+    """Name of the configuration that a record is of; empty for the model as written."""
+
+    configuration: str
+
+
+@dataclass(frozen=True)
+class EquationsOfMotion:
+    """Equations of motion of a drivetrain as texts; the matrices by rows."""
+
+    coordinates: tuple[str, ...]
+    equations: tuple[str, ...]
+    dependent: Mapping[str, str]
+    conditions: tuple[str, ...]
+    inertia: Annotated[list[list[str]], Out(json="M")]
+    damping: Annotated[list[list[str]], Out(json="C")]
+    stiffness: Annotated[list[list[str]], Out(json="K")]
+
+
+@dataclass(frozen=True)
+class ConfiguredMotion(EquationsOfMotion, Configured):
+    """Equations of motion of one configuration, as ``torsionnet equations --json`` prints them."""
+
+
+@dataclass(frozen=True)
+class SimplificationErrors:
+    """Largest relative errors of frequencies and damping ratios, and of magnitudes (dB), of a simplified drivetrain."""
+
+    omega: float
+    zeta: float
+    decibels: float
+
+
+@dataclass(frozen=True)
+class TransferFunctionRecord:
+    """Transfer function as text, as ``torsionnet equations --tf --json`` prints it, and what was left out of it."""
+
+    configuration: str
+    transfer_function: str
+    text: str
+    left_out: Annotated[tuple[str, ...] | None, Out(optional=True)] = None
+    band: Annotated[tuple[float, float] | None, Out(optional=True)] = None
+    errors: Annotated[SimplificationErrors | None, Out(optional=True)] = None
+
+
+@dataclass(frozen=True)
+class MatricesRecord:
+    """Matrices M, C and K of a drivetrain in numbers by rows, in SI units."""
+
+    coordinates: tuple[str, ...]
+    inertia: Annotated[list[list[float]], Out(json="M")]
+    damping: Annotated[list[list[float]], Out(json="C")]
+    stiffness: Annotated[list[list[float]], Out(json="K")]
+
+
+def simplification_errors(short: Simplified) -> SimplificationErrors:
+    """Errors of a simplified drivetrain as plain data, relative ones and those of magnitudes in decibels."""
+    errors = short.errors
+    return SimplificationErrors(errors.omega, errors.zeta, errors.decibels)
+
+
+def equations_of_motion(rig: Drivetrain) -> EquationsOfMotion:
+    """Record with the equations of motion of a drivetrain as texts."""
+    system = rig.symbolic()
+    matrices = ([[str(cell) for cell in row] for row in getattr(system, symbol).tolist()] for symbol in "MCK")
+    return EquationsOfMotion(
+        system.coordinates,
+        (*system.equations(), *system.laws()),
+        dependent_angles(system),
+        tuple(map(str, system.conditions)),
+        *matrices,
+    )
+
+
+def matrices_record(rig: Drivetrain) -> MatricesRecord:
+    """Matrices M, C and K of a drivetrain in numbers by rows, in SI units."""
+    return MatricesRecord(rig.assembly.kinematics.coordinates, *(matrix_rows(rig, symbol) for symbol in "MCK"))
+
+
+def dependent_angles(system: Any) -> dict[str, str]:
+    """Angles of the nodes that are no coordinates, as text in terms of the coordinates, by node."""
+    found = {}
+    for row, node in enumerate(system.nodes):
+        if node not in system.coordinates:
+            terms = [
+                _product(system.T[row, column], name)
+                for column, name in enumerate(system.coordinates)
+                if system.T[row, column] != 0
+            ]
+            found[node] = " + ".join(terms) or "0"
+    return found
+
+
+def matrix_rows(rig: Drivetrain, symbol: str) -> list[list[float]]:
+    """Rows of numbers in SI units of the drivetrain's matrix M, C or K, shape (n_coordinates, n_coordinates)."""
+    rows: list[list[float]] = getattr(rig.assembly.system, symbol).tolist()
+    return rows
+
+
+def _product(coefficient: Any, name: str) -> str:
+    if coefficient == 1:
+        return f"theta_{name}"
+    return f"{coefficient} theta_{name}" if coefficient.is_Symbol else f"({coefficient}) theta_{name}"
+
+
+# Model as ``torsionnet show --json`` prints it.
+
+
+@dataclass(frozen=True)
+class ShownModel(ModelRecord):
+    """Model with its values, and its equations of motion and matrices where these are asked for."""
+
+    equations: Annotated[EquationsOfMotion | None, Out(optional=True)]
+    matrices: Annotated[MatricesRecord | None, Out(optional=True)]
+
+
+def shown_model(rig: Drivetrain, *, equations: bool, matrices: bool) -> ShownModel:
+    """Model of one configuration as plain data, for JSON."""
+    return ShownModel(
+        **vars(model_record(rig)),
+        equations=equations_of_motion(rig) if equations else None,
+        matrices=matrices_record(rig) if matrices else None,
+    )
+
+
+# Record of a study and what was concluded from it, as ``torsionnet study --json`` prints it.
+
+AS_ANSWERED: Schema = {"description": "as the type of the answer has them"}
+"""JSON Schema of the numbers in an answer of a study."""
+
+
+@dataclass(frozen=True)
+class ConclusionRow:
+    """Conclusion of one answer of a study in sentences and numbers."""
+
+    sentences: tuple[str, ...]
+    numbers: Annotated[Any, Out(schema=AS_ANSWERED)]
+
+
+@dataclass(frozen=True)
+class StudyRecord:
+    """Record of a study with its title, its answers, and why some could not be answered."""
+
+    title: str
+    answers: Mapping[str, ConclusionRow]
+    unanswered: Annotated[Mapping[str, str] | None, Out(optional=True)]
+
+
+def study_json(study: Study, answered: AnsweredStudy) -> dict[str, Any]:
+    """JSON data of a study and its answers.
+
+    Statistics of its variants, if it has any, between the title and the answers.
+    """
+    answers = {
+        name: ConclusionRow(answered.sentences(name), one.to_data()) for name, one in answered.conclusions.items()
+    }
+    unanswered = {name: str(error) for name, error in answered.unanswered.items()}
+    record = to_json(StudyRecord(study.title, answers, unanswered or None))
+    statistics = {} if answered.result is None else answered.result.to_data()
+    return {"title": study.title, **statistics, **record}
+
+
+def study_schema() -> Schema:
+    """JSON Schema of the data of a study that :func:`study_json` returns."""
+    fields = (*out_fields(StatisticsRecord), *out_fields(StudyRecord))
+    properties = {str(one.key): one.schema for one in fields}
+    return record_schema(properties, optional=properties.keys() - {"title", "answers"})
+
+
+# JSON Schema of the output of every command with ``--json``.
+
+OUTPUTS: dict[str, str] = {
+    "angle": "torsionnet.app.cli.commands.angle:AngleRecord",
+    "bench": "list[torsionnet.app.cli.commands.bench:BenchRecord]",
+    "calibrate-wheel": "torsionnet.signals.rotation.calibration_result:CalibrationRecord",
+    "campaign": "torsionnet.bench.campaign.campaign_result:CampaignJson",
+    "check": "list[torsionnet.base.fault_rows:CheckRecord]",
+    "compare": "torsionnet.app.cli.frf_output:ComparisonRecord",
+    "clocks": "torsionnet.app.cli.commands.clocks:ClocksRecord",
+    "critical-speeds": "list[torsionnet.machinery.criticals.critical_speeds:CriticalSpeedsRecord]",
+    "damper": "list[torsionnet.machinery.design.damper_optimum:DamperRecord]",
+    "damping": "torsionnet.modal.operational.operational_modes:OperationalModesRecord",
+    "equations": "list[torsionnet.app.cli.output:ConfiguredMotion|TransferFunctionRecord]",
+    "estimate": "torsionnet.app.cli.frf_output:EstimateRecord",
+    "fit": "torsionnet.identification.ranking:FitRecord|RankingRecord",
+    "frf": "list[torsionnet.app.cli.frf_output:ResponsesRecord]",
+    "holzer": "list[torsionnet.machinery.holzer.holzer_table:HolzerRecord]",
+    "identify-modes": "torsionnet.modal.matching:IdentifiedModesRecord",
+    "library": "list[torsionnet.app.cli.commands.library:LibraryRow]",
+    "limits": "list[torsionnet.machinery.verdicts.limit_conclusion:LimitsRecord]",
+    "margins": "list[torsionnet.linear.responses.loop_margins:MarginsRecord]",
+    "modes": "list[torsionnet.linear.modes.modes:ModesRecord]",
+    "orders": "list[torsionnet.machinery.orders.orders_record:OrdersRecord]",
+    "sensitivity": "list[torsionnet.linear.sensitivity.sensitivities_of_modes:SensitivityRecord]",
+    "show": "list[torsionnet.app.cli.output:ShownModel]",
+    "simulate": "list[torsionnet.motion.motion_summary:SimulationRecord]",
+    "spectrogram": "list[torsionnet.signals.spectrograms:SpectrogramRecord]",
+    "static": "list[torsionnet.machinery.mean.static_state:StaticRecord]",
+    "study": "torsionnet.app.cli.output:study_schema",
+    "track": "list[torsionnet.signals.orders.tracked_orders:TrackedOrdersRecord]",
+}
+"""Module and class of what each command prints with ``--json``, by command; list[...] has one for each
+configuration."""
+
+
+def output_schema(command: str) -> Schema:
+    """JSON Schema of what a command prints with ``--json``."""
+    place = OUTPUTS[command]
+    module, names = place.removeprefix("list[").removesuffix("]").split(":")
+    schemas = [_schema(getattr(import_module(module), name)) for name in names.split("|")]
+    one: Schema = schemas[0] if len(schemas) == 1 else {"anyOf": schemas}
+    return {"type": "array", "items": one} if place.startswith("list[") else one
+
+
+def _schema(found: type | Callable[[], Schema]) -> Schema:
+    return json_schema(found) if isinstance(found, type) else found()
+
+
+def output_schema_text(command: str) -> str:
+    """JSON Schema of what a command prints with ``--json``, as text."""
+    head: dict[str, Any] = {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": f"torsionnet {command} --json",
+    }
+    return json.dumps({**head, **output_schema(command)}, indent=1) + "\n"
