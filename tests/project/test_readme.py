@@ -110,5 +110,5 @@ def test_symbolic_forms_are_those_that_come_out():
 def test_element_of_the_contributing_guide_is_the_one_in_the_package():
     root = Path(__file__).parents[2]
     shown = re.search(r"```python\n(.*?)```", (root / "CONTRIBUTING.md").read_text(encoding="utf-8"), re.DOTALL)[1]
-    source = (root / "torsionnet" / "model" / "elements" / "tuned_damper.py").read_text(encoding="utf-8")
-    assert shown == source[source.index("@register") :]
+    source = (root / "torsionnet" / "model" / "elements" / "dampers.py").read_text(encoding="utf-8")
+    assert shown in source

@@ -1,7 +1,6 @@
 """March of a motion in loops that numba compiles when they are first used and keeps on disk.
 
-The functions are those of :mod:`.marching`, :mod:`.motion_steps` and :mod:`.guard_polynomials`. This module makes
-compiled twins of them that call each other.
+The functions are those of :mod:`.marching`; this module makes compiled twins of them that call each other.
 """
 
 from __future__ import annotations
@@ -17,8 +16,6 @@ import numpy as np
 
 from torsionnet.base.errors import MissingExtraError
 from torsionnet.motion import marching
-from torsionnet.motion import marching as guard_polynomials
-from torsionnet.motion import marching as motion_steps
 from torsionnet.motion.marching import DEGREE, NEAR
 
 try:
@@ -96,17 +93,17 @@ COMPILED = (
     size_of,
     moved,
     numbers_of,
-    guard_polynomials.polynomial_at,
-    guard_polynomials.slope_at,
-    guard_polynomials.curvature_at,
-    guard_polynomials.root_between,
-    guard_polynomials.turning_point,
-    guard_polynomials.first_root,
-    motion_steps.product,
-    motion_steps.jumped,
-    motion_steps.passed_points,
-    motion_steps.passed,
-    motion_steps.with_torques,
+    marching.polynomial_at,
+    marching.slope_at,
+    marching.curvature_at,
+    marching.root_between,
+    marching.turning_point,
+    marching.first_root,
+    marching.product,
+    marching.jumped,
+    marching.passed_points,
+    marching.passed,
+    marching.with_torques,
     marching.located,
     marching.noted,
     marching.march,
@@ -115,7 +112,7 @@ COMPILED = (
 
 
 def _compiled() -> Callable[..., tuple[int, float, int]]:
-    files = [Path(str(one.__file__)) for one in (guard_polynomials, motion_steps, marching)] + [Path(__file__)]
+    files = [Path(str(marching.__file__)), Path(__file__)]
     # numba keeps a function on disk until its own file changes, whatever the functions that it calls
     version = hashlib.sha256(b"".join(one.read_bytes() for one in files)).hexdigest()[:12]
     names: dict[str, Any] = {}

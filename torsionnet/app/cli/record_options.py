@@ -26,7 +26,7 @@ from torsionnet.base.notes import Note, about_channel, is_warning
 from torsionnet.signals.decimation import Recordings
 from torsionnet.signals.recording import Recording
 from torsionnet.signals.recording_checks import check_recording
-from torsionnet.signals.records import recording_files as large_records
+from torsionnet.signals.records import recording_files
 from torsionnet.signals.records.recording_files import read_recording, read_tests
 from torsionnet.signals.resampling import resampled
 
@@ -227,7 +227,7 @@ def load_record(
     """
     wanted = None if names is None else list(dict.fromkeys(names))
     has_pulses = "pulses" in reading.arguments
-    if large_records.is_large_record(path) and not has_pulses:
+    if recording_files.is_large_record(path) and not has_pulses:
         return _checked_blocks(path, reading, wanted, window, advance, span, tests=tests)
     read: Callable[..., Recording | list[Recording]] = read_tests if tests and not has_pulses else read_recording
     found = read(path, names=wanted, **reading.arguments)
@@ -287,10 +287,10 @@ def _checked_blocks(
     tests: bool,
 ) -> Iterator[Recording]:
     """Checked blocks of a large file of signals, one after the other; a short last block is not reported as a fault."""
-    message("note", f"{path} is large: read in blocks of {large_records.BLOCK_SECONDS:g} s")
+    message("note", f"{path} is large: read in blocks of {recording_files.BLOCK_SECONDS:g} s")
     end: float | None = None
     told: Recording | None = None
-    for block in large_records.blocks_of_record(path, names=names, **reading.arguments):
+    for block in recording_files.blocks_of_record(path, names=names, **reading.arguments):
         if span is not None and span.delays:
             raise UsageError(f"{path} is read in blocks, across which no delay can be taken out; cut the record first")
         if not tests and end is not None and abs(block.start - end) * block.sampling_rate > SAME_CLOCK:

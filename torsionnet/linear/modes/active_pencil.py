@@ -4,7 +4,7 @@
            [ -N(s) e^(-s tau) L    E(s) ]    over coordinates q and torques T of the actions with laws N/E e^(-s tau)
 
 has no poles of its own, so that its roots are the poles of the drivetrain. Roots at zero are taken out exactly
-(:mod:`.zero_chains`) before anything is solved or counted in double precision, so that rounding cannot turn them into
+(:mod:`.exact_pencil`) before anything is solved or counted in double precision, so that rounding cannot turn them into
 slow poles. How many roots there are without delays is counted modulo a large prime; with delays there are
 infinitely many, and those in a circle are counted by the argument principle.
 

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from torsionnet.model.elements import GROUND, Element
 from torsionnet.plot.drawing.labels import symbol
 from torsionnet.plot.drawing.pieces import LEADING, ROLES, Box, Owner, Piece, Stroke, Texts, label_width, text_width
-from torsionnet.plot.schematics import outlines
-from torsionnet.plot.schematics import symbols as box_symbols
+from torsionnet.plot.schematics import outlines, symbols
 from torsionnet.plot.schematics.branch_lines import (
     ELBOW,
     Branch,
@@ -136,12 +135,12 @@ def _draw(
     below = _ports_below(line, vertex, element, leaving)
     side = max((text_width(link.port, "port") + 8 for link in (before, after) if link is not None), default=8.0)
     slots = [max(30.0, text_width(port, "port") + 8) for port in below]
-    width = max(2 * (box_symbols.HALF_SIZE + side), label_width(texts) + BOX_GAP, sum(slots) + 8)
+    width = max(2 * (symbols.HALF_SIZE + side), label_width(texts) + BOX_GAP, sum(slots) + 8)
     before_x, middle = line.x, line.keep_free(width)
     start, end = middle - width / 2, middle + width / 2
     line.block.line((before_x, 0), (start, 0))
     line.block.strokes.append(outlines.rectangle(start, end, -HALF_HEIGHT, HALF_HEIGHT, outlines.BOX))
-    line.block.strokes += box_symbols.box_symbol(element, middle, HALF_HEIGHT - box_symbols.HALF_SIZE - 5)
+    line.block.strokes += symbols.box_symbol(element, middle, HALF_HEIGHT - symbols.HALF_SIZE - 5)
     line.block.boxes.append((start, end, -HALF_HEIGHT, HALF_HEIGHT))
     line.block.write(middle, HALF_HEIGHT + 3, texts)
     for link, left in ((before, True), (after, False)):

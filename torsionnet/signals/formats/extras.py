@@ -9,8 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from torsionnet.base.errors import MissingExtraError
-from torsionnet.signals.foreign import Content
-from torsionnet.signals.foreign import process as opening
+from torsionnet.signals.foreign import Content, process
 
 EXTRA_PACKAGES = {
     "tdms": ("nptdms", "npTDMS", "TDMS"),
@@ -50,7 +49,7 @@ def open_foreign(path: Path, form: str) -> AbstractContextManager[Content]:
     """
     if form in EXTRA_PACKAGES:
         require_extra(form)
-    return opening.open_content(path, form)
+    return process.open_content(path, form)
 
 
 def _missing(extra: str) -> MissingExtraError:

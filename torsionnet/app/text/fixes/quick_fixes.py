@@ -6,7 +6,6 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 
 from torsionnet.app.text.fixes import value_fixes
-from torsionnet.app.text.fixes import value_fixes as name_fixes
 from torsionnet.app.text.fixes.value_fixes import FaultPlace, example_values
 from torsionnet.app.text.text_edits import STEP, TextEdit, TextFix, TextSpan, WrittenText, edited
 from torsionnet.base.errors import (
@@ -219,7 +218,7 @@ _RULES: tuple[Callable[[FaultPlace], Iterable[TextFix]], ...] = (
     nodes_in_brackets,
     damper_to_ground,
     entries_indented,
-    name_fixes.name_meant,
+    value_fixes.name_meant,
     value_fixes.sign_of_product,
     value_fixes.number_meant,
     value_fixes.point_for_comma,
@@ -232,10 +231,10 @@ _RULES: tuple[Callable[[FaultPlace], Iterable[TextFix]], ...] = (
     spring_for_shaft,
     entry_without_value,
     given_twice,
-    name_fixes.text_with_comma,
+    value_fixes.text_with_comma,
     value_fixes.other_form,
     left_out,
-    name_fixes.valid_name,
+    value_fixes.valid_name,
     unused_parameter,
 )
 
