@@ -54,7 +54,7 @@ def test_equal_waves_many_times_in_a_cycle_are_searched_once(monkeypatch):
     sizes = []
     monkeypatch.setattr(module, "waveforms", lambda _, n: sizes.append(n) or np.ones((1, 1, n)))
     cycle_extremes(np.ones((1, 2, 1), dtype=complex), [300, 600])
-    assert sizes == [2 * module.POINTS_PER_PERIOD]
+    assert sizes == [2 * module.COARSE_POINTS_PER_PERIOD]
 
 
 def test_maxima_that_cannot_be_the_highest_are_not_refined(monkeypatch):

@@ -6,7 +6,6 @@ import torsionnet as tn
 from torsionnet import plot
 from torsionnet.plot.drawing.pieces import Piece
 from torsionnet.plot.schematics.arrangement import arranged, page_width
-from torsionnet.plot.schematics.schematic import cut_heights
 from torsionnet.report import make_report
 
 MM = 25.4
@@ -17,6 +16,8 @@ def texts(figure):
 
 
 def test_a_cut_meets_no_symbol_and_few_lines():
+    from torsionnet.plot.schematics.schematic import cut_heights
+
     discs = [(0, 10, 0, 80), (0, 10, 120, 200)]
     lines = [(20, 23, 0, 200), (30, 33, 60, 108)]  # one goes through, another ends between the discs
     assert cut_heights(Piece(boxes=discs), (0, 40, 0, 200), 250) == []
@@ -25,6 +26,8 @@ def test_a_cut_meets_no_symbol_and_few_lines():
 
 
 def test_a_level_line_is_not_cut():
+    from torsionnet.plot.schematics.schematic import cut_heights
+
     drawing = Piece(boxes=[(0, 10, 0, 80), (0, 10, 120, 200)])
     drawing.line((0, 100), (40, 100))
     (cut,) = cut_heights(drawing, (0, 40, 0, 200), 150)
@@ -32,6 +35,8 @@ def test_a_level_line_is_not_cut():
 
 
 def test_no_place_for_a_cut_leaves_the_drawing_whole():
+    from torsionnet.plot.schematics.schematic import cut_heights
+
     assert cut_heights(Piece(boxes=[(0, 10, 0, 400)]), (0, 10, 0, 400), 150) == []
 
 

@@ -385,7 +385,7 @@ def test_an_element_in_a_file_of_another_name_or_without_example_is_found(monkey
     monkeypatch.setattr(tn.Spring, "__module__", "torsionnet.model.elements.coil")
     monkeypatch.delitem(EVERY_ELEMENT, "spring")
     file, example = form.faults_of_elements()
-    assert file.remedy == "rename the file to spring.py"
+    assert file.remedy == "rename the file to spring.py, or list spring in ELEMENT_TYPES under its file"
     assert example.remedy == 'add "spring": tn.Spring("e", ...)'
 
 

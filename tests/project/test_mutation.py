@@ -86,7 +86,7 @@ def test_sample_is_seeded_spread_and_valid():
 
 
 def test_one_line_alone():
-    (module, line) = ("torsionnet/signals/order_tracking.py", 44)
+    (module, line) = ("torsionnet/signals/order_tracking.py", 47)
     assert {(mutant.module, mutant.line) for mutant in sample([f"{module}:{line}"], 100, 1)} == {(module, line)}
 
 

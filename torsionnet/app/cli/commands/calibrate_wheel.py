@@ -47,7 +47,7 @@ class CalibrateWheelCommand(Command):
     )
     between: float | None = option(
         "--angle",
-        type=EntryOption("ANGLE", "signals.rotation.calibration_entries:PICKUP_ANGLE"),
+        type=EntryOption("ANGLE", "signals.rotation.calibration_result:PICKUP_ANGLE"),
         help="From the first pickup to the second in the sense of rotation, to half a pitch: 114deg.",
     )
     cycle: int = option(
@@ -62,7 +62,7 @@ class CalibrateWheelCommand(Command):
     settings: tuple[tuple[str, str], ...] = SETTINGS
     zero: float | None = option(
         "--zero",
-        type=EntryOption("ANGLE", "signals.rotation.calibration_entries:ZERO_ANGLE"),
+        type=EntryOption("ANGLE", "signals.rotation.calibration_result:ZERO_ANGLE"),
         help="With a model: its crank angle, 0 at top dead centre of the first cylinder, when tooth 0 passes.",
     )
     constant: str | None = option(
