@@ -57,6 +57,7 @@ def _evaluated(entry: Any, value: Values) -> Any:
 
 def _pid(given: dict[str, Any]) -> tuple[Polynomial, Polynomial]:
     """Numerator and denominator, ascending in s, of p + i/s + d s/(1 + T s), with T the filter's time constant."""
+    # One fraction over s (1 + T s), without i over 1 + T s.
     lag: Polynomial = (1, given["filter"]) if "filter" in given else (1,)
     rate: Polynomial = (0, given["d"]) if "d" in given else ()
     if "i" not in given:
@@ -71,6 +72,7 @@ def _with_roots(roots: Sequence[Any]) -> Polynomial:
     """
     found: Polynomial = (1,)
     for root in roots:
+        # A pair re + j im and re - j im is the real factor s^2 - 2 re s + re^2 + im^2.
         found = product(
             found, (root[0] * root[0] + root[1] * root[1], -2 * root[0], 1) if isinstance(root, tuple) else (-root, 1)
         )
@@ -86,6 +88,7 @@ def _of_matrices(given: dict[str, Any]) -> tuple[Polynomial, Polynomial]:
     n, zero = len(A), 0 * D
     adjugate = [[zero + (1 if i == j else 0) for j in range(n)] for i in range(n)]
     below, above = [1], []
+    # Faddeev-LeVerrier: M_1 = I, a_k = -tr(A M_k)/k, then A M_k + a_k I for the next; C M_k B goes with s^(n - k).
     for k in range(1, n + 1):
         above.append(sum((C[i] * adjugate[i][j] * B[j] for i in range(n) for j in range(n)), start=zero))
         moved = [[sum((A[i][m] * adjugate[m][j] for m in range(n)), start=zero) for j in range(n)] for i in range(n)]
@@ -278,6 +281,7 @@ def law_expressions(law: ControlLaw, power: int) -> tuple[tuple[EntryPath, Expre
     if law.form == GAIN:
         return (((), law.entries[0][1], by_power[power]),)
     if law.form == PID:
+        # The motion is s^power theta: an integral takes a power of s, a derivative adds one.
         kinds = {"p": power, "i": power - 1, "d": power + 1}
         found = (
             (name, one, "time" if name == "filter" else by_power.get(kinds[name], "")) for name, one in law.entries

@@ -92,6 +92,7 @@ class Action:
     @property
     def acts_at_rest(self) -> bool:
         """Whether a constant sensed angle makes the action give a torque."""
+        # N/D at s = 0 is not zero unless N has the higher lowest power of s.
         above, below = (
             next((power for power, value in enumerate(part) if value != 0), len(part))
             for part in (self.numerator, self.denominator)
@@ -133,6 +134,7 @@ class MotionLaw:
             return (Constraint(self.row),)
         stiffness, damping, *others = self.curve.slopes(state)
         law = Law(self.row, stiffness=self.scale * stiffness, damping=self.scale * damping)
+        # A sensed motion drives the row, by s times the slope, where a law resists: hence the sign.
         pairs = zip(self.sensed, others, strict=True)
         return (law, *(Action(self.row, row, (0, -self.scale * slope)) for row, slope in pairs))
 

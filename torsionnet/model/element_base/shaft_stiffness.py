@@ -74,6 +74,7 @@ class ShaftStiffness(DynamicStiffness):
         import numpy as np
 
         _, x = self._argument(s, omega)
+        # With u = x^2 = -s^2 J/K and the part K f(u): d/ds of it is -2 s J f'(u).
         rate = (-2 * float(self.inertia) * s * self._slope(x)).astype(np.complex128)
         return rate, np.zeros(rate.shape, dtype=np.complex128)
 
@@ -82,14 +83,17 @@ class ShaftStiffness(DynamicStiffness):
 
         K, x = self._argument(s, omega)
         slope = self._slope(x)
+        # u goes with 1/K, so that d(K f(u))/dK = f - u f'(u).
         softer = self._value(x) - x * x * slope
         k = float(self.stiffness)
+        # To k, J and eta in this order, K being k (1 + j eta).
         return np.array([softer * K / k, -(s**2) * slope, 1j * (np.asarray(omega) > 0) * k * softer])
 
     def _argument(self, s: Complexes, omega: Floats) -> tuple[Complexes, Complexes]:
         """Complex stiffness K in N m/rad and dimensionless argument x of a shaft, Re x >= 0, in the shape of ``s``."""
         import numpy as np
 
+        # Hysteresis loses in vibration alone: at omega = 0 the stiffness is k.
         lossy = np.asarray(omega) > 0
         K = (float(self.stiffness) * (1 + 1j * float(self.loss_factor) * lossy)).astype(np.complex128)
         return K, np.sqrt(-(np.asarray(s) ** 2) * float(self.inertia) / K)
@@ -142,6 +146,7 @@ class ShaftTwist(ShaftStiffness):
     def _value(x: Complexes) -> Complexes:
         import numpy as np
 
+        # x/sin x is 1 at x = 0; beside the real axis it decays with e^-|Im x|.
         near, far = x == 0, np.abs(x.imag) > DECAYED_ARGUMENT
         inside = np.where(near | far, 1.0, x)
         return np.where(near, 1.0, np.where(far, 0.0, inside / np.sin(inside)))
@@ -152,6 +157,7 @@ class ShaftTwist(ShaftStiffness):
 
         near, far = np.abs(x) < SERIES_ARGUMENT, np.abs(x.imag) > DECAYED_ARGUMENT
         inside, u = np.where(near | far, 1.0, x), np.where(near, x * x, 0.0)
+        # d(x/sin x)/du with u = x^2, as a series where sin x - x cos x would cancel.
         series = 1 / 6 + u * (7 / 180 + u * (31 / 5040 + u * (127 / 151200 + u * 73 / 684288)))
         sine = np.sin(inside)
         return np.where(near, series, np.where(far, 0.0, (sine - inside * np.cos(inside)) / (2 * inside * sine**2)))
@@ -164,6 +170,7 @@ class ShaftTwist(ShaftStiffness):
         import numpy as np
 
         x = self._argument((1j * omega).astype(np.complex128), np.zeros(np.shape(omega)))[1].real  # rounded as in kappa
+        # A mode with clamped ends is at each x = i pi; the sign of sin x tells on which side of the nearest x lies.
         nearest = np.rint(x / np.pi)
         return np.asarray(nearest - (np.sin(x) * np.where(nearest % 2, -1.0, 1.0) < 0))
 
@@ -204,6 +211,7 @@ class ShaftEnd(ShaftStiffness):
 
         far = np.abs(x.imag) > DECAYED_ARGUMENT
         inside = np.where((x == 0) | far, 1.0, x)
+        # f = -x tan(x/2): df/d(x^2) = -(sin x + x)/(4 x cos^2(x/2)), which is -1/2 at x = 0.
         found = -(np.sin(inside) + inside) / (4 * inside * np.cos(inside / 2) ** 2)
         return np.where(x == 0, -0.5, np.where(far, -np.tan(x / 2) / (2 * np.where(far, x, 1.0)), found))
 
@@ -232,9 +240,13 @@ def quadratic_forms(x: complex) -> tuple[float, float, float, float]:
 
     a, b = x.real, x.imag
     if abs(x) < 1e-4:
+        # x near 0: the angle is straight along the shaft.
         return 1 / 3, 1 / 6, 1.0, -1.0
+    # theta = (theta_1 sin(x (1 - xi)) + theta_2 sin(x xi))/sin x, and the mean of |sin(x xi)|^2 over xi is
+    # (sinh(2b)/2b - sin(2a)/2a)/2 with x = a + jb.
     ratio = math.sinh(2 * b) / (2 * b) if b else 1.0
     other = math.sin(2 * a) / (2 * a) if a else 1.0
+    # |sin x|^2 = (cosh 2b - cos 2a)/2, which is 0 at a mode with clamped ends.
     size = max((math.cosh(2 * b) - math.cos(2 * a)) / 2, 1e-30)
     first = math.sin(a) / a * math.cosh(b) if a else math.cosh(b)
     second = math.cos(a) * (math.sinh(b) / b if b else 1.0)

@@ -68,6 +68,7 @@ class SpeedPath:
         """Laws, those of motion in full, converted from the speed of the path's last shaft to that of the first."""
         if not self.steps:
             return tuple(parts)
+        # Angles are multiplied by the ratio r and torques divided by it: k, c and J take r^2.
         ratio = self.ratio(value)
         return tuple(
             replace(part, curve=part.curve.scaled(ratio))
@@ -206,11 +207,13 @@ class SpeedPaths:
         found: dict[str, SpeedStep | None] = {end: None}
         closing = []
         waiting = [end]
+        # Breadth first from the end, so that every node has the path of fewest steps.
         for node in waiting:
             for held in self._at.get(node, ()):
                 for other in held.leads(node, still):
                     step = SpeedStep(held.element, held.number, other, node, alike=held.is_alike(still))
                     own = found[node]
+                    # A node met again closes a loop, unless by the row on which the search came.
                     if other not in found:
                         found[other] = step
                         waiting.append(other)
@@ -222,6 +225,7 @@ class SpeedPaths:
         """Nodes tied to ground by clamps and springs, without those that turn with the ``moving`` nodes."""
         tied = Groups[str]()
         held = set[str]()
+        # Rows of two nodes tie them on average, a row of one node holds it.
         for one in self._rows:
             if len(one.row) == 2:
                 tied.join(*one.row)
@@ -230,6 +234,7 @@ class SpeedPaths:
         for element in self.elements:
             if element.glyph == "clamp":
                 held |= {node for node in element.ports.values() if node != GROUND}
+        # Whoever asks about a shaft means that it turns, with all that is tied to it.
         turning = {other for node in moving for other in tied.of(node)}
         return {other for node in held - turning for other in tied.of(node)}
 
@@ -246,11 +251,13 @@ def second_ratio(tree: SpeedTree, start: str, value: Values) -> Any | None:
     A step that closes a loop leads around the steps that its start does not share with its end; the tree has closing
     steps in both directions.
     """
+    # Ratio of every node to the end of the tree; the end of a step comes before its start there.
     ratios: dict[str, Any] = {}
     for node, step in tree.steps.items():
         ratios[node] = 1 if step is None else step.ratio(value) * ratios[step.end]
     way = _way(tree, start)
     for closing in tree.closing:
+        # Product of the ratios round the loop that the step closes, 1 where both ways agree.
         factor = closing.ratio(value) * ratios[closing.end] / ratios[closing.start]
         if abs(factor - 1) <= SAME_RATIO_RTOL:
             continue

@@ -151,6 +151,7 @@ def stage_spans(stages: Sequence[SpringStage], value: Values) -> list[StageSpan]
     for stage in stages:
         stiffness = exact_or_value(stage.stiffness, value)
         preload = Fraction(0) if stage.preload is None else exact_or_value(stage.preload, value)
+        # A preload is a step of the torque where its stage begins.
         end = None if stage.end is None else _end(begin, stiffness, begin.torque + preload, stage.end, value)
         found.append(StageSpan(stiffness, preload, begin, end))
         begin = end or begin
@@ -163,6 +164,7 @@ def _end(
     """Point where a stage ends that begins at a twist with a torque, its preload included."""
     _, expression, dimension = given
     at = exact_or_value(expression, value)
+    # T = T_0 + k (gamma - gamma_0), solved for gamma where the end is a torque.
     if dimension == "torque":
         return StagePoint(begin.twist + (at - torque) / stiffness, at)
     return StagePoint(at, torque + stiffness * (at - begin.twist))
@@ -184,6 +186,7 @@ def stage_faults(stages: Sequence[SpringStage], value: Values) -> list[Fault]:
             continue
         name, given, dimension = stage.end
         by_torque = dimension == "torque"
+        # The step of a preload is behind it when a stage begins, so that its end lies beyond T_0 + preload.
         begun = span.begin.torque + span.preload if by_torque else span.begin.twist
         end = span.end.torque if by_torque else span.end.twist
         if not end > begun:

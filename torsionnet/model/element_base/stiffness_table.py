@@ -56,6 +56,7 @@ class StiffnessTable(DynamicStiffness):
         import numpy as np
 
         place = int(np.searchsorted(self.frequencies, omega / (2 * np.pi), side="right"))
+        # Before the first and after the last row k and c are constant.
         if place in (0, len(self.frequencies)):
             return 0j, 0.0
         width = 2 * np.pi * (self.frequencies[place] - self.frequencies[place - 1])
@@ -129,9 +130,11 @@ class SampledStiffness(StiffnessTable):
         import numpy as np
 
         omega, first = np.asarray(omega, dtype=float), self.frequencies[0]
+        # k' and k'' are powers of the frequency between rows, straight lines in logarithms.
         at = np.log(np.maximum(omega / math.tau, first))
         f, k, c = self._logarithms
         storage, loss = np.exp(np.interp(at, f, k)), np.exp(np.interp(at, f, c))
+        # Below the first row k'' falls with omega, as of a viscous damping, to nothing at rest.
         loss = loss * np.minimum(omega / (math.tau * first), 1.0)
         return np.asarray(storage + 1j * loss)
 
@@ -151,6 +154,7 @@ class SampledStiffness(StiffnessTable):
         if not self.viscous:
             return kappa, np.zeros(np.shape(omega))
         moving = np.asarray(omega) > 0
+        # c = k''/omega, at rest that of the first row.
         damping = np.where(moving, kappa.imag / np.where(moving, omega, 1.0), self.damping[0])
         return kappa.real.astype(complex), damping
 
@@ -161,6 +165,7 @@ class SampledStiffness(StiffnessTable):
         rate = self.kappa_rate(omega)
         if not self.viscous:
             return rate, 0.0
+        # c = k''/omega: dc/domega = (dk''/domega - c)/omega.
         damping = float(self.frozen(np.array(omega))[1])
         return complex(rate.real), (rate.imag - damping) / omega if omega else 0.0
 
@@ -181,11 +186,13 @@ class SampledStiffness(StiffnessTable):
         f = omega / math.tau
         place = int(np.searchsorted(self.frequencies, f, side="right"))
         if place == 0:
+            # k is constant below the first row, and k'' = c omega.
             return 1j * self.damping[0]
         if place == len(self.frequencies):
             return 0j
         here = complex(self.kappa(np.array([omega]))[0])
         loss = [math.tau * one * c for one, c in zip(self.frequencies, self.damping, strict=True)]
+        # k goes with omega^n on a piece, so that dk/domega = n k/omega, with n the slope of the logarithms.
         width = math.log(self.frequencies[place] / self.frequencies[place - 1])
         k, second = (math.log(column[place] / column[place - 1]) / width for column in (self.stiffness, loss))
         return complex(here.real * k / omega, here.imag * second / omega)
@@ -209,6 +216,7 @@ def stiffness_from_curves(
     >>> stiffness_from_curves(500.0, rows, (), 0.1).stiffness
     (500.0, 2000.0)
     """
+    # Powers of the frequency between rows stay powers between the rows of both curves together.
     frequencies = sorted({float(f.value) for f, _ in (*factor, *loss)})
     factors = [_read(factor, f, 1.0) for f in frequencies]
     losses = [_read(loss, f, loss_factor) for f in frequencies]

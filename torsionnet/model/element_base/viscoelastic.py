@@ -103,6 +103,7 @@ class Viscoelastic(Declared):
             return f"the shift of the material is known from {first} to {last}" if beyond else None
         if not self.is_shifted:
             return "the material does not say how its moduli change with temperature; give C1 and C2, or shift"
+        # C2 + T - T_0 is the denominator of the shift by Williams, Landel and Ferry.
         if not_none(self.C2) + temperature - self._reference <= 0:
             return "so far below the reference temperature the equation of Williams, Landel and Ferry has no value"
         return None
@@ -112,10 +113,12 @@ class Viscoelastic(Declared):
         if not self.is_shifted:
             return 1.0
         if not self.shift:
+            # Williams, Landel and Ferry: log10 a_T = -C1 (T - T_0)/(C2 + T - T_0).
             apart = temperature - self._reference
             return float(10 ** (-not_none(self.C1) * apart / (not_none(self.C2) + apart)))
         import numpy as np
 
+        # log a_T is straight between the temperatures of the table.
         keys, logs = zip(*((float(key.value), math.log(one.value)) for key, one in self.shift), strict=True)
         return math.exp(float(np.interp(temperature, keys, logs)))
 
@@ -125,6 +128,7 @@ class Viscoelastic(Declared):
         None is the reference. The loss is that of a solid, or of a ``viscous`` fluid.
         """
         shift = 1.0 if temperature is None else self.shift_factor(temperature)
+        # What was measured at f holds at f/a_T at this temperature: cold rubber acts as at a higher frequency.
         return SampledStiffness.of(
             *zip(*((f / shift, shape * storage, shape * loss) for f, storage, loss in self.moduli), strict=True),
             viscous=viscous,

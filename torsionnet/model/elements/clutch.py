@@ -159,6 +159,7 @@ class Clutch(Element):
         if self.friction is None:
             faces = MotionLaw(row, self._curve(value, stick))
         else:
+            # The curve is mu over slip, scaled by the clamp torque; stick, a torque, is divided by it.
             clamp = value(self.clamp_torque)
             curve = self._curve(value, None if stick is None else stick / clamp)
             faces = MotionLaw(row, curve, scale=clamp, scaled_by="clamp")
@@ -171,6 +172,7 @@ class Clutch(Element):
         """Fault of faces that stick below the torque with which they begin to slip."""
         if self.stick is None or self.state != "slipping":
             return []
+        # A coefficient mu at slip 0 is the torque mu times the clamp torque.
         slipping = value(self._table[0][1]) * (1 if self.friction is None else value(self.clamp_torque))
         if not value(self.stick) < slipping:
             return []
@@ -180,6 +182,7 @@ class Clutch(Element):
     def _disc_and_bodies(self, value: Values) -> list[Law]:
         first, second = self.nodes
         parts: list[Law] = []
+        # The springs of the disc lie behind the friction faces, between disc and second shaft.
         if self.stiffness is not None:
             stiffness = value(self.stiffness)
             damping = viscous(self.damping, stiffness, value)
@@ -226,6 +229,7 @@ def _slip_faults(clutch: Clutch) -> list[Fault]:
         return [Fault(text, ("slip_speed",))]
     if not isinstance(clutch.slip_speed, Number):
         return []
+    # Rows from slip 0 on hold for both signs of the slip.
     slip = clutch.slip_speed.value if table[0][0].value < 0 else abs(clutch.slip_speed.value)
     text = outside_message(table, slip)
     return [Fault(f"{text}; slip_speed is {float(slip):g} rad/s", ("slip_speed",))] if text else []

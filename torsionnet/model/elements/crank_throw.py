@@ -104,6 +104,7 @@ class CrankThrow(Element):
         if self.crank_radius is not None:
             if not (isinstance(self.rod_length, Number) and isinstance(self.crank_radius, Number)):
                 return []
+            # A crank turns through only with l > r.
             if self.rod_length.value > self.crank_radius.value:
                 return []
             return [Fault("the connecting rod must be longer than the radius of the crank", ("rod_length",))]
@@ -133,6 +134,7 @@ class CrankThrow(Element):
         stiffness = self._stiffness(value)
         twisted = Law(difference(*self.nodes), stiffness=stiffness, damping=viscous(self.damping, stiffness, value))
         turning = make_row([(self.nodes[0], 1)])
+        # On ground, at a clamped end, no inertia turns.
         if not turning:
             return (twisted,)
         return (twisted, Law(turning, inertia=self._inertia(value), damping=value(self.cylinder_damping)))
@@ -142,6 +144,7 @@ class CrankThrow(Element):
         if self.crank_radius is None:
             return own
         number, square = value.algebra.number, value(self.crank_radius) ** 2
+        # Mean over a revolution of what the piston adds, m_o r^2 (1/2 + lambda^2/8); a very long rod has lambda = 0.
         share = number(HALF)
         if self.rod_length is not None:
             share = share + number(EIGHTH) * square / value(self.rod_length) ** 2
@@ -150,9 +153,11 @@ class CrankThrow(Element):
     def _stiffness(self, value: Values) -> Any:
         if self.stiffness is not None:
             return value(self.stiffness)
+        # Journal and pin twist in series, L/(G I) each with I = pi (D^4 - d^4)/32.
         twist: Any = 0
         for part in ("journal", "pin"):
             diameter, bore, length = (value(getattr(self, f"{part}_{of}")) for of in ("diameter", "bore", "length"))
             twist = twist + 32 * length / (value(self.shear_modulus) * value.algebra.pi * (diameter**4 - bore**4))
+        # Two webs bend in their plane: 2 r/(E I_w), with I_w = h b^3/12.
         web = value(self.elastic_modulus) * value(self.web_thickness) * value(self.web_width) ** 3 / 12
         return 1 / (twist + 2 * value(self.crank_radius) / web)

@@ -134,6 +134,7 @@ class ViscousDamper(Element):
             return Law(row, table=self._scaled(self.table, value))
         if self.silicone is not None:
             temperature = None if self.temperature is None else float(self.temperature.evaluate({}))
+            # kappa is the complex modulus times the shape of the gap in m^3; the loss of a fluid counts as c omega.
             film = self.silicone.stiffness(not_none(self.gap).factor, temperature, viscous=True)
             return Law(row, table=self._scaled(film, value))
         stiffness = value(self.stiffness)
@@ -214,6 +215,7 @@ class TunedDamper(Element):
         inertia, stiffness = value(self.ring_inertia), self._stiffness(value)
         damping = viscous(self.damping, stiffness, value)
         if self.damping_ratio is not None:
+            # zeta is that of the ring alone on its layer: c = 2 zeta sqrt(k J_r).
             damping = 2 * value(self.damping_ratio) * value.root(stiffness * inertia, "k J_r must not be negative")
         eta = loss_factor(self.loss_factor, value.parameters, value.algebra)
         layer = Law(difference(self.node, ring), damping=damping, stiffness=stiffness, loss_factor=eta)
@@ -288,6 +290,7 @@ class SpringDamper(Element):
     def _springs(self, ring: str, value: Values) -> Law:
         row = difference(self.node, ring)
         if self.loss_over_frequency:
+            # Curves of a stiffness 1: the factor k keeps its derivatives to parameters.
             table = stiffness_from_curves(1.0, self.stiffness_over_frequency, self.loss_over_frequency, viscous=True)
             return Law(row, table=ScaledStiffness(table, value(self.stiffness)))
         stiffness = value(self.stiffness)
@@ -357,9 +360,12 @@ class PendulumAbsorber(Element):
         count = value(scalar(self.count))
         total, own = count * value(self.mass), count * value(self.own_inertia)
         outer, inner = value(self.pivot_radius), value(self.path_radius)
+        # The centrifugal field draws the mass back with m R r Omega^2 (psi - theta); the swing changes its order.
         stiffness = total * outer * inner * value(self.speed) ** 2 * self._softening(outer / inner, value)
         field = Law(difference(self.node, mass), damping=value(self.damping), stiffness=stiffness)
+        # m (R theta' + r psi')^2/2 is an inertia m on the row R theta + r psi: tuned to n^2 = R/r.
         carried = Law(make_row([(self.node, outer), (mass, inner)]), inertia=total)
+        # A mass hung at one point turns with psi, so that J lowers n; hung at two it turns with the shaft.
         turning = Law(make_row([(mass if self.suspension == "simple" else self.node, 1)]), inertia=own)
         return (field, carried, *([turning] if turning.acts else []))
 

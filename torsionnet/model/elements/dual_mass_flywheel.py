@@ -174,8 +174,10 @@ class DualMassFlywheel(Element):
         stiffness, held = self._tangent(springs, value)
         eta = loss_factor(self.loss_factor, value.parameters, value.algebra)
         if self.swing is not None:
+            # Harmonic balance (Den Hartog, chapter 8): 4 M alpha lost in a cycle is a loss factor 4 M/(pi k alpha).
             eta = eta + 4 * self._friction(value) / (value.algebra.pi * stiffness * value(self.swing))
         elif friction is not None:
+            # Small vibrations do not move springs that friction holds; only a flywheel that slides stays elastic.
             held = held or (friction.rate == 0 if friction.piece is None else friction.piece == _STUCK)
         damping = viscous(self.damping, stiffness, value)
         row = difference(*self.nodes)
@@ -184,9 +186,11 @@ class DualMassFlywheel(Element):
 
     def _tangent(self, springs: MotionState | None, value: Values) -> tuple[Any, bool]:
         """Stiffness in force at a state of springs in stages, and whether a preload lets them stand still there."""
+        # With the share b of the coils held fast the others, 1 - b of them, give k/(1 - b).
         whole = 1 - value(self.blocked)
         if springs is None and (self.torque is not None or not self.stages):
             return self._stiffness(value) / whole, False
+        # This curve is shortened by 1 - b already.
         curve = self._curve(value)
         state = AT_REST if springs is None else springs
         return curve.slopes(state)[0], curve.holds(state)
@@ -199,12 +203,14 @@ class DualMassFlywheel(Element):
         damping = viscous(self.damping, stiffness, value)
         eta = loss_factor(self.loss_factor, value.parameters, value.algebra)
         springs: list[WholePart] = []
+        # The stages act as T(gamma/(1 - b)); what is linear beside them, c and eta, keeps a law of its own.
         if self.stages:
             springs.append(MotionLaw(row, self._curve(value)))
         rest = Law(row, damping=damping, stiffness=0 if self.stages else stiffness, loss_factor=eta)
         if rest.acts or eta != 0:
             springs.append(rest)
         if self._rubs:
+            # M sgn(gamma'): friction holds as much at rest, M, as it has in sliding.
             friction = self._friction(value)
             springs.append(MotionLaw(row, friction_curve(friction, friction)))
         return (*springs, *self._masses(value))
@@ -216,6 +222,7 @@ class DualMassFlywheel(Element):
 
     def _curve(self, value: Values) -> PieceCurve:
         """Curve of the springs in stages, shortened by the share of their coils that friction holds."""
+        # T(gamma/(1 - b)): twists shrink by 1 - b at the same torque, and stiffnesses grow by 1/(1 - b).
         curve, free = stage_curve(self.stages, value), 1 - value(self.blocked)
 
         def shortened(piece: Slope | Hold) -> Slope | Hold:

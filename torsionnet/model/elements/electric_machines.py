@@ -172,8 +172,10 @@ class SynchronousMachine(Element):
             return value(self.stiffness)
         pairs, field = value(scalar(self.pole_pairs)), value(self.pull_out_torque)
         if self.load_angle is None:
+            # sin(delta) = T/T_e, so that p T_e cos(delta) = p sqrt(T_e^2 - T^2).
             torque = 0 if self.torque is None else value(self.torque)
             return pairs * value.root(field**2 - torque**2, "the torque must not be above the pull-out torque")
+        # k = p dT/ddelta = p (T_e cos(delta) + 2 T_r cos(2 delta)).
         once, twice = (value.algebra.number(_cosine(n * self.load_angle.evaluate({}))) for n in (1, 2))
         saliency = 0 if self.reluctance_torque is None else value(self.reluctance_torque)
         return pairs * (field * once + 2 * saliency * twice)
@@ -276,6 +278,7 @@ class InductionMachine(Element):
             return []
         if abs(slip.value) < breakdown.value:
             return []
+        # From s_k on the slope c is zero or below, and c/tau no stiffness.
         text = "a time constant belongs to a slip below the breakdown slip; beyond, leave it out: the slope alone acts"
         return [Fault(text, ("time_constant",))]
 
@@ -309,6 +312,7 @@ class InductionMachine(Element):
         damping, own = self._curve(value).slope(slip), self._rotor(value)
         if self.time_constant is None:
             return (Law(difference(self.node, self.housing), damping=damping), *own)
+        # T + tau dT/dt = c domega: the dashpot c in series with the spring c/tau.
         (field,) = self.internal_nodes
         spring = Law(difference(self.node, field), stiffness=damping / value(self.time_constant))
         return (spring, Law(difference(field, self.housing), damping=damping), *own)
@@ -408,6 +412,7 @@ class GridGenerator(Element):
         frequency, speed = self.grid_frequency, self.speed
         if not (isinstance(frequency, Number) and isinstance(speed, Number) and speed.value > 0):
             return []
+        # p = 2 pi f/Omega has to be a whole number of pole pairs.
         pairs = 2 * math.pi * float(frequency.value) / float(speed.value)
         if pairs > 1 - POLE_PAIRS_RTOL and abs(pairs - round(pairs)) < POLE_PAIRS_RTOL * pairs:
             return []
@@ -419,6 +424,7 @@ class GridGenerator(Element):
         if not all(isinstance(one, Number) for one in data):
             return []
         emf, voltage, reactance, power = (float(one.value) for one in data)
+        # P = (E U/X) sin(delta) is largest at a load angle of 90 deg, where the machine falls out of step.
         if reactance <= 0 or power < emf * voltage / reactance:
             return []
         return [
@@ -428,10 +434,12 @@ class GridGenerator(Element):
         ]
 
     def own_parts(self, value: Values) -> tuple[Part, ...]:
+        # The unit of torque is P/Omega: c = D P/Omega^2, and k = K p P/Omega with p = 2 pi f/Omega pole pairs.
         unit = value(self.rated_power) / value(self.speed) ** 2
         line = 2 * value.algebra.pi * value(self.grid_frequency)
         stiffness, damping = self._coefficient(value) * unit * line, value(self.damping_coefficient) * unit
         field = Law(difference(self.node, self.grid), damping=damping, stiffness=stiffness)
+        # H is the kinetic energy at Omega over the rated power: J = 2 H P/Omega^2.
         return (field, Law(make_row([(self.node, 1)]), inertia=2 * value(self.inertia_constant) * unit))
 
     def mean_speed_rows(self, value: Values) -> tuple[Row, ...]:

@@ -153,6 +153,7 @@ class FlexibleCoupling(Element):
 
     def _law(self, value: Values) -> Law:
         row = difference(*self.nodes)
+        # Of n couplings in parallel and m in series: k and c count n/m times.
         groups = value(scalar(self.in_parallel)) / value(scalar(self.in_series))
         if self.material is not None or self.frequency_factor or self.loss_over_frequency:
             one = 0 if self.damping is None else value(scalar(self.damping))
@@ -168,8 +169,10 @@ class FlexibleCoupling(Element):
         """
         if self.material is not None:
             temperature = None if self.temperature is None else float(self.temperature.evaluate({}))
+            # k(f) = shape times G(f), the shape in m^3 by the geometry.
             base = self.material.stiffness(not_none(self.geometry).factor, temperature)
             return ScaledStiffness(base, groups if self.scale is None else groups * value(self.scale))
+        # Curves of a stiffness 1: the factor k keeps its derivatives to parameters.
         eta = float(self._loss_factor(Values({})))
         base = stiffness_from_curves(1.0, self.frequency_factor, self.loss_over_frequency, eta)
         return ScaledStiffness(base, groups * self._stiffness(value))
@@ -179,6 +182,7 @@ class FlexibleCoupling(Element):
             stiffness = self._read(self.stiffness_over_torque, self.torque, value)
         else:
             stiffness = value(self.stiffness)
+        # Each curve of a maker's sheet gives a factor at its own operating value, and the factors multiply.
         for rows, operating in (
             (self.torque_factor, self.torque),
             (self.amplitude_factor, self.vibratory_torque),

@@ -54,9 +54,11 @@ class Capacity:
             return self.factor * level, self.factor * slope
         first, last = self.rows[0][0].value, self.rows[-1][0].value
         if ratio < first or ratio > last:
+            # A straight line of K might come to 0, where C = factor/K^2 has a pole: K stays.
             level = value_at(self.rows, first if ratio < first else last)
             return self.factor / level**2, 0 * self.factor
         level, slope = value_at(self.rows, ratio), self.algebra.number(slope_at(self.rows, ratio))
+        # C = factor/K^2, so that C' = -2 factor K'/K^3.
         return self.factor / level**2, -2 * self.factor * slope / level**3
 
     def ratios_at(self, capacity: float) -> Iterator[float]:
@@ -64,16 +66,19 @@ class Capacity:
         if self.of_k_factor:
             if capacity <= 0:
                 return
+            # K = sqrt(factor/C), K being above 0.
             level = math.sqrt(float(self.factor) / capacity)
         else:
             level = capacity / float(self.factor)
         last: float | None = None
         points = [(float(row[0].value), float(row[1].value)) for row in self.rows]
         for (start, low), (end, high) in pairwise(points):
+            # A level at a row belongs to the pieces on both sides of it, and with rounding perhaps to neither.
             slack = END_SLACK * max(abs(low), abs(high))
             if high == low or not min(low, high) - slack <= level <= max(low, high) + slack:
                 continue
             ratio = start + min(max((level - low) / (high - low), 0.0), 1.0) * (end - start)
+            # The row between two pieces counts once.
             if last is None or ratio - last > END_SLACK:
                 yield ratio
             last = ratio
@@ -134,6 +139,8 @@ class CouplingCurve(TorqueCurve):
         (pump,) = state.sensed or (0.0,)
         ratio = self.ratio(state.rate, pump)
         level, slope = self.factor(ratio)
+        # T = C(nu) omega_p |omega_p| with nu = 1 - gamma'/omega_p: to gamma' the slope is -C' |omega_p|,
+        # and to omega_p it is (2 C + (1 - nu) C') |omega_p|.
         by_turbine = abs(pump) * slope
         return 0, -by_turbine, abs(pump) * (2 * level - ratio * slope) + by_turbine
 
@@ -145,6 +152,7 @@ class CouplingCurve(TorqueCurve):
         if not sensed or not sensed[0]:
             return None
         (pump,) = sensed
+        # C = T/(omega_p |omega_p|), which a coupling may have at several speed ratios.
         ratios = self.capacity.ratios_at(float(torque) / (pump * abs(pump)))
         return tuple(MotionState(0.0, pump * (1 - ratio), (pump,)) for ratio in ratios)
 
@@ -345,8 +353,10 @@ class Hydrodynamic(Element):
         """Parts about a size of the speed of the pump in rad/s and a speed ratio."""
         gain = self.gain(value)
         (capacity, slope), (factor, factor_slope) = self.capacity(value).at(ratio), gain.at(ratio) if gain else (1, 0)
+        # Per change of the speeds: dT_p = omega_p (2 C - nu C') domega_p + omega_p C' domega_t.
         by_pump, by_turbine = speed * (2 * capacity - ratio * slope), speed * slope
         pump, turbine = (difference(node, self.housing) for node in (self.pump, self.turbine))
+        # One part damps pump against turbine; what is left follows the pump alone and acts one way.
         parts: list[Law | Action] = [
             Law(difference(self.pump, self.turbine), damping=-by_turbine),
             Action(difference(self.turbine, self.pump), pump, (0, by_pump + by_turbine)),
@@ -362,8 +372,10 @@ class Hydrodynamic(Element):
     def capacity(self, value: Values) -> Capacity:
         """Capacity C = T_p / omega_p^2 in N m s^2/rad^2 over the speed ratio."""
         if self.k_factor is not None:
+            # K in r/min per sqrt(N m): omega = n pi/30 makes C = (30/pi)^2/K^2.
             return Capacity(self.k_factor, 900 / value.algebra.pi**2, of_k_factor=True, algebra=value.algebra)
         if self.performance is not None:
+            # C = lambda rho D^5.
             factor = value(self.density) * value(self.diameter) ** 5
         else:
             factor = 1 / value(self.test_speed) ** 2

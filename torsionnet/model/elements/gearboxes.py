@@ -150,6 +150,7 @@ class Gearbox(Element):
         return self._mesh_row(self.gears[0] if self.engaged in (None, NEUTRAL) else self.engaged, value)
 
     def own_parts(self, value: Values) -> tuple[Part, ...]:
+        # All gears mesh at all times; the wheel of the engaged one is locked to the shaft on which it is loose.
         parts = [self._mesh(gear, value) for gear in self.gears]
         if self.engaged not in (None, NEUTRAL):
             shaft = self.output if self.loose_wheels == "output" else self.input
@@ -254,6 +255,7 @@ class FinalDrive(Element):
 
     def _mesh(self, cage: str, value: Values) -> Part:
         tau = value(self.ratio) if self.teeth is None else value(scalar(self.teeth[1])) / value(scalar(self.teeth[0]))
+        # Against the housing theta_p = tau theta_c, so that theta_p - tau theta_c + (tau - 1) theta_h = 0.
         housing = [] if self.housing is None else [(self.housing, tau - 1)]
         row = make_row([(self.pinion, 1), (cage, -tau), *housing])
         if self.stiffness is None:
@@ -264,7 +266,9 @@ class FinalDrive(Element):
     def _differential(self, cage: str, value: Values) -> tuple[Part, ...]:
         if self.differential == "locked":
             return Constraint(difference(cage, self.left)), Constraint(difference(cage, self.right))
+        # The planets let the cage turn with the mean of both outputs: 2 theta_c = theta_l + theta_r.
         planets = Constraint(make_row([(cage, 2), (self.left, -1), (self.right, -1)]))
         if self.differential == "open":
             return (planets,)
+        # Limited slip brakes the difference of the outputs.
         return planets, Law(difference(self.left, self.right), damping=value(self.slip_damping))

@@ -176,6 +176,7 @@ class Propeller(Element):
 
     def _body(self, damping: Any, value: Values) -> Law:
         dry, entrained = value(self.inertia), self._at_pitch(value)
+        # J (1 + w), or J + J_w, with the water's part at the pitch at which the blades stand.
         if self.entrained_inertia is None:
             inertia = dry * (1 + value(self.entrained_water) * entrained)
         else:
@@ -186,16 +187,20 @@ class Propeller(Element):
         """Entrained inertia of the propeller at its pitch over that at the design pitch, dimensionless."""
         if self.pitch_ratio is None:
             return 1
+        # Water goes with sin^2 of the pitch angle at 0.7 of the radius, p^2/(p^2 + x^2) with x = 0.7 pi.
         stands, design = value(self.pitch_ratio) ** 2, value(self.design_pitch_ratio) ** 2
         round_square = (value.algebra.number(PITCH_RADIUS) * value.algebra.pi) ** 2
         return stands * (design + round_square) / (design * (stands + round_square))
 
     def _damping(self, value: Values) -> Any:
         if self.archer is not None:
+            # Archer: c = a Q/n, with n = 30 omega/pi in r/min.
             return value(self.archer) * value(self.torque) * value.algebra.pi / (30 * value(self.speed))
         if self.exponent is not None:
+            # Q goes with omega^m, so that dQ/domega = m Q/omega.
             return value(self.exponent) * value(self.torque) / value(self.speed)
         if self.torque_slope is not None:
+            # dQ/domega of K_Q(J_a) rho D^5 (omega/2 pi)^2 at constant ship speed, where J_a goes with 1/omega.
             return (2 - self._bend(value)) * value(self.torque) / value(self.speed)
         return 0 if self.damping is None else value(self.damping)
 

@@ -132,15 +132,18 @@ class LoopDrive(Element):
     def own_parts(self, value: Values) -> tuple[Part, ...]:
         radius_ratios, count = self.radius_ratios(value), len(self.wheels)
         if not self.stiffness and not self.lengths:
+            # A rigid loop runs with one speed: r_1 theta_1 = r_i theta_i on every wheel.
             first = self.wheels[0]
             return tuple(Constraint(self._row([(first, 1), (node, -radius_ratios[node])])) for node in self.wheels[1:])
         radius = self.first_radius(value)
         parts = []
         for place, stiffness in enumerate(self._span_stiffnesses(value)):
             one, other = self.wheels[place], self.wheels[(place + 1) % count]
+            # gamma is the stretch of a span over r_1: by its two wheels, and by the arm of a tensioner.
             row = self._row(
                 [(one, radius_ratios[one]), (other, -radius_ratios[other]), *self._by_arm(one, other, radius, value)]
             )
+            # A stretch r_1 gamma at a lever r_1 makes k in N/m a stiffness k r_1^2 in N m/rad.
             referred = stiffness * radius**2
             parts.append(Law(row, stiffness=referred, damping=viscous(self.damping, referred, value)))
         return tuple(parts)

@@ -261,9 +261,12 @@ class Planetary(Element):
 
     def own_whole_parts(self, value: Values) -> tuple[WholePart, ...]:
         z = value(self.ratio) if self.teeth is None else value(scalar(self.teeth[1])) / value(scalar(self.teeth[0]))
+        # Willis: theta_s + z theta_r = (1 + z) theta_c, with z = z_r/z_s.
         mesh = make_row([(self.sun, 1), (self.ring, z), (self.carrier, -(1 + z))])
+        # A planet of z_s (z - 1)/2 teeth spins with theta_c - 2/(z - 1) (theta_s - theta_c).
         spin = make_row([(self.carrier, 1 + 2 / (z - 1)), (self.sun, -2 / (z - 1))])
         count = value(scalar(self.planets))
+        # The centres of the planets go round with the carrier: n m R^2.
         orbiting = count * value(self.planet_mass) * value(self.orbit_radius) ** 2
         planets = (
             Law(spin, inertia=count * value(self.planet_inertia)),

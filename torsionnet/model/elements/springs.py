@@ -126,6 +126,7 @@ class Spring(Element):
             stiffness = value(self.stiffness)
             return (Law(row, stiffness=stiffness, damping=viscous(self.damping, stiffness, value)),)
         curve = self._curve(value)
+        # A measure of damping such as zeta refers to the stiffness at rest, dT/dgamma at gamma = 0.
         damping = viscous(self.damping, self._stiffness_at_rest(curve), value)
         return (MotionLaw(row, curve), *([Law(row, damping=damping)] if damping != 0 else []))
 
@@ -177,11 +178,13 @@ def _row_faults(rows: ExpressionRows, value: Values) -> list[Fault]:
     faults = [fault.under(name) for fault in row_order_faults(TWIST_COLUMN, rows, value)]
     numbers = numbers_of(rows, value)
     for at, ((low, high), (_, given)) in enumerate(zip(pairwise(numbers), pairwise(rows), strict=True), 1):
+        # dT/dgamma below 0 about gamma = 0 would drive the drivetrain away from rest.
         if high[1] < low[1] and low[0] <= 0 <= high[0]:
             fall = f"from {shown(rows[at - 1][1], low[1])} to {shown(given[1], high[1])}"
             faults.append(
                 Fault(f"the torque of a spring does not fall with its twist at rest; here {fall}", (name, at))
             )
+    # Rows from twist 0 on are mirrored for negative twists; all others have to cover both signs.
     first, last = numbers[0], numbers[-1]
     if first[0] > 0 or last[0] < 0 or (first[0] < 0 and last[0] == 0):
         text = "rows begin at twist 0, and then hold both ways, or go from a negative to a positive twist"

@@ -68,9 +68,11 @@ class Vehicle(Element):
 
     def own_parts(self, value: Values) -> tuple[Part, ...]:
         mass, radius = value(self.mass), value(self.wheel_radius)
+        # dF/dv at the speed v: m g f_1 of the tyres' rolling, and rho A_d v of the drag rho A_d v^2 / 2.
         slope = mass * value(scalar(GRAVITY)) * value(self.rolling_slope)
         if self.drag_area is not None:
             slope += value(self.air_density) * value(self.drag_area) * value(self.speed)
+        # v = r omega: the mass m is an inertia m r^2 at the wheels, and dF/dv a damping r^2 dF/dv.
         inertia = mass * radius**2 + value(self.wheel_inertia)
         return (Law(make_row([(self.node, 1)]), inertia=inertia, damping=slope * radius**2),)
 
@@ -152,6 +154,7 @@ class Tyre(Element):
 
     def own_parts(self, value: Values) -> tuple[Part, ...]:
         (rim, road), (belt,) = self.nodes, self.internal_nodes
+        # Spring to the belt and slip behind it are in series: the torque follows the slip with the lag sigma/v.
         stiffness = self._stiffness(value)
         spring = Law(difference(rim, belt), stiffness=stiffness, damping=viscous(self.damping, stiffness, value))
         body = Law(make_row([(belt, 1)]), inertia=value(self.belt_inertia))
