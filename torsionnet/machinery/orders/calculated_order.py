@@ -146,6 +146,7 @@ def _cycle(orders: FloatArray) -> int:
 def _edges(times: FloatArray) -> FloatArray:
     """Ends of the blocks around the times, s, shape (n + 1,)."""
     middles = (times[1:] + times[:-1]) / 2
+    # The first and the last block reach as far outside as inside.
     return np.concatenate([[2 * times[0] - middles[0]], middles, [2 * times[-1] - middles[-1]]])
 
 
@@ -154,9 +155,11 @@ def _profile(tracked: TrackedOrders, edges: FloatArray, cycle: int) -> tuple[Flo
     step = max(1, math.ceil(len(tracked.times) / (MOST_SPEED_POINTS - 2)))
     kept = np.unique(np.r_[np.arange(0, len(tracked.times), step), len(tracked.times) - 1])
     times, speeds = tracked.times[kept], tracked.speeds[kept]
+    # So many cycles of 2 pi cycle rad last at the speed of that end.
     lead = [LEAD_CYCLES * 2 * math.pi * cycle / speed for speed in (speeds[0], speeds[-1])]
     begin, end = min(edges[0], times[0] - lead[0]), max(edges[-1], times[-1] + lead[1])
     slopes = [(speeds[1] - speeds[0]) / (times[1] - times[0]), (speeds[-1] - speeds[-2]) / (times[-1] - times[-2])]
+    # A steep run-up would lead through standstill: no lead goes below half the speed of its end.
     first = max(speeds[0] + slopes[0] * (begin - times[0]), speeds[0] / 2)
     last = max(speeds[-1] + slopes[1] * (end - times[-1]), speeds[-1] / 2)
     return np.concatenate([[begin], times, [end]]), np.concatenate([[first], speeds, [last]])
@@ -167,6 +170,7 @@ def _tracked(run: PassageResponse, test: TrackedOrders, edges: FloatArray, cycle
 
     turn = 2 * math.pi * cycle
     angle, signals = CubicSpline(run.times, run.angles), CubicSpline(run.times, run.values)
+    # Twice the number of steps that the passage has in an average cycle.
     samples = 2 * math.ceil(len(run.times) * turn / (run.angles[-1] - run.angles[0]))
     values = np.empty((len(run.outputs), len(test.orders), len(test.times)), dtype=np.complex128)
     half = np.empty((len(run.outputs), len(test.times)))
@@ -174,6 +178,7 @@ def _tracked(run: PassageResponse, test: TrackedOrders, edges: FloatArray, cycle
         count = max(FEWEST_CYCLES, round(float(angle(high) - angle(low)) / turn))
         middle = float(angle((low + high) / 2))
         marks = middle + turn * (np.arange(count + 1) - count / 2)
+        # Ends of cycles: phi(t) = mark, by Newton with phi' = Omega(t), from straight lines between steps.
         ends: FloatArray = np.interp(marks, run.angles, run.times)
         for _ in range(NEWTON_STEPS):
             ends = ends - (angle(ends) - marks) / angle(ends, 1)

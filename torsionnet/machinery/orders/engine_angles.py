@@ -60,6 +60,8 @@ class WorstAngles:
 def worst_angles(values: ComplexArray, lines: Sequence[OrderLine], grid: BlockGrid, shares: Shares = ()) -> WorstAngles:
     """Engine delays in rad, and signs of contributions, with the largest half range of the sum of all order lines."""
     motions = [_Motion.of(values, lines, grid, number, shares) for number in range(len(grid.places))]
+    # max over angles of (max - min) = max over tau of sum_b max over a_b of x_b(a_b + tau) - x_b(a_b): every engine
+    # may begin its rise where it likes, so that only tau is common.
     rises = sum(np.tile(one.rises, grid.points // one.rises.shape[2]) for one in motions)
     best: _Found | None = None
     for lag in highest_maxima(np.asarray(rises)):
@@ -73,6 +75,7 @@ def worst_angles(values: ComplexArray, lines: Sequence[OrderLine], grid: BlockGr
             count = len(shares[place][1])
             signs[place] = own[:, :, first : first + count]
             first += count
+    # Engine b begins to rise at its own angle a_b; delayed by a_0 - a_b it does so together with the first.
     return WorstAngles(tuple(best.starts[0] - start for start in best.starts), tuple(signs))
 
 
@@ -113,6 +116,7 @@ class _Motion:
             first += len(contributions)
         angles = 2 * np.pi * float(grid.cycle) / grid.points * np.arange(period)
         basis = np.exp(1j * np.outer(rates, angles))
+        # x(phi) = Re sum_l X_l exp(j r_l phi) over the period of the block, and the same of every share.
         wave = np.einsum("slo,lm->som", amplitudes, basis).real
         waves = np.einsum("kslo,lm->ksom", free, basis).real
         return cls(amplitudes, free, rates, wave, waves, _rises(wave, waves), of_shares)
@@ -121,6 +125,7 @@ class _Motion:
         """Index (n_speeds, n_out) of the grid step where the largest rise over ``lag`` steps begins, and signs."""
         period = self.wave.shape[2]
         later = (np.arange(period) + lag[..., None]) % period
+        # Each share takes the sign that adds to this rise: its part is |change|.
         changes = [np.take_along_axis(one, later, axis=2) - one for one in self.waves]
         rise = np.take_along_axis(self.wave, later, axis=2) - self.wave + sum(map(np.abs, changes))
         start = _first_of_largest(rise)
@@ -153,6 +158,7 @@ def _rises(wave: FloatArray, waves: FloatArray) -> FloatArray:
     """Largest rise of a periodic wave, in its unit, over each number of grid steps, shape (n_speeds, n_out, period)."""
     period = wave.shape[2]
     found = np.empty_like(wave)
+    # Two periods in a row, so that a lag is a slice of them.
     twice = np.concatenate([wave, wave], axis=2)
     others = np.concatenate([waves, waves], axis=3)
     for lag in range(period):
@@ -166,6 +172,7 @@ def _rises(wave: FloatArray, waves: FloatArray) -> FloatArray:
 def highest_maxima(rises: FloatArray) -> list[IntArray]:
     """List of the grid steps (n_speeds, n_out) of highest local maxima of rises along the last axis, highest first."""
     top = rises.max(axis=2, keepdims=True)
+    # In steps of EQUAL_SHARE, so that among equal maxima the first is taken and rounding does not choose.
     level = np.round(rises / np.where(top > 0, top, 1) / EQUAL_SHARE) * EQUAL_SHARE
     is_crest = (level >= np.roll(level, 1, axis=2)) & (level >= np.roll(level, -1, axis=2))
     order = np.argsort(-np.where(is_crest, level, -1), axis=2, kind="stable")
@@ -189,6 +196,7 @@ def _followed(motions: Sequence[_Motion], lag: IntArray, step: float) -> _Found:
     for _ in range(NEWTON_STEPS):
         starts, tau = _newton(motions, amplitudes, starts, tau, step)
         size = _range(motions, amplitudes, starts, tau)
+        # A step of Newton may overshoot: the best of all iterates counts.
         better = size > top * (1 + EQUAL_SHARE)
         best = [np.where(better, new, old) for new, old in zip(starts, best, strict=True)]
         top = np.maximum(size, top)
@@ -217,6 +225,8 @@ def _newton(
     """
     slope, curvature = np.zeros_like(tau), np.zeros_like(tau)
     each = []
+    # R = sum_b x_b(a_b + tau) - x_b(a_b), with gradients x_b'(a_b + tau) - x_b'(a_b) to a_b and sum_b x_b'(a_b +
+    # tau) to tau.
     for one, own, start in zip(motions, amplitudes, starts, strict=True):
         first, second = (_derivative(one.rates, own, start + tau, order) for order in (1, 2))
         gradient = first - _derivative(one.rates, own, start, 1)
@@ -224,9 +234,11 @@ def _newton(
         is_top = bend < 0
         inverse = np.divide(1.0, bend, out=np.zeros_like(bend), where=is_top)
         each.append((gradient, second, inverse))
+        # Schur complement: the a_b are eliminated one by one, as they meet each other only through tau.
         slope += first - second * gradient * inverse
         curvature += second - second**2 * inverse
     change = np.divide(-slope, curvature, out=np.zeros_like(slope), where=curvature < 0)
+    # No further than a step of the grid, or the search would leave its maximum.
     change = np.clip(change, -step, step)
     moved = [
         start + np.clip(-(gradient + second * change) * inverse, -step, step)
@@ -331,6 +343,7 @@ def at_worst_angles(values: ComplexArray, lines: Sequence[OrderLine], shares: Sh
                 delays.setdefault(block, np.zeros((len(values), values.shape[2])))[part] = delay
     together = values.copy()
     for (own_lines, contributions), own in zip(shares, signs, strict=True):
+        # Contributions with their signs belong to an engine and are turned with it below.
         together[:, own_lines] += np.einsum("kslo,sok->slo", contributions, own)
     return at_engine_angles(together, lines, delays, tuple(signs))
 
@@ -347,7 +360,9 @@ def at_engine_angles(
         for block in blocks[1:]:
             period = _period(values, lines, [blocks[0], block] if len(blocks) == 2 else [block])
             delay = delays[block] % period
+            # A delay of a whole period is none.
             delay[np.isclose(delay, period, rtol=EQUAL_ANGLE, atol=EQUAL_ANGLE)] = 0.0
+            # An angle of the reference shaft times the ratio is one of the engine's crankshaft.
             ratio = _ratio(lines, block)
             angles.append(EngineAngle(block.engine, blocks[0].engine, delay * ratio, period * ratio))
     return AmplitudesAtAngles(with_engines_delayed(values, lines, angles), engines_as_one(lines), tuple(angles), signs)
@@ -360,6 +375,7 @@ def _period(values: ComplexArray, lines: Sequence[OrderLine], blocks: Sequence[E
     """
     moving = [[at for at in block.places if lines[at].relative] for block in blocks]
     whole = greatest_common_divisor(lines[at].relative for places in moving for at in places)
+    # A shift by the own period of either engine changes nothing: the angle repeats with the lcm of their symmetries.
     repeats = np.ones((len(values), values.shape[2]), dtype=np.int64)
     for places in moving:
         counts = np.array([int(lines[at].relative / whole) for at in places])
@@ -383,6 +399,7 @@ def with_engines_delayed(
     for block in engine_blocks(lines):
         if block.engine in known:
             rates = np.array([float(lines[at].relative) for at in block.places]) / _ratio(lines, block)
+            # T(phi - alpha): a delay by the crank angle alpha turns order h of the engine by -h alpha.
             found[:, block.places] *= np.exp(-1j * sense * rates[:, None] * known[block.engine][:, None, :])
     return found
 

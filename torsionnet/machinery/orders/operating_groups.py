@@ -132,6 +132,7 @@ def batch_over_speeds(
         return None
     values = values_at_speeds(drivetrain, reference, speeds, settled)
     batch = plan.batch({name: [one[name] for one in values] for name in following})
+    # A speed at which rows or sizes of the system differ, or nothing can be solved, needs drivetrains of its own.
     return None if (batch.impossible | batch.separate).any() else batch
 
 
@@ -202,6 +203,7 @@ def values_by_vibration(
     values = np.array([np.full(len(speeds), float(one.table[0][1].value)) for one in tables.values()])
     length, before = np.ones(len(speeds)), np.full(len(speeds), np.inf)
     for _ in range(MOST_ITERATIONS):
+        # Fixed point v = f(|T|(v)): the values make a vibration, its half range gives the next values.
         sizes = vibration(elements, dict(zip(tables, values, strict=True)))[:, columns].T
         wanted = np.array([_clamped(one.table, size) for one, size in zip(tables.values(), sizes, strict=True)])
         moved = (np.abs(wanted - values) / np.abs(wanted).max(axis=1, keepdims=True)).max(axis=0)
@@ -209,6 +211,7 @@ def values_by_vibration(
             for (name, one), size in zip(tables.items(), sizes, strict=True):
                 _require_inside(name, one.of, one.table, size, speeds)
             return dict(zip(tables, wanted, strict=True))
+        # A speed that swings or hardly converges goes half as far each time, on its own.
         length = np.where(moved > SLOW_CONVERGENCE * before, length / 2, length)
         before = moved
         values = values + length * (wanted - values)

@@ -134,6 +134,7 @@ def _phase_degrees(pair: OrderPair) -> tuple[float | None, float | None]:
     products = np.conj(pair.calculated) * pair.measured
     if not pair.has_phase or not products.any():
         return None, None
+    # arg(conj(model) test), weighted with |model||test|: where both are small noise makes the phase.
     degrees, weights = np.degrees(np.angle(products)), np.abs(products)
     rms = float(np.sqrt((weights * degrees**2).sum() / weights.sum()))
     return float(degrees[int(np.argmax(np.abs(pair.measured)))]), rms
@@ -192,9 +193,11 @@ def _judged(pair: OrderPair) -> DifferenceExplanation:
         return DifferenceExplanation(NOT_RESOLVED, UNRESOLVED, pair.calculated)
     if agrees:
         return DifferenceExplanation(AGREES, "", pair.calculated)
+    # Weights of least squares: inverse variances.
     weights = 1 / widths**2
     sizes = consistent(amplitude_scores(np.abs(pair.measured), np.abs(pair.calculated), widths))
     holding = {one.verdict: one for one in explanations(pair, weights) if holds(one, pair)}
+    # h alpha and -h Omega tau differ only by the change of speed: a narrow range cannot tell them apart.
     if OFFSET in holding and DELAY in holding and WRONG_SIGN not in holding:
         offset, delay = holding[OFFSET], holding[DELAY]
         text = phrase(
@@ -284,6 +287,7 @@ def compared_orders(
         )
         bound = largest_amplitudes(response, lines, place)
         if bound is None:
+            # Known phases: complex values are interpolated, which run smoothly through a resonance.
             values = response.values[:, lines, place].sum(axis=1)
             at = between_speeds(speeds, values[rising], kept.speeds)
         else:

@@ -129,16 +129,21 @@ def explanations(pair: OrderPair, weights: FloatArray) -> Iterator[DifferenceExp
     power = float((weights * np.abs(model) ** 2).sum())
     if not power:
         return
+    # Least squares of test = a model: a = sum w conj(m) t / sum w |m|^2. Offset, delay and factor each leave one
+    # part of a free.
     products = weights * np.conj(model) * pair.measured
     if pair.has_phase:
         yield DifferenceExplanation(WRONG_SIGN, "the signal has the opposite sign", -model, 0)
+        # |a| = 1: the best turn is arg of the sum; a zero of the angle later by alpha turns order h by h alpha.
         turn = float(np.angle(products.sum()))
         offset = turn / pair.order
         yield DifferenceExplanation(OFFSET, offset_words(offset), model * np.exp(1j * turn), offset=offset)
         if len(pair.speeds) > 1:
+            # A signal late by tau is turned by -h Omega tau, which grows with the speed as an offset does not.
             omega = pair.order * pair.speeds
             delay = best_turn(-omega, products, -LONGEST_DELAY, LONGEST_DELAY)
             yield DifferenceExplanation(DELAY, delay_words(delay), model * np.exp(-1j * omega * delay), delay=delay)
+    # a real: a = Re sum / power. At or below 0 it would be a wrong sign and no factor.
     factor = float(products.sum().real) / power
     if factor > 0:
         share = f"{abs(factor - 1) * 100:.3g}"
@@ -214,6 +219,7 @@ def damping_difference(pair: OrderPair) -> str:
     for speeds, values in ((pair.speeds, pair.measured), (pair.curve_speeds, pair.curve)):
         size = np.abs(values)
         at = int(size.argmax())
+        # Half-power points of the peak, 1/sqrt(2) of its height.
         level = size[at] / math.sqrt(2)
         left, right = np.flatnonzero(size[:at] < level), np.flatnonzero(size[at:] < level)
         if not len(left) or not len(right) or right[0] + at - left[-1] <= FEWEST_OF_PEAK:
@@ -223,9 +229,11 @@ def damping_difference(pair: OrderPair) -> str:
         high = np.interp(level, size[[end, end - 1]], speeds[[end, end - 1]])
         heights.append(float(size[at]))
         widths.append(float(high - low))
+    # For the same torque height ~ 1/zeta and width ~ zeta: other damping leaves height times width as it is.
     height, width = heights[0] / heights[1], widths[0] / widths[1]
     if abs(math.log(height * width)) > DAMPING_TOLERANCE or abs(math.log(width)) < DAMPING_TOLERANCE:
         return ""
+    # Ratio of the dampings, the geometric mean of its two estimates: width and 1/height.
     damping = math.sqrt(width / height)
     return phrase(
         "the peak is {height:.3g} times as high and {width:.3g} times as wide as calculated, as with "
@@ -246,6 +254,7 @@ def peak_shift(pair: OrderPair, half_width: float) -> str:
     at, of = int(test.argmax()), int(curve.argmax())
     if at in (0, len(test) - 1) or of in (0, len(curve) - 1):
         return ""  # a maximum at an end of the speeds is no peak
+    # Speeds whose amplitudes lie within an interval of the highest: any of them may be that of the measured peak.
     near = np.flatnonzero(test >= test[at] - half_width)
     low, high = pair.speeds[max(near[0] - 1, 0)], pair.speeds[min(near[-1] + 1, len(test) - 1)]
     if low <= speeds[of] <= high:
@@ -284,6 +293,7 @@ def common_turn(pairs: Sequence[OrderPair]) -> str:
     if before < LEAST_SHARE * len(used):
         return ""
     products = np.conj(model) * test
+    # Offsets a period apart turn all orders alike: one period is searched, around 0.
     period = _period([pair.order for pair in used])
     offset = best_turn(orders, products, -period / 2, period / 2)
     delay = best_turn(-omega, products, -LONGEST_DELAY, LONGEST_DELAY)
@@ -294,6 +304,7 @@ def common_turn(pairs: Sequence[OrderPair]) -> str:
     }
     left = {words: float((np.abs(test - model * turn) ** 2).sum()) for words, turn in turned.items()}
     words = min(left, key=left.__getitem__)
+    # Offset and delay have one free number each, so that the smaller remainder decides between them.
     removed = 1 - left[words] / before
     if removed < LEAST_EXPLAINED:
         return ""
@@ -308,4 +319,5 @@ def _period(orders: Sequence[float]) -> float:
     """Angle in rad of the reference shaft after which the phases of all orders repeat; a four-stroke cycle at most."""
     halves = [round(2 * order) for order in orders]
     whole = all(math.isclose(half, 2 * order, rel_tol=1e-6) for half, order in zip(halves, orders, strict=True))
+    # Orders m/2: an angle alpha turns them by m alpha/2, whole turns for all at alpha = 4 pi/gcd(m).
     return 4 * math.pi / math.gcd(*halves) if whole else 4 * math.pi

@@ -119,6 +119,8 @@ class OrderResponse(NotebookResult):
 
         None without a cycle.
         """
+        # A fixed frequency has no whole number of periods in any number of revolutions, and engines at unknown angles
+        # have no one sum to repeat.
         if any(line.fixed for line in self.lines) or len(engine_blocks(self.lines)) > 1:
             return None
         return common_cycle([line.relative for line in self.lines])
@@ -159,6 +161,7 @@ class OrderResponse(NotebookResult):
         if len({self.lines[place].relative for place in found}) > 1:
             names = " and ".join(self.lines[place].excitation for place in found)
             raise UsageError(f"order {order:g} of {names} is not one frequency; say which excitation")
+        # Lines of one order and speed keep their phases to each other: complex values add.
         return np.asarray(self.values[:, found, self.output(output)].sum(axis=1))
 
     def amplitude_of_order(self, order: float, output: str | None = None) -> FloatArray:
@@ -178,6 +181,7 @@ class OrderResponse(NotebookResult):
         place = self.output(output)
         has_it = [not line.fixed and math.isclose(line.order, order) for line in self.lines]
         each = [self.values[:, [at for at in block.places if has_it[at]], place].sum(axis=1) for block in blocks]
+        # One order of engines at a free angle to each other: sum of |X|, which some angle reaches.
         return np.asarray(np.abs(each).sum(axis=0))
 
     def of_frequency(self, hertz: float, output: str | None = None, excitation: str | None = None) -> ComplexArray:
@@ -230,6 +234,7 @@ class OrderResponse(NotebookResult):
             return replace(self, values=worst.values, lines=worst.lines).bounds
         found = np.zeros((2, len(self.speeds), len(self.outputs)))
         for places, counts in self._families():
+            # Phases without a cycle drift through all positions: the extremes are +-sum |X|.
             alone = np.abs(self.values[:, places]).sum(axis=1)
             found += [alone, -alone] if counts is None else cycle_extremes(self.values[:, places], counts)
         return found
@@ -253,6 +258,8 @@ class OrderResponse(NotebookResult):
         families: dict[object, list[int]] = {}
         for place in block:
             line = self.lines[place]
+            # Lines locked to each other: those of one shaft, all constant frequencies, and a slip with lines of the
+            # same slip.
             family = ("fixed" if not line.order else (line.relative, line.fixed)) if line.fixed else line.ratio
             families.setdefault(family, []).append(place)
         for places in families.values():
@@ -261,6 +268,7 @@ class OrderResponse(NotebookResult):
                 yield places, None
                 continue
             rates = [near_fraction(line.fixed) if line.fixed else line.exact_order for line in lines]
+            # Constant frequencies have no revolutions: their common cycle is counted in periods of the highest one.
             top = max(rates)
             cycle = common_cycle([rate / top for rate in rates] if lines[0].fixed else rates)
             if cycle is None:
@@ -312,6 +320,7 @@ class OrderResponse(NotebookResult):
     @cached_property
     def rms(self) -> FloatArray:
         """Root mean square of the sum of all orders in SI units of the outputs, shape (n_speeds, n_out)."""
+        # Parseval: x_rms^2 = sum |X_f|^2/2 over different frequencies, hence lines of one frequency are added first.
         return np.asarray(np.sqrt((np.abs(self.by_frequency()) ** 2).sum(axis=1) / 2))
 
     def notebook_tables(self) -> tuple[Table, ...]:
@@ -324,6 +333,7 @@ class OrderResponse(NotebookResult):
         channel, total = self.outputs[place], self.half_range[:, place]
         scale, worst = conventions.scale(channel.unit), int(np.argmax(total))
         sizes, shown = self.sizes[:, :, place], np.abs(self.values[worst, :, place])
+        # Ranked by the peak of each order wherever it lies, not by its share at the speed of the largest sum.
         chosen = np.argsort(-sizes.max(axis=0), kind="stable")[:most]
         exact = self.revolutions is not None
         first = "synthesised, half range" if exact else f"half ranges {self._of_whom}, added"

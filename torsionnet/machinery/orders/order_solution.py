@@ -61,6 +61,7 @@ def orders_at_speeds(
     """
     request = OrderRequest.of(drivetrain, speeds, speed_of, excitations)
     found = _responses(request, outputs, settled_values(request))
+    # Laws given by tables over frequency are read at every line frequency, which the tables may not cover.
     read = range_notes(drivetrain.assembly, np.abs(found.frequencies))
     notes = (*running_notes(drivetrain.definition), *read)
     return replace(found, notes=notes) if notes else found
@@ -70,6 +71,7 @@ def settled_values(request: OrderRequest) -> IteratedValues:
     """Values (n_speeds,) in SI units of the parameters that depend on vibration, at the speeds of an order request."""
 
     def vibration(elements: Sequence[str], settled: IteratedValues) -> FloatArray:
+        # A law that follows the vibration means the half range of the sum of all orders, not that of one order.
         return _responses(request, [Sensor("torque", name) for name in elements], settled).half_range
 
     return values_by_vibration(request.drivetrain.definition, request.speeds, vibration)
@@ -151,6 +153,7 @@ class OrderRequest:
                 OrderLine(name, 0.0, abs(self.ratios[name]), engine=self.engines.get(name, "")),
                 one,
                 self.senses[name],
+                # An excitation is given over the speed of its own shaft, |i| Omega
                 one.torques(at * abs(float(self.ratios[name]))),
             )
             for name, one in self.excitations.items()
@@ -163,6 +166,7 @@ class OrderRequest:
             for channel, amplitudes in each.loads.items():
                 loads[:, first : first + len(each.lines), inputs.index(channel)] = amplitudes
             first += len(each.lines)
+        # f = h |i| Omega/2pi + f_fixed for every line; a slip runs against the speed and may pass 0 Hz.
         turning = at[:, None] * np.array([float(line.relative) for line in lines]) / (2 * math.pi)
         hertz = turning + np.array([line.fixed for line in lines])
         hertz[np.abs(hertz) < ZERO_FREQUENCY * np.abs(turning)] = 0
@@ -213,6 +217,7 @@ def input_senses(drivetrain: AssembledModel, one: OrderExcitation, reference: st
     """
     if one.element_entry is not None:
         name = one.element_entry[1]
+        # The law has gamma = row @ theta: an angle e of the shaft at its end changes gamma by row[shaft] e.
         row = drivetrain.assembly.laws[law_of_imposed_twist(drivetrain.assembly, name)].row
         return {name: float(row[one.shaft]) * _sense(drivetrain, one.shaft, reference)}
     holds_row = drivetrain.assembly.kinematics.holds_row
@@ -249,6 +254,8 @@ def _acts(line: OrderLine, one: OrderExcitation, senses: Senses, found: OrderTor
         )
     columns = {place: column for column, place in enumerate(found.nodes) if place in senses}
     inputs = {place: (one.channel(place), senses[place]) for place in columns}
+    # Orders are positive in the sense in which their shaft turns; the sign takes them to the positive angle of the
+    # node.
     loads = {channel: sense * found.amplitudes[:, :, columns[place]] for place, (channel, sense) in inputs.items()}
     return ExcitationLines(line.excitation, lines, loads, found, inputs)
 
@@ -282,6 +289,7 @@ class OrderLoads:
 
     def response(self, gains: ComplexArray, channels: tuple[Channel, ...]) -> OrderResponse:
         """Order response, by superposition of unit-input responses ``gains`` (n_speeds, n_lines, n_out, n_inputs)."""
+        # X = H(f) F, summed over the inputs of every line at its own frequency.
         values = np.einsum("slon,sln->slo", gains, self.loads)
         return _worst(
             OrderResponse(self.speeds, self.reference, self.lines, values, channels),
@@ -335,6 +343,7 @@ def _worst(
     first = 0
     for each in acting:
         lines = slice(first, first := first + len(each.lines))
+        # Deviations act at the frequencies of the nominal torques, so that the same receptances serve for them.
         columns = {node: (inputs.index(channel), sense) for node, (channel, sense) in each.inputs.items()}
         for shares, those in ((each.torques.alternatives, alternatives), (each.torques.scatter, scatter)):
             if shares is not None:
@@ -349,6 +358,7 @@ def _gains(
 
     A line at 0 Hz, as that of the slip at synchronous speed, has the response 0.
     """
+    # D(s) is the same at all speeds: a frequency that several lines or speeds share is solved once.
     frequencies = loads.frequencies
     still = frequencies == 0
     response = shared_response(drivetrain, outputs, list(loads.inputs), frequencies[~still])
@@ -381,6 +391,7 @@ def _at_own(
 
     The function ``solved`` takes Hz (n_speeds, n_f) and returns (n_speeds, n_f, n_out, n_inputs).
     """
+    # Columns that are equal at every speed, as of two excitations of one order, are solved once.
     frequencies, where = np.unique(np.abs(hertz), axis=1, return_inverse=True)
     still = frequencies == 0
     frequencies[still] = 1.0  # any value: the response there is set to 0 below
@@ -392,6 +403,7 @@ def _at_own(
 
 def _forward(gains: ComplexArray, hertz: FloatArray) -> ComplexArray:
     """Responses at line frequencies of either sign, conjugates of those at the magnitude where it is negative."""
+    # x(t) is real: H(-omega) is the conjugate of H(omega).
     backward = hertz < 0
     if backward.any():
         gains[backward] = gains[backward].conj()

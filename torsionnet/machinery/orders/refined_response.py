@@ -75,6 +75,8 @@ class ExaminedSpeeds:
             return self.request.speeds
         speeds = fill_speed_gaps(self.request.speeds)
         lines = self.request.loads(self.request.speeds[:1]).lines
+        # A lightly damped resonance may be narrower than any step: its speed follows from the poles and no grid
+        # shows it.
         around = around_resonances(self.request.drivetrain, self.reference, lines, speeds)
         more = new_speeds(speeds, np.concatenate([around, breaks[np.isfinite(breaks)]]))
         return np.sort(np.concatenate([speeds, more]))
@@ -136,6 +138,7 @@ def order_response(
 
     def at(those: FloatArray) -> _Sized:
         run = orders_at_speeds(drivetrain, outputs, speeds=those, speed_of=examined.reference, excitations=acting)
+        # Sums of lines of one frequency peak at other speeds than their parts.
         return _Sized(run, run.half_range, np.concatenate([run.sizes, summed_sizes(run)], axis=1))
 
     found = at(examined.first(np.empty(0)))

@@ -116,6 +116,7 @@ def vertex_speed(speeds: FloatArray, values: FloatArray, at: int) -> float:
         return float(speeds[at])
     three = [before[-1], at, after[0]]
     with np.errstate(all="ignore"):
+        # Around a resonance u^-2 runs as a + b (n - n_0)^2, a parabola, where u itself is pointed.
         place, top, _ = _parabola(speeds[three], values[three] ** -2.0)
     inside = math.isfinite(top) and speeds[three[0]] <= place <= speeds[three[2]]
     return place if inside else float(speeds[at])
@@ -126,6 +127,7 @@ def _of_curve(speeds: FloatArray, curve: FloatArray, level: float | None) -> Ite
     if not len(known) or not curve[known].max() > 0:
         return
     best = float(curve[known].max())
+    # Stretches between speeds without a value are curves of their own.
     for run in np.split(known, np.flatnonzero(np.diff(known) > 1) + 1):
         x, u = speeds[run], curve[run]
         if len(run) > 2:
@@ -137,16 +139,21 @@ def _of_curve(speeds: FloatArray, curve: FloatArray, level: float | None) -> Ite
 
 def _around_maxima(x: FloatArray, u: FloatArray, best: float, level: float | None) -> Iterator[float]:
     for at in _maxima(u):
+        # A maximum at an end has the parabola of the three outermost points.
         middle = min(max(at, 1), len(x) - 2)
         three = slice(middle - 1, middle + 2)
         drop = float(u[at] - u[three].min())
         if max(u[at] - u[max(at - 1, 0)], u[at] - u[min(at + 1, len(x) - 1)]) <= RESOLVED_DROP * u[at] or u[at] <= 0:
             continue
         with np.errstate(all="ignore"):
+            # g = u^-2 is a parabola around a resonance; its minimum g_0 gives the height g_0^(-1/2).
             place, top, bend = _parabola(x[three], u[three] ** -2.0)
+        # What the curve may reach between the points, by the parabola and by the drop where the parabola misleads.
         highest = max(top**-0.5 if top > 0 else math.inf, float(u[at]) + HIDDEN_RISE_SHARE * drop)
         if highest < best and not (level is not None and u[at] < level <= highest):
             continue
+        # g = g_0 (1 + d) at a distance of sqrt(d g_0/bend): there u has dropped by d/2, so that the maximum counts
+        # as resolved.
         yield from _in_bracket(x, at, place, math.sqrt(RESOLVED_DROP * top / bend) if top > 0 and bend > 0 else 0.0)
 
 
@@ -159,6 +166,7 @@ def _around_minima(x: FloatArray, u: FloatArray, level: float) -> Iterator[float
         rise = float(u[three].max() - u[at])
         if rise <= RESOLVED_DROP * u[at] or u[at] - HIDDEN_RISE_SHARE * rise > level:
             continue
+        # Around an antiresonance u^2 is a parabola.
         place, bottom, bend = _parabola(x[three], u[three] ** 2.0)
         yield from _in_bracket(
             x, at, place, math.sqrt(RESOLVED_DROP * u[at] ** 2 / bend) if bottom > 0 and bend > 0 else 0.0
@@ -171,8 +179,12 @@ def _around_crossings(x: FloatArray, u: FloatArray, level: float) -> Iterator[fl
         low, high = float(x[at]), float(x[at + 1])
         if high - low <= RESOLVED_INTERVAL * high:
             continue
+        # Interpolated in log u, in which flanks of a resonance are straighter; the floor keeps the logarithm of a
+        # zero finite.
         before, after = (float(np.log(max(value, 1e-6 * level) / level)) for value in u[at : at + 2])
         place = low + (high - low) * before / (before - after)
+        # A speed on either side of the expected crossing leaves an interval that is short enough if it lies between
+        # them.
         half_width = RESOLVED_INTERVAL / 2 * high
         yield min(max(place - half_width, low), high)
         yield min(max(place + half_width, low), high)
@@ -205,6 +217,7 @@ def _parabola(x: FloatArray, g: FloatArray) -> tuple[float, float, float]:
     NaN if it has none.
     """
     h, k = float(x[1] - x[0]), float(x[2] - x[1])
+    # Divided differences, g = g_1 + slope (x - x_1) + bend (x - x_1)^2, also for uneven steps.
     left, right = float(g[1] - g[0]) / h, float(g[2] - g[1]) / k
     bend = (right - left) / (h + k)
     if not (bend > 0 and math.isfinite(bend)):

@@ -27,6 +27,7 @@ def common_cycle(relatives: Sequence[Fraction]) -> int | None:
 
     None if there are too many.
     """
+    # An order p/q in lowest terms has whole periods in N revolutions if q divides N.
     cycle = math.lcm(*(relative.denominator for relative in relatives))
     highest = max(relatives, default=Fraction(0))
     return cycle if cycle <= MOST_REVOLUTIONS and cycle * highest <= MOST_PERIODS else None
@@ -36,6 +37,7 @@ def waveforms(spectrum: ComplexArray, points: int | None = None) -> FloatArray:
     """Waveforms Re sum_k X_k exp(j k phi) at even steps of phi over a cycle, in the unit of X, (n_speeds, n_out, n)."""
     highest = spectrum.shape[1] - 1
     n = points or _even_steps(POINTS_PER_PERIOD * max(highest, 1))
+    # Sampling theorem: more than two points per period of the highest order.
     if n <= 2 * highest:
         raise UsageError(f"{n} points are too few for a waveform with {highest} periods; take more than {2 * highest}")
     # Waves that lie in one piece are made and searched in less than half the time.
@@ -43,6 +45,7 @@ def waveforms(spectrum: ComplexArray, points: int | None = None) -> FloatArray:
     if highest > MOST_PERIODS_BY_PRODUCT:
         rows[:, :, 0] *= 2  # irfft counts what is constant once, and all else twice
         return np.asarray(np.fft.irfft(rows, n) * (n / 2))
+    # Re X exp(j k phi) = Re X cos(k phi) - Im X sin(k phi), for all k at once as one product.
     parts = np.concatenate([rows.real, rows.imag], axis=-1)
     return np.asarray(parts @ _cosines(highest, n))
 
@@ -56,6 +59,7 @@ def _cosines(highest: int, n: int) -> FloatArray:
 
 def _even_steps(least: int) -> int:
     """Number of points of a waveform, at least ``least``, for which the Fourier transform is fast."""
+    # Lengths 2^m, 3 2^m and 5 2^m, the shortest of the three that suffices.
     return min(factor << max(0, math.ceil(math.log2(least / factor))) for factor in (1, 3, 5))
 
 
@@ -68,6 +72,7 @@ def _outermost(waves: FloatArray, at: NDArray[np.intp]) -> FloatArray:
     n = waves.shape[-1]
     around = ((at[:, :, None] + step) % n for step in (-1, 0, 1))
     before, peak, after = (np.take_along_axis(waves, place, axis=-1)[:, :, 0] for place in around)
+    # Parabola through three even points: it rises (y_1 - y_3)^2 / (8 (2 y_2 - y_1 - y_3)) above the middle one.
     curvature = before - 2 * peak + after
     with np.errstate(divide="ignore", invalid="ignore"):
         rise = np.where(curvature != 0, (before - after) ** 2 / (-8 * curvature), 0)
@@ -110,6 +115,7 @@ def cycle_extremes(amplitudes: ComplexArray, periods: Sequence[int]) -> FloatArr
     waves = np.zeros((len(amplitudes), amplitudes.shape[2], len(counts)), dtype=complex)
     for line, place in enumerate(np.searchsorted(counts, periods)):
         waves[:, :, place] += amplitudes[:, line]
+    # Counts with a common factor repeat that often in the cycle: one repetition has all extremes.
     counts //= max(1, math.gcd(*counts.tolist()))
     together = max(1, MOST_WAVEFORM_POINTS // (COARSE_POINTS_PER_PERIOD * int(counts[-1] + 1) * waves.shape[1]))
     parts = (waves[start : start + together] for start in range(0, len(waves), together))
@@ -121,14 +127,17 @@ def _of_part(amplitudes: ComplexArray, counts: NDArray[np.int64]) -> FloatArray:
     spectrum = np.zeros((len(amplitudes), int(counts[-1]) + 1, amplitudes.shape[1]), dtype=complex)
     spectrum[:, counts] = amplitudes.transpose(0, 2, 1)
     waves = waveforms(spectrum, max(COARSE_POINTS_PER_PERIOD * int(counts[-1]), 1))
+    # |x''| <= sum |X_l| c_l^2 bounds the rise between two points h apart by h^2/8 of it.
     rise = (2 * np.pi / waves.shape[2]) ** 2 / 8 * (np.abs(amplitudes) * np.square(counts)).sum(axis=2)
     highest = _highest(waves, rise, amplitudes, counts)
+    # The lowest value is that of -x, turned; the waves are negated in place since they are needed no more.
     return np.array([highest, -_highest(np.negative(waves, out=waves), rise, -amplitudes, counts)])
 
 
 def _highest(waves: FloatArray, rise: FloatArray, amplitudes: ComplexArray, counts: NDArray[np.int64]) -> FloatArray:
     found: FloatArray = waves.max(axis=2)
     n = waves.shape[2]
+    # Only a point within that rise of the highest one can have the true maximum beside it.
     speeds, outputs, points = np.nonzero(waves >= (found - rise)[:, :, None])
     here = waves[speeds, outputs, points]
     is_crest = here >= np.maximum(waves[speeds, outputs, points - 1], waves[speeds, outputs, (points + 1) % n])
@@ -146,7 +155,9 @@ def _tops(amplitudes: ComplexArray, counts: NDArray[np.int64], start: FloatArray
     low, high, angle = start - step, start + step, start
     for _ in range(NEWTON_STEPS):
         _, slope, curvature = series.at(angle)
+        # Where x' > 0 the maximum comes later: the bracket shrinks to that side.
         low, high = np.where(slope > 0, angle, low), np.where(slope > 0, high, angle)
+        # Newton for x' = 0 where x'' < 0; elsewhere, or out of the bracket, the step is a bisection.
         newton = angle - np.divide(slope, curvature, out=np.full_like(slope, np.inf), where=curvature < 0)
         angle = np.where((low <= newton) & (newton <= high), newton, (low + high) / 2)
     return np.asarray(series.at(angle)[0])
@@ -164,6 +175,7 @@ class _Series:
     def at(self, angle: FloatArray) -> FloatArray:
         """Value, slope per rad, curvature per rad^2 of waves, in their unit, each at its angle in rad, shape (3, n)."""
         turns = {gap: np.exp(1j * gap * angle) for gap in set(self.gaps)}
+        # Horner's rule in exp(j phi), from the highest count down, with the gaps between counts as powers.
         total = np.zeros(self.terms.shape[1:], dtype=complex)
         for terms, gap in zip(self.terms[::-1], self.gaps[::-1], strict=True):
             total += terms

@@ -88,10 +88,13 @@ def largest_amplitudes(values: ComplexArray, scatter: Sequence[Contributions]) -
     for one in scatter:
         centre, best = values[:, one.lines], found[:, one.lines]
         for edge in one.values:
+            # Im(share conj(edge)) has the sign of the side of the edge to which a share points: all on one side make
+            # a corner.
             product = one.values * edge.conj()
             is_along = np.abs(product.imag) <= PARALLEL * np.abs(product)
             signs = np.sign(np.where(is_along, product.real, product.imag))
             corner = (signs * one.values).sum(axis=0)
+            # The polygon is symmetric to its centre: every corner has an opposite one.
             best = np.maximum(best, np.maximum(np.abs(centre + corner), np.abs(centre - corner)))
         found[:, one.lines] = best
     return np.asarray(found)
@@ -101,6 +104,7 @@ def worst_combination(case: OrderResponse, scatter: Sequence[Contributions]) -> 
     """Order response with the worst signs of deviations, and these signs (n_speeds, n_out, n_contributions)."""
     signs = [np.ones((len(case.speeds), len(case.outputs), 0), dtype=np.int8)]
     values = case.values.copy()
+    # Excitations whose lines have a short common cycle scatter together, others each on its own.
     for group in [list(scatter)] if _repeats_soon(case) and scatter else [[one] for one in scatter]:
         parts = [slice(start, start + SPEEDS_PER_SEARCH) for start in range(0, len(case.speeds), SPEEDS_PER_SEARCH)]
         signs.append(np.concatenate([_signs(case, group, part) for part in parts]))
@@ -123,6 +127,7 @@ def _signs(case: OrderResponse, group: Sequence[Contributions], part: slice) -> 
     """
     base, *shares = _waves(case, group, part)
     high, low = _highest_and_lowest(base, np.array(shares))
+    # A share adds to max - min with the sign of its difference between the two instants.
     ends = [np.take_along_axis(np.array(shares), at[None, :, :, None], axis=3)[..., 0] for at in (high, low)]
     return np.moveaxis(np.sign(ends[0] - ends[1]), 0, -1).astype(np.int8)
 
@@ -156,12 +161,14 @@ def _highest_and_lowest(base: FloatArray, shares: FloatArray) -> tuple[NDArray[n
     """Indices (n_speeds, n_out) along the cycle of the highest and of the lowest value with the worst signs."""
     best = np.full(base.shape[:2], -np.inf)
     high, low = np.zeros(base.shape[:2], dtype=np.int64), np.zeros(base.shape[:2], dtype=np.int64)
+    # Starts all over the cycle, since improving one end at a time may stop at a local maximum.
     for start in range(0, base.shape[2], START_STRIDE):
         found = _differences(base, shares, np.full(base.shape[:2], start))
         at = np.argmax(found, axis=2)
         value = np.take_along_axis(found, at[..., None], axis=2)[..., 0]
         better = value > best
         best, high, low = np.where(better, value, best), np.where(better, start, high), np.where(better, at, low)
+    # In turn the best highest instant to this lowest one, and the best lowest to that.
     for _ in range(ROUNDS):
         high = np.argmax(_differences(-base, shares, low), axis=2)
         low = np.argmax(_differences(base, shares, high), axis=2)
@@ -206,6 +213,7 @@ def contributions(
     for number, (node, torque) in enumerate(zip(shares.nodes, shares.amplitudes, strict=True)):
         if node in columns:
             column, sign = columns[node]
+            # X = H T of one torque on one node.
             values[number] = sign * gains[:, lines, :, column] * torque[:, :, None]
     return Contributions(excitation, shares.labels, lines, values, shares.parts)
 
@@ -221,6 +229,7 @@ def worst_case(
     found = {}
     for label, (case, replaced) in cases.items():
         free = [one.without(replaced) for one in scatter]
+        # The largest amplitude of one line may come in another case than the largest half range of all.
         largest = np.maximum(largest, largest_amplitudes(case.values, free))
         found[label] = _at_its_worst(case, free)
     worst = [case for case, _, _ in found.values()]
@@ -284,6 +293,7 @@ def _cases(
     for choice in itertools.product(*named):
         values = nominal.values.copy()
         for one, (number, _) in zip(alternatives, choice, strict=True):
+            # Superposition: an alternative is a deviation from the nominal torques.
             values[:, one.lines] += one.values[number]
         parts = {(one.excitation, one.parts[number]) for one, (number, _) in zip(alternatives, choice, strict=True)}
         found[", ".join(label for _, label in choice)] = replace(nominal, values=values), parts

@@ -61,6 +61,8 @@ def _from_several(case: OrderResponse, blocks: Sequence[EngineBlock]) -> Delays:
     turn = 2 * np.pi * float(BlockGrid.of(case.lines, blocks).cycle)
     found = []
     for number in range(START_POSITIONS):
+        # Starts spread over the cycle, shifted by a third from engine to engine so that they do not all begin in
+        # step.
         start = {
             block: np.full(
                 (len(case.speeds), len(case.outputs)), turn * ((number * place / START_POSITIONS + place / 3) % 1)
@@ -95,6 +97,7 @@ def _least(
     waves = [_wave(case, values, places, np.asarray(step * np.arange(grid.points))) for places in grid.places]
     others = np.sum([wave for at, wave in enumerate(waves) if at != number], axis=0)
     moved = (others + np.roll(waves[number], steps, axis=2) for steps in range(grid.periods[number]))
+    # Range (max - min) of the others and this engine moved by every number of steps of its own period.
     ranges = np.stack([np.subtract(*extremes(wave)) for wave in moved], axis=2)
     best, size = delays[block], np.full(delays[block].shape, np.inf)
     for steps in highest_maxima(ranges.max(axis=2, keepdims=True) - ranges)[: REFINED_MINIMA[min(len(waves), 3)]]:
@@ -108,6 +111,7 @@ def _later(case: OrderResponse, delays: Mapping[EngineBlock, FloatArray]) -> Com
     found = case.values.copy()
     for block, delay in delays.items():
         rates = np.array([float(case.lines[at].relative) for at in block.places])
+        # T(phi - delta): a delay by delta of the reference shaft turns a line of relative order r by -r delta.
         found[:, block.places] *= np.exp(-1j * rates[:, None] * delay[:, None, :])
     return found
 
