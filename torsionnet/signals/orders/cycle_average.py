@@ -61,6 +61,7 @@ class CycleAverage:
         if not self.step:
             whole = max(count // self.cycles, 1)
             return np.array([*range(0, whole * self.cycles, self.cycles), count], dtype=np.intp)
+        # Mean speed of each cycle, and the step of speed in which it lies.
         speeds = np.diff(mean.angles) / np.diff(mean.ends)
         bins = np.floor(speeds / self.step)
         begins, last = [0], bins[0]
@@ -68,6 +69,7 @@ class CycleAverage:
             if bins[at] != last and at - begins[-1] >= FEWEST_PAIRS + 1:
                 begins.append(at)
                 last = bins[at]
+        # A last block too short for a scatter joins the one before.
         if count - begins[-1] < FEWEST_PAIRS + 1 and len(begins) > 1:
             begins.pop()
         return np.array([*begins, count], dtype=np.intp)
@@ -134,12 +136,15 @@ def averaged_blocks(
     for begin, end in pairwise(begins.tolist()):
         bounds = mean.ends[begin : end + 1]
         count, cycles = per_cycle(float(np.diff(bounds).max())), end - begin
+        # Even steps of the mean angle, over which orders are lines even where the speed changes.
         first = mean.angles[begin] + turn * np.arange(cycles * count) / count
         last = min(first[-1], mean.angles[-1])
         waves = read(mean.times_at(np.minimum(first, last)))
         waves = waves.reshape(len(waves), cycles, count)
         whole = np.ones(waves.shape[:2], dtype=bool) if lost is None else ~lost(bounds)
         waves = without_drift(waves, whole)
+        # Lines are turned to the phase mark, and divided by what interpolation between samples lets pass at the mean
+        # speed.
         turned = np.exp(-1j * orders * (mean.angles[begin] - zero)) / transmitted(
             (mean.angles[end] - mean.angles[begin]) / (bounds[-1] - bounds[0])
         )
@@ -154,6 +159,7 @@ def without_drift(waves: FloatArray, whole: NDArray[np.bool_]) -> FloatArray:
     means = waves.mean(axis=2)
     courses = means.copy()
     at = np.arange(means.shape[1])
+    # The mean of a lost cycle, which would bend the slope, comes from the cycles around.
     for course, kept in zip(courses, whole, strict=True):
         if kept.any() and not kept.all():
             course[~kept] = np.interp(at[~kept], at[kept], course[kept])
@@ -167,6 +173,8 @@ def _averaged(
 ) -> AveragedBlock:
     """Orders of signals from the pairs of cycles (n_signals, n_cycles, n) that are whole, NaN where too few are."""
     size, many = waves.shape[2], waves.shape[1] - 1
+    # Hann window over two cycles, folded onto one: lines at multiples of 1/cycle stay whole, and others leak far
+    # less.
     rising = 0.5 - 0.5 * np.cos(np.pi * (np.arange(size) + 0.5) / size)
     pairs = waves[:, :-1] * rising + waves[:, 1:] * rising[::-1]
     lines = 2 * np.fft.rfft(pairs, axis=2)[:, :, places] / size * turned
@@ -177,6 +185,7 @@ def _averaged(
     values = (kept * lines).sum(axis=1) / divisor
     rest = kept * (lines - values[:, None])
     if many >= FEWEST_PAIRS:
+        # A straight line over the block is taken out: in a run-up orders change by it, which is not scatter.
         place = np.arange(many)[:, None] - (many - 1) / 2
         centre = (kept * place).sum(axis=1) / divisor
         line = kept * (place - centre[:, None])
@@ -243,14 +252,17 @@ def half_widths(blocks: Sequence[AveragedBlock]) -> FloatArray:
     counts = np.array([block.count for block in blocks])[:, :, None]
     scatter = np.array([block.scatter for block in blocks])
     rho = _correlation(blocks, counts)
+    # n estimates that correlate by rho with their neighbours are worth n (1 - rho)/(1 + rho) independent ones.
     worth = np.maximum(counts * (1 - rho) / (1 + rho), 1.0)
     freedom = np.maximum(2 * (worth - 2), 1.0)
+    # Real and imaginary part have half the variance each; mean and slope take two of the estimates.
     spread = scatter / (2 * np.maximum(counts - 2, 1))
     found = t.ppf(LEVEL, freedom) * np.sqrt(spread / worth)
     found = np.where(counts < FEWEST_PAIRS, np.nan, found)
     values = np.array([block.values for block in blocks])
     bend = np.zeros(values.shape)
     if len(blocks) > 2:
+        # Second difference over blocks: where an order bends, as in a resonance, a block's mean misses its middle.
         inner = np.nan_to_num(np.abs(values[2:] - 2 * values[1:-1] + values[:-2])) * BEND_SHARE
         bend = np.concatenate([inner[:1], inner, inner[-1:]])
     return np.asarray(np.moveaxis(np.hypot(found, bend), 0, -1))

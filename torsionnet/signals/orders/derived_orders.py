@@ -111,11 +111,13 @@ def _half_width(tracked: TrackedOrders, places: NDArray[np.intp]) -> FloatArray:
     count = len(places)
     if count < FEWEST_VALUES:
         return np.asarray(own)
+    # An order changes with speed within its bin: only what a straight line over speed leaves is scatter.
     speeds = tracked.speeds[places] - tracked.speeds[places].mean()
     values = tracked.values[:, places]
     rest = values - values.mean(axis=1, keepdims=True)
     if (speeds**2).sum() > 0:
         rest = rest - np.outer((rest * speeds).sum(axis=1) / (speeds**2).sum(), speeds)
+    # Half of the variance for the real part, with two of the values used up by mean and slope.
     spread = (np.abs(rest) ** 2).sum(axis=1) / (2 * (count - 2))
     scatter = t.ppf(LEVEL, 2 * (count - 2)) * np.sqrt(spread / count)
     return np.asarray(np.fmax(own, scatter))

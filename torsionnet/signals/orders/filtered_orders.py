@@ -46,6 +46,7 @@ def crossing_notes(shafts: Sequence[tuple[MeanRotation, FloatArray]], times: Flo
             here, there = first.speed(times) / (2 * np.pi), second.speed(times) / (2 * np.pi)
             for one in own:
                 for two in other:
+                    # The orders cross where the difference of their frequencies changes its sign.
                     apart = one * here - two * there
                     if np.abs(apart).max() < LEAST_APART * np.abs(one * here).max():
                         continue
@@ -112,6 +113,7 @@ def filtered_orders(
             f"{max(end - begin, 0):.4g} s are too short for a bandwidth of {lowest:.3g} Hz, which needs more than "
             f"{1 / lowest:.3g} s: take a larger one"
         )
+    # Knots as the widest filter needs them, margins as the narrowest one remembers its ends.
     step = 1 / (COEFFICIENTS_PER_BANDWIDTH * highest)
     lines = 1 + 2 * sum(len(orders) for _, orders in shafts)
     margin = int(np.ceil(OVERLAP / lowest / step))
@@ -148,6 +150,8 @@ def _results(
         mark = zero if number == 0 else PhaseReference(float(shaft.angles[0]), "")
         kept = values[:, mine]
         within = settings.bandwidths(np.outer(orders, speeds / (2 * np.pi)))
+        # A value averages over the time 1/bandwidth, so the scatter of single cycles is larger by the root of their
+        # number.
         cycles = np.maximum(speeds / (2 * np.pi * shaft.cycle) / within, 1)
         seen = np.sqrt(cycles) * widths[:, mine]
         wide = np.hypot(widths[:, mine], one.uncertain(orders, speeds, seen) if number == 0 else 0.0)
@@ -173,6 +177,7 @@ def _remarks(one: Tracked, name: str) -> tuple[str, ...]:
 
 def half_ranges(values: ComplexArray, orders: FloatArray, cycle: int) -> FloatArray:
     """Half of (max - min) of the sum of orders over a cycle, (n_signals, n_times), in the unit of the orders."""
+    # Sixteen points per period of the highest order miss its extremes by 2 % at most.
     points = int(np.ceil(16 * max(orders.max(), 1) * cycle))
     angles = 2 * np.pi * cycle * np.arange(points) / points
     turning = np.exp(1j * np.outer(orders, angles))
@@ -212,14 +217,17 @@ def _segment(
     phase, width = np.concatenate(phases), np.concatenate(widths)
     least = width.min(axis=0, keepdims=True)
     filtered = EnvelopeFilter(at, phase, knots, np.concatenate([least, width]), settings.poles)
+    # White noise goes through the same filter, so that crossings, ends and a change of speed count as they are.
     noise = np.random.default_rng(NOISE_SEED).standard_normal((NOISE_DRAWS, len(at)))
     solved = filtered.solve(np.concatenate([values, noise]))
     own, drawn = solved[:, :, : len(values)], solved[:, :, len(values) :]
     _, envelopes = filtered.envelopes(own, times)
+    # What a second filtering takes from the envelopes stands for what the first one took: the bias.
     lost = np.abs(filtered.envelopes(filtered.lost(own), times)[1])
     passed = (np.abs(filtered.envelopes(drawn, middles)[1]) ** 2).mean(axis=0) / 2
     residual = _Residual.around(filtered, filtered.residual(own, values), phase, knots)
     reach = COEFFICIENTS_PER_BANDWIDTH
+    # Density of the noise: the power around an order in the residual, over the share that the filter leaves there.
     density = _mean_around(residual.power, 5 * reach) / _kept_of_noise(settings.poles)
     noise_width = np.sqrt(_at(np.maximum(_mean_around(passed, reach) * density, 0), middles, times))
     left = _at(residual.left(density), middles, times)
@@ -269,7 +277,9 @@ class _Residual:
         """Part of the envelope that is left in the residual, where it is larger than noise of the density leaves."""
         reach = LEFT_INTERVALS // 2
         samples = np.maximum(_mean_around(self.counts, reach), 1 / LEFT_INTERVALS)
+        # Twice the mean of residual times exp(-j phase) is the envelope that is left.
         mean = 2 * (_mean_around(self.sums.real, reach) + 1j * _mean_around(self.sums.imag, reach)) / samples
+        # Noise alone leaves a squared mean of 4 S/n from n samples of variance S.
         noise = 4 * density / (LEFT_INTERVALS * samples)
         return np.asarray(np.sqrt(np.maximum(np.abs(mean) ** 2 - NOISE_MULTIPLE * noise, 0)))
 

@@ -87,6 +87,7 @@ def _take(
     if angles[-1] <= angles[0]:
         raise UsageError(f"{name}: the angle falls: the shaft turns backwards there; say that the wheel is reversed")
     ends, found, sums = into
+    # Vibration may turn the angle back for a while: a cycle ends where its mark is passed for the first time.
     highest = np.maximum.accumulate(angles[:count])
     begin = len(ends)
     last = int(np.floor((highest[-1] - first) / turn * (1 + 1e-12)))
@@ -95,12 +96,15 @@ def _take(
         return 0
     spline = CubicSpline(times, angles)
     at = times[np.searchsorted(highest, marks - 1e-9 * turn).clip(0, count - 1)]
+    # Newton's steps to theta(t) = mark, from the first point at or beyond it.
     for _ in range(SECANT_STEPS):
         at = np.clip(at - (spline(at) - marks) / spline(at, 1), times[0], times[-1])
     values = spline(at)
     integral = spline.antiderivative()
     if begin:
         at, values = np.concatenate([[ends[-1]], at]), np.concatenate([[found[-1]], values])
+    # Integral of the angle beyond that at the beginning of each cycle: vibration that repeats with the cycle drops
+    # out.
     whole = np.diff(integral(at)) - values[:-1] * np.diff(at)
     fresh = slice(1, None) if begin else slice(None)
     ends.extend(at[fresh].tolist())
@@ -221,6 +225,7 @@ def mean_of_cycles(cycles: Cycles, cycle: int, name: str) -> MeanRotation:
         )
     degree = _odd_degree(count + 1)
     through = make_interp_spline(cycles.ends, cycles.angles, k=degree)
+    # The ends of cycles carry vibration still: a second spline corrects the first to the integrals over the cycles.
     rest = cycles.integrals - _integrals(through, cycles.ends, cycles.angles)
     sums = make_interp_spline(cycles.ends, np.concatenate([[0.0], np.cumsum(rest)]), k=degree)
     parts = (through, sums.derivative())
@@ -273,6 +278,7 @@ def _of_channel(recordings: Recordings, name: str) -> Iterator[tuple[FloatArray,
                 f"{name} is {signal.quantity or 'of no known quantity'}, and the rotation needs an angle or a speed of "
                 f"the shaft: say --quantity {name}=velocity, with its unit, or name another channel"
             )
+        # Trapezoidal rule, from the last sample of the block before on.
         values = signal.values if last is None else np.concatenate([[last], signal.values])
         steps = 0.5 * (values[1:] + values[:-1]) / block.sampling_rate
         angles = turned + np.cumsum(np.concatenate([[0.0] if last is None else [], steps]))

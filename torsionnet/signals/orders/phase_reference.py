@@ -108,7 +108,9 @@ def phase_reference(
         if index is None and not gap:
             mark, said = at, f"the pulse of {cam.name}"
         else:
+            # The cam comes once in a cycle, the mark in each turn: that mark begins the cycle which follows the cam.
             after = (mark - at) % turn
+            # Where both come nearly together, scatter decides which is first.
             if min(after, turn - after) < max(CLOSEST_CAM, 3 * spread):
                 raise UsageError(
                     f"{cam.name} comes {np.degrees(min(after, turn - after)):.2g} degrees from {said}: which of the "
@@ -136,8 +138,10 @@ def _angles_at(pulses: PulseChannel, mean: MeanRotation, wheel: WheelRotation | 
 
 def _mean_angle(angles: FloatArray, period: float, name: str) -> tuple[float, float]:
     """Mean and standard deviation in rad of the angles of pulses that come once in each period."""
+    # Mean and deviation on the circle: of R = |mean exp(j phi)| the deviation is sqrt(-2 ln R).
     turning = np.exp(2j * np.pi * angles / period).mean()
     spread = float(np.sqrt(abs(2 * np.log(max(abs(turning), 1e-300)))) * period / (2 * np.pi))
+    # As many pulses as periods, within a tenth.
     counted = len(angles) / max((angles[-1] - angles[0]) / period + 1, 1)
     if spread > LARGEST_SPREAD or not 0.9 < counted < 1.1:
         raise UsageError(

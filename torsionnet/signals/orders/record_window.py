@@ -67,6 +67,7 @@ def drop_outs(values: FloatArray) -> Stretches:
         if not 0 < run < len(lengths) - 1:
             continue
         before, after = slice(max(0, run - RUNS_AROUND), run), slice(run + 1, run + 1 + RUNS_AROUND)
+        # A held value lasts longer than what is usual around it; the longest of those may be drop-outs themselves.
         others = np.sort(np.concatenate([lengths[before], lengths[after]]))
         longer = lengths[run] / others[max(0, len(others) - 1 - SKIPPED_RUNS)]
         if longer <= 1:
@@ -97,6 +98,7 @@ def _without_limits(values: FloatArray, found: Stretches, span: float) -> Stretc
     levels = np.array([values[(first + last) // 2] for first, last in found])
     tolerance = FLAT_SHARE * span
     sorted_levels = np.sort(levels)
+    # A level that returns is one to which the signal comes by itself, as a stop or the range of an amplifier.
     alike = np.searchsorted(sorted_levels, levels + tolerance, "right") - np.searchsorted(
         sorted_levels, levels - tolerance
     )

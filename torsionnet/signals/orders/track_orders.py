@@ -151,6 +151,8 @@ def averaged_orders(
     bounds = shared.ends[begins]
     times = (bounds[1:] + bounds[:-1]) / 2
     speeds = np.diff(shared.angles[begins]) / np.diff(bounds)
+    # Errors of pulses count as far as the scatter of single cycles, sqrt(n) times that of the mean, does not show
+    # them.
     widths = np.hypot(scattered, one.uncertain(wanted, speeds, np.sqrt(counts)[:, None] * scattered))
     size = "blocks of whole cycles" if method.step else f"blocks of {method.cycles} cycles"
     said = f"synchronous average over {size} of {mean.cycle} turns, intervals from the scatter between cycles"
@@ -187,6 +189,7 @@ def _check_sampling(one: Tracked, mean: MeanRotation, order: float) -> None:
     """Refuse an order that is above half the sampling rate of a record at the highest speed, where it aliases."""
     speed = float(mean.speed(mean.ends[(mean.ends >= one.begin) & (mean.ends <= one.end)]).max(initial=0))
     rate = one.rate(speed)
+    # An order o at speed Omega vibrates with o Omega/(2 pi) Hz, half the sampling rate at most.
     if order * speed > np.pi * rate * (1 + 1e-6):
         raise UsageError(
             f"order {order:g} is above half the sampling rate of {rate:g} Hz at {speed * RPM:.6g} r/min, where orders "

@@ -72,6 +72,7 @@ class TrackingKernel:
     def weights(self, times: FloatArray, speed: float, order: float) -> FloatArray:
         """Relative weights at times in s from a value, shape (n,), at a speed in rad/s."""
         if self.revolutions:
+            # Flanks of half a cosine over the taper, 1 between them: the sum of Hann windows a cycle apart.
             inside = (self.revolutions / 2 - np.abs(times) * speed / (2 * np.pi)) / self.taper
             return np.asarray(0.5 - 0.5 * np.cos(np.pi * np.clip(inside, 0, 1)))
         at, heights = _filter_weights(self.poles)

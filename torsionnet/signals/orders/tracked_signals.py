@@ -164,6 +164,7 @@ def _sense(wheel: WheelRotation) -> float:
 def _of_wheels(parts: tuple[tuple[WheelRotation, float], ...], mean: MeanRotation, signal: Signal) -> Tracked:
     begin, end = max(wheel.times[0] for wheel, _ in parts), min(wheel.times[-1] for wheel, _ in parts)
     per_turn = max(wheel.wheel.teeth / abs(wheel.wheel.ratio) for wheel, _ in parts)
+    # The mean rotation is taken out as often as it is in the weighted angles, in a twist of like senses not at all.
     rest = sum(weight * _sense(wheel) for wheel, weight in parts)
 
     def read(times: FloatArray) -> FloatArray:
@@ -174,6 +175,7 @@ def _of_wheels(parts: tuple[tuple[WheelRotation, float], ...], mean: MeanRotatio
     def samples(start: float, stop: float) -> tuple[FloatArray, FloatArray]:
         bounds = np.array([max(start, begin, mean.ends[0]), min(stop, end, mean.ends[-1])])
         first, last = mean.angle(bounds)
+        # Half a pitch, so that there are two samples a tooth.
         step = np.pi / per_turn
         times = mean.times_at(step * np.arange(np.ceil(first / step), np.floor(last / step) + 1))
         return times, read(times)
@@ -181,6 +183,8 @@ def _of_wheels(parts: tuple[tuple[WheelRotation, float], ...], mean: MeanRotatio
     def uncertain(orders: FloatArray, speeds: FloatArray, seen: FloatArray) -> FloatArray:
         places, steps = np.zeros(len(orders)), np.zeros(len(speeds))
         for wheel, weight in parts:
+            # Errors of places are the same in each turn; those of times are independent, and n pulses leave 2/n of
+            # their square.
             places += (weight * _of_pattern(wheel, orders, mean)) ** 2
             pulses = (wheel.wheel.teeth - wheel.wheel.missing_teeth) * mean.cycle / wheel.wheel.ratio
             steps += 2 / pulses * (NORMAL_HALF_WIDTH * weight * wheel.deviations.time * speeds) ** 2
@@ -214,6 +218,7 @@ def _of_pattern(wheel: WheelRotation, orders: FloatArray, mean: MeanRotation) ->
     turned = mean.angle(times)
     line = np.polynomial.Polynomial.fit(turned, _sense(wheel) * wheel.angle(times) - turned, 1)
     vibration = _sense(wheel) * wheel.angle(times) - turned - line(turned)
+    # The vibration moves the errors in phase and in speed, and so some of them into orders beside the whole ones.
     moved = np.hypot(own * vibration.std() / wheel.wheel.ratio, np.gradient(vibration, turned).std())
     return np.asarray(half * np.where(np.abs(own - np.rint(own)) < WHOLE_ORDER, 1.0, moved))
 
@@ -224,6 +229,7 @@ def tracked_values(
     tracking: TrackingKernel, related_within: tuple[float, ...] = (),
 ) -> TrackedOrders:  # fmt: skip
     """Orders of one signal in SI, those whose sign is not known as amplitudes without a phase."""
+    # Where it is open which turn of the cycle is the first, half orders may have either sign.
     half = np.abs(orders - np.rint(orders)) > 1e-9
     undecided = half & (not zero.turn_known)
     values = np.where(undecided[:, None], np.abs(values), values)

@@ -90,6 +90,8 @@ class VoldKalman:
         response H = 1/(1 + (sqrt 2 - 1) (2f/bandwidth)^(2 poles)).
         """
         power = 2 * self.poles
+        # Response H = 1/(1 + x^2p): integrals over x of its powers n by I_(n+1) = I_n (1 - 1/(2 p n)), and I_1 from
+        # the sine.
         first = np.pi / power / np.sin(np.pi / power)
         of_squares = first * (1 - 1 / power)
         of_fourths = of_squares * (1 - 1 / (2 * power)) * (1 - 1 / (3 * power))
@@ -130,6 +132,7 @@ class EnvelopeFilter:
         inside = np.clip(times, self._edges[0], self._edges[-1])
         self._design: Any = BSpline.design_matrix(inside, self._full, SPLINE_DEGREE)
         self.count, self.width = len(knots) - 1 + SPLINE_DEGREE, 1 + 2 * len(phases)
+        # Normal equations (B^T B + W) c = B^T y of data and structure, banded as each spline spans a few knots.
         gram = self._gram()
         structure = self._structure(gram, bandwidths, step)
         self._weights = structure
@@ -148,6 +151,7 @@ class EnvelopeFilter:
 
     def _basis(self, part: slice) -> FloatArray:
         """Cosine and minus sine of each order at samples, with 1 for the mean, shape (n, 1 + 2 n_orders)."""
+        # y = mean + sum over the orders of Re X cos(phase) - Im X sin(phase).
         found = np.empty((part.stop - part.start, self.width))
         found[:, 0] = 1
         found[:, 1::2] = np.cos(self.phases[:, part]).T
@@ -178,6 +182,7 @@ class EnvelopeFilter:
     def _structure(self, gram: FloatArray, bandwidths: FloatArray, step: float) -> FloatArray:
         """Blocks of the structure equation's normal matrix: squared differences of coefficients, weighted."""
         poles, count = self.poles, self.count
+        # Row sums of the data's normal matrix: the weight with which samples hold a slowly varying envelope.
         diagonal = np.einsum("dcii->ci", gram[:1]) + 2 * np.einsum("dcii->ci", gram[1 : SPLINE_DEGREE + 1])
         edge = np.sqrt(2) - 1
         at = np.clip(np.arange(count) - 1, 0, bandwidths.shape[1] - 1)
@@ -187,6 +192,7 @@ class EnvelopeFilter:
         density[:] = typical
         inner = slice(SPLINE_DEGREE, count - SPLINE_DEGREE)
         density[inner] = _smooth(diagonal, COEFFICIENTS_PER_BANDWIDTH)[inner]
+        # The response is 1/sqrt(2) at half the bandwidth B: r (2 sin(pi B h/2))^2p = sqrt(2) - 1 over knots h apart.
         factor = edge * (2 * np.sin(np.pi * np.minimum(per_line * step, 1) / 2)) ** (-2.0 * poles)
         if factor.max() > WORST_CONDITION:
             raise UsageError(
@@ -194,6 +200,7 @@ class EnvelopeFilter:
                 "fewer poles"
             )
         weights = density * factor
+        # Difference of degree p: its signed binomials, multiplied in pairs, fill the bands.
         signs = np.array([(-1) ** k * comb(poles, k) for k in range(poles + 1)], dtype=float)
         found = np.zeros_like(gram)
         lines = np.arange(self.width)
@@ -207,6 +214,7 @@ class EnvelopeFilter:
     def _banded(self, blocks: FloatArray) -> FloatArray:
         reach, count, width, _ = blocks.shape
         found = np.zeros((reach * width, count * width))
+        # Lower bands as LAPACK stores them: the row says the distance below the diagonal.
         for distance in range(reach):
             for column in range(width):
                 first = column if distance == 0 else 0

@@ -118,11 +118,14 @@ def first_window(
     angle = 2 * np.pi * numbers / teeth
     powers = np.polynomial.legendre.legvander(place, MEAN_DEGREE)
     mean: FloatArray = np.asarray(np.linalg.lstsq(powers, angle, rcond=None)[0])
+    # theta(t) = mean + vibration, whose waves run over the mean: the mean is found first without them, then with
+    # them.
     for step in range(MEAN_STEPS):
         base = powers @ mean
         terms = np.hstack([powers, _waves(orders, base)])
         if step == MEAN_STEPS - 1:
             break
+        # The polynomial alone is moved on; the orders come from the last solution.
         mean += solved(terms, angle + positions[numbers % teeth] - base)[: MEAN_DEGREE + 1]
     speed = float(powers[-1] @ mean - powers[0] @ mean) / (end - begin)
     return Window(begin, end, speed, shown(terms, angle - base, numbers % teeth, teeth), mean)
@@ -139,6 +142,7 @@ def second_shown(
 
 def shown(terms: FloatArray, values: FloatArray, tooth: NDArray[np.intp], teeth: int) -> Shown:
     """Solution of the terms for the values (n,) in rad, and what an error of each tooth changes in it."""
+    # The solution is linear in the teeth: (A^T A)^-1 A^T P, where P puts teeth to pulses and A^T P are sums by tooth.
     sums = np.zeros((teeth, terms.shape[1]))
     np.add.at(sums, tooth, terms)
     counts = np.bincount(tooth, minlength=teeth)
@@ -235,13 +239,16 @@ def order_set(wheel: Wheel, cycle: int) -> OrderSet:
         Orders of the vibration that are nearly, but not quite, whole ones of the wheel.
     """
     highest = min(HIGHEST_SHARE * (wheel.teeth - wheel.missing_teeth) / 2, HIGHEST_ORDER)
+    # Vibration that repeats after some turns of the reference shaft has orders of the wheel in steps of ratio/cycle.
     step = wheel.ratio / cycle
     vibration = step * np.arange(1, int(highest / step + 1e-9) + 1)
     whole = np.arange(1, int(highest) + 1)
+    # Whole orders that vibration may have, too, have to be told apart; the others are the pattern's own.
     near = np.abs(vibration[:, None] - whole) if len(vibration) else np.ones((1, len(whole)))
     shared = frozenset(whole[(near < 1e-6).any(axis=0)].tolist())
     own = np.array([order for order in whole if order not in shared], dtype=float)
     orders = np.sort(np.concatenate([vibration, own]))
+    # Windows of n turns part orders that are 1/n apart.
     gap = float(np.diff(orders).min()) if len(orders) > 1 else 1.0
     revolutions = max(WINDOW_REVOLUTIONS, math.ceil(1 / gap))
     if revolutions > MOST_REVOLUTIONS:
@@ -302,6 +309,7 @@ def windows_of_test(
 
 def _numbers(name: str, places: FloatArray, wheel: Wheel) -> NDArray[np.intp]:
     """Teeth of the pulses of the second pickup, by where they fall in the pitches of the first one's rotation."""
+    # Mean pointer of the places within a pitch: near 1 where all pulses fall on the same place of it.
     pointer = complex(np.exp(2j * np.pi * places).mean())
     shift = float(np.angle(pointer)) / (2 * np.pi)
     pitch = 360 / wheel.teeth

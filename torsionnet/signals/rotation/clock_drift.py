@@ -98,6 +98,7 @@ def on_first_clock(recording: Recording, clocks: ClockDrift, like: Recording | N
     counted = f"{len(recording)} samples" if recording.signals else ""
     counted = ", ".join(filter(None, [counted, *(f"{len(one)} pulses of {one.name}" for one in pulses)]))
     note = f"{MOVED}, by {1e6 * clocks.drift:.4g} ppm and {clocks.offset:.6g} s: {counted}"
+    # A second of the first clock is 1 + drift seconds of the second, and holds as many samples more.
     rate = recording.sampling_rate * (1 + clocks.drift)
     moved = replace(recording, sampling_rate=rate, start=start, times=times, pulses=pulses)
     moved = moved.with_notes(note, *clocks.remarks)
@@ -165,6 +166,7 @@ def rotation_clocks(first: WheelRotation, second: WheelRotation, *, same_start: 
     sign = float(np.sign(_mean_speed(first) * _mean_speed(second)))
     free = _is_changing(first) and not same_start
     offset, drift = 0.0 if same_start else _coarse_offset(first, second, names, changing=free), 0.0
+    # Gauss-Newton: with the right clocks theta_2(offset + (1 + drift) t) and theta_1(t) differ by a constant alone.
     for _ in range(MOST_ITERATIONS):
         used = _inside(edges, second, offset, drift, names)
         times = (used[1:] + used[:-1]) / 2
@@ -176,6 +178,7 @@ def rotation_clocks(first: WheelRotation, second: WheelRotation, *, same_start: 
         drift, offset = drift + step, offset + shift
         if abs(drift) > MOST_DRIFT or max(abs(step), abs(shift)) < CONVERGED:
             break
+    # The constant says nothing of the clocks; what varies beyond it is twist and vibration, or another shaft.
     left = errors - errors.mean()
     if abs(drift) > MOST_DRIFT or float(np.sqrt(np.mean(left**2))) > MOST_DISAGREEMENT:
         raise UsageError(f"{names} do not show one rotation, or have no time in common; {COMMON}")
@@ -192,6 +195,7 @@ def _coarse_offset(first: WheelRotation, second: WheelRotation, names: str, *, c
     begin = float(second.times[0] - first.times[0])
     if not changing:
         return begin
+    # Intervals as long as the slowest cycle, so that each mean speed is over two turns or more.
     interval = float(np.diff(_cycle_times(first, names)).max())
     ours, theirs = (_even_speeds(rotation, interval) for rotation in (first, second))
     least, count = np.inf, min(len(ours), len(theirs))
@@ -227,6 +231,7 @@ def _result(
     times: FloatArray, left: FloatArray, rates: FloatArray, offset: float, drift: float,
     *, free: bool, same_start: bool, names: str,
 ) -> ClockDrift:  # fmt: skip
+    # Covariance s^2 (A^T A)^-1, with columns scaled to length 1, as the unknowns differ by decades in size.
     matrix = _columns(times, rates, free=free)
     deviation = np.sqrt(np.sum(left**2) / max(len(left) - matrix.shape[1], 1) * variance_factor(left))
     scale = np.sqrt(np.sum(matrix**2, axis=0))
@@ -234,6 +239,7 @@ def _result(
     half = HALF_WIDTH_DEVIATIONS * deviation * np.sqrt(np.diag(inverse)) / scale
     turn = 2 * np.pi / float(np.abs(rates).mean())
     said = f"clocks from {len(times)} averages of the rotation of {names}: {1e6 * drift:.4g} ppm"
+    # An interval as wide as a turn leaves the offset open: a turn earlier or later fits as well.
     if free and half[2] < turn / 2:
         return ClockDrift(drift, float(half[1]), offset, float(half[2]), 0.0, (f"{said}, offset {offset:.6g} s",))
     if same_start:
@@ -261,11 +267,13 @@ def _cycle_times(rotation: WheelRotation, names: str) -> FloatArray:
         raise UsageError(
             f"{names} have {2 * count} turns in common, clocks are compared from {2 * FEWEST_CYCLES} on; {COMMON}"
         )
+    # The ends need not be exact, as both records are averaged between the same times: linear between pulses does.
     return np.asarray(np.interp(CYCLE * np.arange(count + 1), angle, rotation.times))
 
 
 def _averages(rotation: WheelRotation, edges: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Angle in rad averaged between times in s, and speed in rad/s, (n - 1,) each."""
+    # Means over each cycle by the midpoint rule.
     share = (np.arange(POINTS_PER_CYCLE) + 0.5) / POINTS_PER_CYCLE
     points = edges[:-1, None] + np.diff(edges)[:, None] * share
     limits = rotation.times[[0, -1]]
@@ -322,6 +330,7 @@ def signal_clocks(first: Recording, second: Recording, name: str, *, seconds: fl
     if len(starts) < FEWEST_WINDOWS:
         raise UsageError(f"{name}: {len(starts)} windows are too few to compare clocks; record longer; {COMMON}")
     centres, delays, weights, period = list[float](), list[float](), list[float](), 0.0
+    # The starts of both records are the first guess; each window corrects it for the next.
     guess = second.start - first.start
     lag = MOST_LAG_SHARE * length / rate
     for begin in starts:
@@ -359,6 +368,8 @@ def _delay(ours: FloatArray, there: FloatArray, margin: int, rate: float) -> tup
     lags = np.arange(-margin, margin + 1)
     scores = np.empty(len(lags))
     count = len(a)
+    # Normalised cross-correlation sum a (b - mean b)/(|a| |b - mean b|); a is of mean 0, so that mean b drops out of
+    # the sum above.
     sums = np.correlate(there, a, "valid")
     squares = np.concatenate([[0.0], np.cumsum(there**2)])
     means = np.concatenate([[0.0], np.cumsum(there)])
@@ -368,10 +379,12 @@ def _delay(ours: FloatArray, there: FloatArray, margin: int, rate: float) -> tup
     if not size or scores[best] < LEAST_CORRELATION:
         return None
     shift = float(lags[best])
+    # Vertex of the parabola through the peak and its neighbours: the delay in parts of a sample.
     if 0 < best < len(scores) - 1:
         before, at, after = scores[best - 1 : best + 2]
         curve = before - 2 * at + after
         shift += 0.5 * float((before - after) / curve) if curve else 0.0
+    # Other peaks about as high are the same signal a period on: the delay is open by their distance.
     peaks = [n for n in range(1, len(scores) - 1) if scores[n] >= max(scores[n - 1], scores[n + 1]) and n != best]
     again = [abs(n - best) for n in peaks if scores[n] > SECOND_PEAK * scores[best]]
     return shift / rate, float(scores[best]), min(again) / rate if again else 0.0
@@ -379,11 +392,13 @@ def _delay(ours: FloatArray, there: FloatArray, margin: int, rate: float) -> tup
 
 def _line(times: FloatArray, delays: FloatArray, weights: FloatArray, period: float, name: str) -> ClockDrift:
     """Straight line through the delays in s over time in s: the slope is the drift."""
+    # delay = offset + drift t, each window weighted by its correlation.
     matrix = np.stack([np.ones(len(times)), times], axis=1)
     root = np.sqrt(weights)
     found = np.linalg.lstsq(matrix * root[:, None], delays * root, rcond=None)[0]
     left = delays - matrix @ found
     deviation = float(np.sqrt(np.sum(weights * left**2) / np.sum(weights) * len(left) / (len(left) - 2)))
+    # Covariance of offset and slope; neighbouring windows err alike, which the variance factor counts.
     inverse = np.linalg.inv(matrix.T @ matrix)
     half = HALF_WIDTH_DEVIATIONS * deviation * np.sqrt(np.diag(inverse) * variance_factor(left))
     said = f"clocks from the delay of {name} in {len(times)} windows: {1e6 * found[1]:.4g} ppm, offset {found[0]:.6g} s"

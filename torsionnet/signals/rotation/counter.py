@@ -210,6 +210,7 @@ def _unwrapped(name: str, counts: FloatArray, reading: PulseReading) -> tuple[Fl
         return counts, []
     span = 2.0**reading.bits
     remarks = list[NoteOrText]()
+    # Two's complement: a counter of n bits that was read with a sign shows its upper half as count - 2^n.
     if (counts < 0).any() and float(counts.min()) >= -span / 2 and float(counts.max()) < span / 2:
         remarks.append(f"counts from {counts.min():.0f}: read as numbers of {reading.bits} bits without a sign")
         counts = np.where(counts < 0, counts + span, counts)
@@ -219,6 +220,7 @@ def _unwrapped(name: str, counts: FloatArray, reading: PulseReading) -> tuple[Fl
             f"{name}: a counter of {reading.bits} bits counts from 0 to {span - 1:.0f}, pulse {beyond[0]} has "
             f"{counts[beyond[0]]:.0f}; correct bits"
         )
+    # A fall is one wrap of 2^n counts; that there were more cannot be seen from the counts.
     steps = np.diff(counts)
     wraps = steps < 0
     steps = np.where(wraps, steps + span, steps)
@@ -241,6 +243,7 @@ def _check_wraps(name: str, steps: FloatArray, span: float, reading: PulseReadin
     before, after = steps[:-1], steps[1:]
     # A double pulse makes one interval short, and the next is as long as ever; a speed too low keeps them short.
     beyond, earlier = np.append(steps[2:], 0.0), np.insert(steps[:-2], 0, 0.0)
+    # Of a shaft that slows down the later interval lacks a wrap, of one that speeds up the earlier.
     slower = (np.abs(after + span - before) < SAME_INTERVAL * before) & (beyond < NEAR_WRAP * before)
     faster = (np.abs(before + span - after) < SAME_INTERVAL * after) & (earlier < NEAR_WRAP * after)
     at = np.flatnonzero((before > NEAR_WRAP * span) & slower | (after > NEAR_WRAP * span) & faster)

@@ -61,6 +61,7 @@ def best_shift(name: str, positions: FloatArray, seen: FloatArray) -> int:
     """
     own, other = _compared(positions), _compared(seen)
     size = np.linalg.norm(own) * np.linalg.norm(other)
+    # Circular correlation over the teeth, by the product of the spectra, at each shift of one against the other.
     fits = np.fft.irfft(own * other.conj(), len(positions)) * len(positions) / 2 / size if size > 0 else None
     if fits is None:
         raise UsageError(f"{name}: the pattern is the same at every tooth, and says not which is the first")

@@ -81,6 +81,7 @@ class CalculatedOrders:
                 f"the test turns at {speeds.min() * RPM:.4g} to {speeds.max() * RPM:.4g} rpm, but orders were "
                 f"calculated for {self.speeds[0] * RPM:.4g} to {self.speeds[-1] * RPM:.4g} rpm"
             )
+        # From the zero of the calculation to tooth 0: X exp(j o zero).
         turning = np.exp(1j * order * self.zero)
         both = np.vstack([self.known[place], self.shapes[:, place]]) * turning
         found = self._between(both, np.clip(speeds, self.speeds[0], self.speeds[-1]))
@@ -159,6 +160,7 @@ def constant_part(
     >>> bool(abs(found.value - 3j) < 1e-9), bool(found.half_width < 1e-9)
     (True, True)
     """
+    # Columns scaled to a largest value of 1; those of no vibration at all would make the fit singular.
     sizes = np.abs(columns).max(axis=0, initial=0.0)
     columns = columns[:, sizes > 0] / sizes[sizes > 0]
     terms = np.column_stack([np.ones(len(values), dtype=complex), columns])
@@ -174,13 +176,16 @@ def constant_part(
     scatter, spread = np.sqrt(error), _spread(terms, np.ones(len(values)))
     value, between = complex(factors[0]), False
     places = np.array([terms[groups == group].mean(axis=0) for group in range(len(count))])
+    # Windows at one speed have what differs between the speeds in common: then the speeds count, not the windows.
     if unknown < len(count) < len(values):
         means = np.array([values[groups == group].mean() for group in range(len(count))])
         _, of_speeds, few = _fit(places, means, count.astype(float))
+        # Squares within the speeds are the whole ones less those between.
         rest = max(error * freedom - of_speeds * few, 0.0)
         inside = rest / (len(values) - len(count))
         if inside == 0 or of_speeds / inside > _fisher(2 * few, 2 * (len(values) - len(count))):
             error, freedom, between = of_speeds, few, True
+    # Real and imaginary part have half the variance each, and together twice the degrees of freedom.
     half = student(2 * freedom) * np.sqrt(error / 2) * spread
     if repeating is not None and not between:
         half = np.hypot(half, student(NORMAL) * np.sqrt(np.mean(repeating**2)) * _spread(places, np.ones(len(count))))
@@ -338,14 +343,18 @@ class PitchEvidence:
         """Order of the pattern from its amplitudes (n_windows,) in rad at both pickups."""
         gain = None if self.angle is None else float(pickup_gains(self.angle, [order])[0])
         relative = order / self.wheel.ratio
+        # Vibration has no such order: what is read there is -P alone.
         if not shared:
             return self._judged(order, self._alone(-first), NO_VIBRATION, gain)
+        # The second pickup, alpha behind, reads V - P exp(-j o alpha), the first V - P: in the difference V drops
+        # out.
         if second is not None and gain is not None and self.angle is not None and gain >= LEAST_GAIN:
             found = self._alone((second - first) / (1 - np.exp(-1j * order * self.angle)), np.sqrt(2) / gain)
             return self._judged(order, found, TWO_PICKUPS, gain)
         if self.calculated is not None:
             if self.calculated.place(relative) is None:
                 return self._judged(order, self._alone(-first), ABOVE_CALCULATED, gain)
+            # V - (V - P) is P, but for the gas torques' part of V: a factor of its own for each load and shape.
             known, shapes = self._calculated(self.calculated, relative)
             return self._judged(order, self._constant(known - first, self._by_load(shapes)), CALCULATED, gain)
         if second is not None:
@@ -353,6 +362,7 @@ class PitchEvidence:
             at = np.degrees(self.angle or 0)
             why = f"pickups at {at:.5g} degrees are blind there; calculated orders of a model, or another angle, tell"
             return PitchOrder(order, found.value, found.half_width, False, SPEEDS, gain, 0.0, found.scatter, why)
+        # With one pickup P is what stays over speed, while V follows the shapes of a rigid shaft and of the poles.
         found = self._constant(-first, self._by_load(self._shapes(relative)))
         one = self._judged(order, found, SPEEDS, gain)
         if self.constant_orders is None or any(abs(relative - other) < 1e-6 for other in self.constant_orders):
@@ -385,6 +395,7 @@ class PitchEvidence:
         """
         there = self.wheel.teeth - self.wheel.missing_teeth
         once = factor * np.sqrt(2 / (there * self.turns)) * self.time * self.speeds / self.wheel.ratio
+        # Variance of real and of imaginary part between windows of one speed, for a single period.
         inside = [values[self.groups == group] for group in range(self.groups.max() + 1)]
         spread = sum(float((np.abs(one - one.mean()) ** 2).sum()) for one in inside)
         seen = self.periods * spread / 2 / max(len(values) - len(inside), 1)

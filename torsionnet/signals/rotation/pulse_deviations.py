@@ -91,11 +91,14 @@ def seen_deviations(
         of_speeds += speeds
         sizes[count : count + len(between)] = between
         count += len(between)
+    # Errors of times differ from turn to turn, errors of places stay in the mean over the turns.
     jitter = _standard_deviation(sizes[:count])
     some = counts > 0
     means = sums[some] / counts[some]
     if jitter is None or len(means) < 2:
         return jitter, None
+    # Jitter of times, as an angle at the mean speed, stays in a mean over n turns by 1/sqrt(n); its square is taken
+    # off.
     of_times = jitter * of_speeds / len(numbers) / sqrt(float(counts[some].mean()))
     squared = float(np.mean(means**2)) / DIFFERENCE_GAIN**2 - of_times**2
     return jitter, sqrt(max(squared, 0.0))
@@ -124,7 +127,9 @@ def _turns(
     whole = np.full(count, np.nan)
     inside = at < count
     whole[at[inside]] = residuals[inside]
+    # High differences take out vibration of low orders and keep the errors of single teeth.
     steps = np.diff(whole, DIFFERENCES)
+    # A tooth has the same place a turn later, so that times alone differ; sqrt(2) as two errors add in squares.
     between = (steps[teeth:] - steps[:-teeth]) / sqrt(2)
     rates = np.interp(np.arange(len(between)) + teeth, at, speeds)
     differing = (between / rates)[: (stop - begin) * teeth]

@@ -88,8 +88,11 @@ def quadrature_pulses(
     signs = _signs(kinds)
     # A flank is that of the same tooth in both directions, but falls on the way back where it rose before.
     flanks = np.where(signs > 0, kinds, (kinds + 2) % EDGES)
+    # An edge on is a step in the direction of travel; where the shaft turns back the same flank comes again, no step.
     usual = (signs[1:] + signs[:-1]) // 2
+    # What goes beyond that, modulo four edges, was lost.
     lost = (signs[1:] * (np.diff(flanks) - usual)) % EDGES
+    # Part of a pitch from each edge to the next, which is one of the other track.
     shares = np.diff(times)[: -EDGES + 1] / (times[EDGES:] - times[:-EDGES])
     apart = min(float(np.median(shares[kinds[: len(shares)] == kind])) for kind in range(EDGES))
     if np.count_nonzero(lost) > len(lost) // 2 or apart < LEAST_APART:
@@ -97,6 +100,7 @@ def quadrature_pulses(
             f"{name}: the two tracks do not change in turn: the second is not a quarter pitch further, or not of "
             "the same teeth"
         )
+    # Quarter pitches counted with their sign; whole pitches follow at one flank of the first track.
     steps = np.concatenate([[flanks[0]], usual + signs[1:] * lost]).cumsum()
     wanted = flanks == (2 if edge == "falling" else 0)
     numbers = (steps[wanted] - flanks[wanted]) // EDGES
@@ -114,6 +118,7 @@ def _signs(kinds: NDArray[np.intp]) -> NDArray[np.intp]:
         # Before its first edge the other track has the level that this edge leaves.
         high = np.where(last >= 0, kinds[other[np.maximum(last, 0)]] < 2, kinds[other[0]] >= 2)
         rises = kinds[own] < 2
+        # Forwards the first track rises while the second is low, and the second rises while the first is high.
         signs[own] = np.where(rises != high, 1, -1) if track == 0 else np.where(rises == high, 1, -1)
     return signs
 
@@ -152,6 +157,7 @@ def refuse_turning_back(times: FloatArray, name: str) -> None:
         far = np.maximum(steps[: -2 * FAR], steps[2 * FAR :])
         near = np.minimum(steps[FAR - NEAR : -FAR - NEAR], steps[FAR + NEAR : len(steps) - FAR + NEAR])
         closer = np.minimum(steps[FAR - 1 : -FAR - 1], steps[FAR + 1 : len(steps) - FAR + 1])
+        # At a standstill intervals grow like 1/sqrt(pulses to it) from both sides; at a gap a single one is long.
         found = (near > GROWTH * far) & (closer >= near) & (here > LAST_GROWTH * far)
         if found.any() and here[found].max() > longest:
             at = np.flatnonzero(found)[here[found].argmax()]

@@ -125,6 +125,7 @@ def iter_wheel_rotations(
         if before is None:
             found = wheel_rotation(part, wheel, pattern, index=index, first=first)
         else:
+            # The first pulse of a part is in the overlap: its tooth is that which the part before has counted.
             number = int(before.numbers[np.searchsorted(before.times, times[begin])])
             counted = wheel_rotation(part, wheel, pattern, first=number % wheel.teeth)
             found = replace(counted, numbers=counted.numbers + (number - number % wheel.teeth), zero=before.zero)
@@ -190,6 +191,7 @@ def angle_record(
         stamps = None if kept.times is None else times
         kept = replace(kept, signals=signals, start=float(times[0]), times=stamps)
     else:
+        # With no signals to go by, samples are as close as the closest pulses.
         rate = sampling_rate or max(float(np.ceil(1 / np.diff(one.times).min())) for one in wheels)
         times = even_times(float(first), float(last), rate, max(len(one.times) for one in wheels), "pulses")
         kept = replace(kept, sampling_rate=rate, start=float(first))
@@ -282,6 +284,8 @@ def tooth_by_difference(first: WheelRotation, second: WheelRotation, phase: floa
             "their difference returns within a turn; take counts without one, as 60 and 61"
         )
     shares = _shares(first, second, int(first.numbers[0]))
+    # From tooth to tooth the phase goes on by n_2/n_1 of a pitch, which gives each tooth another one if no divisor is
+    # common.
     seen = np.exp(2j * np.pi * shares).mean()
     expected = np.exp(2j * np.pi * (phase + np.arange(one) * two / one))
     away = np.abs(np.angle(seen * expected.conj())) / (2 * np.pi) * one
@@ -301,6 +305,7 @@ def _shares(first: WheelRotation, second: WheelRotation, number: int) -> FloatAr
     times, numbers = first.times[inside], first.numbers[inside] - number
     if len(times) < 2:
         raise UsageError(f"{first.name} and {second.name} have no time in common")
+    # Less n_2/n_1 pitches for each tooth the phase is constant.
     pitches = second.rotation.at(times) - numbers * second.wheel.teeth / first.wheel.teeth
     if np.ptp(pitches) > 1:
         raise UsageError(

@@ -78,6 +78,7 @@ def tooth_after_gap(found: Pulses, wheel: Wheel, name: str) -> tuple[int | None,
 
 def _returning_gaps(found: Pulses, teeth: int) -> list[tuple[int, int]]:
     """Numbers of the pulses of the first turn after which pulses are missing in nearly every turn, and how many."""
+    # A gap comes at the same tooth in each turn, lost pulses come anywhere.
     phases = found.numbers[found.missing.after] % teeth
     pairs, often = np.unique(np.column_stack([phases, found.missing.counts]), axis=0, return_counts=True)
     turns = found.numbers[-1] / teeth
@@ -96,6 +97,7 @@ def pulses_by_gap(times: FloatArray, wheel: Wheel) -> Pulses | None:
         numbers, _ = matched_pulses(stamps, ToothPlaces(wheel.teeth, teeth, np.zeros(len(teeth))))
     except UsageError:
         return None
+    # A gap is filled from the pulses on both sides of it: near the ends there are too few.
     after = np.flatnonzero(np.diff(numbers) > 1) + 1
     begin = int(after[0]) if after[0] < NEIGHBOURS else 0
     end = int(after[-1]) if after[-1] > len(stamps) - NEIGHBOURS else len(stamps)
@@ -122,6 +124,7 @@ def tooth_after_index(rotation: Rotation, times: FloatArray, index: PulseChannel
             "2 are needed to compare them with the teeth; take a longer record"
         )
     places = rotation.at(inside)
+    # Mean on the circle, as places around tooth 0 lie at both ends of a turn.
     turning = np.exp(2j * np.pi * places / teeth)
     mean = float(np.angle(turning.mean()) * teeth / (2 * np.pi))
     away = np.abs(np.angle(turning * np.exp(-2j * np.pi * mean / teeth))) * teeth / (2 * np.pi)
@@ -132,4 +135,5 @@ def tooth_after_index(rotation: Rotation, times: FloatArray, index: PulseChannel
             f"pulses, not whole turns of {teeth}: the number of teeth is wrong, the index belongs to another shaft, or "
             "has lost or double pulses"
         )
+    # Tooth 0 is pulse ceil(place) after the first one, so that the first one is tooth -ceil(place).
     return int(-np.ceil(mean - EDGE_TOLERANCE)) % teeth

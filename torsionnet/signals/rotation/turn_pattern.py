@@ -81,6 +81,7 @@ def turn_pattern(speeds: FloatArray, sampling_rate: float) -> TurnPattern | None
     one_way = bool(size.min() > 0) and not np.ptp(np.sign(speeds))
     if not one_way or total < FEWEST_TURNS or len(speeds) < LEAST_SAMPLES_PER_TURN * total:
         return None
+    # Angle by the trapezoidal rule, then the speed at even angles of each turn.
     turned = np.concatenate([[0.0], np.cumsum((size[1:] + size[:-1]) / (2 * sampling_rate))])
     count = int(turned[-1] / (2 * np.pi))
     places = 2 * np.pi * np.arange(count * POINTS_PER_TURN + 1) / POINTS_PER_TURN
@@ -90,12 +91,14 @@ def turn_pattern(speeds: FloatArray, sampling_rate: float) -> TurnPattern | None
     # The speed rises or falls within a turn: a straight line between its ends is taken out.
     ramp = np.diff(ends)[:, None] * (np.arange(POINTS_PER_TURN) / POINTS_PER_TURN - 0.5)
     lines = 2 * np.fft.rfft(turns - ramp, axis=1)[:, 1 : HIGHEST_ORDER + 1] / POINTS_PER_TURN
+    # From speed to angle: an order o at mean speed Omega has d phi/dt = j o Omega phi.
     lines = lines / (1j * np.arange(1, HIGHEST_ORDER + 1) * means[:, None])
     found = lines.mean(axis=0)
     spread = np.sqrt(np.mean(np.abs(lines - found) ** 2, axis=0) / count)
     returning = tuple(int(order) + 1 for order in np.flatnonzero(np.abs(found) > SURE * spread))
     if 1 not in returning or abs(found[0]) < LEAST_AMPLITUDE:
         return None
+    # A pattern is the same angle at each speed, which one speed alone cannot show: then many orders have to return.
     if np.ptp(means) < SPEED_RANGE * means.mean():
         return TurnPattern(found, returning, None) if len(returning) >= FEWEST_ORDERS else None
     middle = np.median(means)

@@ -123,6 +123,7 @@ def stated_places(text: str, teeth: int) -> ToothPlaces:
     if len(turns) != teeth or (np.diff(turns) <= 0).any() or turns[-1] - turns[0] >= 1:
         raise UsageError(f"the pattern has {len(turns)} angles, for {teeth} teeth; they have to rise within one turn")
     turns -= turns[0]
+    # The fewest even places of a turn on which each edge nearly falls.
     for count in range(teeth, MOST_PLACES + 1):
         places = np.rint(turns * count).astype(np.intp)
         offsets = turns * count - places
@@ -151,6 +152,7 @@ def lobes_in_words(times: FloatArray, teeth: int) -> str:
     if turns < FEWEST_TURNS or not 2 <= teeth <= MOST_LOBES:
         return ""
     each = np.diff(times)[: turns * teeth].reshape(turns, teeth)
+    # Shares of the turn: a change of speed from turn to turn drops out.
     shares = each / each.sum(axis=1, keepdims=True)
     usual = np.median(shares, axis=0)
     if np.abs(shares / usual - 1).mean() > SAME_SHARE or np.ptp(usual * teeth) < UNEVEN:
@@ -169,12 +171,15 @@ def matched_pulses(times: FloatArray, teeth: ToothPlaces) -> tuple[NDArray[np.in
     """
     count = len(teeth.places)
     turns = (teeth.places + teeth.offsets) / teeth.count
+    # log(interval) = log(pitch) - log(speed): less that of the right tooth, only the slow change of the speed is
+    # left.
     steps = np.log(np.diff(turns, append=turns[0] + 1))
     intervals = np.log(np.diff(times))
     compared = intervals[: COMPARED_TURNS * count]
     if len(compared) < 2 * count:
         raise UsageError(f"{len(times)} pulses are too few to match a pattern of {count} teeth")
     tooth = np.arange(len(compared))
+    # A pattern that repeats within a turn is the same from each repetition on: only its own teeth are tried.
     firsts = range(count // teeth.repeats)
     changes = (np.abs(np.diff(compared - steps[(tooth + first) % count])) for first in firsts)
     scatter, largest = np.array([(change.mean(), change.max()) for change in changes]).T
@@ -187,6 +192,7 @@ def matched_pulses(times: FloatArray, teeth: ToothPlaces) -> tuple[NDArray[np.in
             f"scatter by {100 * own:.2g} % with tooth {first} and {100 * others.min():.2g} % with another; is it the "
             "pattern of this wheel?"
         )
+    # By that tooth through the whole record: a jump is a pulse that is lost or too many.
     tooth = np.arange(len(times)) + first
     change = np.abs(np.diff(intervals - steps[tooth[:-1] % count]))
     if change.max() > np.log(LARGEST_CHANGE):
@@ -318,6 +324,8 @@ class WheelPattern:
         turning = np.exp(-2j * np.pi * order * np.arange(self.teeth) / self.teeth)
         lines: ComplexArray = self.positions * turning
         mean = complex(lines.mean())
+        # At order 0 and at half the tooth count a line stands once, else twice with its conjugate, hence the factor
+        # of 2.
         if order % self.teeth in (0, self.teeth / 2):
             return complex(-mean.real, 0)  # real but for rounding, which would be read as a phase
         return -2 * mean

@@ -150,6 +150,8 @@ def calibrate_wheel(
         groups = speed_groups(stack.speeds)
         offset = _offset(stack, groups, positions)
         steps = max(_time_deviation(one) for one in rotations)
+        # Orders between whole ones are vibration: where they exceed the counter's steps its errors return with the
+        # cycle, else with the turn.
         broken = np.abs(orders.orders - np.rint(orders.orders)) > WHOLE_ORDER
         swing = np.abs(amplitudes(stack.first, positions, len(orders.orders))[:, broken]).max(initial=0.0)
         turns = cycle / wheel.ratio if swing > steps * stack.speeds.max() / wheel.ratio else 1.0
@@ -252,6 +254,7 @@ def _converged(stack: Stack, orders: OrderSet, evidence: PitchEvidence) -> tuple
     positions = np.zeros(teeth)
     known = dict.fromkeys(orders.whole, 0j)
     for _ in range(MOST_STEPS):
+        # Amplitudes with the pattern known so far taken out: what shows of the pattern still is added to it.
         first = amplitudes(stack.first, positions, count)
         second = amplitudes(stack.second, positions, count) if stack.second else None
         rows = [_row(order, orders, evidence, first, second, known) for order in orders.whole]
@@ -283,8 +286,10 @@ def _row(
 def _beyond(stack: Stack, positions: FloatArray, orders: OrderSet, wheel: Wheel) -> FloatArray:
     """Positions in rad that are missing yet of orders above those of vibration, shape (teeth,), with minus sign."""
     left = _over_windows(stack, positions)[0]
+    # With a gap the teeth have no even spectrum: all that is left counts.
     if wheel.missing_teeth:
         return np.asarray(left)
+    # Orders in which vibration is sought are left to the solution order by order.
     lines = np.fft.rfft(left)
     lines[: orders.whole[-1] + 1] = 0
     return np.fft.irfft(lines, wheel.teeth)
@@ -357,13 +362,16 @@ def _result(
     present = np.arange(teeth) < teeth - wheel.missing_teeth
     centred = np.where(present, positions - positions[present].mean(), 0.0)
     _, scatter, variance = _over_windows(stack, positions)
+    # Steps of a counter may repeat with each turn at a steady speed: the scatter between windows does not show those.
     once = np.full(teeth, evidence.time**2 * np.mean((stack.speeds / wheel.ratio) ** 2) / evidence.turns)
     common = repeating(once, evidence.periods * float(np.mean(variance[present])))
     scatter = np.hypot(scatter, student(NORMAL) * common / np.sqrt(1 + evidence.groups.max()))
+    # Squares add: the scatter of a tooth, the intervals of the orders, and orders not resolved with all they have.
     of_orders = sum(row.half_width**2 for row in rows if row.resolved)
     not_known = sum(abs(row.value) ** 2 for row in rows if not row.resolved)
     widths = np.where(present, np.sqrt(scatter**2 + of_orders + not_known), 0.0)
     above = list(range(orders.whole[-1] + 1, teeth // 2 + 1))
+    # A Fourier line of n teeth with independent errors s has real and imaginary part of sqrt(2/n) s.
     width = float(np.sqrt(np.mean(scatter[present] ** 2) * 2 / teeth))
     pattern = WheelPattern(
         centred,

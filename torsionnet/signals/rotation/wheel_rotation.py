@@ -145,7 +145,11 @@ class WheelRotation:
         Independent errors of the places of z teeth add 2 sigma/sqrt(z) to each order that is whole on the wheel;
         those of the times of n pulses 2 sigma/sqrt(n) to every order of the whole record.
         """
+        # Independent errors of standard deviation s at n pulses leave a line of RMS 2 s/sqrt(n); times become angles
+        # by the speed.
         of_times = 2 * float(np.sqrt(np.mean((self.deviations.time * self.speeds) ** 2) / len(self.times)))
+        # Errors of places return with every turn: they are in whole orders of the wheel alone, however long the
+        # record is.
         on_wheel = order * self.wheel.ratio
         whole = abs(on_wheel - round(on_wheel)) < WHOLE_ORDER
         there = self.wheel.teeth - self.wheel.missing_teeth
@@ -248,6 +252,7 @@ def wheel_rotation(
         if by_gap is None:
             raise
     skipped = int(np.searchsorted(channel.times, by_gap.times[0]))
+    # The tooth given is that of the record's first pulse; the pulses left out at the beginning end with a gap.
     if first is not None and skipped:
         first += skipped + wheel.missing_teeth
     result = _of_pulses(by_gap, channel, wheel, pattern, index, first, backwards)
@@ -281,6 +286,7 @@ def _of_pulses(
     found = replace(found, period=wheel.teeth if wheel.missing_teeth else 0)
     remarks, repairs, zero = found.remarks, len(found.spurious) + found.irregular.total, "the tooth of the first pulse"
     rotation: Rotation | None = None
+    # Tooth 0 by the number given, else by the gap, by an index pulse, or by the shape of the pattern.
     if after_gap is not None:
         first, zero = after_gap, "the first tooth after the gap"
     elif first is not None:
@@ -367,6 +373,7 @@ def _deviations(
     numbers: NDArray[np.intp],
     offsets: FloatArray | None,
 ) -> PulseDeviations:
+    # A smooth course takes out the rotation and its low orders; what is left are errors of times and of places.
     pitch = 2 * np.pi / wheel.teeth
     passed = numbers - numbers[0] if numbers[0] else numbers
     standing = passed if offsets is None else passed + offsets
