@@ -211,6 +211,7 @@ class Instrument:
         found = of(self.signal)
         if not self.is_clean:
             return self, found
+        # Coherence |sum R^* X|^2/(sum |R|^2 sum |X|^2) with the input: near 0 the signal does not drive it.
         with np.errstate(divide="ignore", invalid="ignore"):
             both = np.abs((found.conj() * of_input).sum(axis=0)) ** 2
             shares = both / (np.abs(found) ** 2).sum(axis=0) / (np.abs(of_input) ** 2).sum(axis=0)
@@ -270,7 +271,9 @@ def without_background(lines: ComplexArray) -> tuple[ComplexArray, NDArray[np.bo
     that most segments excite are returned unchanged; the second array (n_b,) is True for them.
     """
     power = np.abs(lines) ** 2
+    # Excited segments by their share of the power's own weighted mean, sum P^2/sum P.
     loud = power > EXCITED_POWER_SHARE * (power**2).sum(axis=0) / np.maximum(power.sum(axis=0), np.finfo(float).tiny)
     share = loud.mean(axis=0)
     kept = share > MOST_EXCITED_SEGMENTS
+    # These weights sum to 0 over the segments, so that noise of the same power in all of them cancels.
     return np.asarray(np.where(kept, lines, lines * (loud - share))), np.asarray(kept)

@@ -287,6 +287,7 @@ class MeasurementBlock(ABC):
         found = self.response.at(values[:count])
         G, slopes = found.values[:, 0, 0], found.jacobian[:, 0, 0]
         extra = dict(zip(self.extra, values[count:], strict=True))
+        # Channel g exp(-j omega tau) exp(j o phi) behind G; the columns are its derivatives by the product rule.
         turn = -2j * np.pi * f
         late = np.exp(turn * extra.get("delay", 0.0))
         if "reference_angle" in extra:

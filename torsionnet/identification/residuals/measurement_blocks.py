@@ -68,6 +68,7 @@ def memory_demand(record: Recording, settings: Welch, band: tuple[float, float])
     """Memory demand in bytes of a record whose lines in a band (Hz) are compared, within a factor of two."""
     rate, samples = record.sampling_rate / settings.decimation, len(record) / settings.decimation
     lines = max(0, int((min(band[1], rate / 2) - band[0]) * settings.seconds) + 1)
+    # Most of it: covariance of real and imaginary parts of all lines, and the rows from samples to lines.
     covariance = FLOAT_BYTES * (2 * lines) ** 2
     pieces = 3 * COMPLEX_BYTES * lines * settings.samples(rate)
     rows = COMPLEX_BYTES * lines * samples

@@ -57,14 +57,18 @@ def sensor_noise_powers(
     >>> [round(share, 2) for share in sensor_noise_powers(np.array([1.0, 3.0, 5.0]), np.arange(3.0), np.zeros(3))]
     [1.0, 2.0]
     """
+    # Level of each line: P_out + gain P_in + rest, of which the rest is known.
     both = np.column_stack([np.ones_like(gain), gain])
     shares, spread = _shares(level, both, rest, repeated)
     if seen is None or abs(seen[0] - shares[1]) > COMPATIBLE_STANDARD_ERRORS * np.hypot(seen[1], spread[1]):
+        # Where lines and windows contradict each other, the lines give the ratio of the powers, scaled to fit on
+        # average.
         made_up = rest + both @ shares
         shares = shares * np.mean(level / np.maximum(made_up, LEAST_POWER))
         return _above_zero(float(shares[0]), float(shares[1]))
     found = weighted_mean([seen, (float(shares[1]), float(spread[1]))])
     assert found is not None
+    # With the input's power known the output's is fitted alone.
     on_output, _ = _shares(level, both[:, :1], rest + found[0] * gain, repeated)
     return _above_zero(float(on_output[0]), found[0])
 
@@ -78,6 +82,7 @@ def weighted_mean(found: Iterable[tuple[float, float] | None]) -> tuple[float, f
     known = [(value, max(error, np.finfo(float).tiny ** 0.25)) for value, error in filter(None, found)]
     if not known:
         return None
+    # Weights 1/e^2, and the mean has the error (sum 1/e^2)^(-1/2).
     total = sum(error**-2 for _, error in known)
     return sum(value * error**-2 for value, error in known) / total, float(total**-0.5)
 
@@ -86,6 +91,7 @@ def _shares(level: FloatArray, columns: FloatArray, rest: FloatArray, repeated: 
     """Powers of noise sources whose sum with a known rest fits a measured noise level, and their standard errors."""
     found, shares = np.maximum(level, LEAST_POWER), np.zeros(columns.shape[1])
     for _ in range(REWEIGHTING_ROUNDS):
+        # A level scatters in proportion to itself: rows over the level of the last round.
         rows = columns / found[:, None]
         scale = np.maximum(rows.max(axis=0), LEAST_POWER)
         shares = scipy.optimize.nnls(rows / scale, (level - rest) / found)[0] / scale
@@ -104,6 +110,7 @@ def _probable(
     misfit = level / found - rows @ (best / scale)
     spread = np.sqrt(repeated * np.mean(misfit**2) * (inverse**2).sum(axis=1))
     far = best / np.maximum(spread, max(1e-12 * float(np.abs(best).max()), LEAST_POWER))
+    # Mean of a normal distribution cut off at 0, m + s phi(m/s)/Phi(m/s).
     shares = np.maximum(best + spread * np.exp(scipy.stats.norm.logpdf(far) - scipy.stats.norm.logcdf(far)), 0.0)
     return shares / scale, spread / scale
 
@@ -166,16 +173,20 @@ def noise_between_windows(
     rows = windowed.rows.only(kept)
     w = rows.weights
     left, predicted = (rows.segments.lines(values) for values in windowed.residual_and_prediction(G))
+    # What is in proportion to the prediction goes out: an error of the model is that in all windows.
     share = predicted / (w * predicted).sum(axis=0)
     rest = left - share * (w * left).sum(axis=0)
     overlap, weight = _overlaps(rows), np.abs(w) ** 2
     whole = overlap[0].real * weight.sum(axis=0)
     smeared = _smeared(overlap, w.conj())
+    # Expected |rest|^2 for unit noise: the noise's own, less twice what it shares with the fit, plus the fit's.
     crossed = (weight * share.conj() * smeared).sum(axis=0).real
     expected = whole - 2 * crossed + (weight * np.abs(share) ** 2).sum(axis=0) * (w * smeared).sum(axis=0).real
+    # Worth by Satterthwaite: square of the mean over the sum of squares, as windows overlap.
     worth = np.maximum(expected / whole, 0) * whole**2 / _squares(overlap, weight) * independent / w.shape[1]
     if float(worth.sum()) < FEWEST_VALUES:
         return None
+    # Power that is there over that of unit noise is the level.
     level = (weight * np.abs(rest) ** 2).sum(axis=0) / np.maximum(expected, 1e-6 * whole)
     variance = level * (w * smeared).sum(axis=0).real
     return _pooled(variance / supposed, worth)
@@ -227,6 +238,7 @@ def noise_between_lines(residual: ComplexArray | FloatArray, correlation: FloatA
     rough = _roughness(len(residual))
     spread = rough @ correlation @ rough.T
     mean, square = float(np.trace(spread)), float((spread**2).sum())
+    # Worth in independent values, (tr C)^2/sum C^2 for the covariance C of what the parabolas leave.
     worth = mean**2 / square
     if worth < FEWEST_VALUES:
         return None
@@ -253,6 +265,7 @@ def noise_powers_between_lines(
         Squared magnitude of the response.
     """
     rough, size = _roughness(len(residual)), np.sqrt(gain)
+    # Expected power of each remainder: under noise equal in all lines, and under noise in proportion to the gain.
     even = np.sum((rough @ correlation) * rough, axis=1)
     relative = np.sum(((rough * size) @ correlation) * (rough * size), axis=1)
     parts = 2 if np.iscomplexobj(residual) else 1
@@ -262,6 +275,7 @@ def noise_powers_between_lines(
 def _roughness(count: int) -> FloatArray:
     """Matrix (count, count) that subtracts from each line's value a local parabola fitted by least squares."""
     found = np.zeros((count, count))
+    # With an orthonormal basis Q of 1, x, x^2 over the neighbours, I - Q Q^T leaves what no parabola fits.
     basis, _ = np.linalg.qr(np.linspace(-1, 1, 2 * PARABOLA_HALF_WIDTH + 1)[:, None] ** np.arange(3))
     for place in range(count):
         first = min(max(place - PARABOLA_HALF_WIDTH, 0), count - 2 * PARABOLA_HALF_WIDTH - 1)
@@ -295,6 +309,7 @@ def line_noise(data: FrequencyResponse, error: float | None) -> FloatArray:
     if data.coherence is None:
         return squared
     worth = data.estimation.effective_averages if data.estimation else 1.0
+    # At coherence 0 or 1 the variance would be infinite or 0, and a line without weight or of all the weight.
     coherence = np.clip(np.nan_to_num(data.coherence[:, 0, 0]), LOWEST_COHERENCE, HIGHEST_COHERENCE)
     return np.asarray(squared * (1 - coherence) / (2 * worth * coherence))
 
@@ -341,8 +356,11 @@ def _by_distance(estimation: Estimation) -> FloatArray:
     step = max(1, WINDOW_SAMPLES - round(estimation.overlap * WINDOW_SAMPLES))
     total = np.zeros(WINDOW_SAMPLES // 2)
     for m in range(min(estimation.averages, -(-WINDOW_SAMPLES // step))):
+        # Windows m steps apart share noise where they overlap: the spectrum of their product, squared, is the
+        # correlation.
         shared = np.zeros(WINDOW_SAMPLES)
         shared[m * step :] = window[m * step :] * window[: WINDOW_SAMPLES - m * step]
+        # Of n averages, n - m pairs are m apart, in both sequences.
         weight = 1 if m == 0 else 2 * (1 - m / estimation.averages)
         total += weight * np.abs(np.fft.fft(shared)[: WINDOW_SAMPLES // 2]) ** 2
     found = total / total[0]

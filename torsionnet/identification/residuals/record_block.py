@@ -147,6 +147,7 @@ class RecordBlock(MeasurementBlock):
         """Weigh the residuals by white noise of the given powers (variances) on output and input."""
         G, _ = self._distorted(values, self.windowed.fine)
         self.sources = on_output, on_input
+        # P_out R R^H + P_in (R G)(R G)^H, for the rows R from samples to lines.
         self.covariance = on_output * self._part(self.windowed.output_covariance())
         if on_input:
             self.covariance = self.covariance + on_input * self._part(self.windowed.input_covariance(G))
@@ -158,6 +159,7 @@ class RecordBlock(MeasurementBlock):
         between = noise_between_windows(self.windowed, G, self.kept, supposed, independent)
         if between is None:
             return super().measured_noise(values)
+        # Noise above what is left where nothing excites a line is error of the model, beyond a margin.
         quiet = self._unit * unexcited_windows(self.windowed, G).floor()[self.kept] + self._variance_of_steps
         return replace(between, ratio=np.minimum(between.ratio, MOST_NOISE_RATIO * quiet / supposed))
 

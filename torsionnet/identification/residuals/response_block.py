@@ -90,6 +90,7 @@ class ResponseBlock(MeasurementBlock):
                 if variances is None
                 else sensor_noise_powers(variances, gain, np.zeros(count))
             )
+        # Rounding is noise in proportion to the model, and keeps the weights finite.
         self.noise = constant + max(relative, ROUNDED_SHARE**2) * gain
 
     @property

@@ -73,6 +73,7 @@ class SampledResponse:
         found = self.folded.at(values)
         G, slopes = self.folding.folded(found.values), self.folding.folded(found.jacobian)
         if self.plain.request.is_measured:
+            # Ratio G of two responses u/T, with derivatives by the quotient rule, (u' - G T')/T.
             torque = G[:, 1:]
             G = G[:, :1] / torque
             slopes = (slopes[:, :1] - G[..., None] * slopes[:, 1:]) / torque[..., None]
@@ -174,6 +175,7 @@ def smoothing(frequencies: FloatArray, estimation: Estimation) -> Smoothing:
     count = int(np.abs(places).max())
     # There is no response at 0 Hz to ask for: the real part of its neighbour stands in.
     targets, half = np.maximum(np.abs(places), 1), np.where(places == 0, 0.5, 1.0)
+    # A line mixes frequencies of both signs; below 0 the response is the conjugate.
     forward = _sparse(np.where(places >= 0, weights * half, 0.0), targets, count)
     mirrored = _sparse(np.where(places <= 0, weights * half, 0.0), targets, count)
     fine = np.asarray(np.arange(1, count + 1) * step, dtype=np.float64)
@@ -190,6 +192,7 @@ def _shares(estimation: Estimation, offsets: NDArray[np.intp]) -> FloatArray:
     """Weights with which a window mixes the response at frequency offsets (in fine steps) into a line, sum 1."""
     samples = 4 * NEIGHBOUR_BINS * POINTS_PER_BIN
     window = np.asarray(scipy.signal.get_window(estimation.window, samples), dtype=np.float64)
+    # Power spectrum of the window, zero-padded to the fine steps.
     power = np.abs(np.fft.fft(window, samples * POINTS_PER_BIN)) ** 2
     share = power[offsets % len(power)]
     return np.asarray(share / share.sum())
@@ -217,6 +220,7 @@ def residuals_in_form(
     with np.errstate(
         divide="ignore", invalid="ignore"
     ):  # a gain of 0 gives an infinite residual, and the search takes a smaller step
+        # ln(predicted/measured): relative error of the magnitude, and j times that of the phase in rad.
         ratio, relative = np.log(predicted / measured), slopes / predicted[:, None]
     return (ratio.real, relative.real) if form == "magnitude" else (parts(ratio), parts(relative))
 

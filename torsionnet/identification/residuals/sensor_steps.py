@@ -50,6 +50,8 @@ class SensorSteps:
         """
         if not self.size:
             return np.zeros((REST_POSITIONS, len(rows.segments.bins)), dtype=complex)
+        # Steps act at the sensor's rate, before decimation; where in a step the rest lies is open, so places are
+        # tried evenly.
         fine = _finer(motion, self.decimation)
         places = (np.arange(REST_POSITIONS) + 0.5) / REST_POSITIONS * self.size
         return np.array([rows.apply(self._error(fine + place, len(motion))) for place in places])
@@ -58,6 +60,7 @@ class SensorSteps:
         error = self.size * np.rint(motion / self.size) - motion
         if self.decimation == 1:
             return error
+        # Through the filter of the decimation, as the record went.
         return scipy.signal.upfirdn(anti_alias_taps(self.decimation), error, 1, self.decimation)[
             FILTER_HALF_LENGTH : FILTER_HALF_LENGTH + count
         ]
@@ -137,6 +140,7 @@ class UnexcitedWindows:
             return None
         on_output, level, total = 1.0, 0.0, 0.0
         for _ in range(2):
+            # Least squares of moment = P_in |G|^2, by weights that hold P_in themselves, hence twice.
             weights = self.unexcited / (self.power * (on_output + level * self.squared))
             total = float((weights * self.squared).sum())
             level = max(float((weights * self.moment).sum()) / total, 0.0)
@@ -164,6 +168,8 @@ def unexcited_windows(windowed: WindowedEstimate, G: ComplexArray) -> UnexcitedW
     at = windowed.frequencies
     gain = np.interp(at, windowed.fine, G.real) + 1j * np.interp(at, windowed.fine, G.imag)
     unit = (np.abs(segments.pieces()) ** 2).sum(axis=1)
+    # Of residual Y - G X: noise of the input's sensor is in it as -G N, and so correlates with G times the input
+    # read.
     power, moment = np.abs(into) ** 2 / unit, -(left * (into * gain).conj()).real / unit
     near = scipy.ndimage.uniform_filter(power, EXCITATION_CELLS)
     unexcited = near < UNEXCITED_POWER_SHARE * near.max(axis=0)

@@ -135,6 +135,7 @@ class SegmentRows:
         size = (len(pieces), len(pieces))
         conjugate, plain = np.zeros(size, dtype=complex), np.zeros(size, dtype=complex)
         for lag in range(min(len(self.weights), -(-length // step))):
+            # Windows some steps apart have white noise in common only where they overlap.
             late, early = pieces[:, lag * step :], pieces[:, : length - lag * step]
             first, second = self.weights[: len(self.weights) - lag].T, self.weights[lag:]
             one = (late @ early.conj().T) * (first @ second.conj())
@@ -156,9 +157,11 @@ class SegmentRows:
         size = (len(self.segments.bins),) * 2
         conjugate, plain = np.zeros(size, dtype=complex), np.zeros(size, dtype=complex)
         for line in range(len(self.segments.bins)):
+            # A row of (R S)(R S)^H: back through the filter S, forward again, then through all rows R.
             before = np.fft.fft(self._backwards(slice(line, line + 1), spectrum)[0], len(spectrum))
             after = np.fft.ifft(before * spectrum)[: self.count]
             real, imaginary = self.apply(after.real), self.apply(after.imag)
+            # E[z z^*] and E[z z], as real and imaginary parts may correlate.
             conjugate[:, line], plain[:, line] = real - 1j * imaginary, real + 1j * imaginary
         return _parts_covariance(conjugate, plain)
 
@@ -249,6 +252,7 @@ class WindowedEstimate:
     def input_covariance(self, G: ComplexArray) -> FloatArray:
         """Covariance (2 n_b, 2 n_b) of the predicted estimate, for unit white noise on the input of G (n_f,)."""
         n, first = _padded(self.rows.count), self._first
+        # The conjugate at negative frequencies: a real signal stays real.
         both = np.zeros(n, dtype=complex)
         both[first : first + len(G)] = G
         both[n - first - len(G) + 1 : n - first + 1] = G[::-1].conj()
@@ -338,9 +342,11 @@ def windowed_estimate(
         background = np.full(len(bins), not instrument.is_clean)
     else:
         R, background = without_background(R)
+    # H1, H2 and Hr alike are sum R^* Y/sum R^* X, where R is the input, the output or a reference.
     power = (R.conj() * X).sum(axis=0)
     rows = SegmentRows(segments, R.conj() / power, len(x))
     n = _padded(len(x))
+    # Side lobes of the window bring what is beyond the last line: the model is asked for as far as they matter.
     top = min(
         rate / 2,
         SIDE_LOBE_FACTOR * float(bins[-1]) / settings.samples(rate) * rate + 20 * rate / settings.samples(rate),
