@@ -132,6 +132,7 @@ def critical_speeds(
     )
     if isinstance(outputs, (list, tuple)) and not outputs:
         return found
+    # Peaks are searched only where modes and torques of all excitations are known.
     ends = [search.limits, search.over_speed.known, *search.known.values()]
     common = max(low for low, _ in ends), min(high for _, high in ends)
     peaks, channels = with_speed_peaks(changed, found.crossings, outputs, reference, common)
@@ -152,6 +153,7 @@ def order_margins(
 def excited_frequencies(line: OrderLine, speed_range: tuple[float, float]) -> tuple[float, float]:
     """Lowest and highest frequency in Hz, 0 or more, of an order line over a range of speeds in rad/s."""
     ends = line.frequency(np.array(speed_range))
+    # A slip that changes its sign within the range passes 0 Hz.
     return (0.0 if ends[0] * ends[1] < 0 else float(np.abs(ends).min())), float(np.abs(ends).max())
 
 
@@ -235,6 +237,7 @@ class CrossingSearch:
         """Place in the operating range where a line is nearest to a mode, with the margin between the two."""
         beside = self._beside(line)
         points = [beside.nearest(mode.number, curve) for curve in (NATURAL, UNDAMPED)]
+        # Rules are kept by both frequencies, with damping and without: the nearer one counts.
         there = [(0.0 if one.meets else abs(one.offset), one.speed) for one in points if one is not None]
         margin, speed = min(there, key=lambda one: one[0], default=(math.nan, math.nan))
         required = self.rule.required(line.order) if self.rule else None
@@ -275,6 +278,7 @@ class CrossingSearch:
         is_close = nearest.margin < (nearest.required or 0.0)
         beside = self._beside(line)
         every = [beside.meetings(mode.number, curve) for curve in (UNDAMPED, NATURAL, DAMPED)]
+        # A margin that a rule misses is listed with its crossing even beyond the reach asked for.
         reach, count = (self.widest if is_close else self.reach), 0
         low, high = self.speed_range[0] * (1 - reach), self.speed_range[1] * (1 + reach)
         for row in _crossings(every):
@@ -304,6 +308,7 @@ class CrossingSearch:
     ) -> Iterator[CriticalSpeed]:
         if not near:
             return
+        # Torques at the critical speed, or at the nearest one that the data of the excitation cover.
         speeds = np.clip([self._acting_speed(one) for one in near], *known)
         found = excitation.torques(speeds * float(near[0].ratio))
         frequencies = np.zeros(len(found.orders)) if found.fixed is None else found.fixed
@@ -313,6 +318,7 @@ class CrossingSearch:
         for number, one in enumerate(near):
             shape = dict(zip(self.drivetrain.assembly.nodes, one.mode.shape.tolist(), strict=True))
             largest = self._largest(shape, excitation.shaft)
+            # A torque between two nodes works on their relative angle: phi_n - phi_reaction.
             still = shape.get(excitation.reaction_node or "", 0.0)
             shape |= {node: sense * (shape[node] - still) for node, sense in senses.items() if node in shape}
             at = number, lines.index((one.order, one.fixed))
@@ -346,6 +352,7 @@ class CrossingSearch:
     def _modal_inertia(self, mode: VibrationMode) -> float:
         """Sum of J |phi|^2 over all inertias in kg m^2, for the mode shape whose largest angle is 1."""
         coordinates = mode.shape[self._coordinates]
+        # phi^H M phi over the kept coordinates, in which M has all inertias with their reflected parts.
         return float((coordinates.conj() @ self.drivetrain.assembly.system.M @ coordinates).real)
 
     @cached_property
@@ -365,12 +372,15 @@ class CrossingSearch:
         own = self.turning.get(shaft)
         if own is None:
             return abs(shape[shaft])
+        # Angles referred to the shaft: phi times the shaft's speed over the own one, as reflection through gears
+        # does.
         return max(abs(shape[node] * own / speed) for node, speed in self.turning.items() if node in shape)
 
 
 def _has_torques(excitation: OrderExcitation, speed: float) -> bool:
     """Whether the torque data of an excitation cover a speed in rad/s of its shaft."""
     try:
+        # An excitation refuses speeds outside its tables.
         excitation.torques(np.array([speed]))
     except UsageError:
         return False

@@ -190,6 +190,7 @@ class CriticalSpeed:
         >>> round(1e3 * angle, 4)
         0.4444
         """
+        # Modal stiffness omega^2 sum_n J_n |phi_n|^2, by which the generalised force is the deflection at rest.
         stiffness = self.modal_inertia * (2 * math.pi * self.mode.undamped_frequency) ** 2
         return self.generalised_force / stiffness if stiffness else math.nan
 

@@ -74,10 +74,12 @@ class LineOverModes:
         own = self._own(number, curve)
         if own and own[0].is_constant:
             frequency = float(own[0].coefficients[0])
+            # A constant f meets |r n/2pi + f_0| where r n/2pi + f_0 = f or -f.
             speeds = [(sign * frequency - self.fixed) / self.rate for sign in (1, -1)] if self.rate else []
             return tuple(replace(own[0].at(speed), meets=True) for speed in sorted(set(speeds)) if speed > 0)
         found: list[Meeting] = []
         for point in self._course(number, curve):
+            # Two pieces may both find the meeting at their common end: the closer one is kept.
             if point.meets and found and point.speed - found[-1].speed <= TOUCHING * point.speed:
                 found[-1] = min(found[-1], point, key=lambda one: abs(one.offset))
             elif point.meets:
@@ -90,6 +92,7 @@ class LineOverModes:
         sizes = [math.inf, *(0.0 if point.meets else abs(point.offset) for point in course), math.inf]
         own = self._own(number, curve)
         return tuple(
+            # Kept are the meetings and the local minima of the distance along the course.
             point if point.meets else next(one for one in own if point.speed <= one.ends[1]).at(point.speed)
             for place, point in enumerate(course, 1)
             if point.meets or sizes[place] < min(sizes[place - 1], sizes[place + 1])
@@ -103,6 +106,7 @@ class LineOverModes:
             for point in self._course(number, curve)
             if low * (1 - SAME_POINT) <= point.speed <= high * (1 + SAME_POINT)
         ]
+        # Of equally near points the one at the highest speed, hence reversed.
         return min(reversed(inside), key=lambda point: 0.0 if point.meets else abs(point.offset), default=None)
 
     def _own(self, number: int, curve: int) -> list[_Stretch]:
@@ -154,6 +158,7 @@ def _with_meetings(
             yield link
         is_last = place + 1 == len(points)
         between = link is not None or links[place + 1] is not None
+        # A minimum of the distance without a change of sign is a point at which the line touches the mode.
         falls = not place or not joined[place] or sizes[place] < sizes[place - 1]
         rises = is_last or not joined[place + 1] or sizes[place] <= sizes[place + 1]
         touches = sizes[place] <= TOUCHING and falls and rises and not between
@@ -213,6 +218,7 @@ class _Stretch:
 
     def _point(self, speed: float, frequency: float | None = None) -> Meeting:
         """Point at a speed in rad/s, where the frequency in Hz may be known, without slope and width."""
+        # Ratio f/|g| less 1; a line at 0 Hz is infinitely far below any mode.
         line = abs(self.line.rate * speed + self.line.fixed)
         own = self.frequency(speed) if frequency is None else frequency
         return Meeting(speed, own / line - 1 if line else math.inf, math.nan, math.nan)
@@ -224,8 +230,10 @@ class _Stretch:
         rises = self._piece.slopes[0][self.row, self.curve]
         rise, bend = 0.0, 0.0
         if not self.is_constant:
+            # Derivatives to speed: x runs from -1 to 1 over high - low, so that dx/dn = 2/(high - low).
             rise = _sum(rises.tolist(), self._place(speed)) * 2 / (high - low)
             bend = abs(_sum(chebyshev.chebder(rises).tolist(), self._place(speed))) * 4 / (high - low) ** 2
+        # d|g|/dn - df/dn: a line at a negative frequency falls in magnitude where g rises.
         slope = math.copysign(self.line.rate, line * self.line.rate) - rise
         decays = self._piece.values[self.row, DECAY]
         decay = float(decays[0] if self.is_constant else np.interp(speed, self._piece.speeds, decays))
@@ -239,6 +247,7 @@ class _Stretch:
         low, high = self.ends
         places = [*self.line.speed_range, *([-self.line.fixed / self.line.rate] if self.line.rate else [])]
         if not self.is_constant:
+            # g = g_0 + g_1 x on the piece: the ratio f/g turns where f' g - f g' = g_0 f' + g_1 (x f' - f) = 0.
             line = self.line.rate * (low + high) / 2 + self.line.fixed, self.line.rate * (high - low) / 2
             rise, times = (one[self.row, self.curve] for one in self._piece.slopes)
             turning = line[0] * rise + line[1] * (times - self._piece.coefficients[self.row, self.curve])
@@ -253,6 +262,7 @@ class _Stretch:
         inner = [self._point(speed) for speed in sorted(places) if low < speed < high]
         found = [self._point(low, float(own[0])), *inner, self._point(high, float(own[-1]))]
         if not self.is_constant and all(abs(point.offset) <= TOUCHING for point in found):
+            # A line on the mode all along the piece has no single meeting: only the ends count.
             lines = np.abs(self.line.rate * self._piece.speeds + self.line.fixed)
             if (np.abs(own - lines) <= TOUCHING * lines).all():
                 return [replace(found[0], offset=0.0), replace(found[-1], offset=0.0)]  # they run together
@@ -263,10 +273,13 @@ class _Stretch:
         if (before.offset < 0) == (after.offset < 0):
             return None
         low, high = before.speed, after.speed
+        # The shortest pieces have two points: a step across the line there may be a leap between two modes and no
+        # crossing.
         if len(self.coefficients) == 2 and abs(after.offset - before.offset) > LEAP:
             here = self._piece.values[:, self.curve]
             if not self._changes_side(self._piece.numbers, here[:, 0], here[:, -1], low, high):
                 return None
+        # Bisection: f/|g| only rises or only falls between the two points, so that there is one crossing.
         for _ in range(HALVINGS):
             middle = (low + high) / 2
             line = abs(self.line.rate * middle + self.line.fixed)
@@ -279,6 +292,7 @@ class _Stretch:
             return None  # the same modes
         here = dict(zip(self._piece.numbers, self._piece.values[:, self.curve, -1].tolist(), strict=True))
         there = dict(zip(other._piece.numbers, other._piece.values[:, self.curve, 0].tolist(), strict=True))
+        # Only modes on both sides of the leap can be ranked against each other.
         both = [number for number in here if number in there]
         before, after = (np.array([side[number] for number in both]) for side in (here, there))
         if not self._changes_side(both, before, after, self.ends[1], other.ends[0]):
@@ -299,6 +313,7 @@ class _Stretch:
         number = self._piece.numbers[self.row]
         names = [one for one, is_there in zip(numbers, kept.tolist(), strict=True) if is_there]
         order = np.argsort(here[kept], kind="stable")
+        # The n-th frequency before is compared with the n-th one after, whatever numbers they bear.
         ranks = [names[place] for place in order.tolist()]
         lines = (abs(self.line.rate * speed + self.line.fixed) for speed in (low, high))
         sides = [np.sort(values[kept]) < line for values, line in zip((here, there), lines, strict=True)]
@@ -333,6 +348,7 @@ def around_resonances(
 ) -> FloatArray:
     """Speeds (n,) in rad/s to add around every resonance that is narrower than a step of the rising ``speeds``."""
     limits = float(speeds[0]), float(speeds[-1])
+    # Modes well above the highest line meet none, and their curves need not be resolved.
     highest = FOLLOWED_ABOVE * max((float(np.abs(line.frequency(np.array(limits))).max()) for line in lines), default=0)
     over_speed = ModesOverSpeed(drivetrain, reference, limits, highest=highest)
     if over_speed.is_speed_dependent:
@@ -348,6 +364,8 @@ def around_poles(poles: ComplexArray, lines: Sequence[OrderLine], speeds: FloatA
         resonance
         for pole in poles[poles.imag > 0].tolist()
         for line in _distinct(lines)
+        # lambda = -delta +- j omega_d: damped frequency omega_d/2pi, half width delta/2pi, natural frequency
+        # |lambda|/2pi in Hz
         for resonance in _met(line, pole.imag / (2 * math.pi), -pole.real / (2 * math.pi), abs(pole) / (2 * math.pi))
     )
     return _around(found, speeds)
@@ -361,6 +379,7 @@ def _around(resonances: Iterable[Resonance], speeds: FloatArray) -> FloatArray:
     found: list[float] = []
     for speed, width in resonances:
         after = min(max(int(np.searchsorted(speeds, speed)), 1), len(speeds) - 1)
+        # The step in which the resonance lies decides whether the grid shows it.
         step = float(speeds[after] - speeds[after - 1])
         if speeds[0] <= speed <= speeds[-1] and width < WIDEST_REFINED * step:
             found += [speed + width * times for times in HALF_WIDTHS_AROUND if width * abs(times) < step]
@@ -373,6 +392,7 @@ def _met(line: OrderLine, damped: float, width: float, natural: float) -> Iterat
     Each is a critical speed with a half width, in rad/s.
     """
     rate = float(line.relative) / (2 * math.pi)
+    # r n/2pi + f_0 = +-f; a half width in Hz is one of speed after division by r/2pi.
     for frequency in (damped, -damped) if rate else ():
         yield (frequency - line.fixed) / rate, max(abs(width), SMALLEST_DAMPING_RATIO * natural) / abs(rate)
 

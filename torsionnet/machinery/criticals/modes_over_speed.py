@@ -141,6 +141,7 @@ class ModesOverSpeed:
         """Pieces of the curves of all modes, by rising speed."""
         if not self.is_speed_dependent:
             every = self._modes_at(self.speed_range[0])
+            # One point: curves of constant modes are polynomials of degree 0.
             curves = np.array([_curves(mode) for mode in every]).reshape(len(every), len(CURVES), 1)
             return (CurvePiece(np.array(self.known), self._first_numbers(len(every)), curves),)
         found = []
@@ -155,6 +156,7 @@ class ModesOverSpeed:
         if not self.is_speed_dependent:
             numbers: Sequence[int] = self._first_numbers(len(every))
         else:
+            # Beyond the last piece its end is the nearest known set of modes.
             place = next((at for at, one in enumerate(self._pieces) if speed <= one.speeds[-1]), -1)
             numbers = self._handed_on(place, int(np.argmin(np.abs(self._pieces[place].speeds - speed))), every)
         return tuple(replace(mode, number=number) for mode, number in zip(every, numbers, strict=True))
@@ -172,6 +174,8 @@ class ModesOverSpeed:
         (values,) = (
             values_at_speeds(self.drivetrain, self.reference, np.array([speed])) if self.is_speed_dependent else ({},)
         )
+        # Speeds with equal values of all parameters have the same modes; tangents of laws also follow the speed
+        # itself.
         question = (*values.items(), speed if self._has_tangents else None)
         size = MODE_BYTES * len(self.drivetrain.nodes) ** 2
         self._sets[speed] = shared_by_conditions(self.drivetrain, tuple, question, solved, lambda _: size)
@@ -209,6 +213,7 @@ class ModesOverSpeed:
         if self._reaches(outside):
             return outside
         while abs(outside - inside) > SAME_BREAK * inside:
+            # Bisection to the end of tables and laws, which answer beyond it with an error only.
             middle = (inside + outside) / 2
             inside, outside = (middle, outside) if self._reaches(middle) else (inside, middle)
         return inside
@@ -250,6 +255,8 @@ class ModesOverSpeed:
         """Yield neighbouring speeds in rad/s, rising, between which rows of tables or parts of laws change."""
         if here == there:
             return
+        # Bisection keeps halves whose ends differ; a row that comes and goes within a step of first speeds is not
+        # seen.
         middle = (low + high) / 2
         if high - low <= SAME_BREAK * high:
             yield low, high
@@ -276,6 +283,7 @@ class ModesOverSpeed:
         before = math.inf
         for count in CURVE_POINTS:
             speeds = _chebyshev_points(low, high, count)
+            # Polynomials cannot follow a leap: the curve is cut on either side of it and each part resolved anew.
             if leap := self._leap(speeds.tolist(), shortest):
                 for ends in pairwise((low, *leap, high)):
                     if ends[0] < ends[1]:
@@ -286,6 +294,7 @@ class ModesOverSpeed:
             if unknown <= CURVE_PRECISION:
                 yield piece
                 return
+            # More points of a higher degree gain little here: two halves converge sooner.
             if unknown > min(FAR_FROM_CURVE, SLOW_GAIN * before):
                 break
             before = unknown
@@ -301,6 +310,7 @@ class ModesOverSpeed:
             return None
         low, high = speeds[first : first + 2]
         while high - low > shortest:
+            # Bisection to the speed at which a vibration appears or ends.
             middle = (low + high) / 2
             low, high = (middle, high) if self._kinds(middle) == kinds[first] else (low, middle)
         return low, high
@@ -317,6 +327,7 @@ class ModesOverSpeed:
         clear = len({len(one) for one in sets}) == 1
         for before, after in pairwise(sets):
             step, alike = self._successors(before, after)
+            # Rows follow their mode from point to point; one lost before stays lost.
             known = places[-1] >= 0
             places.append(np.where(known, step[places[-1]], -1))
             near = [self._matters(mode) for mode in before]
@@ -340,8 +351,12 @@ class ModesOverSpeed:
         there = np.isfinite(own[near])
         if (there.any(axis=2) != there.all(axis=2)).any():
             return math.inf  # a vibration that becomes overdamped on the way
+        # The decay itself counts nothing, and of a strongly damped mode its damped frequency does not: it may go to
+        # 0.
         lightly = piece.values[near, DECAY] < LIGHT_DAMPING * own[near, NATURAL]
         counts = np.stack([np.ones_like(lightly), np.ones_like(lightly), lightly], axis=1)
+        # Every other Chebyshev point of 2^m + 1 is a Chebyshev point of 2^(m-1) + 1: these predict the points
+        # between.
         half = len(piece.speeds) // 2 + 1
         places = -np.cos(np.pi * np.arange(1, len(piece.speeds), 2) / (len(piece.speeds) - 1))
         predicted = own[near][..., ::2] @ (_transform(half).T @ chebyshev.chebvander(places, half - 1).T)
@@ -367,7 +382,9 @@ class ModesOverSpeed:
         same = min(len(before), len(after))
         frequencies = np.array([np.nan_to_num(mode.undamped_frequency) for mode in after[:same]])
         equal = np.abs(frequencies[:, None] - frequencies) <= REPEATED_FREQUENCY * frequencies
+        # Shapes of a repeated frequency are any basis of one subspace: their criteria are summed over it.
         own = np.where(equal, alike[:same, :same], 0.0).sum(axis=1)
+        # Mostly the order by frequency is that of the shapes: no assignment is needed.
         if len(before) == len(after) and (own >= SAME_MODE_ENERGY).all():
             return np.arange(same), own
         from scipy.optimize import linear_sum_assignment
@@ -386,6 +403,8 @@ class ModesOverSpeed:
             for some in (before, after)
         )
         weighted = self.drivetrain.assembly.system.M @ second
+        # MAC_ij = |phi_i^H M phi_j|^2 / ((phi_i^H M phi_i)(phi_j^H M phi_j)): 1 for the same shape, whatever its
+        # scale.
         common = np.abs(first.conj().T @ weighted) ** 2
         sizes = np.outer(self._sizes(first), self._sizes(second))
         return np.asarray(np.divide(common, sizes, out=np.zeros_like(common), where=sizes > 0))
@@ -407,6 +426,7 @@ class ModesOverSpeed:
         known: dict[int, tuple[int, ...]] = {}
         at = int(np.argmin(np.abs(pieces[first].speeds - self._anchor)))
         known[first] = pieces[first].numbers(at, self._first_numbers(count))
+        # From the operating point to higher, then to lower speeds, each piece numbered by its neighbour.
         for place in range(first + 1, len(pieces)):
             known[place] = self._beside(pieces[place - 1], -1, known[place - 1], pieces[place], 0)
         for place in range(first - 1, -1, -1):
@@ -460,12 +480,14 @@ class _FollowedPiece:
 
 def _curves(mode: VibrationMode) -> tuple[float, float, float, float]:
     """Undamped, natural and damped frequency of a mode and its decay, in Hz; see ``CURVES``."""
+    # delta/2pi = zeta |lambda|/2pi.
     decay = mode.damping_ratio * mode.natural_frequency
     return mode.undamped_frequency, mode.natural_frequency, mode.damped_frequency, decay
 
 
 def _chebyshev_points(low: float, high: float, count: int) -> FloatArray:
     """Rising Chebyshev points (count,) from ``low`` to ``high``, both included, in their unit."""
+    # Extrema of T_(count-1); the ends are set exactly, so that neighbouring pieces meet at the same speed.
     inner = -np.cos(np.pi * np.arange(1, count - 1) / (count - 1))
     return np.concatenate([[low], (low + high) / 2 + (high - low) / 2 * inner, [high]])
 
@@ -474,4 +496,5 @@ def _chebyshev_points(low: float, high: float, count: int) -> FloatArray:
 def _transform(count: int) -> FloatArray:
     """Matrix (count, count) from values at Chebyshev points to coefficients of Chebyshev polynomials."""
     points = _chebyshev_points(-1.0, 1.0, count) if count > 1 else np.zeros(1)
+    # V c = f with V_ij = T_j(x_i), well conditioned at Chebyshev points.
     return np.asarray(np.linalg.inv(chebyshev.chebvander(points, count - 1)))

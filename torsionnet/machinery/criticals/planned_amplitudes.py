@@ -81,8 +81,10 @@ def critical_peaks(run: OrderResponse, output: str | None = None) -> tuple[Plann
     sizes = np.abs(run.by_frequency()[:, :, place])
     for number, lines in enumerate(lines_of_one_frequency(run.lines)):
         line, size = run.lines[lines[0]], sizes[:, number]
+        # A fixed frequency follows no speed: its maximum is none of a critical speed.
         if line.fixed:
             continue
+        # Maxima with a lower value on either side; one at an end of the range may lie outside.
         inside = np.flatnonzero((size[1:-1] > size[:-2]) & (size[1:-1] >= size[2:])) + 1
         inside = inside[size[inside] >= SMALLEST_SHARE * largest]
         reason = phrase("peak of order {order:.4g}", order=float(line.relative))

@@ -106,6 +106,7 @@ class _Search:
         return found
 
     def _around(self, one: CriticalSpeed) -> FloatArray:
+        # Damping shifts and widens a peak in proportion to zeta, so that the search is that many zeta wide.
         width = min(max(WIDTHS * one.mode.damping_ratio, LEAST_WIDTH), MOST_WIDTH)
         critical = one.speed("natural")
         low, high = np.clip(critical * np.array([1 - width, 1 + width]), *self.limits)
@@ -132,6 +133,7 @@ class _Search:
         inner = inner_maxima(sizes) if len(sizes) else []
         if not inner:
             return None
+        # Nearest by the ratio of speeds, as half and twice the critical speed are equally far.
         best = min(inner, key=lambda place: abs(math.log(grid[place] / one.speed("natural"))))
         return _around(grid[best - 1], grid[best], grid[best + 1], FINER_POINTS)
 
@@ -141,6 +143,8 @@ class _Search:
         for _ in range(ROUNDS if grids else 0):
             sizes = self._sizes([self.crossings[number] for number in grids], list(grids.values()))
             for (number, grid), size in zip(list(grids.items()), sizes, strict=True):
+                # The maximum lies between the neighbours of the highest speed: each round divides these two steps
+                # anew.
                 best = int(np.argmax(size[:, output]))
                 found[number] = (float(grid[best]), float(size[best, output]))
                 low, high = grid[max(best - 1, 0)], grid[min(best + 1, len(grid) - 1)]
@@ -155,6 +159,7 @@ class _Search:
         kept = {}
         for number, (speed, size) in peaks.items():
             one = self.crossings[number]
+            # Two modes near each other may both find the one peak between them: it belongs to the nearer one.
             rivals = [
                 other
                 for rival, other in enumerate(self.crossings)
