@@ -218,11 +218,13 @@ class ElectricMachine(OrderExcitation):
 
     def _pulsations(self, speeds: FloatArray) -> Iterator[_Pulsation]:
         rated = (self.rated_torque or 0.0) * np.ones(len(speeds))
+        # Ripple is a share of the torque that the machine has at that speed, cogging an amplitude of its own.
         torque = rated * over_speed(self.torque, speeds, "torque") if self.torque else rated
         per_revolution = {"orders": 1, "electrical_orders": self.pole_pairs}
         for (name, *_), table in self._tables():
             for key, one in table.items():
                 size = (one.amplitude + one.share * torque) * np.exp(1j * one.phase)
+                # One revolution has as many electrical periods as there are pole pairs.
                 if name in per_revolution:
                     yield _Pulsation(key * not_none(per_revolution[name]), 0.0, size)
                 else:
@@ -230,12 +232,14 @@ class ElectricMachine(OrderExcitation):
 
     def _of_slip(self, speeds: FloatArray) -> Iterator[_Pulsation]:
         if self.slip:
+            # Twice the slip frequency: 2 f_line - 2 p Omega/2pi, an order of -2 p with a fixed part.
             size = over_speed(self.slip.amplitude, speeds, "slip torque") * np.exp(1j * self.slip.phase)
             yield _Pulsation(-2.0 * not_none(self.pole_pairs), 2 * self.slip.frequency, size)
 
     def _of_short_circuit(self) -> Iterator[_Pulsation]:
         if self.short_circuit:
             given = self.short_circuit
+            # The phase is that of the line voltage: at twice the frequency it counts twice.
             for multiple, size in ((1, given.once), (2, given.twice)):
                 if size:
                     yield _Pulsation(0.0, multiple * given.frequency, size * np.exp(1j * multiple * given.phase))

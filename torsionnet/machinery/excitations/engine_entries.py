@@ -75,6 +75,7 @@ def even_phases(order: Sequence[int], cycle: float) -> dict[int, float]:
     >>> [round(math.degrees(angle)) for angle in even_phases([1, 5, 3, 6, 2, 4], 4 * math.pi).values()]
     [0, 120, 240, 360, 480, 600]
     """
+    # alpha_i = i cycle/z in the firing order.
     return {number: place * cycle / len(order) for place, number in enumerate(order)}
 
 
@@ -105,6 +106,7 @@ def banked_phases(
     >>> {one: round(math.degrees(at)) for one, at in banked_phases(order, 4 * math.pi, throws, places).items()}
     {1: 0, 4: 90, 2: 360, 3: 450}
     """
+    # Even firing is taken if cylinders on one throw then fire as far apart as their banks stand.
     evenly = even_phases(order, cycle)
     if firing_against_banks(evenly, throws, places) is None:
         return evenly
@@ -118,6 +120,7 @@ def banked_phases(
         elif throws[number] not in on_throw:
             return None
         else:
+            # The pin reaches the other bank later by the bank angle, at this top dead centre or one revolution on.
             at = on_throw[throws[number]] + places[number]
             choices.append([(at + turn) % cycle for turn in turns])
     return _in_order(order, choices, cycle)
@@ -144,6 +147,7 @@ def _in_order(order: Sequence[int], choices: Sequence[Sequence[float]], cycle: f
     for further in choices[1:]:
         found = [
             [*before, angle]
+            # Each cylinder fires after the one before, counted from the first one within one cycle.
             for before, angle in itertools.product(found, further)
             if (before[-1] - before[0]) % cycle < (angle - before[0]) % cycle - FIRING_ANGLE_TOL / 10
         ]
@@ -166,6 +170,7 @@ def firing_against_banks(
     for one, other in itertools.combinations(phases, 2):
         if throws[one] == throws[other]:
             apart, due = phases[other] - phases[one], places[other] - places[one]
+            # One throw: both are at top dead centre apart by the bank angle, but for whole revolutions.
             if abs(math.remainder(apart - due, 2 * math.pi)) > FIRING_ANGLE_TOL:
                 return one, other, apart, due
     return None
@@ -323,6 +328,7 @@ class EngineEntries(ReactingExcitation):
         without = self._motored_share(speeds) if silent or shares else whole
         part = without
         if self.misfire == EACH:
+            # One cylinder is out at a time: on average each has lost 1/z of what it lacks without injection.
             without = 1 - (1 - without) / len(self.numbers)
         found = {number: whole + shares.get(number, 0.0) * (part - whole) for number in self.numbers}
         return found | dict.fromkeys(silent, without) | dict.fromkeys(out, 0 * whole)
@@ -336,6 +342,7 @@ class EngineEntries(ReactingExcitation):
             fired = gas.fired_harmonics(self.crank, MEAN, self.indicated_pressures(speeds))[:, 0].real
         except UsageError:  # a load beyond the traces, of which the torques by order say it
             return nothing
+        # Order 0 of a trace is twice its mean, with injection and without: the ratio is that of the means.
         motored = gas.motored_harmonics_at(self.crank, MEAN)[0].real
         return np.asarray(np.divide(motored, fired, out=nothing, where=np.broadcast_to(fired != 0, nothing.shape)))
 

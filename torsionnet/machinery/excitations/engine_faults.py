@@ -64,6 +64,7 @@ def _mass(engine: EngineEntries) -> Iterator[Fault]:
         f"a reciprocating mass of {mass:g} kg in a cylinder of {engine.bore * 1e3:g} mm by {engine.stroke * 1e3:g} mm"
     )
     text += f": usual are {_rounded(low * volume)} to {_rounded(high * volume)} kg"
+    # A usual mass in g or t, of which the unit was left out.
     meant = {mass / 1e3: f"{mass:g} g", mass * 1e3: f"{mass:g} t"}
     found = next((words for one, words in meant.items() if low <= one / volume <= high), "")
     yield Fault(text + question(found), ("reciprocating_mass",), "warning", meant=found)

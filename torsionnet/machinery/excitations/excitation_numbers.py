@@ -172,6 +172,7 @@ def _within(spec: Spec[Any], value: Any, tokens: Sequence[str], entry: str) -> F
 
 def _of_table(spec: TableByOrder[Any], table: Mapping[float, Declared], tokens: Sequence[str]) -> Found | None:
     """Number in a table by order, whose keys may hold a point themselves: 0.5.real."""
+    # The longest key first: 0.5.real is the real part of order 0.5.
     for count in range(len(tokens) - 1, 0, -1):
         try:
             key = spec.key.coerce(".".join(tokens[:count]))

@@ -53,7 +53,9 @@ class TangentialHarmonic(Declared):
     def complex_amplitude(self, phase_of: str) -> complex:
         """Complex amplitude T in Pa of Re T exp(j h phi), with phi = 0 at firing top dead centre."""
         if self.amplitude is None:
+            # a cos(h phi) + b sin(h phi) = Re (a - j b) exp(j h phi).
             return complex(not_none(self.cosine), -not_none(self.sine))
+        # sin x = cos(x - pi/2): a phase of the sine lies 90 degrees behind, a factor -j.
         return complex(self.amplitude * np.exp(1j * not_none(self.phase)) * (-1j if phase_of == "sine" else 1))
 
 
@@ -252,9 +254,11 @@ class GasPressure(Declared):
             tables |= {mean: self._of_trace(trace, crank, orders) for mean, trace in self.traces.items()}
         else:
             tables[None] = self._of_trace(not_none(self.fired), crank, orders)
+        # The lower side of a double-acting piston adds to all traces alike, before a test corrects their sum.
         values = np.array(list(tables.values())) + self._below_piston(crank, orders)
         values = values * corrections(self.correction, orders)
         known = [pressure for pressure in tables if pressure is not None]
+        # A single trace or table holds at all pressures; several are read at the load of the engine.
         return values if not known or pressures is None else interpolated(known, values, pressures)
 
     def motored_harmonics_at(self, crank: Crank, orders: FloatArray) -> ComplexArray:
@@ -272,6 +276,7 @@ class GasPressure(Declared):
         """Torque by order in N m of the pressure below a double-acting piston, shape (n_orders,)."""
         if not self.crank_end:
             return np.zeros(len(orders), dtype=complex)
+        # It pushes upwards, against x', on the area that the piston rod leaves.
         return -self._of_trace(self.crank_end, crank, orders) * crank.lower_share
 
     @property

@@ -91,6 +91,7 @@ def over_speed(table: SpeedRows, speeds: FloatArray, what: str) -> FloatArray:
     if text:
         raise UsageError(text)
     at, values = np.array(table).T
+    # Two rows of one speed are a step, at which the later one counts.
     place = np.clip(np.searchsorted(at, speeds, side="right"), 1, len(at) - 1)
     width = at[place] - at[place - 1]
     share = np.divide(speeds - at[place - 1], width, out=np.ones(len(speeds)), where=width > 0)
@@ -148,6 +149,7 @@ class HarmonicAmplitude(Declared):
         power, size = next(
             (power, size) for power, name in enumerate(MOTIONS) if (size := getattr(self, name)) is not None
         )
+        # An imposed motion is an angle: x = v/(j omega) or a/(j omega)^2.
         return size * phase_factor / (1j * omega) ** power
 
 

@@ -78,6 +78,7 @@ class MeasuredLines:
         values = self.values[line]
         if not self.speeds:
             return np.full(len(speeds), values[0])
+        # Phases are unwrapped first, so that interpolation does not turn the long way round at +-180 degrees.
         size = np.interp(speeds, self.speeds[line], np.abs(values))
         return np.asarray(size * np.exp(1j * np.interp(speeds, self.speeds[line], np.unwrap(np.angle(values)))))
 
@@ -115,6 +116,7 @@ def measured_lines(headings: Sequence[str], rows: FloatArray) -> MeasuredLines:
         return MeasuredLines(
             quantity, key == "frequency", found, (), _parts(values, groups), has_phase, _parts(widths, groups)
         )
+    # Each line over its own rising speeds, in whatever order the rows of the recording are.
     sorted_groups = [group[np.argsort(speeds[group])] for group in groups]
     _require(
         all((np.diff(speeds[group]) > 0).all() for group in sorted_groups), f"every {key} has one row at each speed"
@@ -135,6 +137,7 @@ def _half_widths(
         return None
     own, factor = _quantity("half_width", columns["half_width"][1])
     _require(own == quantity, f"half_width is one of {quantity}, as the amplitudes are")
+    # An interval is stated of the quantity of its column: it becomes a peak value by the same factor.
     size = next((name for name in PEAKS if name in columns), "amplitude")
     return np.asarray(factor * PEAKS[size] * numbers["half_width"])
 
@@ -173,6 +176,7 @@ def _values(columns: dict[str, tuple[int, str]], numbers: dict[str, FloatArray])
     sizes = [name for name in PEAKS if name in columns]
     _require(len(sizes) == 1, f"a recording has one column of {', '.join(PEAKS)}, or real and imag, as {FORM}")
     quantity, factor = _quantity(sizes[0], columns[sizes[0]][1])
+    # Peak value from rms (sqrt 2) or peak to peak (1/2).
     values = np.asarray(factor * PEAKS[sizes[0]] * numbers[sizes[0]], dtype=np.complex128)
     if "phase" in columns:
         values *= np.exp(1j * numbers["phase"] * _factor(columns["phase"][1], "angle", "phase"))
@@ -368,7 +372,9 @@ class MeasuredExcitation(ReactingExcitation):
         lines = self.table.lines
         none = np.zeros(len(lines.keys))
         orders, fixed = (none, lines.keys) if lines.by_frequency else (lines.keys, none)
+        # omega = h Omega + 2 pi f of each line, which takes speeds and accelerations to angles.
         omega = speeds[:, None] * orders + 2 * np.pi * fixed
         found = np.stack([lines.at(place, speeds) for place in range(len(lines.keys))], axis=1)
+        # x = v/(j omega) or a/(j omega)^2; angles and torques have power 0.
         amplitudes = found / (1j * omega) ** POWERS[lines.quantity]
         return OrderTorques(orders, self.nodes, amplitudes[:, :, None], fixed=fixed)

@@ -56,6 +56,7 @@ class Rating:
         stated = self.torque * speed if self.power is None else self.power
         if not self.speed:
             return (stated,)
+        # P(Omega) = T_rated (Omega/Omega_rated)^exponent Omega.
         return stated, self.torque * (speed / self.speed) ** self.exponent * speed
 
 

@@ -40,6 +40,7 @@ def piston_rate(angle: FloatArray, ratio: float) -> FloatArray:
     >>> bool(abs(piston_rate(np.array([np.pi / 2]), 0.25)[0] - 1) < 1e-12)
     True
     """
+    # x/r = 1 - cos phi + (1 - sqrt(1 - lambda^2 sin^2 phi))/lambda with lambda = r/l, exact for the slider crank.
     sine, cosine = np.sin(angle), np.cos(angle)
     return np.asarray(sine * (1 + ratio * cosine / np.sqrt(1 - (ratio * sine) ** 2)))
 
@@ -62,6 +63,7 @@ def inertia_harmonics(ratio: float, orders: FloatArray, samples: int = 4096) -> 
     >>> [round(float(value), 6) for value in -inertia_harmonics(0.25, np.arange(1.0, 5.0)).imag]
     [0.063506, -0.50013, -0.192056, -0.016129]
     """
+    # One revolution of -x' x'': orders above half the samples are far below rounding for any rod that is built.
     angle = 2 * np.pi * np.arange(samples) / samples
     return harmonics(-piston_rate(angle, ratio) * piston_curvature(angle, ratio), 1, orders)
 
@@ -77,7 +79,9 @@ def harmonics(samples: FloatArray, revolutions: int, orders: FloatArray) -> Comp
     """
     lines = np.asarray(orders) * revolutions
     whole = np.rint(lines).astype(int)
+    # X_h = 2/N sum_n x_n exp(-j 2 pi h n/N): peak values, and at order 0 twice the mean.
     found = 2 * np.fft.rfft(samples) / len(samples)
+    # Half orders exist over two revolutions only; the line at half the sampling rate has no phase and is left out.
     held = (np.abs(lines - whole) < 1e-9) & (whole < (len(samples) + 1) // 2)
     return np.where(held, found[np.where(held, whole, 0)], 0)
 
@@ -134,6 +138,7 @@ class PressureTrace:
 
         ``zero`` is the angle of the trace at firing top dead centre, ``below`` the pressure under the piston.
         """
+        # Tangential pressure (p - p_below) x'/r, work per angle over piston area and crank radius.
         angles = self.start - zero + 2 * np.pi * revolutions * np.arange(len(self.values)) / len(self.values)
         return angles, (np.array(self.values) - below) * piston_rate(angles, ratio)
 
@@ -141,11 +146,13 @@ class PressureTrace:
         self, ratio: float, revolutions: int, orders: FloatArray, zero: float = 0.0, below: float = 0.0
     ) -> ComplexArray:
         """Complex tangential pressure in Pa by order, shape (n_orders,), from the samples without smoothing."""
+        # Phases count from the first sample; exp(-j h phi_0) refers them to firing top dead centre.
         angles, tangential = self.tangential(ratio, revolutions, zero, below)
         return np.asarray(harmonics(tangential, revolutions, orders) * np.exp(-1j * orders * angles[0]))
 
     def mean_indicated_pressure(self, ratio: float, revolutions: int, zero: float = 0.0) -> float:
         """Mean indicated pressure of the trace in Pa, the work of a cycle over the swept volume."""
+        # Work A r integral (p x' dphi) over the swept volume 2 A r: mean of p x' times 2 pi revolutions/2.
         _, tangential = self.tangential(ratio, revolutions, zero, 0.0)
         return float(np.mean(tangential) * np.pi * revolutions)
 
@@ -304,6 +311,7 @@ def _covered(rows: _Rows) -> tuple[int, bool]:
     """Number of revolutions in a trace file, and whether it has both ends of the cycle."""
     step, span = float(np.median(np.diff(rows.angles))), float(rows.angles[-1] - rows.angles[0])
     for revolutions in (1, 2):
+        # With one end a cycle lacks one step, with both none; half a step decides.
         missing = 360 * revolutions - span
         if -EVEN_STEP_TOL * step <= missing <= LARGEST_END_GAP * step:
             return revolutions, missing < step / 2
@@ -315,6 +323,7 @@ def _covered(rows: _Rows) -> tuple[int, bool]:
 def _not_closing(rows: _Rows, both_ends: bool, revolutions: int) -> Iterator[Fault]:
     p = rows.pressures
     allowed = CLOSING_RTOL * float(np.max(np.abs(p)))
+    # Without the second end the pressures differ by what a step may change, as at a steep compression.
     if not both_ends:
         allowed = max(allowed, CLOSING_STEP_RATIO * float(np.max(np.abs(np.diff(p)))))
     if abs(p[0] - p[-1]) > allowed:
@@ -328,12 +337,14 @@ def _trace(rows: _Rows, revolutions: int) -> PressureTrace:
     step, note = cycle / count, ""
     angles: FloatArray = rows.angles
     pressures: FloatArray = rows.pressures
+    # Angles rounded to a few decimals count as even, anything else is brought to the finest step.
     if np.max(np.abs(angles - angles[0] - step * np.arange(count))) > EVEN_STEP_TOL * step:
         steps = min(MOST_STEPS, round(cycle / float(np.min(np.diff(angles)))))
         note = f"{rows.file} has uneven steps; it is interpolated linearly at {steps} steps of a cycle"
         step = cycle / steps
         pressures = np.asarray(np.interp(step * np.arange(steps), angles, pressures, period=cycle))
         angles = np.arange(float(steps)) * step
+    # The cycle is periodic: samples before 0 degrees move to its end.
     begin = angles[0] % cycle
     passed = int(np.ceil((cycle - begin) / step - EVEN_STEP_TOL)) % len(angles)  # samples before 0 degrees
     start = begin + passed * step - (cycle if passed else 0)

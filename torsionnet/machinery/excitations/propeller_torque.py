@@ -124,6 +124,8 @@ class PropellerTorque(OrderExcitation):
         tables: dict[EntryPath, Any] = {("blade_orders",): self.blade_orders}
         tables |= {("conditions", name, "blade_orders"): one.blade_orders for name, one in self.conditions.items()}
         for path, table in tables.items():
+            # Blade order 1 is the largest in most wakes: a table of multiples of the blade number without it probably
+            # counts revolutions of the shaft.
             if table and all(order % self.blades == 0 for order in table):
                 first = min(table)
                 text = f"blade order {first:g} of {self.blades} blades is {first * self.blades:g} times a revolution"
@@ -173,8 +175,11 @@ class PropellerTorque(OrderExcitation):
     def torques(self, speeds: FloatArray) -> OrderTorques:
         table = (self.conditions[self.condition] if self.condition else self).blade_orders
         torque, exponent = self.law
+        # Q(n) = Q_rated (n/n_rated)^exponent, of which each blade order is a share.
         mean = torque * (speeds / self.rated) ** exponent
         orders = self.blades * np.array([float(order) for order in table])
         shares = np.array([part.share * np.exp(1j * part.phase) for part in table.values()])
+        # A blade past upright by beta where phi = 0: cos(i z (phi + beta) + phase).
         shares = shares * np.exp(1j * orders * (self.blade_angle or 0.0))
+        # The torque of a propeller brakes its shaft, hence the sign.
         return OrderTorques(orders, self.nodes, -(mean[:, None] * shares)[:, :, None])

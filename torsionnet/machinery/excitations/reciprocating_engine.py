@@ -60,6 +60,7 @@ class ReciprocatingEngine(EngineEntries):
             number: 0.0 if number in silent else self._factor(number) * (1 - self._lost_share(number))
             for number in self.numbers
         }
+        # Cylinder i repeats the first one later by alpha_i: order h turns by -h alpha_i.
         phase_factors = {number: np.exp(-1j * order * angle) for number, angle in self.acting_phases.items()}
         return {
             str(number): (node, complex(sizes[number] * phase_factors[number])) for number, node in self.numbers.items()
@@ -67,8 +68,10 @@ class ReciprocatingEngine(EngineEntries):
 
     def torques(self, speeds: FloatArray) -> OrderTorques:
         orders, nodes = self.acting_orders, self.nodes
+        # -m r^2 Omega^2 x' x'' by order; Omega^2 follows below.
         inertia = self.reciprocating_mass * self.crank.radius**2 * inertia_harmonics(self.crank.ratio, orders)
         moving = speeds[:, None] ** 2 * inertia
+        # T(phi - alpha_i): order h of cylinder i turns by -h alpha_i.
         phase_factors = {number: np.exp(-1j * orders * angle) for number, angle in self.acting_phases.items()}
         fired, motored = self.fired_harmonics(speeds), self._motored(speeds)
         gas = {number: self._gas_of(number, fired, motored) * phase_factors[number] for number in self.numbers}
@@ -76,6 +79,7 @@ class ReciprocatingEngine(EngineEntries):
         for number, node in self.numbers.items():
             found[:, :, nodes.index(node)] += moving * phase_factors[number] + gas[number]
         sound = [number for number in self.numbers if number not in self.gas_off]
+        # Deviations from the nominal sum: motored instead of fired torque, or a share of the gas torque.
         misfires = {number: motored * phase_factors[number] - gas[number] for number in sound}
         scatter = {number: self.spread * gas[number] for number in sound if number not in self._without_injection}
         return OrderTorques(
@@ -105,6 +109,7 @@ class ReciprocatingEngine(EngineEntries):
             return np.zeros_like(fired)
         if number in self._without_injection:
             return motored
+        # Partial misfire: straight between fired (0) and motored (1), order by order with phases.
         lost = self._lost_share(number)
         return np.asarray(fired * (self._factor(number) * (1 - lost)) + motored * lost)
 
@@ -146,6 +151,7 @@ def crankshafts(excitations: Mapping[str, OrderExcitation]) -> list[list[str]]:
     together: Groups[tuple[str, str]] = Groups()
     for name, one in excitations.items():
         if one.crankshaft:
+            # Engines with a node in common are on one crankshaft, also through a third engine.
             together.join(("engine", name), *(("node", node) for node in sorted(one.crankshaft)))
     groups = [{name for kind, name in group if kind == "engine"} for group in together.groups()]
     found = [[name for name in excitations if name in group] for group in groups]
@@ -162,6 +168,7 @@ def unlocked_engines(acting: Mapping[str, OrderExcitation], declared: Mapping[st
     """
     shafts = crankshafts(declared)
     phased = [shaft for shaft in shafts if any(declared[name].is_phased for name in shaft)]
+    # The first engine gives phase 0; all that state a phase to it are locked, others by their own crankshaft only.
     fixed = {name for shaft in [*shafts[:1], *phased] for name in shaft}
     classes = [fixed, *(set(shaft) for shaft in shafts if not fixed & set(shaft))]
     found = {}
@@ -281,6 +288,7 @@ def cylinder_harmonics(engine: ReciprocatingEngine, speed: float) -> tuple[Cylin
     crank, orders = engine.crank, engine.acting_orders
     inertia = engine.reciprocating_mass * (crank.radius * speed) ** 2 * inertia_harmonics(crank.ratio, orders)
     gas = engine.fired_harmonics(np.array([speed]))[0]
+    # Gas and mass are out of phase: complex values add, their magnitudes do not.
     both = gas + inertia
     scale = 1 / crank.factor
     return tuple(
@@ -340,6 +348,7 @@ def indicated_pressures(engine: ReciprocatingEngine, speeds: FloatArray) -> tupl
         if own is None or engine.gas is None:
             return ()
         pressures = own * engine.gas.factor(speeds)
+    # T = p_mi V_h z/(2 pi revolutions): work of a cycle of all cylinders over its angle.
     swept = engine.crank.swept_volume * len(engine.numbers) / (2 * math.pi * engine.revolutions)
     return tuple(
         IndicatedPressure(float(speed), float(pressure), float(pressure * swept))
@@ -353,6 +362,7 @@ def _of_traces(engine: ReciprocatingEngine) -> float | None:
     if gas is None:
         return None
     if gas.is_by_pressure:
+        # Of several pressures the load alone says which holds.
         only = [pressure for pressure in (gas.traces or gas.harmonics or {}) if pressure is not None]
         return only[0] if len(only) == 1 else None
     if gas.fired is None:
@@ -360,6 +370,7 @@ def _of_traces(engine: ReciprocatingEngine) -> float | None:
     ratio, revolutions = engine.crank.ratio, engine.revolutions
     mean = gas.fired.mean_indicated_pressure(ratio, revolutions, gas.zero)
     if gas.crank_end:
+        # Below the piston the same movement is the other way, on the area without the rod.
         mean -= engine.crank.lower_share * gas.crank_end.mean_indicated_pressure(ratio, revolutions, gas.zero)
     return mean
 
@@ -377,6 +388,7 @@ def firing_intervals(engine: ReciprocatingEngine) -> Mapping[int, float]:
     cycle = engine.cycle * math.pi
     phases = {number: angle % cycle for number, angle in engine.firing_phases.items()}
     order = sorted(phases, key=lambda number: phases[number])
+    # The last to fire is followed by the first of the next cycle; a single cylinder by itself after a whole one.
     following = [*order[1:], order[0]]
     return {
         number: (phases[after] - phases[number]) % cycle if number != after else cycle

@@ -94,6 +94,7 @@ def interpolated(known: Sequence[float], values: ComplexArray, wanted: FloatArra
         return np.repeat(values, len(wanted), axis=0)
     places = np.clip(np.searchsorted(known, wanted), 1, len(known) - 1)
     pressures = np.asarray(known)
+    # Complex values run straight between neighbouring pressures, order by order.
     share = np.clip((wanted - pressures[places - 1]) / (pressures[places] - pressures[places - 1]), 0, 1)[:, None]
     return np.asarray(values[places - 1] * (1 - share) + values[places] * share)
 
@@ -152,6 +153,7 @@ class EngineLoad(Declared):
         """
         pressure = self.mean_indicated_pressure
         if pressure is None:
+            # Indicated power P_e/eta_m, its work per cycle P 2 pi revolutions/Omega, over the swept volume.
             power = not_none(self.power) / not_none(self.mechanical_efficiency)
             work = power * 2 * math.pi * revolutions / not_none(self.rated)
             pressure = work / swept_volume

@@ -123,6 +123,7 @@ class UniversalJoint(TwistExcitation):
 
     def torques(self, speeds: FloatArray) -> OrderTorques:
         count = np.arange(1, self.multiples + 1)
+        # out - in = sum_n tan(beta/2)^(2n)/n sin(2 n in).
         sizes = math.tan(self.angle / 2) ** (2 * count) / count
         # cos(x - pi/2) is sin x; what counts is how far the input is ahead of the output.
         lag = -sizes * -1j * np.exp(2j * count * self.phase)
@@ -216,6 +217,7 @@ class GearMesh(TwistExcitation):
         if self.run_out:
             yield _Line(("run_out",), 1.0, self.run_out)
         if self.mate_run_out:
+            # The mate turns z/z_mate times per revolution of this wheel.
             yield _Line(("mate_run_out",), (self.teeth or 1) / (self.mate_teeth or 1), self.mate_run_out)
 
     def with_element_data(self, elements: Mapping[str, Element]) -> Self:
@@ -254,6 +256,7 @@ class GearMesh(TwistExcitation):
     def torques(self, speeds: FloatArray) -> OrderTorques:
         lines = list(self._lines())
         radius = self.base_radius or 1.0
+        # A way e along the line of action is an angle e/r_b of the wheel with base radius r_b.
         sizes = [line.error.angle if line.error.way is None else line.error.way / radius for line in lines]
         errors = np.array(sizes) * np.exp(1j * np.array([line.error.phase for line in lines]))
         amplitudes = np.broadcast_to(errors[None, :, None], (len(speeds), len(lines), 1)).copy()
