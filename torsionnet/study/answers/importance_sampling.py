@@ -70,9 +70,11 @@ def design_points(margin: OfPoints, starts: FloatArray) -> DesignPoints:
         values, slopes = values_and_slopes(margin, here)
         count += len(here) * (2 * here.shape[1] + 1 + len(STEP_SHARES))
         points[moving] = _shortened(margin, here, values, slopes, _towards(here, values, slopes))
+        # A search that moves by less than the step of its slopes has arrived.
         moving = moving[np.linalg.norm(points[moving] - here, axis=1) >= SLOPE_STEP]
         if not len(moving):
             break
+    # A search may end beside the limit state; on the ray from the median through its point it is met exactly.
     on_it, used = _on_the_limit(margin, points)
     return DesignPoints(distinct_points(on_it), count + used)
 
@@ -80,6 +82,7 @@ def design_points(margin: OfPoints, starts: FloatArray) -> DesignPoints:
 def values_and_slopes(margin: OfPoints, points: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Safety margins (m,) at points (m, d) in standard normal space, and their slopes (m, d) by central differences."""
     m, d = points.shape
+    # The point itself, and a step each way along every axis.
     offsets = SLOPE_STEP * np.concatenate([np.zeros((1, d)), np.eye(d), -np.eye(d)])
     values = margin((points[:, None, :] + offsets).reshape(-1, d)).reshape(m, 2 * d + 1)
     slopes = (values[:, 1 : d + 1] - values[:, d + 1 :]) / (2 * SLOPE_STEP)
@@ -90,6 +93,7 @@ def _towards(points: FloatArray, values: FloatArray, slopes: FloatArray) -> Floa
     """Steps (m, d) of the searches to the nearest points of their linearised limit states, 0 if there is no slope."""
     steep = (slopes**2).sum(axis=1)
     level = ~(steep > 0) | ~np.isfinite(values)
+    # Hasofer, Lind, Rackwitz, Fiessler: u' = (g'.u - g) g'/|g'|^2 is the nearest zero of the linearised margin.
     lengths = ((slopes * points).sum(axis=1) - values) / np.where(level, 1.0, steep)
     target = np.where(level[:, None], points, lengths[:, None] * slopes)
     far = np.linalg.norm(target, axis=1, keepdims=True)
@@ -103,10 +107,12 @@ def _shortened(
     tried = points + STEP_SHARES[:, None, None] * steps
     reached = margin(tried.reshape(-1, points.shape[1])).reshape(tried.shape[:2])
     steep = np.maximum(np.linalg.norm(slopes, axis=1), 1e-300)
+    # Merit |u|^2/2 + c |g| of Zhang and Der Kiureghian, with c above |u|/|g'| so that steps go downhill in it.
     weight = 2 * np.maximum(np.linalg.norm(points, axis=1), 1) / steep + 1e-3
     before = (points**2).sum(axis=1) / 2 + weight * np.abs(values)
     merit = (tried**2).sum(axis=2) / 2 + weight * np.abs(np.where(np.isfinite(reached), reached, np.inf))
     better = merit < before
+    # The first that is better is the longest, as the shares fall.
     chosen = np.where(better.any(axis=0), better.argmax(axis=0), merit.argmin(axis=0))
     return np.asarray(tried[chosen, np.arange(len(points))])
 
@@ -115,9 +121,11 @@ def _on_the_limit(margin: OfPoints, points: FloatArray) -> tuple[FloatArray, int
     """Points (k, d) moved along their rays to the limit state, if their rays fail at all, and variants used."""
     rays = margin((RAY[:, None, None] * points).reshape(-1, points.shape[1])).reshape(len(RAY), len(points))
     failed = ~(rays > 0)
+    # The first failure on a ray and the point before it bracket the limit state.
     first = failed.argmax(axis=0)
     high = RAY[first]
     low = np.append(0.0, RAY)[first]
+    # 20 halvings leave 1e-6 of the bracket.
     for _ in range(20):
         middle = (low + high) / 2
         lost = ~(margin(middle[:, None] * points) > 0)
@@ -164,6 +172,7 @@ class Mixture:
     @property
     def spread(self) -> float:
         """Standard deviation of the wide distribution, with half of its variants or more beyond the nearest centre."""
+        # In d dimensions |u|^2 is about d sigma^2: sigma = |c|/sqrt(d) reaches the nearest centre c.
         return (
             max(1.0, float(np.linalg.norm(self.centres[0])) / self.centres.shape[1] ** 0.5)
             if len(self.centres)
@@ -177,6 +186,7 @@ class Mixture:
 
         if not len(self.centres):
             return np.ones(1)
+        # The half-space beyond a centre has the probability Phi(-|c|), small numbers in logarithms.
         size = log_ndtr(-np.linalg.norm(self.centres, axis=1))
         shares = np.maximum(np.exp(size - size.max()), LEAST_CENTRE_SHARE)
         return np.append((1 - WIDE_SHARE) * shares / shares.sum(), WIDE_SHARE)
@@ -193,6 +203,7 @@ class Mixture:
         from scipy.special import logsumexp
 
         shares, width = np.log(self.shares), self.spread
+        # Densities without their common factor (2 pi)^(-d/2).
         plain = -(points**2).sum(axis=1) / 2
         wide = shares[-1] + plain / width**2 - points.shape[1] * np.log(width)
         near = [
@@ -250,9 +261,11 @@ def importance_sampling(
     if count < FEWEST_VARIANTS:
         raise UsageError(f"importance sampling needs {FEWEST_VARIANTS} variants or more, got {count}")
     numbers = np.random.default_rng(seed)
+    # A multiple of ten, as a tenth of a level begins the next.
     size = max(FEWEST_IN_LEVEL, 10 * round(LEVEL_SHARE * count / 10))
     scouted = subset_levels(margin, size, n_parameters, numbers)
     if scouted.probability > FREQUENT_PROBABILITY:
+        # Without centres the mixture is the normal distribution itself, and failures are counted.
         plain = _drawn(margin, Mixture(scouted.failures[:0]), numbers, count - scouted.evaluations, accuracy)
         share = counted_share(sum(map(len, plain.points)), plain.count, confidence)
         used = plain.count + scouted.evaluations
@@ -265,6 +278,7 @@ def importance_sampling(
         percent = 100 * len(left) / len(scouted.failures)
         doubts.append(f"{percent:.0f} % of the failures lie beyond none of the {len(centres)} design points")
     found = drawn.result(confidence, used, len(centres), tuple(doubts))
+    # Subset simulation of so few variants is rough: only a difference by a factor is a reason for doubt.
     factor = 1 + 100 / size**0.5
     if found.probability and not 1 / factor < scouted.probability / found.probability < factor:
         text = f"the run before it came to {scouted.probability:.2g}"
@@ -281,6 +295,7 @@ def _centres(margin: OfPoints, scouted: SubsetLevels, most: int) -> tuple[FloatA
     centres, left, used = failures[:0], failures, 0
     starts = [distinct_directions(points, MOST_STARTS) for points in (failures, *reversed(scouted.on_the_way))]
     for _ in range(MOST_ROUNDS):
+        # Searches take half of the variants at most, with slopes, trial steps and bisection on a ray.
         able = int((most / 2 - used) / (EXPECTED_STEPS * (2 * failures.shape[1] + 10) + 80))
         if not len(left) or able < 1:
             break
@@ -288,6 +303,7 @@ def _centres(margin: OfPoints, scouted: SubsetLevels, most: int) -> tuple[FloatA
         used += found.evaluations
         centres = distinct_points(np.concatenate([centres, found.points]))
         distances = np.linalg.norm(centres, axis=1)
+        # Beyond the plane that touches the limit state at the centre c: u.c/|c| > |c|, less a slack.
         beyond = failures @ centres.T / distances > distances - TANGENT_SLACK
         left = failures[~beyond.any(axis=1)]
         starts = [distinct_directions(left, MOST_STARTS)]
@@ -322,6 +338,7 @@ class _Drawn:
         total, squares = self.sums
         if total == 0:
             return float("inf")
+        # p is the mean of the weights of failures: its variance is (mean w^2 - p^2)/(N - 1).
         mean = total / self.count
         return float(np.sqrt(max(squares / self.count - mean**2, 0) / (self.count - 1)) / mean)
 
@@ -337,6 +354,7 @@ class _Drawn:
         total, squares = self.sums
         weights = np.concatenate(self.weights)
         doubts = list(known)
+        # (sum w)^2 / sum w^2 variants of equal weight would tell as much.
         if not total:
             doubts.append("no failure was met")
         elif (effective := total**2 / squares) < FEWEST_EFFECTIVE:

@@ -85,6 +85,7 @@ def parameter_map(
     [[4.0], [7.0]]
     """
     size = max((len(column) for column in others.values()), default=1)
+    # The same draws of the other parameters at every point, so that neighbours differ by the axes alone.
     first, second, which = np.meshgrid(x[1], y[1], np.arange(size), indexing="ij")
     columns = {x[0]: first.ravel(), y[0]: second.ravel()}
     columns |= {name: column[which.ravel()] for name, column in others.items()}

@@ -70,6 +70,7 @@ def rank_correlations(parameters: FloatArray, values: FloatArray, confidence: fl
     count = int(known.sum())
     if count < FEWEST_RANKED:
         raise SolveError(f"{count} variants have a value; rank correlations take {FEWEST_RANKED} or more")
+    # Spearman's coefficient is the correlation of ranks; equal values share the mean of theirs.
     ranks = rankdata(np.column_stack([parameters[known], values[known]]), axis=0)
     ranks -= ranks.mean(axis=0)
     sizes = np.sqrt((ranks**2).sum(axis=0))
@@ -77,6 +78,7 @@ def rank_correlations(parameters: FloatArray, values: FloatArray, confidence: fl
     found = np.full(len(products), np.nan)
     np.divide(products, sizes[:-1] * sizes[-1], out=found, where=sizes[:-1] * sizes[-1] > 0)
     found = np.clip(found, -1, 1)
+    # Fisher's z = artanh r is about normal; Bonett and Wright: its standard error is sqrt((1 + r^2/2)/(n - 3)).
     half = float(ndtri((1 + confidence) / 2)) * np.sqrt((1 + found**2 / 2) / (count - 3))
     with np.errstate(divide="ignore"):
         middle = np.arctanh(found)

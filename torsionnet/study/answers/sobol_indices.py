@@ -94,6 +94,7 @@ def sobol_points(n_parameters: int, base: int, seed: int) -> FloatArray:
 
     if base < FEWEST_BASE_POINTS or base & (base - 1):
         raise UsageError(f"the number of base points must be a power of two, {FEWEST_BASE_POINTS} or more; got {base}")
+    # A and B are halves of one sequence in 2 d dimensions, so that they are even together.
     pair = qmc.Sobol(2 * n_parameters, rng=np.random.default_rng(seed)).random(base)
     first, second = pair[:, :n_parameters], pair[:, n_parameters:]
     exchanged = [np.where(np.arange(n_parameters) == column, second, first) for column in range(n_parameters)]
@@ -103,6 +104,7 @@ def sobol_points(n_parameters: int, base: int, seed: int) -> FloatArray:
 def estimates_of(at_points: FloatArray, base: int, seed: int, confidence: float = 0.95) -> SobolEstimates:
     """Sobol indices from a quantity's values at :func:`sobol_points`, without base points where a value is missing."""
     values = at_points.reshape(-1, base)
+    # A base point counts with all its d + 2 variants or not at all.
     whole = np.isfinite(values).all(axis=0)
     if whole.sum() < FEWEST_BASE_POINTS:
         raise SolveError(
@@ -111,6 +113,7 @@ def estimates_of(at_points: FloatArray, base: int, seed: int, confidence: float 
         )
     terms = _terms(values[:, whole])
     numbers = np.random.default_rng([seed, 1])
+    # Bootstrap over base points, which keep their d + 2 variants together.
     drawn = np.array([_indices(terms[numbers.integers(len(terms), size=len(terms))]) for _ in range(RESAMPLES)])
     tail = (1 - confidence) / 2
     # A share of a variance: an interval holds its truth as often without the part that lies beyond 0 or 1.
@@ -124,10 +127,12 @@ def estimates_of(at_points: FloatArray, base: int, seed: int, confidence: float 
 
 def _terms(values: FloatArray) -> FloatArray:
     """Terms (n, 2 d + 2) of n base points whose means give the indices, numerators first, then moments of A and B."""
+    # About the common mean, as a large one would hide the variance in rounding.
     a, b = values[:2] - values[:2].mean()
     if np.ptp(values[:2]) <= 1e-12 * np.abs(values[:2]).max():
         raise SolveError("the quantity does not vary, so that nothing has a share in its variance")
     moved = values[2:] - values[:2].mean()
+    # First order by Saltelli, mean of f_B (f_AB - f_A); total by Jansen, mean of (f_A - f_AB)^2/2.
     return np.column_stack([*(b * (moved - a)), *((a - moved) ** 2 / 2), (a + b) / 2, (a**2 + b**2) / 2])
 
 

@@ -107,8 +107,10 @@ def subset_levels(margin: OfPoints, count: int, d: int, numbers: np.random.Gener
     on_the_way: list[FloatArray] = []
     used, spread = count, FIRST_SPREAD
     while len(bounds) < MOST_LEVELS:
+        # The bound of the next level is the 10 % quantile of the margins, and 0 at the last.
         order = np.argsort(values[0], kind="stable")[: round(LEVEL_PROBABILITY * count)]
         bound = max(0.0, float(values[0, order[-1]]))
+        # Margins that are all alike have no lower level.
         if bound > 0 and values.max() <= bound:
             break
         bounds.append(bound)
@@ -121,6 +123,7 @@ def subset_levels(margin: OfPoints, count: int, d: int, numbers: np.random.Gener
         spreads[-1] = spread = chains.spread
         used += count - len(order)
     failed = values[0] <= 0
+    # p = 0.1^(levels - 1) times the share of failures in the last level.
     probability = LEVEL_PROBABILITY ** (len(bounds) - 1) * float(failed.mean()) if bounds else 0.0
     return SubsetLevels(tuple(bounds), tuple(spreads), points[0][failed], tuple(on_the_way), probability, used)
 
@@ -148,6 +151,7 @@ class Chains:
         all_points, all_values = [points], [values]
         for _ in range(CHAIN_LENGTH - 1):
             moves = self.numbers.standard_normal(points.shape)
+            # Conditional sampling: u' = sqrt(1 - s^2) u + s xi is standard normal as u is.
             tried = np.sqrt(1 - self.spread**2) * points + self.spread * moves
             reached = margins_of(self.margin, tried)
             inside = reached <= self.bound
@@ -156,6 +160,7 @@ class Chains:
             all_points.append(points)
             all_values.append(values)
             if adapt:
+                # Larger moves where more than the wanted share is accepted, smaller ones where less.
                 self.spread = float(np.clip(self.spread * np.exp(inside.mean() - ACCEPTANCE), 0.02, 0.999))
         return np.concatenate(all_points, axis=1), np.concatenate(all_values, axis=1)
 
@@ -209,6 +214,7 @@ def _interval(found: FloatArray, confidence: float) -> tuple[float, float]:
 
     logarithms = np.log(found)
     scatter = logarithms.var(ddof=1)
+    # Cox: a lognormal variable has the mean exp(m + s^2/2), and this exponent the variance s^2/n + s^4/(2 (n - 1)).
     middle = logarithms.mean() + scatter / 2
     half = stdtrit(INDEPENDENT_RUNS - 1, (1 + confidence) / 2) * np.sqrt(
         scatter / INDEPENDENT_RUNS + scatter**2 / (2 * (INDEPENDENT_RUNS - 1))
@@ -225,6 +231,7 @@ def _runs(
     found, used, kept = np.ones(len(points)), values.size, shape[1] // CHAIN_LENGTH
     for bound, spread in zip(levels.bounds, levels.spreads, strict=True):
         inside = values <= bound
+        # Each run multiplies its own shares of the levels.
         found *= inside.mean(axis=1)
         if bound == 0 or not found.any():
             return found, used
@@ -293,6 +300,7 @@ def counted_share(hits: float, count: int, confidence: float = 0.95) -> Share:
     if not 0 <= hits <= count or count < 1:
         raise UsageError(f"a share needs hits between 0 and the number of draws, got {hits} of {count}")
     tail = (1 - confidence) / 2
+    # Clopper and Pearson: quantiles of Beta(h, n - h + 1) and of Beta(h + 1, n - h).
     low = float(betaincinv(hits, count - hits + 1, tail)) if hits else 0.0
     high = float(betaincinv(hits + 1, count - hits, 1 - tail)) if hits < count else 1.0
     return Share(hits / count, low, high, count)

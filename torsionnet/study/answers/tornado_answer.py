@@ -106,6 +106,7 @@ class Tornado(StudyAnswer):
         """Low end, middle and high end of each parameter's span in SI, by its name."""
         space = case.space
         found = {name: (low, (low + high) / 2, high) for name, (low, high) in space.box().items()}
+        # Else the quantiles that are a standard deviation from the middle of a normal distribution.
         tail = (1 - SHARE_WITHIN_DEVIATION) / 2
         for name, one in space.marginals.items():
             middle = float(one.ppf(0.5))
@@ -115,6 +116,7 @@ class Tornado(StudyAnswer):
                 else (float(one.ppf(tail)), float(one.isf(tail)))
             )
             found[name] = (ends[0], middle, ends[1])
+        # A parameter of a grid swings about the value that the model has.
         for name in space.grid:
             if not np.isnan(space.nominal[name]):
                 found[name] = (found[name][0], space.nominal[name], found[name][2])

@@ -135,6 +135,7 @@ class _Search:
 
     def corners(self) -> None:
         """Try the middle and all corners of the unit cube, or random corners where there are too many."""
+        # Quantities that rise or fall with every parameter have their extremes in corners.
         if self.d <= MOST_WITH_ALL_CORNERS:
             points = np.array(list(product((0.0, 1.0), repeat=self.d)))
         else:
@@ -153,6 +154,7 @@ class _Search:
 
         def negative(columns: FloatArray) -> Any:
             values = self.values(columns.T)
+            # A variant without a value is worse than all others, but by a finite number.
             return -np.where(np.isfinite(values), values, self.lowest - self.range)
 
         found = differential_evolution(
@@ -171,6 +173,7 @@ class _Search:
 
     def _with_slopes(self, point: FloatArray) -> tuple[float, FloatArray]:
         """Negative value of the function at a point (d,) of the unit cube, and its slopes (d,) by differences."""
+        # At a bound the difference is one-sided.
         above, below = np.minimum(point + SLOPE_STEP, 1), np.maximum(point - SLOPE_STEP, 0)
         moved = [np.where(np.eye(self.d, dtype=bool), side, point) for side in (above, below)]
         values = self.values(np.concatenate([point[None], *moved]))

@@ -73,6 +73,7 @@ def limited_values(study: AskedStudy, label: str, name: str, values: FloatArray)
     limit, unit = study.limits[name], measure_of(study, name).unit
     if values.ndim == 1:
         return (LimitedValues(label, name, unit, *_histogram(values), limit.below, limit.above),)
+    # A curve leaves a lower limit with its smallest value, an upper one with its largest.
     found = []
     if limit.above is not None:
         found.append(LimitedValues(label, f"smallest {name}", unit, *_histogram(values[:, 0]), None, limit.above, name))
@@ -88,8 +89,10 @@ def _histogram(values: FloatArray) -> tuple[FloatArray, FloatArray]:
     if len(known):
         ends = np.array([np.percentile(known, 0.01, method="lower"), np.percentile(known, 99.99, method="higher")])
     size = float(np.abs(ends).max()) or 1.0
+    # Values that differ by rounding alone get an axis with some width.
     if ends[1] - ends[0] < ROUNDING_SPREAD * size:
         ends = ends + np.array([-1, 1]) * size * 1e-3
+    # Rice's rule: 2 n^(1/3) bins.
     bins = int(np.clip(2 * np.cbrt(len(known)), FEWEST_BINS, MOST_BINS))
     counts, edges = np.histogram(known, bins, range=(float(ends[0]), float(ends[1])))
     return edges, counts.astype(float)

@@ -200,6 +200,7 @@ def damper_over_conditions(
     box = sought_box(sought[0], parameters if isinstance(parameters, Mapping) else {}, units)
     start = np.array(sought[0].start)
     chosen = None if excitations is None else [*excitations]
+    # One band for all conditions: from the lowest to the highest frequency of the modes of any.
     if input is not None and band is None:
         ranges = [vibration_range(modes(rig)) for rig in rigs]
         band = min(low for low, _ in ranges), max(high for _, high in ranges)
@@ -207,7 +208,9 @@ def damper_over_conditions(
         levels_of(rig, varied, output, input, band, speeds, speed_of, chosen)
         for rig, varied in zip(rigs, sought, strict=True)
     )
+    # One damper for all: the largest level over all conditions is made smallest.
     best = kept("", lambda: smallest_maximum(WorstLevels(parts, _highest(parts, band)), box, start))
+    # The best damper of each condition alone shows what the one for all costs there.
     alone = [
         kept(f"{label} alone", partial(smallest_maximum, levels, box, start))
         for label, levels in zip(labels, parts, strict=True)

@@ -97,6 +97,7 @@ def design_parameters(
     for name, nominal in nominals(model, [one for one in design if one in model.parameters]).items():
         reader = NominalReader(nominal)
         ends = _ends(design[name], reader, model.parameter_definitions[name])
+        # A parameter without a value of its own starts in the middle of its bounds.
         start = reader.value(None, "start") if nominal.value is not None else sum(ends) / 2
         faults += [fault.under(name) for fault in reader.faults]
         if not reader.faults:
@@ -117,6 +118,7 @@ def chosen_parameters(
 
 def _ends(bounds: DesignBounds | None, reader: NominalReader, parameter: Parameter) -> tuple[float, float]:
     if bounds is None or bounds.bounds is None:
+        # Without bounds in the study those of the model hold, else a factor either way from the value.
         nominal = reader.nominal.value
         if parameter.bounds is not None:
             low, high = parameter.bounds

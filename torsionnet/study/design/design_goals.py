@@ -151,6 +151,7 @@ class DesignGoals:
             size = np.sum(self.deviations(found) ** 2, axis=1)
         else:
             size = self.objectives[0].columns(found).max(axis=1)
+        # A design without one of the quantities is worse than any other.
         return np.where(np.isnan(size), np.inf, size)
 
     def violation(self, found: Found) -> FloatArray:

@@ -122,6 +122,7 @@ class DesignProblem:
         0 where they do not exist.
         """
         exact = {} if self.slopes is None else self.slopes(self.values(place))
+        # Chain rule: slopes in SI times the slope of the value over its coordinate, logarithmic or not.
         rates = self.box.rates(place)
         known = {
             name: np.atleast_2d(slope) * rates for name, slope in exact.items() if np.isfinite(np.asarray(slope)).all()
@@ -137,6 +138,7 @@ class DesignProblem:
         for index in range(size):
             points[index, :, index] = centre[index] + SLOPE_STEP * STENCIL
         found = self.at(points.reshape(-1, size))
+        # Weights of the five points for a slope at the place, which near a bound is not their middle.
         weights = np.array([_weights((place[i] - centre[i]) / SLOPE_STEP) for i in range(size)]) / SLOPE_STEP
         slopes = {name: np.einsum("pk,pkm->mp", weights, found[name].reshape(size, len(STENCIL), -1)) for name in names}
         return {name: np.where(np.isfinite(one), one, 0.0) for name, one in slopes.items()}
@@ -206,6 +208,7 @@ class BoundedPoints:
 def _maxima(values: FloatArray, among: Chosen) -> Chosen:
     places, chosen = np.flatnonzero(among), np.zeros(len(values), dtype=bool)
     if len(places):
+        # An end may be the highest point without being a maximum inside.
         chosen[places[[0, -1]]] = True
         chosen[places[inner_maxima(finite(values[places]))]] = True
     return chosen
@@ -236,6 +239,7 @@ def _objective_slopes(problem: DesignProblem, found: Found, moved: Found) -> Flo
     goals = problem.goals
     if goals.objectives:
         return goals.objectives[0].sign * np.concatenate([moved[name] for name in goals.objectives[0].quantities])
+    # Merit sum r^2, so that its slope is 2 r.dr.
     deviations = goals.deviations(found)[0]
     slopes = np.concatenate([one.scale * moved[one.quantity] for one in goals.targets])
     return np.asarray(2 * deviations[None, :] @ slopes)
@@ -272,12 +276,14 @@ class BoundedRows:
         """Objective rows (n,) at a place of the unit cube, the largest of which is minimised."""
         parts = [self._scaled(self._levels(name, place)) for name in self.problem.peak_objectives]
         if self.chosen.columns.any():
+            # Over the objective at the start, a row is about 1 and has no unit.
             columns = objective(self.problem, self._at(place))[0, self.chosen.columns]
             parts.append(finite(columns / self._scale))
         return np.concatenate(parts)
 
     def size_slopes(self, place: FloatArray) -> FloatArray:
         """Derivatives (n, n_p) of :meth:`sizes` to the n_p coordinates of the unit cube."""
+        # d(ln L) = dL/L where rows are logarithms of levels.
         parts = [
             self._slopes(name, place)
             / (self._levels(name, place)[:, None] + TINY_LEVEL if self._in_logs else self._scale)
@@ -290,6 +296,7 @@ class BoundedRows:
 
     def excess(self, place: FloatArray) -> FloatArray:
         """Rows (n,) of the limits at a place of the unit cube, each of which must stay below 0."""
+        # ln(L/bound) is below 0 where the peak keeps its limit.
         parts = [
             np.log((self._levels(name, place) + TINY_LEVEL) / bound) for name, bound in self.problem.peak_limits.items()
         ]

@@ -107,6 +107,7 @@ def _part(part: str, y: ComplexArray, dy: ComplexArray) -> FloatArray:
     """Derivatives (n_f, n_p) of a part, such as the magnitude, of y (n_f,) from derivatives (n_f, n_p) of y."""
     if part in ("real", "imaginary"):
         return np.asarray(dy.real if part == "real" else dy.imag)
+    # d(ln y) = dy/y: its real part is the relative change of the magnitude, its imaginary part that of the phase.
     with np.errstate(divide="ignore", invalid="ignore"):
         relative = dy / y[:, None]
     if part == "phase":
@@ -122,12 +123,14 @@ def _of_mode(quantity: ModeQuantity, eigenvalue: complex, moved: ModeSensitiviti
     size = len(moved.parameters)
     if not np.isfinite(eigenvalue) or not len(moved.poles):
         return np.full((1, size), np.nan)
+    # The pole tells the mode; numbers of modes change where frequencies cross.
     place = int(np.argmin(np.abs(moved.poles - eigenvalue)))
     if abs(moved.poles[place] - eigenvalue) > SAME_POLE * abs(eigenvalue):
         return np.full((1, size), np.nan)
     if isinstance(quantity, DampingRatio):
         return moved.damping_slopes[place : place + 1]
     if isinstance(quantity, NaturalFrequency) and quantity.which == "damped":
+        # Damped: Im s/(2 pi).
         return np.asarray(moved.pole_slopes[place : place + 1].imag / (2 * np.pi))
     return moved.frequency_slopes[place : place + 1]
 
@@ -251,6 +254,7 @@ def peak_curves(
     found = {}
     for name in quantities:
         parts = [part for one in evaluators for part in _curve(one, name, names)]
+        # The worst configuration counts, so that a curve is needed in each of them.
         if len(parts) == len(evaluators):
             highest = max(part.band[1] for part in parts)
             what = f"{name} in {[one.configuration for one in evaluators]}"

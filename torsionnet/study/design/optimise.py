@@ -34,8 +34,10 @@ CONVERGED_SPREAD = 1e-4
 def initial_places(problem: DesignProblem) -> FloatArray:
     """Points (n, n_p) of the unit cube, the given design and an even spread, the best first."""
     size = len(problem.parameters)
+    # Sobol points are even in counts that are powers of two.
     count = 1 << int(np.ceil(np.log2(max(FEWEST_MEMBERS, PER_PARAMETER * size))))
     spread = scipy.stats.qmc.Sobol(size, scramble=False).random(count)
+    # The first Sobol point is a corner of the cube: half a cell inside it stands for its surroundings.
     places = np.vstack([problem.start, np.clip(spread, 0.5 / count, 1 - 0.5 / count)])
     ranks = problem.ranks(problem.at(places))
     return places[sorted(range(len(places)), key=lambda index: ranks[index])]
@@ -69,6 +71,7 @@ def evolve(
 
     def merits(columns: FloatArray) -> Any:
         over, merit = np.array(problem.ranks(problem.at(columns.T))).T
+        # Designs that violate limits come behind all others, by how much they do.
         return np.where(over > 0, VIOLATION_MERIT * (1 + over), merit)
 
     def report(intermediate_result: OptimizeResult) -> None:
@@ -104,6 +107,7 @@ def solve_programme(problem: DesignProblem, place: FloatArray) -> FloatArray:
             if rank < best_rank:
                 best, best_rank = place, rank
             highest = BoundedPoints.highest(problem, place)
+            # The active points are right once the highest ones of the solution are among them.
             if rows.include(highest, place):
                 break
             chosen = chosen.joined(highest)
@@ -114,6 +118,7 @@ def solve_programme(problem: DesignProblem, place: FloatArray) -> FloatArray:
 
 def _solved(rows: BoundedRows, start: FloatArray) -> FloatArray:
     """Point (n_p,) that minimises t, with the active rows of the objective below t and those of the limits below 0."""
+    # Minimax as a smooth programme: t is minimised, all rows of the objective stay below t; one row needs no t.
     size, sizes = len(start), rows.sizes(start)
     several = len(sizes) > 1
 
@@ -155,6 +160,7 @@ def polish(problem: DesignProblem, place: FloatArray) -> FloatArray:
     if problem.goals.targets:
         tried.append(_fitted(problem, tried[-1]))
     ranks = problem.ranks(problem.at(np.array(tried)))
+    # Of equals the one that was improved last.
     return tried[min(range(len(tried)), key=lambda index: (ranks[index], -index))]
 
 
@@ -182,6 +188,7 @@ def _fitted(problem: DesignProblem, start: FloatArray) -> FloatArray:
             max_nfev=MOST_STEPS,
         )
         place = np.clip(found.x, 0.0, 1.0)
+        # The interior method (trf) stops short of a bound; away from bounds its answer stands.
         if np.all((place > BOUND_DISTANCE) & (place < 1 - BOUND_DISTANCE)):
             break
     return place
@@ -199,6 +206,7 @@ def as_good(problem: DesignProblem, one: Rank, best: Rank) -> bool:
     """Whether a design is as good as the best one within the tolerance of a search."""
     if one[0] > best[0] * (1 + EQUAL_MERIT):
         return False
+    # Squared deviations are 0 at best, where a relative tolerance means nothing.
     if problem.goals.targets:
         return one[1] <= max(TARGET_MET**2, best[1] * (1 + EQUAL_MERIT))
     return one[1] - best[1] <= EQUAL_MERIT * abs(best[1])
@@ -216,6 +224,7 @@ def check_neighbours(problem: DesignProblem, place: FloatArray, seed: int) -> tu
         other, found = _best_beside(problem, place, draw)
         if found >= rank:
             return place, True
+        # A gain within the tolerance is a finer end of the search, not another design.
         enough = as_good(problem, rank, found)
         place, rank = other, found
         if enough:
@@ -226,9 +235,11 @@ def check_neighbours(problem: DesignProblem, place: FloatArray, seed: int) -> tu
 def _best_beside(problem: DesignProblem, place: FloatArray, draw: np.random.Generator) -> tuple[FloatArray, Rank]:
     size = len(place)
     between = draw.standard_normal((size, size))
+    # A minimax has kinks, from which a descent may lead between the axes only.
     ways = np.concatenate([np.eye(size), between / np.linalg.norm(between, axis=1, keepdims=True)])
     beside = np.clip(place + DISTANCES[:, None, None] * np.concatenate([ways, -ways]), 0.0, 1.0)
     ranks = problem.ranks(problem.at(beside.reshape(-1, size)))
+    # The first 4 n_p designs are those at the largest distance; one more search begins at the best of them.
     farthest = min(range(4 * size), key=ranks.__getitem__)
     nearest = min(range(len(ranks)), key=ranks.__getitem__)
     tried = np.array([beside.reshape(-1, size)[nearest], polish(problem, beside[0, farthest])])
@@ -297,6 +308,7 @@ def optimise(
     if not np.isfinite(first).all():
         raise SolveError("no design within the bounds has all the quantities that are asked for")
     note(first[1])
+    # An objective is sought by a population first; targets get one only where local searches miss them.
     if problem.goals.objectives:
         begin = [evolve(problem, ordered, seed, note, generations), *distant_places(ordered, BESIDE)]
     else:
@@ -308,11 +320,13 @@ def optimise(
         )
     rank, best = found[0]
     equal = [place for other, place in found if as_good(problem, other, rank)]
+    # Two searches that end equally good confirm each other.
     settled = len(equal) > 1
     if not settled:
         best, settled = check_neighbours(problem, best, seed)
         rank, equal = problem.ranks(problem.at(best))[0], [best]
     different = different_places(equal, DIFFERENT_DESIGNS)
+    # Of equally good designs the one that changes least.
     best = min(different, key=lambda place: float(np.linalg.norm(place - problem.start)))
     note(rank[1])
     others = [one for one in different if one is not best]
@@ -375,11 +389,13 @@ def _free_directions(problem: DesignProblem, best: FloatArray) -> int:
     """
     if not problem.goals.targets:
         return 0
+    # A parameter at a bound is not free.
     inside = (best > DIFFERENT_DESIGNS) & (best < 1 - DIFFERENT_DESIGNS)
     moved = problem.jacobian(best)
     slopes = np.concatenate([one.scale * moved[one.quantity] for one in problem.goals.targets])[:, inside]
     if np.abs(problem.goals.deviations(problem.at(best))).max() > TARGET_MET:
         lengths = np.linalg.norm(slopes, axis=0)
         return int(np.sum(lengths <= FREE_DIRECTION * lengths.max(initial=0.0)))
+    # Each vanishing singular value is a combination of parameters that changes no target.
     sizes = np.linalg.svd(slopes, compute_uv=False) if slopes.size else np.zeros(0)
     return int(inside.sum() - np.sum(sizes > FREE_DIRECTION * max(float(sizes.max(initial=0.0)), FREE_DIRECTION)))

@@ -209,9 +209,11 @@ def pareto_front(
     if population < 4 or generations < 1:
         raise UsageError(f"a population of 4 or more for a generation or more, got {population} and {generations}")
     given = _sizes(problem, problem.at(problem.start))[0]
+    # The front ends at the optima of each objective alone.
     ends = [_best_in(problem, one, seed) for one in problem.goals.objectives]
     method, places = _evolved(problem, ends, population, generations, seed)
     places = _best_of(problem, np.unique(np.vstack([*ends, places]), axis=0))
+    # In order along the front, by the first objective.
     places = places[np.lexsort(_sizes(problem, problem.at(places)).T[::-1])]
     sizes = _sizes(problem, problem.at(places))
     signs = np.array([one.sign for one in problem.goals.objectives])
@@ -263,6 +265,7 @@ def _evolved(
                 out["G"] = np.nan_to_num(problem.goals.excess(found), nan=MISSING_OBJECTIVE, posinf=MISSING_OBJECTIVE)
 
     size = len(problem.parameters)
+    # At least as many even points as designs in the population, a power of two.
     spread = scipy.stats.qmc.Sobol(size, scramble=True, seed=seed).random(1 << population.bit_length())
     first = np.vstack([*ends, problem.start, spread])[:population]
     asked = Designs(n_var=size, n_obj=count, n_ieq_constr=limited, xl=np.zeros(size), xu=np.ones(size))
@@ -285,6 +288,7 @@ def _best_of(problem: DesignProblem, places: FloatArray) -> FloatArray:
     found = problem.at(places)
     kept = problem.goals.violation(found) <= FEASIBLE_EXCESS
     places, sizes = places[kept], _sizes(problem, found)[kept]
+    # A design is dominated by one that is nowhere worse and somewhere better.
     no_worse = np.all(sizes[:, None] <= sizes[None], axis=2)
     better = no_worse & np.any(sizes[:, None] < sizes[None], axis=2)
     return np.asarray(places[~better.any(axis=0)])

@@ -219,6 +219,7 @@ def robust_optimum(
     """
     if len(problem.goals.objectives) > 1:
         raise UsageError("a robust design has one objective; of several ask for the front of compromises")
+    # The search draws evenly; the comparison takes random draws that no design was chosen on.
     drawn = tolerances.even_draws(samples, seed)
     asked = robust_problem(problem, drawn, measure)
     nominal = None
@@ -281,6 +282,7 @@ class SpaceDraws:
         found = {name: np.repeat(values, self.count) for name, values in designs.items()}
         for name, drawn in self.drawn.items():
             if name in designs:
+                # A tolerance scales with the design: draws are about the value of the model.
                 found[name] = np.outer(designs[name] / self.nominal[name], drawn).ravel()
             else:
                 found[name] = np.tile(drawn, size)

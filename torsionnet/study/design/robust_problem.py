@@ -259,6 +259,7 @@ class RobustQuantities:
         found = self._found(designs)
         worst: dict[str, FloatArray] = {}
         for one in goals.objectives:
+            # The worst point of a sample, with the sign that makes large bad.
             worst[one.name] = one.sign * one.columns(found).max(axis=1)
         if goals.targets:
             worst[DEVIATION] = np.sum(goals.deviations(found) ** 2, axis=1)
@@ -280,6 +281,7 @@ class RobustQuantities:
         if isinstance(self.measure, Rejects):
             return [(EXCESS, 1.0, self.measure)]
         if goals.targets:
+            # Targets have one measure: the mean of the squared deviation.
             return [(DEVIATION, 1.0, MeanAndDeviation(0.0))]
         return [(one.name, one.sign, self.measure) for one in goals.objectives]
 
@@ -301,6 +303,7 @@ def robust_problem(problem: DesignProblem, tolerances: DrawnTolerances, measure:
         for sign in _sides(limit, measure)
         for side in ["below" if sign > 0 else "above"]
     }
+    # Measures over samples have neither exact slopes nor curves over frequency.
     return replace(
         problem,
         goals=DesignGoals(objectives=objectives, limits=limits, units=_units(problem.goals, robustly)),
