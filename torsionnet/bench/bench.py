@@ -178,6 +178,7 @@ class _Run:
             self.faults.append(TrueFault(name, "shunt calibration", at, float(part.shunt.value.value)))
         if isinstance(part, Transducer) and part.drop_outs is not None:
             rate = self.acquisition.rate
+            # Spawned as in the recorded signal, so that these are the drop-outs of the record.
             _, own = _generators(self.begin, name)("noise").spawn(2)
             self.faults += [
                 TrueFault(name, "drop-out", float(self.times[span.start]), (span.stop - span.start) / rate)
@@ -192,6 +193,7 @@ class _Run:
             index = wheel.index_passages(self.motion)
             passages[f"{name}{INDEX}"] = index, np.arange(len(index))
         for called, (times, teeth) in passages.items():
+            # The index is neither lost nor doubled.
             part = pickup if called == name else replace(pickup, missing_pulses=0.0, double_pulses=0.0)
             counted = counted_pulses(called, times, teeth, part, _generators(self.begin, called), self._shown)
             self.numbers[called] = counted.numbers
@@ -331,6 +333,7 @@ class Bench(NotebookResult):
             return _only(self.truths)
         mean = self._excitation.mean
         sensors = self.sensors
+        # Motion about the equilibrium under the mean torque, whose static readings are added afterwards.
         moved = self.drivetrain.simulate(
             list(sensors.values()), {self.drive: self.exciter_output.torque - mean}, self.plan.acquisition.rate
         )
@@ -343,6 +346,7 @@ class Bench(NotebookResult):
         """Static reading of every channel under the mean torque, in the unit of its sensor."""
         if not mean:
             return [0.0] * len(self.sensors)
+        # Static reading: H(0) times the mean torque.
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", TorsionnetWarning)
             response = self.drivetrain.frequency_response(list(self.sensors.values()), self.drive, [0.0])

@@ -137,6 +137,7 @@ def ratio_of(drivetrain: Drivetrain, sensor: Sensor, reference: str) -> float:
         return 0.0
     turning = sum(weight * drivetrain.ratio_between(node, reference) for node, weight in sensor.row.items())
     if sensor.referred_to is not None:
+        # Referred to another shaft a motion counts by the ratio of both.
         shaft, own = (drivetrain.ratio_between(node, reference) for node in (sensor.referred_to, sensor.of))
         turning *= abs(shaft / own)
     return float(turning)
@@ -156,6 +157,7 @@ def _mean_values(
         return np.repeat(found.values, len(speeds), axis=0), [note]
     own = reference_node(definition)
     scale = 1.0 if own == reference else abs(drivetrain.ratio_between(own, reference))
+    # One speed without mean values refuses them all: then each for itself, so that the others keep theirs.
     try:
         return np.asarray(drivetrain.mean_response(list(sensors), speeds * scale).values), []
     except UsageError:

@@ -78,6 +78,7 @@ def with_harmonics(torque: FloatArray, excitation: Excitation, shares: dict[int,
     """
     if not any(shares.values()) or not excitation.amplitude:
         return torque
+    # T_n(cos x) = cos(n x), and the share is cos x for a sine of full amplitude.
     share = (torque - excitation.mean) / excitation.amplitude
     coefficients = np.zeros(max(shares) + 1)
     coefficients[list(shares)] = list(shares.values())
@@ -133,6 +134,7 @@ def moving_zero(part: Transducer, count: int, acquisition: Acquisition) -> Float
         return np.zeros(count)
     share = np.arange(count) / max(count - 1, 1)
     if drift.warming is not None:
+        # 1 - exp(-t/tau), scaled to the full change at the end of the record.
         over = (count - 1) / acquisition.rate / drift.warming
         share = -np.expm1(-share * over) / -np.expm1(-over)
     return float(drift.change.value) * share
@@ -153,6 +155,7 @@ def drop_out_spans(
     lost = part.drop_outs
     if lost is None:
         return ()
+    # A Poisson number at the mean rate, spread evenly.
     begins = np.sort(rng.integers(0, max(count, 1), rng.poisson(lost.rate * count / acquisition.rate)))
     length = max(1, round(lost.duration * acquisition.rate))
     return tuple(slice(begin, min(begin + length, count)) for begin in begins.tolist())
@@ -165,6 +168,7 @@ def without_telemetry(values: FloatArray, lost: DropOuts, spans: tuple[slice, ..
         gone[span] = True
     if lost.reads == "zero":
         return np.where(gone, 0.0, values)
+    # Place of the last value that came, carried on over each gap.
     last = np.maximum.accumulate(np.where(gone, -1, np.arange(len(values))))
     return np.where(last < 0, 0.0, values[np.maximum(last, 0)])  # before anything came the receiver shows zero
 
@@ -187,6 +191,7 @@ def _encoded(truth: Signal, encoder: Encoder, rng: np.random.Generator) -> Signa
     The position of the shaft between two edges at the first sample is random.
     """
     step = 2 * np.pi / encoder.steps
+    # Share of a step by which the shaft stands beyond an edge at first.
     place = rng.random()
     counts = np.floor((truth.values - truth.values[0]) / step + place)
     way = "in quadrature" if encoder.quadrature else "one step each"
@@ -197,6 +202,7 @@ def _encoded(truth: Signal, encoder: Encoder, rng: np.random.Generator) -> Signa
 def _transduced(truth: Signal, part: Transducer, acquisition: Acquisition, rng: np.random.Generator) -> Signal:
     """Signal of a transducer: gain, noise, offset, anti-alias filter, range and quantisation applied."""
     hum, lost = rng.spawn(2)  # generators of their own, so that no fault changes the noise
+    # In the order of the chain: gain, noise, zero, anti-alias filter, range and steps, telemetry.
     values, notes = part.gain * (truth.values + shunt_steps(part, truth, acquisition)), list(truth.notes)
     if part.noise is not None:
         values = values + float(part.noise.value) * rng.standard_normal(len(values))

@@ -59,6 +59,7 @@ def coast_down(
     drag = np.array([absorbed_torque(drivetrain, reference, speed) for speed in speeds.tolist()])
     if (drag <= LEAST_DRAG * drag.max(initial=0.0)).any():
         raise UsageError("the load of the model absorbs nothing at some of these speeds; give a time_constant")
+    # J dw/dt = -T(w), so that dt = -J/T dw: the trapezoidal rule over speed.
     per_speed = inertia / drag
     steps = -np.diff(speeds) * (per_speed[1:] + per_speed[:-1]) / 2
     times = np.concatenate([[0.0], np.cumsum(steps)])
@@ -74,6 +75,7 @@ def turning_inertia(drivetrain: Drivetrain, reference: str) -> float:
     for law in laws:
         if not law.inertia:
             continue
+        # The row turns with sum a r of its nodes' ratios r, and stores J (sum a r)^2 w^2/2.
         turning = 0.0
         for node, weight in law.row.items():
             if node not in ratios:
@@ -96,6 +98,7 @@ def absorbed_torque(drivetrain: Drivetrain, reference: str, speed: float) -> flo
     own = reference_node(definition)
     scale = 1.0 if own == reference else abs(drivetrain.ratio_between(own, reference))
     torques = drivetrain.external_torques.at(speed * scale)
+    # By its power a torque T at the ratio r is T r at the reference; what drives does not brake.
     ratios = {node: drivetrain.ratio_between(node, reference) for node in torques if node in drivetrain.nodes}
     return -sum(min(torques[node] * ratio, 0.0) for node, ratio in ratios.items())
 
@@ -140,6 +143,7 @@ class SteadyVibration:
 
     def at(self, place: int, times: FloatArray, derivative: int = 0) -> FloatArray:
         """Vibration of a channel in SI units, or its derivative over time, at times in s, shape (n,)."""
+        # A line turns at nu Omega + omega_0, and j times that is the factor of each derivative.
         rates = self.relative * self.mean.speeds[0] + self.fixed
         amplitudes = self.values[:, place] * (1j * rates) ** derivative
         found = np.empty(len(times))
@@ -166,6 +170,7 @@ class PassageVibration:
         from scipy.interpolate import make_interp_spline
 
         times = self.run.times
+        # What the angle drifts from the mean rotation is no vibration.
         line = self.drift[0] + np.outer(times, self.drift[1])
         return [
             make_interp_spline(times, column, k=SPLINE_DEGREE)
@@ -261,6 +266,7 @@ def _steady(
         )
         lines, values, more = _one_case(run)
         values, notes = _by_speed(values, run, motion.speeds), (*notes, *more)
+    # Angular frequency of a line: relative Omega + 2 pi f of its fixed part.
     relative = np.array([float(line.relative) for line in lines])
     fixed = 2 * math.pi * np.array([line.fixed for line in lines])
     found = []
@@ -306,6 +312,7 @@ def _passage(
         none = np.zeros(0)
         still = SteadyVibration(mean, none, none, np.zeros((0, len(sensors)), dtype=complex))
         return TurningMotion("", reference, mean, channels, readings, still, notes)
+    # The angle of the reference itself tells how far a passage drifts from the given speed.
     own = Sensor("angle", reference)
     asked = [*sensors, *([own] if own not in sensors else [])]
     run = passage_from(motion.start_angle, drivetrain, asked, (times, speeds), reference, acting)

@@ -85,6 +85,7 @@ class TurningWheel:
         radial = self.wheel.radial_vibration
         if radial is None:
             return 0.0, 0.0
+        # A displacement of the centre along the teeth, over the radius, looks like an angle.
         share = tangential_share(radial, self.pickup_angle) * radial.amplitude / not_none(self.wheel.radius)
         order, fixed = radial.order or 0.0, 2 * np.pi * (radial.frequency or 0.0)
         phase = order * motion.mean.angle(times) + fixed * times + radial.phase
@@ -102,8 +103,10 @@ class TurningWheel:
         """
         teeth = len(self.places)
         first, last = self.angle(motion, np.array([0.0, motion.mean.length])) * teeth / (2 * np.pi)
+        # A turn more at both ends, as errors of the teeth and vibration bring some into the test.
         numbers = np.arange(int(np.floor(first)) - teeth, int(np.ceil(last)) + teeth + 1)
         numbers = numbers[numbers % teeth < teeth - self.wheel.missing_teeth]
+        # Tooth k of z passes when the wheel has turned by 2 pi k/z and the error of its place.
         wanted = 2 * np.pi * numbers / teeth + self.places[numbers % teeth]
         return self._times(motion, wanted, numbers)
 
@@ -129,6 +132,7 @@ class TurningWheel:
             raise UsageError(f"{text}; teeth would pass the pickup twice")
         inside = (wanted >= course[0]) & (wanted <= course[-1])
         wanted, numbers = wanted[inside], numbers[inside]
+        # Newton's method for alpha(t) = alpha_k, from the course between the points of the grid.
         times = np.interp(wanted, course, grid)
         for _ in range(MOST_ITERATIONS):
             step = (self.angle(motion, times) - wanted) / self.rate(motion, times)
@@ -162,6 +166,7 @@ def true_places(channel: str, wheel: ToothedWheel, generator: GeneratorFor) -> F
         places += errors.eccentricity * np.cos(2 * np.pi * tooth / teeth + errors.eccentricity_phase)
     if errors.list:
         places += np.array(errors.list)
+    # Tooth k of z stands at 2 pi k/z and its error, which has to rise from tooth to tooth.
     if (np.diff(places) <= -pitch).any():
         raise UsageError(f"{channel}: errors of the pitch let teeth change places; make them smaller")
     places[there] -= places[there].mean()
@@ -252,15 +257,19 @@ def counted_pulses(
         chance = generator("double")
         doubled = (chance.random(len(times)) < pickup.double_pulses) & kept
         share = chance.uniform(NEAREST_DOUBLE, FARTHEST_DOUBLE, len(times))
+        # Time from tooth to tooth, also over the gap where several are missing.
         gaps = np.diff(times, append=2 * times[-1] - times[-2]) / np.diff(numbers, append=numbers[-1] + 1)
         second = (late + share * gaps)[doubled]
         faults += [TrueFault(name, "double pulse", time, float(tooth))
                    for time, tooth in zip(second.tolist(), numbers[doubled].tolist(), strict=True)]  # fmt: skip
         stamps, teeth = np.concatenate([stamps, second]), np.concatenate([teeth, numbers[doubled]])
+    # Jitter may change the order of pulses.
     order = np.argsort(stamps, kind="stable")
     stamps, teeth = shown(stamps[order]), teeth[order]
+    # The clock of the system begins at 0, and nothing before is recorded.
     stamps, teeth = stamps[stamps >= 0], teeth[stamps >= 0]
     if pickup.tick:
+        # A counter tells whole ticks.
         stamps = pickup.tick * np.floor(stamps / pickup.tick)
     apart = np.diff(stamps, prepend=-np.inf) > 0
     notes = [f"{len(stamps) - int(apart.sum())} pulses within one tick of the one before are not recorded"]
@@ -289,6 +298,7 @@ def _speeds(record: Recording, plan: Plan) -> Iterator[Signal]:
         teeth = (part.teeth or 1) - part.missing_teeth
         if teeth > 1 and len(channel) > teeth:
             times = record.time if record.signals else _grid(record)
+            # The mean over a whole turn, in which errors of the pitch drop out, at the middle of the turn.
             middle = (channel.times[teeth:] + channel.times[:-teeth]) / 2
             turning = 2 * np.pi / (channel.times[teeth:] - channel.times[:-teeth]) / part.gearing
             yield Signal(channel.name, "velocity", np.interp(times, middle, turning))

@@ -143,6 +143,7 @@ def file_name(name: str) -> str:
 
 def record_key(campaign: Campaign, name: str, sections: Iterable[str]) -> str:
     """Key of what the results of a record follow from: the bytes of its file, sections, pitch patterns, version."""
+    # A fit changes neither orders nor responses of a record.
     plan = replace(campaign.plan, fit=None).written_entries()
     one = campaign.plan.records[name]
     asked = {key: plan.get(key) for key in sections}

@@ -77,9 +77,11 @@ def condition_spread(condition: str, records: Sequence[TrackedOrders]) -> tuple[
         widths = np.array(
             [unknown if one.half_widths is None else np.interp(speeds, one.speeds, one.half_widths) for one in alike]
         )
+        # Variance over the records; of complex values half of it belongs to each of the two parts.
         apart = np.abs(curves - curves.mean(axis=0)) ** 2
         parts = 2 if phased else 1
         spread = float(np.sqrt(apart.sum(axis=0).mean() / (len(alike) - 1) / parts))
+        # A 95 % interval is 1.96 standard deviations to either side.
         stated = float(np.sqrt(np.mean((widths / 1.96) ** 2)))
         size = float(np.sqrt(np.mean(np.abs(curves) ** 2)))
         found.append(ConditionSpread(first.name, condition, len(alike), order, size, spread, stated, first.unit))

@@ -229,6 +229,7 @@ def response_spread(condition: str, records: Sequence[FrequencyResponse]) -> Ite
         picked = [one.at_lines(np.isin(one.frequencies, common)) for one in own]
         values = np.array([one.values[:, 0, 0] for one in picked])
         mean = values.mean(axis=0)
+        # Of complex values half of the variance belongs to each of the two parts.
         apart = (np.abs(values - mean) ** 2).sum(axis=0) / (len(own) - 1) / 2
         errors = [
             random_error(one.coherence[:, 0, 0], one.estimation.effective_averages).magnitude

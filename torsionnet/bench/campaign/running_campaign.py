@@ -117,6 +117,7 @@ def _calculated(campaign: Campaign, name: str, orders: tuple[TrackedOrders, ...]
         return None
     model = campaign.model_of(campaign.plan.records[name])
     measured = np.unique(np.concatenate([one.speeds for one in orders]))
+    # The speeds of the model are refined at resonances; they serve where they include the measured ones.
     run, plan = model.order_response(outputs, refine=True), model.definition.speeds
     inside = plan is not None and run.speeds.min() <= measured.min() and measured.max() <= run.speeds.max()
     return run if inside else model.order_response(outputs, speeds=measured)

@@ -195,6 +195,7 @@ class CoastDown(BenchMotion):
     def fall(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
         """Times in s and speeds in rad/s of the fall with the given time constant, both of one length."""
         tau = not_none(self.time_constant)
+        # Omega = Omega_0 exp(-t/tau), so that the stop is reached after tau ln(Omega_0/Omega).
         length = tau * math.log(self.start / self.stop)
         times = [length * place / COAST_DOWN_POINTS for place in range(COAST_DOWN_POINTS + 1)]
         return tuple(times), tuple(self.start * math.exp(-time / tau) for time in times)
