@@ -54,14 +54,17 @@ class BatchedStiffness:
         if not len(self.coefficients):
             return np.repeat(self.of.kappa(omega)[None], n, axis=0)
         if isinstance(self.of, ComplexStiffness):
+            # Hysteretic: kappa = k + j k eta at every omega.
             real, imag = self.coefficients
             return np.repeat((real + 1j * imag)[:, None], len(omega), axis=1)
         if isinstance(self.of, ScaledStiffness) and not self.of.base.coefficients:
+            # A scaled table: the samples of its base serve all variants.
             return np.asarray(self.coefficients[0][:, None] * self.of.base.kappa(omega))
         return np.array([self.single(place).kappa(omega) for place in range(n)]).reshape(n, len(omega))
 
     def part(self, which: NDArray[np.intp], count: int) -> BatchedStiffness:
         """Frequency-dependent stiffness in N m/rad for the variants ``which`` out of ``count``, renumbered from 0."""
+        # Where each variant of the whole batch stands among those of this law, -1 if it is none of them.
         places = np.full(count, -1)
         places[self.places] = np.arange(len(self.places))
         mine = places[which]
@@ -150,8 +153,10 @@ class Batch:
         """Dynamic stiffness of all laws of all variants, in N m/rad, at omega (n_f,) in rad/s."""
         laws = dict.fromkeys(one.law for one in self.dynamic)
         sampled = {law: np.zeros((len(self), len(omega)), dtype=complex) for law in laws}
+        # Each pass over the variants has filled one law for some of them.
         for one in self.dynamic:
             sampled[one.law][one.places] = one.kappa(omega)
         s = np.asarray(1j * omega, dtype=np.complex128)
+        # An action that varies makes no batch, so that kappa(j omega) is the same in all variants.
         actions = tuple(np.repeat(one.kappa(s)[None], len(self), axis=0) for one in self._actions)
         return LawStiffness(self.inertia, self.damping, self.stiffness, omega, tuple(sampled.items()), actions)

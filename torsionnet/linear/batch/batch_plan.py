@@ -72,8 +72,10 @@ class BatchBuilder:
             finite &= np.isfinite(array).all(axis=1)
         for one in self.dynamic:
             finite[one.places] &= np.isfinite(one.coefficients).all(axis=0)
+        # Certain are finite coefficients of a pass in which no digits were lost.
         self.separate |= ~(self.known & finite)
         self.separate &= ~self.impossible
+        # Whether a single model would be refused is found by making it.
         for index in np.flatnonzero(self.separate):
             try:
                 self.drivetrain.configured(**{name: float(one[index]) for name, one in self.values.items()})
@@ -116,13 +118,16 @@ class FollowingPass:
         inertia, damping, stiffness, loss = map(self._column, entries)
         acts = (inertia != 0) | (damping != 0) | (stiffness != 0) | (law.table is not None)
         if number is None:
+            # The law has no column in the arrays: variants in which it acts are other systems of equations.
             filling.separate[own[acts]] = True
             return
         known = filling.drivetrain.assembly.laws[number]
         hysteretic = bool(known.loss_factor != 0)
+        # A spring or a loss that appears or vanishes makes another system of equations.
         same = acts & ((stiffness != 0) == bool(known.stiffness != 0)) & ((loss != 0) == hysteretic)
         filling.separate[own[~same]] = True
         filling.inertia[own, number], filling.damping[own, number] = inertia, damping
+        # Of a hysteretic spring k and k eta both go into the dynamic part kappa = k + j k eta.
         filling.stiffness[own, number] = 0.0 if hysteretic else stiffness
         if hysteretic:
             self._dynamic(number, ComplexStiffness(0j), np.array([stiffness, stiffness * loss]))
@@ -194,10 +199,13 @@ class BatchPlan:
             value = Values(numbers_of(self.drivetrain.definition, self.derived, self._fixed, varied), VARIANTS)
             found = [(planned, _checked(planned, value)) for planned in self.elements]
         except (TorsionnetError, ArithmeticError):
+            # With the first variant all that decide like it are impossible; lost digits are for single models.
             filling.impossible[places[decisions.follows & ~decisions.unsure]] = True
             return
+        # Elements may choose other rows by a value: these are no coefficients of this batch.
         alike = all(planned.has_rows_of(parts) for planned, parts in found if planned.is_on)
         moduli = {one.element.name: section_modulus(one.element, value) for one in self.elements if one.is_stressed}
+        # Last of all, since each evaluation above may have parted some variants from the first.
         here = filling.followed(places, decisions)
         if not alike:
             here.mark_separate()
@@ -227,6 +235,7 @@ def numbers_of(
     numbers = {**fixed, **varied}
     for name in derived:
         number = definition.parameters[name].value.evaluate(numbers, VARIANTS)
+        # What overflows or divides by zero is left to a single model.
         number.decisions.unsure |= ~np.isfinite(number.values)
         numbers[name] = number
     return numbers
@@ -266,9 +275,11 @@ def batch_plan(drivetrain: AssembledModel, names: Iterable[str]) -> BatchPlan | 
         return None
     derived = tuple(_derived_from(definition, chosen, evaluation_order(definition.parameters)[0]))
     moved = frozenset((*chosen, *derived))
+    # Another operating point moves the tangents of curves: every variant needs a balance of its own.
     if _operating_point_moves(definition, moved, chosen):
         return None
     fixed = {name: value for name, value in drivetrain.exact_values.items() if name not in moved}
+    # One variant at the drivetrain's own values shows which elements use what is varied.
     decisions = Decisions(1)
     varied = {name: VariantNumber(np.array([known[name]]), decisions) for name in chosen}
     elements = planned_elements(drivetrain, numbers_of(definition, derived, fixed, varied), moved)

@@ -94,9 +94,11 @@ def stacked_modes(system: RowSystem, nodes: FloatArray, given: Coefficients) -> 
     given : Coefficients
         Of the variants, in place of those of the system.
     """
+    # NaN, a negative J or k, or a loss without a spring: left to the single solver, which says what is wrong.
     usable = np.all([np.isfinite(part).all(axis=1) for part in given], axis=0)
     usable &= (given.inertia >= 0).all(axis=1) & (given.stiffness >= 0).all(axis=1)
     usable &= ((given.loss == 0) | (given.stiffness > 0)).all(axis=1)
+    # Which motions are massless or rigid depends on the coefficients that vanish: a stack for each pattern of signs.
     places = _alike(given, np.flatnonzero(usable))
     parts = [_of_one_kind(system, nodes, given.of(some)) for some in places]
     if not usable.all() or not parts:
@@ -151,20 +153,24 @@ def _of_one_kind(system: RowSystem, nodes: FloatArray, given: Coefficients) -> S
 
 
 def _solved(system: RowSystem, nodes: FloatArray, given: Coefficients) -> StackedModes:
+    # The bases follow from rows and signs alone, so that all stacks of a pattern share them.
     directions, alone = system.memo.once(_Directions, _signs(given)[0].tobytes(), lambda: _Directions.of(system, given))
     if not (is_stackable(directions, given) and is_stackable(alone, given.undamped())):
         return _nothing(len(nodes), given.n_variants)
     with np.errstate(all="ignore"):
         lossy = given.loss.any()
         if not (lossy or directions.dissipating.size):
+            # Without losses lambda = +-j omega, and these omega are the frequencies of M and K alone as well.
             found = undamped_vibrations(directions, given)
             rates = np.concatenate([np.zeros((given.n_variants, directions.rigid.shape[1])), found.values.imag], axis=1)
             return _judged(directions, nodes, given, found, rates)
+        # The frequencies of M and K alone are listed beside the damped modes; massless damped coordinates have none.
         springs = undamped_vibrations(alone, given.undamped())
         rates = np.concatenate([np.zeros((given.n_variants, alone.rigid.shape[1])), springs.values.imag], axis=1)
         parts, places = [], []
         for some, found in (hysteretic_vibrations if lossy else damped_vibrations)(directions, given):
             part = _judged(directions, nodes, given.of(some), found, rates[some])
+            # The undamped frequencies are a result too: if they need refinement, the variant is solved singly.
             part.uncertain[~_settled(springs.errors[some])] = True
             parts.append(part)
             places.append(some)
@@ -176,8 +182,10 @@ def _judged(
 ) -> StackedModes:
     """Eigenvalues (rad/s) and shapes of variants, rigid bodies first, and mask (n,) of uncertain variants."""
     n, rigid = given.n_variants, unit_shapes(nodes @ directions.rigid)
+    # The tests of the single solver (error, residual), and modes so near that rounding would choose their order.
     sure = _settled(found.errors) & ~_close(np.abs(found.values))
     sure &= (residuals(directions.rows, given, found) <= POLISH_ABOVE).all(axis=1)
+    # Rigid bodies come first, lambda = 0, with the same shapes in all variants: they follow from rows alone.
     return StackedModes(
         np.concatenate([np.zeros((n, rigid.shape[1])), found.values], axis=1),
         np.concatenate([np.broadcast_to(rigid, (n, *rigid.shape)), _scaled(nodes @ found.vectors)], axis=2),
@@ -189,6 +197,7 @@ def _judged(
 def _scaled(shapes: ComplexArray) -> ComplexArray:
     """Shapes (n, n_nodes, m) scaled to 1 at the node that moves most, or at the first of equal ones."""
     size = np.abs(shapes)
+    # The first of nearly equal components, so that rounding does not move the 1 from one node to another.
     first = np.argmax(size >= size.max(axis=1, keepdims=True, initial=0.0) * EQUAL_COMPONENT_RATIO, axis=1)[:, None, :]
     largest = np.take_along_axis(shapes, first, axis=1)
     return np.asarray(shapes / np.where(largest == 0, 1, largest))
@@ -338,6 +347,7 @@ def batched_modes(batch: Batch) -> BatchedModes:
     given = stacked_coefficients(batch)
     if given is not None:
         _solve_together(batch, given, found)
+    # What the stacks leave uncertain, or cannot solve at all (actions, tables over frequency), is solved singly.
     for place in np.flatnonzero(~(found.done | batch.impossible)).tolist():
         found.solve(place, partial(batch.model, place))
     return found.modes(batch.drivetrain, batch.values, batch)
@@ -364,6 +374,7 @@ def stacked_coefficients(batch: Batch) -> Coefficients | None:
     for one in batch.dynamic:
         if not isinstance(one.of, ComplexStiffness):
             return None
+        # Hysteretic: kappa = k + j k eta at every omega, whose real part joins the springs.
         kappa = one.kappa(np.zeros(1))[:, 0]
         stiffness[one.places, one.law] += kappa.real
         loss[one.places, one.law] += kappa.imag
@@ -373,6 +384,7 @@ def stacked_coefficients(batch: Batch) -> Coefficients | None:
 def _solve_together(batch: Batch, given: Coefficients, found: _Gathered) -> None:
     assembly, places = batch.drivetrain.assembly, batch.stacked
     system, nodes = assembly.system, assembly.node_rows.dense
+    # The largest arrays of a stack are the rows scaled for each variant, n_laws n_q entries each.
     step = max(1, STACK_ENTRIES // (len(system.law_rows) * (system.n_coordinates + 1)))
     for start in range(0, len(places), step):
         some = places[start : start + step]

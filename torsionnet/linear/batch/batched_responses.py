@@ -101,6 +101,7 @@ def batched_responses(
     ((3, 2, 1, 1), True)
     """
     shape = (len(batch), len(frequencies))
+    # One method for the whole batch, by the number of its points, whatever blocks it is solved in.
     method = chosen_method(request.reading_problem.problem, len(batch) * len(frequencies), method)
     values = np.empty((*shape, len(request.outputs), len(request.measured)), dtype=complex)
     found = Evaluated(values, np.empty(shape))
@@ -115,6 +116,7 @@ def batched_responses(
         follow = len(places) == 1 + places[-1] - places[0]
         where = slice(int(places[0]), int(places[-1]) + 1) if follow else places
         found.values[where], found.conditioning[where] = block
+    # Separate variants, and blocks with one that cannot be solved: single solutions tell which one that is.
     for index in np.concatenate(singly).tolist():
         model = batch.model(index)
         try:
@@ -133,6 +135,7 @@ def _blocks(places: NDArray[np.intp], n_frequencies: int) -> Iterator[NDArray[np
 
 def _together(batch: Batch, request: TransferRequest, f: FloatArray, method: str) -> Evaluated:
     """Transfer functions (n, n_f, n_out, n_in) in SI units of variants with the same rows, solved together."""
+    # 0 Hz stands apart: with rigid motions D(0) = K is singular.
     moving, shape = f > 0, (len(batch), len(f))
     if moving.all():
         found = evaluate(SingleAssemblies(batch), request, f, method, batch.law_stiffness(2 * np.pi * f))
@@ -156,9 +159,11 @@ def _static(batch: Batch, request: TransferRequest, method: str) -> Any:
     See :func:`torsionnet.linear.responses.transfer.responses`.
     """
     n_out, n_in = len(request.outputs), len(request.measured)
+    # With rigid motions D(0) = K is singular, and every variant takes the limit that a single drivetrain has.
     found = np.full((len(batch), n_out, n_in), np.inf + 0j)
     single = np.ones(len(batch), dtype=bool)
     if not rigid_motions(batch.drivetrain.assembly.kinematics):
+        # K resists every motion: solved directly, and only doubtful variants singly.
         points = transfer_functions(request, batch.law_stiffness(np.zeros(1)), method)
         found, single = points.values, points.uncertain | ~np.isfinite(points.values).all(axis=(1, 2))
     for index in np.flatnonzero(single):
@@ -172,6 +177,7 @@ def scale_stresses(values: Any, batch: Batch, request: TransferRequest) -> None:
         sensor = reading.sensor
         if sensor is None or sensor.quantity != "stress" or sensor.of not in batch.moduli:
             continue
+        # Stress is torque over the section modulus: an output goes with its inverse, a measured input with itself.
         ratio = batch.moduli[sensor.of][:, None, None]
         if place < len(request.outputs):
             values[:, :, place] /= ratio
@@ -218,6 +224,7 @@ def _law_stiffness(batch: Batch, omega: FloatArray) -> LawStiffness:
     sampled = {law: np.zeros(omega.shape, dtype=complex) for law in laws}
     for one in batch.dynamic:
         sampled[one.law][one.places] = _kappa(one, omega[one.places])
+    # Actions are alike in all variants, but taken at the frequencies of each.
     s = np.asarray(1j * omega.ravel(), dtype=np.complex128)
     actions = tuple(one.kappa(s).reshape(omega.shape) for one in batch.drivetrain.assembly.system.actions)
     return LawStiffness(batch.inertia, batch.damping, batch.stiffness, omega, tuple(sampled.items()), actions)
@@ -268,6 +275,7 @@ def frequency_responses(
         def ask(copy: AssembledModel) -> TransferRequest:
             return cached_request(copy, output, input, excitation)
 
+        # Most variants have rows or acting laws of their own, as where a ratio varies: each is assembled by itself.
         values, conditioning = _grouped([drivetrain.configured(**row) for row in _rows(parameters)], ask, f, method)
     else:
         values, conditioning = batched_responses(batch, request, f, method)
@@ -299,6 +307,7 @@ def _batch(drivetrain: AssembledModel, parameters: Mapping[str, FloatArray]) -> 
         return None
     batch = plan.batch(parameters)
     if batch.impossible.any():
+        # The model of the first impossible variant raises the error that says why.
         batch.model(int(np.argmax(batch.impossible)))
     return None if 2 * batch.separate.sum() > len(batch) else batch
 

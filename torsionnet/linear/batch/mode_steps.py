@@ -37,6 +37,7 @@ def mode_states(found: BatchedModes, places: NDArray[np.intp]) -> ComplexArray:
     assembly = found.drivetrain.assembly
     n_laws, n_modes = len(assembly.kinematics.laws), found.eigenvalues.shape[1]
     states = np.zeros((len(places), 2 * n_laws, n_modes), dtype=complex)
+    # Variants that were solved singly have laws of their own and are filled in one by one.
     counts = np.where(np.isin(places, list(found.singles)), 0, _counts(found, places))
     for number in np.flatnonzero(counts == 0):
         place = int(places[number])
@@ -79,9 +80,11 @@ def _states(
     """Modes as unit vectors of energy (n, 2 n_laws, count) of the variants that have ``count`` modes."""
     values = found.eigenvalues[places, :count]
     nodes = [assembly.node_index[name] for name in assembly.kinematics.coordinates]
+    # gamma = B q of every law, with q the angles of the nodes that are coordinates.
     motion = assembly.system.rows @ found.shapes[places, :, :count][:, nodes]
     acting = np.flatnonzero([law.acts for _, law in assembly.kinematics.laws])
     states = np.zeros((len(places), 2, len(assembly.kinematics.laws), count), dtype=complex)
+    # State (sqrt(J) lambda gamma, sqrt(k) gamma) of every law; rigid bodies have none.
     states[:, 0, acting] = np.sqrt(np.maximum(inertia, 0))[..., None] * motion * values[:, None, :]
     states[:, 1, acting] = np.sqrt(np.maximum(stiffness, 0))[..., None] * motion
     return _unit(states.reshape(len(places), -1, count) * (values != 0)[:, None, :])
@@ -158,9 +161,11 @@ def successors(known: FollowedModes, found: FollowedModes) -> Successors:
     columns = _slower(known, found, alike)
     followed = ~np.isnan(known.values)
     best = np.take_along_axis(alike, columns[:, :, None], axis=2)[:, :, 0]
+    # Every followed mode meets itself here; more matches are modes that claim the same successor.
     twice = (columns[:, :, None] == columns[:, None, :]) & followed[:, :, None] & followed[:, None, :]
     values = np.take_along_axis(found.values, columns, axis=1)
     clear = ((best >= SAME_MODE_ENERGY) | ~followed).all(axis=1) & (twice.sum(axis=(1, 2)) == followed.sum(axis=1))
+    # Modes that changed their order may have crossed or veered, which a shorter step tells.
     clear &= ~_may_have_met(known.values, values).any(axis=(1, 2))
     return Successors(np.where(followed, columns, MISSING_MODE), clear)
 
@@ -173,7 +178,9 @@ def _slower(known: FollowedModes, found: FollowedModes, alike: FloatArray) -> Co
     best = alike.max(axis=2, keepdims=True)
     real = _is_real(found.values)[:, None, :]
     chosen = np.argmax(alike, axis=2)
+    # A vibration of which the nearest mode is a real pole has become overdamped.
     falls = (known.values.imag > 0) & (np.take_along_axis(found.values, chosen, axis=1).imag == 0)
+    # Modes rise in |lambda|: the first real pole that is nearly as alike is the slower one.
     slowest = np.argmax(real & (alike >= SAME_MODE_ENERGY * best), axis=2)
     return np.asarray(np.where(falls, slowest, chosen))
 
@@ -183,6 +190,7 @@ def _may_have_met(before: ComplexArray, after: ComplexArray) -> NDArray[np.bool_
     order = [_order(np.abs(values)) for values in (before, after)]
     kinds = [(values.imag > 0)[:, :, None] == (values.imag > 0)[:, None, :] for values in (before, after)]
     moved = np.abs(after - before)
+    # Only if both moved by the gap between them, at either end, can they have met on the way.
     gap = np.maximum(np.abs(_differences(before)), np.abs(_differences(after)))
     met = moved[:, :, None] + moved[:, None, :] >= gap  # False for NaN
     return np.asarray((order[0] * order[1] < 0) & kinds[0] & kinds[1] & met)
@@ -205,12 +213,14 @@ def assign_modes(known: FollowedModes, found: FollowedModes) -> Columns:
     """
     from scipy.optimize import linear_sum_assignment
 
+    # The assignment of modes with the largest sum of common energy.
     alike = common_energy(known.states, found.states[:, :, ~np.isnan(found.values[0])])[0]
     alike[(alike < SUCCESSOR_ENERGY) | np.isnan(known.values[0])[:, None]] = 0.0
     columns = np.full(known.values.shape[1], MISSING_MODE)
     for mode, column in zip(*linear_sum_assignment(-alike), strict=True):
         if alike[mode, column] > 0:
             columns[mode] = column
+    # Two real poles that meet become one vibration, which can go on only one of them.
     real = np.flatnonzero(_is_real(known.values[0]))
     for slower in real[columns[real] == MISSING_MODE]:
         for faster in real[columns[real] != MISSING_MODE]:
@@ -270,6 +280,7 @@ class ModeWalk:
             ahead = self._at(places[walking], goal, arrived.of(walking))
             there = ~np.isnan(ahead.values).all(axis=1)
             chosen, clear = successors(known.of(walking), ahead)
+            # At the shortest step modes count as crossing: the largest common energy decides.
             forced = ~(clear & there) & (step[walking] <= shortest[walking])
             for number in np.flatnonzero(forced & there):
                 chosen[number] = assign_modes(known.of(walking[[number]]), ahead.of(np.array([number])))[0]
@@ -277,6 +288,7 @@ class ModeWalk:
             shortest[walking[forced]] *= 2.0
             step[walking] *= np.where(moved, 2.0, 0.5)
             reached[walking[moved]] = goal[moved]
+            # Over a variant that cannot be on the way the modes of the last one before it are kept.
             new = moved & there
             some = walking[new]
             columns[some] = chosen[new]
@@ -313,6 +325,7 @@ def _between(home: Mapping[str, float], ends: Mapping[str, FloatArray], shares: 
     values = {}
     for name, end in ends.items():
         start = float(home[name])
+        # A stiffness that moves over decades does so by equal factors, p = p_0 (p_1 / p_0)^share.
         with np.errstate(all="ignore"):
             curved = start * (end / start) ** shares if start else end
         values[name] = np.where(start * end > 0, curved, start + shares * (end - start))

@@ -81,6 +81,7 @@ def _near(
         pairs.setdefault((pair[0], pair[1]), set()).add(variant)
     for (a, b), variants in sorted(pairs.items()):
         some = sorted(variants)
+        # |lambda_a - lambda_b| / |lambda_b| in the variants in which both mix, of which the least is told.
         distance = np.abs(followed[some, a] - followed[some, b]) / np.abs(followed[some, b])
         near = distance[~np.isnan(distance)]
         how = f"; they come within {100 * near.min():.2g} % of each other" if near.size else ""
@@ -209,12 +210,15 @@ def track_modes(found: BatchedModes, reference: Modes | None = None) -> TrackedM
     columns = np.full((len(found), len(known)), MISSING_MODE)
     mac, mixed, partners = np.full(columns.shape, np.nan), np.full(columns.shape, np.nan), columns.copy()
     unclear = np.zeros(len(found), dtype=bool)
+    # First guess: the mode of the same rank among rigid bodies, real poles or vibrations.
     for places, here in _parts(found, np.arange(len(found))):
         columns[places] = _of_same_rank(there.values, here.values)
         mac[places], mixed[places], partners[places] = _compared(there, here, columns[places])
+        # Variants that cannot be have no modes to follow.
         gone = np.isnan(here.values).all(axis=1)
         unclear[places] = ~((mac[places] >= SAME_MODE_ENERGY).all(axis=1) | gone)
     if unclear.any():
+        # Only to variants with a doubtful mode a way is walked; rigid bodies stay at zero on it.
         moving = np.flatnonzero(~_rigid(there.values[0]))
         walk = ModeWalk(found, FollowedModes(there.values[:, moving], there.states[:, :, moving]))
         for places, here in _parts(found, np.flatnonzero(unclear)):
@@ -235,6 +239,7 @@ def _of_same_rank(there: ComplexArray, here: ComplexArray) -> Columns:
     columns = np.full((len(here), there.shape[1]), MISSING_MODE)
     for of_kind in (_rigid, _real, _vibrating):
         wanted, have = np.flatnonzero(of_kind(there[0])), of_kind(here)
+        # A stable sort lists the modes of this kind first, by their magnitude as before.
         first = np.argsort(~have, axis=1, kind="stable")[:, : len(wanted)]
         is_there = np.arange(first.shape[1]) < have.sum(axis=1)[:, None]
         columns[:, wanted[: first.shape[1]]] = np.where(is_there, first, MISSING_MODE)
@@ -259,9 +264,11 @@ def _compared(there: FollowedModes, here: FollowedModes, columns: Columns) -> tu
     NaN for lost modes.
     """
     values = take_columns(here.values, columns)
+    # A missing mode counts as motionless and has MAC 0 with all others.
     alike = inertia_mac(there.states, np.nan_to_num(take_columns(here.states, columns[:, None, :])))
     own = np.diagonal(alike, axis1=1, axis2=2).copy()
     own[:, _rigid(there.values[0])] = 1.0
+    # Only vibrations veer: a real pole may share the shape of a vibration and is no partner of it.
     vibrations = _vibrating(there.values)[:, :, None] & _vibrating(values)[:, None, :]
     others = np.where(vibrations & ~np.eye(columns.shape[1], dtype=bool), alike, 0.0)
     lost, partners = columns == MISSING_MODE, np.argmax(others, axis=1)

@@ -84,6 +84,7 @@ class SharedDirections:
         moves = system.rows.any(axis=1)  # laws on clamped nodes alone have empty rows
         heavy, stiff, damped = (laws & moves for laws in (system.inertia > 0, stiff_laws(system), system.damping != 0))
         require_resistance(system, heavy | stiff | damped)
+        # Massless are motions that no inertia resists, held by springs alone those that no damper resists either.
         massless, held = (unresisted_motions(system, laws).basis() for laws in (heavy, heavy | damped))
         return cls(
             rows=system.rows,
@@ -137,11 +138,14 @@ def stacked_form(directions: SharedDirections, given: Coefficients) -> StackedFo
     Damping may be below zero where no damper holds a massless direction, and springs hysteretic where neither these nor
     loops of springs nor springs alone hold one: see ``is_stackable``.
     """
+    # X^T M X = I: scaled velocities have unit inertia.
     moving = _moving(directions, given.inertia)
     stiffness: AnyArray = given.stiffness[:, directions.stiff]
     if given.loss.any():
         stiffness = np.asarray(stiffness + 1j * given.loss[:, directions.stiff], dtype=complex)
+    # E^T E = K, with complex roots of k + j k eta where springs are hysteretic.
     E: AnyArray = np.sqrt(stiffness)[:, :, None] * directions.rows[directions.stiff]
+    # Motions v = X x + N_1 z_1 + N_2 z_2: with inertia, massless with dampers, massless with springs alone.
     E_x, E_1, E_2 = E @ moving, E @ directions.damped, E @ directions.held
     basis = _force_basis(directions, E, E_2)
     forces: AnyArray = E_x
@@ -150,11 +154,13 @@ def stacked_form(directions: SharedDirections, given: Coefficients) -> StackedFo
         forces, pull = basis.mT @ E_x, pull @ basis
     part = _dissipated(directions, given.damping[:, directions.dissipating], moving, pull)
     forces = forces - part.cross
+    # A = [[-drag, -F^T], [F, -yielding]] over (velocities, forces), with F from springs and damping.
     matrix = np.concatenate(
         [np.concatenate([-part.drag, -forces.mT], axis=2), np.concatenate([forces, -part.yielding], axis=2)], axis=1
     )
     rest = np.zeros((*moving.shape[:2], forces.shape[1]))
     known = np.asarray(np.concatenate([moving, rest], axis=2) - directions.damped @ part.followed)
+    # N_2 follows the rest, (E N_2)^T E v = 0, with E N_2 = Q_2 R_2.
     if directions.held.shape[1]:
         Q_2, R_2 = np.linalg.qr(E_2)
         known = known - directions.held @ np.linalg.solve(R_2, Q_2.mT @ (E @ known))
@@ -180,13 +186,16 @@ def _dissipated(directions: SharedDirections, damping: FloatArray, moving: Float
     The ``pull`` (n, n_1, n_u) are the forces of springs on N_1.
     """
     n, n_x, n_u = len(damping), moving.shape[2], pull.shape[2]
+    # Rows of dampers by roots of |c|; the sign of one that drives is put back below.
     G = np.sqrt(np.abs(damping))[:, :, None] * directions.rows[directions.dissipating]
     G_x = np.asarray(G @ moving)
     if not directions.damped.shape[1]:
         drag = G_x.mT @ (np.sign(damping)[:, :, None] * G_x)
         return _Split(drag, np.zeros((n, n_u, n_u)), np.zeros(1), np.zeros((n, 0, n_x + n_u)), _norm(G_x) ** 2)
+    # Balance on N_1 with G_1 = Q_1 R_1: z_1 = -R_1^-1 (Q_1^T G_x x + H u), H = R_1^-T (E N_1)^T Y.
     Q_1, R_1 = np.linalg.qr(G @ directions.damped)
     slip, H = np.asarray(Q_1.mT @ G_x), np.asarray(np.linalg.solve(R_1.mT, pull))
+    # Dampers that N_1 cannot yield to, by the projection I - Q_1 Q_1^T, still resist X.
     G_p = np.asarray(G_x - Q_1 @ slip)
     followed = np.linalg.solve(R_1, np.concatenate([slip, H], axis=2))
     size = np.asarray(_norm(G_x) * _norm(G_p) + _norm(H) * _norm(slip))
@@ -195,7 +204,9 @@ def _dissipated(directions: SharedDirections, damping: FloatArray, moving: Float
 
 def is_stackable(directions: SharedDirections, given: Coefficients) -> bool:
     """Whether the first-order forms of these variants can be calculated as one stack."""
+    # The elimination of N_1 takes roots of c and has no place for their signs.
     driven = bool((given.damping < 0).any()) and bool(directions.damped.size)
+    # QR and SVD orthogonalise by E^H E, while the form of a complex E needs E^T E.
     tied = bool(directions.held.size) or len(directions.stiff) > directions.spring_rank
     return not driven and not (tied and bool(given.loss.any()))
 
@@ -204,16 +215,20 @@ def _moving(directions: SharedDirections, inertia: FloatArray) -> FloatArray:
     """Basis X (n, n_q, n_x) of motions with inertia, X^T M X = I, M-orthogonal to the undamped rigid motions."""
     rows = directions.rows[directions.heavy]
     scaled = np.sqrt(inertia[:, directions.heavy])[:, :, None] * rows
+    # Columns of length one, so that small inertias beside large ones keep their digits.
     lengths = np.linalg.norm(scaled, axis=1)
     used, rank = np.flatnonzero(rows.any(axis=0)), directions.n_moving
     basis = np.zeros((len(inertia), rows.shape[1], rank))
     if np.all(np.count_nonzero(rows, axis=1) <= 1):
+        # M is diagonal and X = M^(-1/2).
         basis[:, used, np.arange(rank)] = 1.0 / lengths[:, used]
     else:
+        # With S^T S = M the right singular vectors over sigma are X.
         _, sigma, vt = np.linalg.svd(scaled[:, :, used] / lengths[:, None, used], full_matrices=False)
         basis[:, used] = vt[:, :rank].mT / sigma[:, None, :rank] / lengths[:, used, None]
     if not directions.undamped_rigid.shape[1]:
         return basis
+    # Rigid motions that nothing damps have lambda = 0 and stay out of the form.
     return np.asarray(basis @ _complement((scaled @ basis).mT @ (scaled @ directions.undamped_rigid)))
 
 
@@ -230,6 +245,7 @@ def _force_basis(directions: SharedDirections, springs: AnyArray, held: AnyArray
     rank = directions.spring_rank
     if springs.shape[1] == rank:
         return _complement(held) if held.shape[2] else None
+    # In loops of springs only forces in the range of E come from twists.
     inside = np.linalg.svd(springs, full_matrices=False)[0][:, :, :rank]
     return np.asarray(inside @ _complement(inside.mT @ held)) if held.shape[2] else inside
 
@@ -270,8 +286,10 @@ Some: TypeAlias = tuple[NDArray[np.intp], StackedVibrations]
 def undamped_vibrations(directions: SharedDirections, given: Coefficients) -> StackedVibrations:
     """Eigenvalues (n, m) in rad/s and shapes (n, n_q, m) of variants without damping, by rising frequency."""
     form = stacked_form(directions, given)
+    # A = [[0, -F^T], [F, 0]] has the eigenvalues +-j sigma(F).
     _, sigma, vt = np.linalg.svd(form.coupling, full_matrices=False)
     rates, states = sigma[:, ::-1], vt.mT[:, :, ::-1]
+    # A is skew-symmetric, so that |d lambda| <= ||dA||, a few roundings of its entries.
     errors = _safety(directions) * _EPS * form.size[:, None] / rates
     return StackedVibrations(1j * rates, (form.recover[:, :, : states.shape[1]] @ states).astype(complex), errors)
 
@@ -280,11 +298,13 @@ def damped_vibrations(directions: SharedDirections, given: Coefficients) -> Iter
     """Yield indices of variants and their damped modes (eigenvalues, shapes, errors), grouped by number of modes."""
     found = _every(directions, given)
     real = on_real_axis(found.values)
+    # One of every conjugate pair and all real poles; the others are sorted to the end.
     kept = (found.values.imag > 0) | real
     order = np.argsort(np.where(kept, np.abs(found.values), np.inf), axis=1, kind="stable")
     values = _settling(found.values, given)
     values.imag[real] = 0.0
     found = found._replace(values=values)
+    # Beyond critical damping a vibration is two real poles, so that variants differ in their number of modes.
     counts = kept.sum(axis=1)
     for count in np.unique(counts):
         some = np.flatnonzero(counts == count)
@@ -301,6 +321,7 @@ def hysteretic_vibrations(directions: SharedDirections, given: Coefficients) -> 
     """
     elastic = given.lossless()
     found = _every(directions, given)
+    # The larger Im lambda / |lambda|, the less a vibration is damped.
     damping = np.where(found.values.imag > 0, -found.values.imag / np.abs(found.values), np.inf)
     least = np.argsort(damping, axis=1, kind="stable")
     if directions.dissipating.size:
@@ -310,6 +331,7 @@ def hysteretic_vibrations(directions: SharedDirections, given: Coefficients) -> 
         rest, real = found, np.zeros(found.values.shape, dtype=bool)
     first_real = np.argsort(~real, axis=1, kind="stable")
     counts = real.sum(axis=1)
+    # Every vibration takes two eigenvalues of the form, every real pole one.
     total = 2 * directions.vibrations if not directions.dissipating.size else found.values.shape[1]
     for count in np.unique(counts):
         some = np.flatnonzero(counts == count)
@@ -331,6 +353,7 @@ def _every(directions: SharedDirections, given: Coefficients) -> StackedVibratio
     """All nonzero eigenvalues in rad/s of the first-order forms, with shapes and errors, conjugates included."""
     form = stacked_form(directions, given)
     values, states = (np.asarray(found, dtype=complex) for found in np.linalg.eig(form.matrix))
+    # S = diag(I, -I) makes S A symmetric: S x is the left vector and cond = ||x||^2 / |x^T S x|.
     sign = np.where(np.arange(states.shape[1]) < form.coupling.shape[2], 1.0, -1.0)[:, None]
     condition = np.sum(np.abs(states) ** 2, axis=1) / np.abs(np.sum(sign * states**2, axis=1))
     errors = _safety(directions) * _EPS * form.size[:, None] * condition / np.abs(values)
@@ -348,7 +371,9 @@ def residuals(rows: FloatArray, given: Coefficients, found: StackedVibrations) -
     k: AnyArray = elastic
     if given.loss.any():  # real poles are those of elastic springs
         k = np.asarray(elastic + 1j * np.where(z.imag > 0, loss, 0.0), dtype=complex)
+    # D(lambda) q = B^T (k + c lambda + J lambda^2) B q
     left = rows.T @ ((k + c * z + J * z**2) * motion)
     size = np.abs(z)
+    # The same sum of magnitudes, in which nothing cancels.
     terms = sizes.T @ ((np.abs(k) + np.abs(c) * size + J * size**2) * (sizes @ np.abs(found.vectors)))
     return np.asarray(np.linalg.norm(left, axis=1) / np.linalg.norm(terms, axis=1))

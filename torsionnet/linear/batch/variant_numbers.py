@@ -64,6 +64,7 @@ class VariantNumber:
 
     def _sum(self, first: Any, second: Any) -> VariantNumber:
         total = first + second
+        # A sum far below its terms has lost digits, where the exact fractions of a single model keep them.
         self.decisions.unsure |= (np.abs(total) < CANCELLATION_RATIO * np.abs(first)) & (total != 0)
         return self._new(total)
 
@@ -160,6 +161,7 @@ def passes(count: int) -> Iterator[tuple[NDArray[np.intp], Decisions]]:
             return
         decisions = Decisions(len(rest))
         yield rest, decisions
+        # The first variant follows itself, so that every pass takes at least one away.
         rest = rest[~decisions.follows]
 
 
@@ -221,13 +223,16 @@ def planned_elements(
     active, found = {element.name: element for element in definition.active}, []
     for name, declared in definition.elements.items():
         element, asked = active.get(name, declared), _RecordedLookups(numbers)
+        # The element's own laws, evaluated in numbers of all variants, show which parameters they look up.
         parts = element.parts(Values(asked, VARIANTS))
         entries = (expression.names for _, _, expression, _ in element.expressions())
         if not asked.names.union(*entries) & moved:
             continue
+        # A ratio or a controller's law that varies is more than a coefficient on fixed rows.
         if name in active and any(map(_is_moving, parts)):
             return None
         own = known.get(name, [])
+        # Diameters set the section modulus, with which stresses scale beside any law.
         stressed = name in active and any(one.names & moved for one in element.diameters or ())
         laws = tuple(number for part, number in own if isinstance(part, Law))
         found.append(PlannedElement(element, tuple(part for part, _ in own), laws, stressed))
@@ -242,6 +247,7 @@ def _numbered(drivetrain: AssembledModel) -> dict[str, list[tuple[Part, int | No
     found: dict[str, list[tuple[Part, int | None]]] = {}
     count = 0
     for owned in drivetrain.assembly.kinematics.parts:
+        # Laws without any coefficient have no column in the arrays.
         acts = isinstance(owned.part, Law) and owned.part.acts
         found.setdefault(owned.element, []).append((owned.part, count if acts else None))
         count += acts
