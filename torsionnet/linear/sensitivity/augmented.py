@@ -119,8 +119,10 @@ class _Slopes:
                 moved = [self._moved(number, count * step) for count in (1, -1, 2, -2)]
             except (ModelError, UsageError, ArithmeticError):
                 continue
+            # Central differences over one and over two steps; (4 once - twice) / 3 is without the error in step^2.
             once, twice = (moved[0] - moved[1]) / (2 * step), (moved[2] - moved[3]) / (4 * step)
             sizes = np.maximum(np.abs(once), np.abs(twice))
+            # Both agree unless a corner of a curve lies between their points: then a shorter step is tried.
             if (np.abs(once - twice) <= AGREEMENT * sizes + ROUNDING * np.abs(own) / step).all():
                 return np.asarray((4 * once - twice) / 3)
         raise UsageError(
@@ -139,6 +141,7 @@ class _Slopes:
         """Damping and stiffness (2 n_laws,) of all laws of the elements at values of the unknowns."""
         numbers = dict(zip(self.unknowns.parameters, at, strict=True))
         moved = self.tangents.with_values(numbers)
+        # Of several balances the one nearest to the operating point lies on its branch.
         state = self.state if tuple(at) == self.at else min(moved.states, key=self._distance)
         values = Values({name: float(one) for name, one in self.unknowns.values(at).items()}, FLOAT)
         found: list[Any] = []
@@ -220,6 +223,7 @@ class Augmented:
             Frequencies in rad/s at which tables are read; 0 where nothing vibrates and hysteresis does not damp.
         """
         J, c, k, loss = (part.values[:, None] for part in (self.inertia, self.damping, self.stiffness, self.hysteretic))
+        # kappa(s) = k + j k eta + c s + J s^2, without j k eta where nothing vibrates.
         kappa = np.asarray(k + 1j * loss * (at > 0) + s * (c + s * J), dtype=complex)
         for law, table in self.tables:
             kappa[law] += table.at(s, at)
@@ -227,6 +231,7 @@ class Augmented:
 
     def kappa_rates(self, s: ComplexArray, at: FloatArray) -> tuple[ComplexArray, ComplexArray]:
         """Derivatives (n_laws, n_points) of all dynamic stiffnesses to s, and to the frequency in tables."""
+        # d kappa / ds = c + 2 J s
         rates = np.asarray(self.damping.values[:, None] + 2 * s * self.inertia.values[:, None], dtype=complex)
         followed = np.zeros_like(rates)
         for law, table in self.tables:
@@ -257,6 +262,7 @@ class Augmented:
         table, gradients = dict(self.tables).get(law), self._gradients.get(law, np.zeros((0, len(J))))
         slopes = None if table is None else table.slopes(s, at)
         for p in np.flatnonzero(np.any([J, c, k, loss, *gradients], axis=0)):
+            # At fixed s, d kappa = dk + j d(k eta) + s dc + s^2 dJ; of a table, over its coefficients.
             found = np.asarray(k[p] + 1j * loss[p] * (at > 0) + s * (c[p] + s * J[p]), dtype=complex)
             yield int(p), found if slopes is None else found + gradients[:, p] @ slopes
 

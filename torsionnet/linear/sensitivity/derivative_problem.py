@@ -159,9 +159,11 @@ class DerivativeProblem:
     def _opened(self, condition: int) -> ExactRow:
         """Motion in rad by node that violates one rigid condition by one and no other. Driven nodes stand still."""
         rows = [dict(row) for row in self.system.exact_conditions]
+        # Imposed angles stand still.
         for name in self.driven:
             for row in rows:
                 row.pop(name, None)
+        # The condition a . theta = 1 in place of a . theta = 0.
         last = {**rows.pop(condition), UNIT: Fraction(-1)}
         order = {node: index for index, node in enumerate(self.nodes)}
         reduction = reduce_rows([*rows, last], order, {UNIT})
@@ -230,6 +232,7 @@ class DerivativeProblem:
             if one.slopes.motion[:, p].any()
         }
         self.first_gap: int = len(outputs.rows)
+        # The loads first, then every reading taken for a load, K z = c: that of a torque opens its gap by one.
         excitations = [
             *loads,
             *(
@@ -272,12 +275,14 @@ class DerivativeProblem:
         for number, one in enumerate(self.readings):
             for load in range(self.n_loads):
                 x, z = solved[:, load], solved[:, one.load]
+                # -z^T dK x; below, what the change of the reading's own coefficients adds.
                 found[:, number, load] = -self._equation_slopes(stiffness, kappa, x, z, count)
                 for p in range(count):
                     if (number, p) in self.motion_slopes:
                         found[:, number, load, p] += x[self.motion_slopes[number, p]]
                     for condition, gap in self.multipliers.items():
                         found[:, number, load, p] += one.slopes.conditions[condition, p] * x[self.first_gap + gap]
+            # Rates and accelerations are s and s^2 times angles.
             found[:, number] *= (s**one.power)[:, None, None]
         return found
 
@@ -298,13 +303,16 @@ class DerivativeProblem:
     ) -> ComplexArray:
         """Derivatives (n_f, n_p) of the equations of motion to every parameter, z^T dK x for solutions x and z."""
         total = np.zeros((x.shape[1], count), dtype=complex)
+        # dkappa gamma zeta
         for law, slopes in stiffness.items():
             place = self.twists[law]
             for p, slope in slopes:
                 total[:, p] += slope * x[place] * z[place]
+        # kappa (dgamma zeta + gamma dzeta), where a ratio moves the row of the law
         for (law, p), place in self.law_slopes.items():
             twist = self.twists[law]
             total[:, p] += kappa[law] * (x[place] * z[twist] + x[twist] * z[place])
+        # Likewise of a condition, whose torque lambda takes the place of kappa gamma.
         for (condition, p), place in self.condition_slopes.items():
             gap = self.first_gap + self.multipliers[condition]
             total[:, p] += z[gap] * x[place] + x[gap] * z[place]
@@ -322,6 +330,7 @@ class _Outputs:
 
 def law_stiffness_of(system: Augmented, omega: FloatArray) -> LawStiffness:
     """Dynamic stiffness (n_laws, n_f) of an augmented system at omega (n_f,) in rad/s, as the solver takes it."""
+    # j k eta of hysteretic laws does not grow with omega and stands with the tables.
     sampled: dict[int, ComplexArray] = {
         law: np.full((1, len(omega)), 1j * system.hysteretic.values[law])
         for law in np.flatnonzero(system.hysteretic.values).tolist()

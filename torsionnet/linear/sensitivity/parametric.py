@@ -99,6 +99,7 @@ class ParametricResponse:
         derivatives, omega = self._problem(whole, numbers), 2 * np.pi * self.frequencies
         kappa = law_stiffness_of(whole, omega)
         solved = respond(derivatives.problem, kappa)
+        # The motions under the readings as loads are among those solved: dy = -z^T dK x for all parameters at once.
         y = derivatives.values(solved.values, kappa.s)
         dy = derivatives.slopes(solved.values, whole, kappa.by_law, kappa.s, omega)
         found = self._quotient(*self._stressed(y, dy, numbers))
@@ -118,6 +119,7 @@ class ParametricResponse:
         elements, names = dict(self.unknowns.definition.elements), self.drivetrain.inputs.items()
         channels = {channel: name for name, channel in names}
         values = self.unknowns.values(numbers)
+        # A section and a shaft referred to scale readings and are no part of the equations, which are in torques.
         torques = [replace(one, quantity="torque") if one.quantity == "stress" else one for one in self.sensors]
         torques = [replace(one, referred_to=None) for one in torques]
         derivatives = DerivativeProblem(system, torques, elements, values, self.loads, channels, self._nodes)
@@ -139,6 +141,7 @@ class ParametricResponse:
                     if sensor.quantity == "stress"
                     else referring_factor(sensor, elements, values)
                 )
+                # d(f y) = f dy + y df; dy goes first, while y is still the torque.
                 moved = gradient_of(factor, dy.shape[-1])
                 dy[:, place] = float(factor) * dy[:, place] + y[:, place, :, None] * moved
                 y[:, place] *= float(factor)
@@ -164,6 +167,7 @@ class ParametricResponse:
 
         poor = (expected_errors(evaluate, kappa, values) > ACCEPTED_ERROR).any(axis=(1, 2))
         if poor.any():
+            # Rounding would show: the drivetrain is assembled at these values and solved by itself.
             changed = AssembledModel.from_definition(self.unknowns.definition).configured(
                 **dict(zip(self.unknowns.parameters, numbers, strict=True))
             )
@@ -178,6 +182,7 @@ class ParametricResponse:
         if not self.request.is_measured:
             return Evaluation(y, dy)
         n_out = len(self.request.outputs)
+        # H = Y_out Y_in^-1 and dH = (dY_out - H dY_in) Y_in^-1
         with np.errstate(all="ignore"):
             try:
                 inverse = np.linalg.inv(y[:, n_out:])

@@ -47,6 +47,7 @@ DEFECTIVE_SHARE = 0.7
 
 def clearance(poles: ComplexArray, group: Sequence[int]) -> float:
     """Distance in rad/s of a group of equal poles from all other poles, conjugates and zero included."""
+    # Poles are listed with Im >= 0: their conjugates and the zero of rigid bodies are neighbours too.
     others = np.concatenate([np.delete(poles, group), poles.conj()[poles.imag > 0], [0.0]])
     return float(np.abs(others - np.mean(poles[group])).min())
 
@@ -76,6 +77,7 @@ class ResponsesAroundPoles:
             return cls(drivetrain, chosen, (), ())
         kept = elements_beyond_cut(drivetrain, request)
         if kept is None:
+            # A reading referred to another shaft is scaled, which moves no pole.
             return cls(
                 drivetrain, chosen, [replace(one, referred_to=None) for one in request.sensors], request.excitations[:1]
             )
@@ -86,21 +88,27 @@ class ResponsesAroundPoles:
         """Derivatives (multiplicity, n_p) in rad/s per SI unit of equal poles with shapes (n_nodes, multiplicity)."""
         count, center = len(poles), complex(np.mean(poles))
         near = CIRCLE_RADIUS_MEASURED if self.sensors else CIRCLE_RADIUS
+        # Near to the pole against its neighbours, and far off against what rounding parts equal poles by.
         apart = max(near * clearance, 3 * np.abs(poles - center).max()) * _circle(2 * count + 2)
         nothing = np.full((count, len(self.chosen.names)), complex(np.nan, np.nan))
         if count > len(shapes):
             return nothing
+        # Tables are read at the pole's own |Im lambda| on the whole circle.
         at = np.full(len(apart), abs(center.imag))
         responses = self._responses(self._probes(shapes), center + apart, at)
+        # The mean of (s - lambda) Y over the circle is the residue c r l c^T.
         first = np.einsum("f,fzx->zx", apart, responses.values) / len(apart)
         sizes = responses.sizes.sum(axis=0)
         places = np.ix_(*_pivots(first, np.abs(first) / np.where(sizes > 0, sizes, 1.0), count))
         whole = responses.values.transpose(1, 2, 0)[places]
+        # What grows quicker than residue / (s - lambda) is a pole with too few shapes, which has no derivative.
         if count > 1 and np.abs(whole - first[places][..., None] / apart).max() > DEFECTIVE_SHARE * np.abs(whole).max():
             return nothing
+        # The mean of (s - lambda)^2 dY/dp is residue times dlambda/dp, that of dY/ds is minus the residue.
         found = np.einsum("f,fzxp->zxp", apart**2, responses.slopes)[places]
         moved, rate, followed = found[..., :-2], -found[..., -2], found[..., -1]
         if count == 1:
+            # Tables follow the pole, dlambda = direct + through d Im lambda, which is solved for d Im lambda.
             direct, through = moved[0] / rate[0, 0], followed[0, 0] / rate[0, 0]
             return _on_axes(np.asarray(direct + through * direct.imag / (1 - through.imag)), center)
         if self.system.tables:
@@ -109,6 +117,7 @@ class ResponsesAroundPoles:
                 "modes with equal frequencies have no sensitivities with springs tabulated "
                 f"over frequency ({owners}); give these a constant stiffness"
             )
+        # Repeated: eigenvalues of the pencil of both matrices.
         parted = [scipy.linalg.eigvals(moved[..., p], rate).astype(complex) for p in range(moved.shape[2])]
         return np.stack([np.sort_complex(_on_axes(slopes, center)) for slopes in parted], axis=1)
 
@@ -124,6 +133,7 @@ class ResponsesAroundPoles:
         used = [nodes for nodes in self.known if count == 1 and size[nodes[0]] >= max(size.values()) / 2]
         if used:
             return self.known[used[0]]
+        # Pivoted QR takes the nodes at which the shapes of equal poles are most independent.
         places: list[int] = scipy.linalg.qr(shapes.T, pivoting=True, mode="r")[1][:count].tolist()
         if self.sensors:
             places += np.linspace(0, len(self.nodes) - 1, MEASURED_PROBES).round().astype(int).tolist()
@@ -140,6 +150,7 @@ class ResponsesAroundPoles:
 
         A measured input is given, and its drive read.
         """
+        # s is off the imaginary axis: kappa(s) with c s and J s^2 is handed over as samples.
         kappa = self.system.kappa(s, at)
         nothing = np.zeros((1, len(kappa)))
         laws = LawStiffness(nothing, nothing, nothing, np.zeros(len(s))).with_sampled_stiffness(kappa)
@@ -181,9 +192,11 @@ class Responses:
 
         With mu = y_00, u = (given - y_0l f_l) / mu, and every other reading is y_c0 u + y_cl f_l.
         """
+        # y = [[mu, y_0l], [y_c0, y_cl]], mu the reading under its own drive
         y, one = self.values, np.eye(self.values.shape[1])[1:, 1:]
         rate = 1 / y[:, :1, :1]
         through, drive = y[:, 1:, :1] * rate, y[:, :1, 1:] * rate
+        # Derivatives as left dY right, with d(1 / mu) = -dmu / mu^2 in the first place.
         left, right = np.zeros_like(y), np.zeros_like(y)
         left[:, :1, :1], left[:, 1:, :1], left[:, 1:, 1:] = -rate, -through, one
         right[:, :1, :1], right[:, :1, 1:], right[:, 1:, 1:] = rate, -drive, one
@@ -197,7 +210,9 @@ class Responses:
 
 def _pivots(residues: ComplexArray, shares: FloatArray, count: int) -> tuple[list[int], list[int]]:
     """Indices of the rows and columns of the ``count`` largest pivots of residues, where the pole counts most."""
+    # Entries that are residue least of all are other modes or rounding.
     left = np.where(shares > shares.max() / 10, residues, 0.0)
+    # Rows and columns are brought to one size, as readings and loads have different units.
     for axis in (0, 1):
         largest = np.abs(left).max(axis=axis, keepdims=True)
         left = left / np.where(largest > 0, largest, 1.0)
@@ -206,6 +221,7 @@ def _pivots(residues: ComplexArray, shares: FloatArray, count: int) -> tuple[lis
         row, column = np.unravel_index(np.argmax(np.abs(left)), left.shape)
         rows.append(int(row))
         columns.append(int(column))
+        # Schur complement of the pivot.
         if left[row, column]:
             left = left - np.outer(left[:, column], left[row]) / left[row, column]
     return rows, columns

@@ -116,6 +116,7 @@ class ModeSensitivities(NotebookResult):
     def damping_slopes(self) -> FloatArray:
         """Derivatives of damping ratios per SI unit of the parameter, shape (n_modes, n_p), 0 for real poles."""
         size = np.abs(self.poles)[:, None]
+        # d zeta = -Re d lambda / |lambda| + Re lambda d|lambda| / |lambda|^2
         moved = -self.pole_slopes.real / size + self.poles.real[:, None] * self._size_slopes / size**2
         return np.asarray(np.where(self.poles.imag[:, None] == 0, 0.0, moved))
 
@@ -243,6 +244,7 @@ def mode_sensitivities(
     chosen = unknowns(drivetrain, names)
     request = None if measured_input is None else resolve_inputs(drivetrain, measured_input, excitation)
     modes = modes_against(drivetrain, request)
+    # A rigid-body pole stays at zero whatever the parameters are.
     kept = [place for place, kind in enumerate(modes.kinds) if kind != RIGID]
     numbers = tuple(modes.numbers[place] for place in kept)
     poles = np.array([modes.eigenvalues[place] for place in kept], dtype=complex)
@@ -250,6 +252,7 @@ def mode_sensitivities(
     system = ResponsesAroundPoles.of(drivetrain, chosen, request)
     places = [modes.nodes.index(node) for node in system.nodes]
     shapes = modes.shapes[places][:, kept]
+    # Equal poles part in directions that a parameter chooses, so that they share one circle.
     for group in _groups(poles):
         slopes[group] = system.slopes(poles[group], shapes[:, group], clearance(poles, group))
     notes = (*modes.notes, *operating_speed_notes(drivetrain.external_torques))
