@@ -95,6 +95,7 @@ class ActivePencil:
     def _whole(self, s: complex) -> ComplexArray:
         """Matrix P(s) of the characteristic equation at s in rad/s, (size, size), with roots at zero left in."""
         K, C, M = self._laws
+        # K + C s + M s^2, and j B^T diag(k eta) B of hysteretic springs
         laws = K + s * (C + s * M)
         if self.loss is not None:
             rows = self.assembly.system.rows
@@ -119,6 +120,7 @@ class ActivePencil:
     def _term_sizes(self, s: complex) -> FloatArray:
         system, size = self.assembly.system, abs(s)
         rows = np.abs(system.rows)
+        # Magnitudes of all terms, |k| + |c| |s| + |J| |s|^2, of which rounding is a share however they cancel.
         laws = np.abs(system.stiffness) + size * (np.abs(system.damping) + size * np.abs(system.inertia))
         whole = np.zeros((self.size, self.size))
         n = self.n_coordinates
@@ -126,6 +128,7 @@ class ActivePencil:
         whole[:n, n:] = np.abs(self._rows[0].T)
         for number, action in enumerate(system.actions):
             above, below = ([abs(float(value)) for value in part] for part in (action.numerator, action.denominator))
+            # |e^(-s tau)| = e^(-Re s tau)
             with np.errstate(over="ignore"):
                 factor = polynomial(above, size) * np.exp(-s.real * float(action.delay))
             whole[n + number, :n] = factor * np.abs(self._rows[1][number])
@@ -173,6 +176,7 @@ class ActivePencil:
         """Slow roots (n,) in rad/s, approximate and by magnitude, from the first three terms of P(s) at zero."""
         chains, n = {column.place: column.chain for column in self.columns}, self.size
         terms = np.zeros((3, n, n))
+        # P(s) = A + B s + C s^2 + ... next to zero
         for power, term in enumerate(terms):
             for i, row in enumerate(deflated_coefficient(self.exact, chains, power)):
                 term[i, list(row)] = [float(value) for value in row.values()]
@@ -182,6 +186,7 @@ class ActivePencil:
             follow = -np.linalg.solve(A, np.hstack([B, C]))
         except np.linalg.LinAlgError:  # singular by rounding only
             return np.zeros(0, dtype=complex)
+        # 1 / s is an eigenvalue of [[-A^-1 B, -A^-1 C], [I, 0]], so that the slow roots are the largest ones.
         values = np.linalg.eigvals(np.vstack([follow, np.eye(n, 2 * n)]))
         found = 1 / values
         found = found[np.isfinite(found)]
@@ -192,6 +197,7 @@ class ActivePencil:
         """Coordinates and torques (size,) of the mode shape at a pole, from the matrix at an s next to the pole."""
         P = self.at(s)
         left, right = equilibrated(np.abs(P))
+        # Of any vector P(s)^-1 leaves the null vector next to a pole.
         start = np.cos(np.arange(self.size) + 1.0)
         try:
             return self._from_columns(s, right * np.linalg.solve(left[:, None] * P * right, start))
@@ -245,6 +251,7 @@ class ActivePencil:
         action = self.assembly.system.actions[number]
         above, below = ([float(value) for value in part] for part in (action.numerator, action.denominator))
         tau = float(action.delay)
+        # d/ds N e^(-s tau) = (N' - tau N) e^(-s tau)
         slope = polynomial(_derivative(above), s) - tau * polynomial(above, s)
         with np.errstate(all="ignore"):
             return slope * np.exp(-s * tau), polynomial(_derivative(below), s)
@@ -277,6 +284,7 @@ class ActivePencil:
             scaled, slope = left[:, None] * P * right, left[:, None] * rate * right
             v = w / right
             v = v / np.linalg.norm(v)
+            # z = P^-1 P' v, and s moves by v^H v / v^H z
             try:
                 z = np.linalg.solve(scaled, slope @ v)
             except np.linalg.LinAlgError:
@@ -286,10 +294,12 @@ class ActivePencil:
                 continue
             step = (v.conj() @ v) / (v.conj() @ z)
             s, w = complex(s - step), right * z / np.linalg.norm(z)
+            # Done at rounding, or where steps next to the root no longer become shorter.
             if abs(step) <= 4 * EPS * abs(s) or (last <= CONVERGED * abs(s) and abs(step) >= last / 2):
                 return s, self._from_columns(s, w), self._error(s, w)
             last = float(abs(step))
         error = self._error(s, w) if np.isfinite(s) and s else np.inf
+        # Not settled: still a pole if the last step is explained by rounding.
         kept = last <= max(CONVERGED, min(10 * error, 0.1)) * abs(s)
         return (s, self._from_columns(s, w), max(error, last / abs(s))) if kept else None
 
@@ -303,6 +313,7 @@ class ActivePencil:
                 y = left * np.linalg.solve((left[:, None] * P * right).conj().T, v)
             except np.linalg.LinAlgError:
                 continue
+            # |ds| = |y|^T |dP| |x| / |y^H P' x|
             slope = abs(y.conj() @ rate @ w)
             rounding = np.abs(y) @ self.term_sizes(s) @ np.abs(w)
             return float(EPS * rounding / (slope * abs(s))) if slope and s else np.inf
@@ -329,6 +340,7 @@ class ActivePencil:
             (a, p), (b, q) = stack.pop()
             change = np.angle(q / p)
             middle = (a + b) / 2
+            # Steps are halved until the phase turns little and evenly, so that no whole turn is missed.
             half = self._phase(radius, middle)
             one, two = np.angle(half / p), np.angle(q / half)
             if abs(one) < 0.8 and abs(two) < 0.8 and abs(one + two - change) < 1e-6:
@@ -338,6 +350,7 @@ class ActivePencil:
             if steps > MOST_HALVINGS or not np.isfinite(total):
                 return None
             stack += [((a, p), (middle, half)), ((middle, half), (b, q))]
+        # Argument principle: arg det P turns by 2 pi for each root within, by pi on half the circle.
         count = total / np.pi
         return round(count) + self.zeros if abs(count - round(count)) < 0.1 else None
 
@@ -353,11 +366,13 @@ def _derivative(coefficients: list[float]) -> list[float]:
 def equilibrated(sizes: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Factors (n,) of rows and of columns, powers of two, that bring the largest entry of each to about one."""
     left, right = np.ones(len(sizes)), np.ones(len(sizes))
+    # Entries of zero must not call for infinite factors.
     sizes = np.maximum(sizes, 1e-40 * sizes.max(initial=1e-200))
     for _ in range(3):
         now = left[:, None] * sizes * right
         left = left / np.sqrt(np.maximum(now.max(axis=1), 1e-300))
         right = right / np.sqrt(np.maximum(now.max(axis=0), 1e-300))
+    # Powers of two scale without rounding.
     return np.exp2(np.round(np.log2(left))), np.exp2(np.round(np.log2(right)))
 
 
@@ -413,10 +428,12 @@ def state_eigenvalues(pencil: ActivePencil, points: int) -> list[Pole]:
         if value.imag < 0:
             continue
         q = form.X @ x
+        # Torque of an action: what follows the sensed motion at once, and that of its states.
         torques = [
             (one.sensed @ q) * np.polynomial.polynomial.polyval(value, one.at_once) + form.torques[place] @ x
             for place, one in enumerate(form.actions)
         ]
+        # |d lambda| <= eps ||A|| cond(lambda)
         error = EPS * size * float(condition[number]) / abs(value) if value else np.inf
         found.append(Pole(value, np.concatenate([q, torques]).astype(complex), error))
     return found

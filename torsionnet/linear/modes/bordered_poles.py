@@ -72,16 +72,19 @@ class Bordered:
         index = {name: number for number, name in enumerate(assembly.kinematics.coordinates)}
         n, m = len(index), len(request.excitations)
         powers: tuple[list[ExactRow], ...] = tuple([{} for _ in range(n + m)] for _ in range(3))
+        # D(s) = sum over the laws of (k + c s + J s^2) a a^T, in fractions
         for law, row in zip(assembly.laws, assembly.exact_rows, strict=True):
             ours = {index[name]: value for name, value in row.items() if name in index}
             for power, value in enumerate((exact(law.stiffness), exact(law.damping), exact(law.inertia))):
                 for i, a in ours.items():
                     for j, b in ours.items():
                         _add(powers[power][i], j, value * a * b)
+        # -B: a unit of each excitation, on the left side.
         for column, excitation in enumerate(request.excitations):
             for name, value in exact_row(assembly.kinematics.reduced(excitation.row)).items():
                 if name in index:  # the rest of the torque acts on imposed angles, which stand still
                     _add(powers[0][index[name]], n + column, -value)
+        # L(s) q + d u: readings by powers of s, and what excitations add to them at once.
         for line, reading in enumerate(request.measured, start=n):
             for term in reading.terms:
                 ours = {index[name]: value for name, value in term.exact.items() if name in index}
@@ -106,8 +109,10 @@ class Bordered:
 
     def determinant(self, prime: int) -> Coefficients:
         """Coefficients of the bordered matrix's determinant, a polynomial in s, modulo a prime, ascending."""
+        # Minimum degree order keeps the elimination sparse and changes at most the sign of the determinant.
         order, _ = minimum_degree_order(self.size, self.entries)
         blocks = [[{order[j]: residue(x, prime) for j, x in row.items()} for row in block] for block in self.powers]
+        # det P has the degree 2 n_q at most, which so many values and one more fix.
         return interpolating_polynomial(
             [determinant(_at(blocks, s, prime), prime) for s in range(2 * self.n_coordinates + 1)], prime
         )
@@ -128,11 +133,14 @@ class Bordered:
         modulus, last = 1, None
         for prime in islice(primes(), MAX_PRIMES):
             coefficients = self.determinant(prime)
+            # Roots at zero are divided out first.
             factors = square_free(coefficients[_zeros(coefficients) :], prime)
             found = {multiplicity: factor for multiplicity, factor in factors.items() if multiplicity > 1}
+            # Other degrees: the prime before or this one is unlucky, and joining begins again.
             if {m: len(factor) for m, factor in joined.items()} != {m: len(factor) for m, factor in found.items()}:
                 joined, modulus = found, prime
             else:
+                # Chinese remainder theorem: the number that leaves x modulo all primes before and y modulo this one.
                 inverse = pow(modulus, -1, prime)
                 for m, values in joined.items():
                     joined[m] = [
@@ -207,9 +215,11 @@ def measured_poles(drivetrain: AssembledModel, request: TransferRequest) -> tupl
         raise UsageError(
             f"the excitation does not reach {names}: the measured input is zero at every frequency; choose another"
         )
+    # Roots at zero have shapes at rest, P_0 v = 0, which fractions give exactly.
     still = _still(bordered) if counts[1] else np.zeros((bordered.size, 0))
     roots = _refined(bordered, _approximate(bordered, _rate(assembly), counts[0] - counts[1], counts[1]), counts[1])
     real = on_real_axis(roots.values)
+    # One of every conjugate pair, and all real poles.
     kept = np.flatnonzero(real | (roots.values.imag > 0))
     kept = kept[np.argsort(np.abs(roots.values[kept]), kind="stable")]
     values = np.where(real[kept], roots.values[kept].real, roots.values[kept])
@@ -238,6 +248,7 @@ def measured_poles(drivetrain: AssembledModel, request: TransferRequest) -> tupl
 def _rate(assembly: Assembly) -> float:
     """Frequency in rad/s typical of the drivetrain, which balances inertia against stiffness."""
     system = assembly.system
+    # sqrt(trace K / trace M)
     lengths = np.array([sum(value * value for value in row.values()) for row in system.sparse_rows])
     stiff, heavy = float(system.stiffness @ lengths), float(system.inertia @ lengths)
     return float(np.sqrt(stiff / heavy)) if stiff and heavy else 1.0
@@ -266,10 +277,12 @@ def _approximate(bordered: Bordered, rate: float, count: int, zeros: int) -> Roo
     """Approximate nonzero roots of det P(s) in rad/s, ``count`` of them, in double precision with estimated errors."""
     import scipy.linalg
 
+    # s = rate z, so that P_0, P_1 rate and P_2 rate^2 are of one size.
     powers = [_dense(block) * rate**power for power, block in enumerate(bordered.powers)]
     left, right = _balance(np.sum(np.abs(powers), axis=0))
     P_0, P_1, P_2 = (left[:, None] * power * right for power in powers)
     n, size = bordered.n_coordinates, bordered.size
+    # A x = z E x over x = (q, u, z q): P_2 z (z q) = -P_1 (z q) - P_0 (q, u), excitations in P_0 alone.
     E, A = np.zeros((n + size, n + size)), np.zeros((n + size, n + size))
     E[:n, :n], A[:n, size:] = np.eye(n), np.eye(n)
     E[n:, size:], A[n:, size:] = P_2[:, :n], -P_1[:, :n]
@@ -278,11 +291,14 @@ def _approximate(bordered: Bordered, rate: float, count: int, zeros: int) -> Roo
     (alpha, beta), lefts, rights = found
     with np.errstate(all="ignore"):
         values = alpha / beta
+        # Condition by y^H E x of both vectors, times a backward error eps (||A|| + |z| ||E||).
         slopes = np.abs(np.sum(lefts.conj() * (E @ rights), axis=0) * values)
         errors = _EPS * (np.linalg.norm(A) + np.abs(values) * np.linalg.norm(E)) / slopes
     errors = ERROR_FACTOR * errors * np.linalg.norm(lefts, axis=0) * np.linalg.norm(rights, axis=0)
+    # The singular P_2 has infinite eigenvalues, which are no roots: they go behind all others.
     far = ~np.isfinite(values)
     values[far] = 2 * np.abs(values[~far]).max(initial=1.0)
+    # The eigenvalues next to zero are its exact roots.
     chosen = np.lexsort((np.abs(values), far))[zeros : zeros + count]
     errors = np.where(far | ~np.isfinite(errors), np.inf, errors)
     vectors = (right[:, None] * rights[:size, chosen]).astype(complex)
@@ -306,6 +322,7 @@ def _refined(bordered: Bordered, roots: Roots, zeros: int) -> Roots:
     repeated = bordered.repeated()
     if repeated is None:
         return roots
+    # Repeated roots are taken from their exact polynomials; iteration would converge badly on them.
     values, known = _repeated(roots.values, repeated)
     p = ehrlich_aberth.exact_polynomial(bordered.size, bordered.entries)
     chosen = (roots.errors > REFINE_ABOVE) & ~known
@@ -313,6 +330,7 @@ def _refined(bordered: Bordered, roots: Roots, zeros: int) -> Roots:
     found, done = ehrlich_aberth.refine_roots(p, values, chosen, zeros, roots.errors)
     values = np.where(chosen, ehrlich_aberth.to_complex(found, square_root=False), values)
     errors = np.where(chosen | known, ehrlich_aberth.CONVERGED, roots.errors)
+    # Roots of a real determinant come in conjugate pairs: otherwise one has gone to a neighbour.
     if not (done and has_pairs(values)):
         return roots
     vectors = roots.vectors.copy()

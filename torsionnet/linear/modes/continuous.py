@@ -44,6 +44,7 @@ def negative_pivots(rows: Sequence[dict[int, float]], kappa: FloatArray, n_coord
     >>> negative_pivots([{0: 1.0, 1: -1.0}, {1: 1.0}], np.array([[3.0, -1.0], [2.0, -1.0]]), 2)
     array([0., 2.])
     """
+    # Rows of two entries stay such when a coordinate is eliminated; wider ones do not.
     if any(len(row) > 2 for row in rows):
         return _negative_eigenvalues(rows, kappa, n_coordinates)
     laws = _merged([(row, values) for row, values in zip(rows, kappa, strict=True) if row])
@@ -53,6 +54,7 @@ def negative_pivots(rows: Sequence[dict[int, float]], kappa: FloatArray, n_coord
         for row, _ in laws:
             for column in row:
                 uses[column] += 1
+        # The coordinate with the fewest laws leaves the fewest new ones.
         v = min(left, key=lambda column: uses[column])
         left.discard(v)
         acting = [law for law in laws if v in law[0]]
@@ -69,6 +71,7 @@ def _negative_eigenvalues(rows: Sequence[dict[int, float]], kappa: FloatArray, n
     dense = np.zeros((len(rows), n_coordinates))
     for place, row in enumerate(rows):
         dense[place, list(row)] = list(row.values())
+    # Scaling by a diagonal is a congruence: it keeps the signs and brings D to a diagonal of about one.
     scale = 1 / np.sqrt(np.abs(kappa).T @ dense**2 + ZERO_PIVOT)
     scaled = dense[None] * scale[:, None, :]
     D = np.einsum("pli,lp,plj->pij", scaled, kappa, scaled)
@@ -81,6 +84,7 @@ def _eliminated(acting: Laws, v: int, pivot: FloatArray) -> Laws:
     for place, (first, kappa) in enumerate(acting):
         for second, other in acting[place + 1 :]:
             columns = (first.keys() | second.keys()) - {v}
+            # b = a_fv a_e - a_ev a_f, in which v cancels, with kappa_e kappa_f / S
             row = {c: second[v] * first.get(c, 0.0) - first[v] * second.get(c, 0.0) for c in columns}
             found.append(({c: value for c, value in row.items() if value}, kappa * (other / pivot)))
     return [law for law in found if law[0]]
@@ -127,6 +131,7 @@ class ModeCount:
 
     def below(self, omega: FloatArray) -> FloatArray:
         """Number (n_points,) of natural frequencies below each omega > 0 in rad/s, rigid bodies included."""
+        # Wittrick and Williams: frequencies of shafts with both ends held, and negative eigenvalues of D(omega).
         clamped = sum((table.clamped_modes(omega) for _, table in self.members), start=np.zeros(len(omega)))
         kappa = self.real_stiffness(omega)
         return clamped + negative_pivots(self.system.sparse_rows, kappa, self.system.n_coordinates)
@@ -162,6 +167,7 @@ def number_below(system: RowSystem, omega: float) -> int:
     """Number of natural frequencies without damping below omega in rad/s, rigid bodies included."""
     system = without_empty_laws(system)
     system = without_empty_laws(restrict_to(system, resisted_coordinates(system)))
+    # Rigid motions lie below every omega, whatever rounding makes of their pivots.
     return max(int(ModeCount(system).below(np.array([omega])).item()), int(rigid_motions(system).shape[1]))
 
 
@@ -181,7 +187,9 @@ def natural_rates(system: RowSystem, count: int) -> FloatArray:
             raise SolveError(f"{text}; ask for fewer with lowest or up_to")
     low, high = np.full(len(wanted), SLOWEST_VIBRATION * first), np.full(len(wanted), upper)
     for _ in range(BISECTIONS):
+        # The geometric middle over decades, the arithmetic one within a factor of two.
         middle = np.where(high > 2 * low, np.sqrt(low * high), (low + high) / 2)
+        # The r-th frequency lies below the middle if at least r of them do.
         above = modes.below(middle) >= wanted
         low, high = np.where(above, low, middle), np.where(above, middle, high)
         if np.all(high - low <= 2 * np.spacing(high)):
@@ -195,6 +203,7 @@ def first_rate(system: RowSystem) -> float:
     for _, table in system.dynamic:
         if table.is_continuous:
             k, J, *_ = (float(one) for one in table.coefficients)
+            # Both ends free: omega = pi sqrt(k / J), with stiffness and inertia of the whole shaft.
             rates.append(np.pi * np.sqrt(k / J))
     return float(min(rates))
 
@@ -238,6 +247,7 @@ def _null_vectors(system: RowSystem, modes: ModeCount, omega: float, count: int)
     D = rows.T @ (kappa[:, None] * rows)
     scale = 1 / np.sqrt(np.maximum(np.abs(rows.T**2 @ np.abs(kappa)), 1e-300))
     values, vectors = np.linalg.eigh(scale[:, None] * D * scale)
+    # D is singular at a natural frequency: the eigenvalues next to zero belong to its shapes.
     chosen = np.argsort(np.abs(values))[:count]
     found = scale[:, None] * vectors[:, chosen]
     return np.asarray(found / np.abs(found).max(axis=0))

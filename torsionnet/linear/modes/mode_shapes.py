@@ -190,16 +190,19 @@ class Links:
         """
         if self.wide:
             return None
+        # A complex shape is turned to the phase in which the sum of its squares is real.
         angle = (motion * np.exp(-0.5j * np.angle(np.sum(motion**2)))).real
         angle = np.where(np.abs(angle) > ROUNDED_ANGLE * np.abs(angle).max(initial=0.0), angle, 0.0)
         sides = self.factors * angle[self.ends]
         size = np.abs(sides)
         crossing = (sides[:, 0] * sides[:, 1] < 0) & (size.min(axis=1) > STILL_NODE * size.max(axis=1))
+        # Parallel elements between two coordinates have one vibration node together.
         crossings: dict[frozenset[int], str] = {}
         for number in np.flatnonzero(crossing):
             crossings.setdefault(
                 frozenset(self.ends[number].tolist()), phrase("in {element}", element=ModelName(self.owners[number]))
             )
+        # A coordinate that stands still is a node if parts on both sides of it turn in opposite directions.
         low, high = np.zeros(len(angle)), np.zeros(len(angle))
         np.minimum.at(low, self.ends, sides[:, ::-1] / self.factors)
         np.maximum.at(high, self.ends, sides[:, ::-1] / self.factors)
@@ -236,6 +239,7 @@ def with_chosen_shapes(
         chosen = _nodes_apart(motion[:, group])
         if chosen is None:
             continue
+        # The inverse at the chosen nodes makes each shape 1 at its own node and 0 at the others.
         vectors[:, group] = vectors[:, group] @ np.linalg.inv(motion[np.ix_(chosen, group)])
         names = " and ".join([", ".join(nodes[i] for i in chosen[:-1]), nodes[chosen[-1]]])
         notes.append(
@@ -277,6 +281,7 @@ def _nodes_apart(shapes: ComplexArray) -> list[int] | None:
         size = np.linalg.norm(left, axis=1)
         node = int(np.argmax(size >= EQUAL_MOTION * size.max()))
         chosen.append(node)
+        # What the chosen node fixes is taken out of all shapes, as by Gram and Schmidt.
         along = left[node].conj() / size[node]
         left = left - np.outer(left @ along, along.conj())
     return sorted(chosen)

@@ -33,6 +33,7 @@ def primes() -> Iterator[int]:
 
 def _is_prime(number: int) -> bool:
     """Whether an odd number is prime, by Miller-Rabin with bases that decide every number below 3e24."""
+    # number - 1 = odd * 2^halvings
     odd, halvings = number - 1, 0
     while odd % 2 == 0:
         odd, halvings = odd // 2, halvings + 1
@@ -50,6 +51,7 @@ def residue(value: Fraction, prime: int) -> int:
 
 def rational_from_residue(value: int, modulus: int) -> Fraction | None:
     """Rational number with small numerator and denominator that has this residue, or None without one."""
+    # Euclid's algorithm, stopped at sqrt(modulus / 2), below which numerator and denominator are unique.
     bound = isqrt(modulus // 2)
     r, s = (modulus, value % modulus), (0, 1)
     while r[1] > bound:
@@ -68,6 +70,7 @@ def determinant(rows: list[dict[int, int]], prime: int) -> int:
         holders = [place for place in places[column:] if column in rows[place]]
         if not holders:
             return 0
+        # The row with the fewest entries fills up the others least.
         pivot = min(holders, key=lambda place: len(rows[place]))
         at = places.index(pivot, column)
         if at != column:
@@ -93,11 +96,13 @@ def _subtract(row: dict[int, int], other: dict[int, int], factor: int, prime: in
 
 def interpolating_polynomial(values: list[int], prime: int) -> Coefficients:
     """Coefficients modulo a prime, ascending, of the polynomial with these values at 0, 1, 2, ..."""
+    # Newton's divided differences, modulo the prime.
     differences = list(values)
     for order in range(1, len(values)):
         inverse = pow(order, -1, prime)
         for i in range(len(values) - 1, order - 1, -1):
             differences[i] = (differences[i] - differences[i - 1]) * inverse % prime
+    # Horner's rule over the points gives the coefficients.
     result: Coefficients = []
     for point in range(len(values) - 1, -1, -1):
         shifted = [0, *result]
@@ -116,6 +121,7 @@ def square_free(polynomial: Coefficients, prime: int) -> dict[int, Coefficients]
     """
     found: dict[int, Coefficients] = {}
     slope = _derivative(polynomial, prime)
+    # Yun: gcd(p, p') has every root once less; p and p' without it part the multiplicities one by one.
     common = _greatest_divisor(polynomial, slope, prime)
     rest, other = _divided(polynomial, common, prime)[0], _divided(slope, common, prime)[0]
     multiplicity = 1

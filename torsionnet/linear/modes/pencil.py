@@ -83,6 +83,7 @@ class Pencil:
         if at is None:
             lengths = squares.sum(axis=1)  # traces of K and M
             at = float(np.sqrt(sizes @ lengths / (system.inertia @ lengths)))
+        # Diagonal of |K| + at |C| + at^2 M
         sizes = sizes + at * np.maximum(np.abs(damping), np.abs(drag)) + at**2 * system.inertia
         diagonal = squares.T @ sizes
         diagonal[diagonal == 0] = 1.0
@@ -103,6 +104,7 @@ class Pencil:
         rows = sparse.csr_array(self.rows)
         counts, n = np.diff(rows.indptr), rows.shape[1]
         places, laws, products = [], [], []
+        # Laws with equally many entries are multiplied out together, a_i a_j for all pairs.
         for count in np.unique(counts):
             law = np.flatnonzero(counts == count)
             at = rows.indptr[law][:, None] + np.arange(count)
@@ -110,6 +112,7 @@ class Pencil:
             places.append((column[:, :, None] * n + column[:, None, :]).ravel())
             products.append((entry[:, :, None] * entry[:, None, :]).ravel())
             laws.append(np.repeat(law, count * count))
+        # Entries by column and then by row, as compressed columns have them; ``sums`` adds up the laws on each.
         place, number = np.unique(np.concatenate(places), return_inverse=True)
         size = (len(place), rows.shape[0])
         sums = sparse.csr_array((np.concatenate(products), (number, np.concatenate(laws))), shape=size)
@@ -203,6 +206,7 @@ class Pencil:
         z = self.roots(squares, omega, near)
         if not self.system.dynamic or not omega.any():
             return z
+        # Secant steps on (frequency met - frequency read), which is zero at the eigenvalue.
         last, off = omega, self.frequencies(z) - omega
         omega = omega + off
         for _ in range(SECANT_STEPS):
@@ -211,6 +215,7 @@ class Pencil:
             if np.all(np.abs(off) <= _EPS * omega):
                 break
             slope = (off - before) / (omega - last)
+            # Where it does not fall, the frequency met is read next, and so is one beyond a factor of two.
             trial = np.where(slope < -LEAST_SLOPE, omega - off / slope, omega + off)
             trial = np.where((trial > omega / 2) & (trial < 2 * omega), trial, omega + off)
             last, omega = omega, np.where(np.abs(off) <= _EPS * omega, omega, trial)
@@ -226,6 +231,7 @@ class Pencil:
             c = c + damping * squares[law]
         if self.undamped:
             return np.asarray((k / m).real)
+        # m z^2 + c z + k = 0: the root without cancellation, and the other from the product k / m.
         root = np.sqrt(np.maximum(c * c - 4 * m * k, 0.0) if np.isrealobj(k) else c * c - 4 * m * k)
         w = np.where(np.abs(c + root) >= np.abs(c - root), -c - root, -c + root)
         one, other = (np.where(below != 0, above / below, np.inf) for above, below in ((w, 2 * m), (2 * k, w)))
@@ -244,6 +250,7 @@ class Pencil:
         """Steps in z from ``center`` to the eigenvalues of a cluster, and combinations of shapes that are theirs."""
         motion = self.rows @ shapes
         at = np.array([center])
+        # Phi^T (D + step D') Phi y = 0, to first order about the center
         here, slope = (motion.T @ (law * motion) for law in (self.laws(at), self.slopes(at)))
         steps, mixed = np.linalg.eig(-np.linalg.solve(slope, here))
         # From numpy 2.5 on eig answers in complex numbers; real matrices with real eigenvalues have real combinations.
@@ -268,6 +275,7 @@ def polished(pencil: Pencil, values: Any, shapes: Any) -> tuple[Any, Any, FloatA
     alone: list[int] = []
     left = list(range(len(values)))
     while left:
+        # By themselves, shapes of a cluster would all fall on the one next to the start.
         group = [j for j in left if distance[left[0], j] <= SAME_EIGENVALUE * abs(values[left[0]])]
         left = [j for j in left if j not in group]
         if not pencil.system.dynamic:
@@ -277,6 +285,7 @@ def polished(pencil: Pencil, values: Any, shapes: Any) -> tuple[Any, Any, FloatA
             alone += group
             continue
         values[group], shapes[:, group], errors[group] = _cluster(pencil, values[group], shapes[:, group])
+    # Real eigenvalues apart, in real numbers, so that rounding does not move them off the axis.
     for on_axis in (False, True):
         some = [j for j in alone if bool(values[j].imag == 0) is on_axis]
         if some:
@@ -292,6 +301,7 @@ def _singles(pencil: Pencil, values: Any, shapes: Any) -> tuple[Any, Any, FloatA
     moved, left = np.full(len(values), np.inf), np.arange(len(values))
     for _ in range(STEPS_OVER_FREQUENCY if pencil.system.dynamic else POLISHING_STEPS):
         z, shape = values[left], shapes[:, left]
+        # Inverse iteration q <- D^-1 D' q, then z as the root of q^T D(z) q.
         right = pencil.rows.T @ (pencil.slopes(z) * (pencil.rows @ shape))
         shape = np.stack(pencil.solve(z, list(right.T)), axis=1)
         shapes[:, left] = shape = shape / np.abs(shape).max(axis=0)
@@ -310,6 +320,7 @@ def _cluster(pencil: Pencil, values: Any, shapes: Any) -> tuple[Any, Any, FloatA
     if pencil.undamped or np.all(values.imag == 0):
         values, shapes = values.real, shapes.real
     for _ in range(STEPS_OVER_FREQUENCY if pencil.system.dynamic else POLISHING_STEPS):
+        # All shapes about one center; the small eigenvalue problem parts them again.
         center = values.mean()
         slopes = pencil.rows.T @ (pencil.slopes(np.array([center])) * (pencil.rows @ shapes))
         (shapes,) = pencil.solve(np.array([center]), [slopes])
@@ -329,6 +340,7 @@ def _rounding(pencil: Pencil, values: AnyArray, shapes: AnyArray) -> FloatArray:
     """Relative error (n,) of each eigenvalue by rounding in its sums and, squared, in its shape."""
     motion = pencil.rows @ shapes
     terms = np.abs(motion) ** 2 + _EPS * (abs(pencil.rows) @ np.abs(shapes)) ** 2
+    # dz = q^T dD q / (q^T D' q)
     slope = np.abs(np.sum(pencil.slopes(values) * motion**2, axis=0) * values)
     return np.asarray(8 * _EPS * np.sum(pencil.magnitudes(values) * terms, axis=0) / slope)
 
@@ -361,6 +373,7 @@ def refined(pencil: Pencil, values: Any, shapes: Any, errors: FloatArray) -> tup
     for j in np.flatnonzero((errors > REFINED_ERROR) & (errors < LARGEST_REFINED_ERROR)):
         z, shape, room = values[j], shapes[:, j], LARGEST_REFINED_ERROR * abs(values[j])
         z = z.real if pencil.undamped or z.imag == 0 else z
+        # The root with coefficients frozen at its frequency, until that frequency is its own.
         for _ in range(STEPS_OVER_FREQUENCY):
             stiffness, damping = (part[:, 0] for part in pencil.frozen(np.array([z])))
             laws = [stiffness, -pencil.inertia] if pencil.undamped else [stiffness, damping, pencil.inertia]

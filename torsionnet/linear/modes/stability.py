@@ -42,6 +42,7 @@ def unstable_modes(drivetrain: AssembledModel) -> tuple[Fault, ...]:
 
 
 def _growing(drivetrain: AssembledModel, modes: Modes, mode: int, feeding: list[str]) -> Fault:
+    # Who feeds a mode dissipates less than nothing.
     shares = modes.dissipated[:, mode]
     worst = modes.elements[int(np.argmin(shares))] if shares.min(initial=0.0) < 0 else feeding[0]
     value = complex(modes.eigenvalues[mode])
