@@ -58,6 +58,7 @@ def held_motions(rows: FloatArray, owners: Sequence[str]) -> Held:
     UsageError
         Rows depend on each other: the parts stick in a loop.
     """
+    # Gauss-Jordan: rows so far are combinations of the given ones, ``left`` = ``made`` @ rows.
     left, made = rows.copy(), np.eye(len(rows))
     pivots: list[int] = []
     for number in range(len(rows)):
@@ -67,6 +68,7 @@ def held_motions(rows: FloatArray, owners: Sequence[str]) -> Held:
             made[number] -= factor * made[other]
         left[number, pivots] = 0.0
         pivot = int(np.abs(left[number]).argmax())
+        # Without a pivot the row is a combination of those in ``made``.
         if np.abs(left[number, pivot]) <= DEPENDENT * np.abs(rows[number]).max():
             names = [owners[one] for one in np.flatnonzero(np.abs(made[number]) > DEPENDENT).tolist()]
             text = "stick in a loop, so that their torques do not follow from equilibrium"
@@ -80,6 +82,7 @@ def held_motions(rows: FloatArray, owners: Sequence[str]) -> Held:
         pivots.append(pivot)
     n = rows.shape[1]
     free = tuple(column for column in range(n) if column not in pivots)
+    # left = [I R] over pivots and free columns: q_pivot = -R y + made c
     Z, Y = np.zeros((n, len(free))), np.zeros((n, len(rows)))
     Z[list(free), range(len(free))] = 1.0
     Z[pivots], Y[pivots] = -left[:, list(free)], made
@@ -139,15 +142,19 @@ def balanced_slips(slips: Sequence[Slip], outside: FloatArray) -> FloatArray | N
     ways, rates = np.array([one.way for one in slips]), np.array([one.rate for one in slips])
     torques, holds = (np.array([getattr(one, name) for one in slips]) for name in ("torque", "holds"))
     size = np.abs(rates).max(initial=0.0) or 1.0
+    # A slip that has just begun goes the way of its torque, each at a rate of its own.
     begun = np.array([one.sign for one in slips]) * BEGUN * size * (1 + np.arange(len(slips)) / len(slips))
     rates = np.where(np.abs(rates) <= AT_REST * size, begun, rates)
+    # At the minimum as many frictions stick as there are loose motions: all such choices are tried.
     for chosen in combinations(range(len(slips)), ways.shape[1]):
         stick = list(chosen)
         own = ways[stick]
         if abs(np.linalg.det(own)) <= PARALLEL * np.prod(np.abs(own).max(axis=1)):
             continue
+        # The rates w that stop the chosen ones, and what they leave of r_i + n_i w.
         left = rates - ways @ np.linalg.solve(own, rates[stick])
         left[stick] = 0.0
+        # n^T carried = f - sum_i n_i T_i sign(r_i), which the chosen ones must be able to hold.
         carried = np.linalg.solve(own.T, outside - ways.T @ (torques * np.sign(left)))
         if (np.abs(carried) <= holds[stick] * (1 + HOLDING)).all():
             return np.asarray(left)
@@ -214,6 +221,7 @@ def contact_form(plant: MotionPlant, laws: Sequence[LawPhases], contact: Sequenc
     held = held_motions(rows[holds], [laws[number].owner for number in holds])
     C, K = (_with_laws(matrix, rows, phases, what) for matrix, what in ((system.C, "damping"), (system.K, "stiffness")))
     M = system.M
+    # What actions answer at once to angle, rate and acceleration stands in K, C and M.
     for one in plant.actions:
         M, C, K = (
             matrix - value * np.outer(one.row, one.sensed)
@@ -264,9 +272,11 @@ def _loads(
     n_q, n_torques = drive.columns.shape
     columns = np.zeros((n_q, drive.n_u + 1))
     columns[:, :n_torques] = drive.columns
+    # The constant torque of a piece acts with the 1, or with the entry of u that scales it.
     for row, phase, scale in zip(rows, phases, drive.scale_of, strict=True):
         if phase.kind == "slope":
             columns[:, drive.n_u if scale < 0 else scale] -= phase.torque * row
+    # q = Z y + Y c: held angles load y by -K Y c, those that turn at the speed of a hold by -C Y c' as well.
     turning = [
         phase.lower if law.over_rate else 0.0 for law, phase in zip(laws, phases, strict=True) if phase.kind == "hold"
     ]
@@ -300,6 +310,7 @@ def _form(
         advice = "give them an inertia, or the parts a damping"
         raise LooseMotionError(f"{', '.join(names)} {text}; {advice}", motions) from None
     n_act = len(plant.actions)
+    # q = Z y + Y c, in which c are the inputs before those of the actions.
     U = held.Z @ reduced.U
     n_held = held.Y.shape[1]
     U[:, U.shape[1] - n_act - n_held : U.shape[1] - n_act] += held.Y
@@ -314,6 +325,7 @@ def _rows_free(linear: RowSystem, held: Held) -> Rows:
     if not held.Y.shape[1]:
         return linear.law_rows
     dense = linear.rows @ held.Z
+    # Entries that only rounding left would tie a law to motions that it does not feel.
     dense[np.abs(dense) <= NEGLIGIBLE_ENTRY * np.abs(linear.rows).max(axis=1, keepdims=True)] = 0.0
     return Rows.of(dense)
 
@@ -340,11 +352,13 @@ def _over_z(plant: MotionPlant, parts: _Parts) -> ContactForm:
     inputs[: at.n_u, u], inputs[: at.n_u, w] = np.eye(at.n_u), drive.S
     inputs[at.n_u, one] = 1.0
     inputs[at.n_u + 1 :, c] = np.eye(n_h)
+    # x_e' = A x_e with x' = A x + B inputs, w' = F w, and u' constant within a step.
     A = np.zeros((slope.stop, slope.stop))
     A[:n_x, :n_x] = form.A
     A[:n_x] += form.B @ inputs
     A[w, w], A[u, slope] = drive.F, np.eye(at.n_u)
     R = np.zeros((slope.stop, at.size))
+    # A row held over the rate turns on at that rate, c' = lower; over the twist c is the place.
     for place, number in enumerate(parts.holds):
         phase, over_rate = parts.phases[number], parts.laws[number].over_rate
         if over_rate:
@@ -352,12 +366,14 @@ def _over_z(plant: MotionPlant, parts: _Parts) -> ContactForm:
             R[n_x + place, at.q] = rows[number]
         else:
             R[n_x + place, at.one] = phase.lower
+    # q = X x + U inputs, and q' is its derivative along x_e' = A x_e.
     q = np.hstack([form.X, np.zeros((n_q, slope.stop - n_x))]) + form.U @ inputs
     E = np.zeros((at.size, slope.stop))
     E[at.q], E[at.v] = q, q @ A
     E[at.controllers, n_own:n_x] = np.eye(at.n_c)
     E[at.w, w], E[at.one, one] = np.eye(at.n_w), 1.0
     E[at.u, u], E[at.slope, slope] = np.eye(at.n_u), np.eye(at.n_u)
+    # R takes x_e back from z, by the inverse of the bases of q and the momentum of q'.
     free = list(held.free)
     R[:n_a, free] = inverse[:n_a]
     R[n_a : 2 * n_a, at.v] = _velocities(plant, parts, inverse[:n_a])
@@ -365,6 +381,7 @@ def _over_z(plant: MotionPlant, parts: _Parts) -> ContactForm:
     R[n_own:n_x, at.controllers] = np.eye(at.n_c)
     R[w, at.w], R[one, at.one] = np.eye(at.n_w), 1.0
     R[u, at.u], R[slope, at.slope] = np.eye(at.n_u), np.eye(at.n_u)
+    # z' = E A R z; the refresh E R puts z on what the contact state allows.
     whole, refresh, outside = E @ A @ R, E @ R, np.zeros((at.n_u, at.size))
     outside[:, at.u], outside[:, at.w] = np.eye(at.n_u), drive.S
     motion = refresh[at.q], refresh[at.v], whole[at.v]
@@ -383,6 +400,7 @@ def _velocities(plant: MotionPlant, parts: _Parts, plain: FloatArray) -> FloatAr
     held, M = parts.held, plant.assembly.system.M
     turning = any(parts.laws[number].over_rate and parts.phases[number].lower for number in parts.holds)
     if parts.holds and parts.heavy.shape[1] and not turning:
+        # Momentum over the heavy motions P = Z a is kept as rows are caught: (P^T M P) a' = P^T M q'.
         moved = held.Z @ parts.heavy
         return np.asarray(np.linalg.solve(moved.T @ M @ moved, moved.T @ M))
     found = np.zeros((len(plain), len(held.Z)))
@@ -395,6 +413,7 @@ def _action_torques(
 ) -> FloatArray:
     found = np.zeros((len(plant.actions), at.size))
     place = at.controllers.start
+    # What follows the sensed motion at once, and H x of the states of the action.
     for number, one in enumerate(plant.actions):
         for value, motion in zip(one.at_once, (position, speed, acceleration), strict=True):
             found[number] += value * (one.sensed @ motion)
@@ -418,6 +437,7 @@ def _law_torques(
     M, C, K = parts.matrices
     position, speed, acceleration = motion
     n_torques = parts.drive.columns.shape[1]
+    # The multipliers are what the equations of all coordinates leave over, along Y.
     left = parts.drive.columns @ form.inputs[:n_torques] - M @ acceleration - C @ speed - K @ position
     for number, (phase, scale) in enumerate(zip(parts.phases, parts.drive.scale_of, strict=True)):
         if phase.kind == "slope" and phase.torque:
@@ -434,6 +454,7 @@ def _law_torques(
 
 def relative_form(plant: MotionPlant, at: Layout, form: ContactForm) -> ContactForm:
     """Form over coordinates relative to the rotation of the whole, which grows without bounds and moves nothing."""
+    # S gives the angle of the whole to all that turn with it, ``back`` takes it away.
     S, back = np.eye(at.size), np.eye(at.size)
     for pivot, column in plant.turning:
         for place in (at.q, at.v):
@@ -443,6 +464,7 @@ def relative_form(plant: MotionPlant, at: Layout, form: ContactForm) -> ContactF
     A, refresh = back @ form.A @ S, back @ form.refresh @ S
     twists, rates, torques, act = (rows @ S for rows in (form.twists, form.rates, form.torques, form.act))
     position, speed, acceleration = (rows @ S for rows in form.motion)
+    # Exact ones and zeros, as rounding would grow with the angle of the whole.
     refresh[:, turned] = np.eye(at.size)[:, turned]
     for rows in (A, speed, acceleration, rates, torques, act):
         rows[:, turned] = 0.0

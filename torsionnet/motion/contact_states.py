@@ -199,6 +199,7 @@ class ContactStates:
         if contact not in self.numbers:
             form = self.form(contact)
             turning, largest = form.largest_rates
+            # SLACK is what later contact states may be quicker; beyond that all steps have to be shorter.
             if turning * self.h > SLACK or largest * self.h > SLACK * MOST_TURN * self.n_sub:
                 raise FinerStepError((turning, largest))
             guards = guard_rows(form, self.laws, contact, self.at, self.drive.scale_of)
@@ -248,6 +249,7 @@ class ContactStates:
         at, trend = (rate, 0.0) if law.over_rate else (twist, rate)
         place = 0
         for phase in law.phases:
+            # On a step itself: held at rest if the step has a width, else on the side to which the motion goes.
             if phase.kind == "hold" and at == phase.lower:
                 wide = scale * (phase.high - phase.low) > 0
                 place = phase.place + (0 if trend == 0 and wide else -1 if trend < 0 else 1)
@@ -274,6 +276,7 @@ class ContactStates:
         plant, at = self.plant, self.at
         rates = (z * in_steps(at, self.h))[at.v]
         rates = absolute_rates(plant, rates) if self.relative else rates
+        # Torques on the loose motions: those from outside, and of laws that cannot stick.
         outside = self.drive.columns.T @ loose.motions
         u = z[at.u] + self.drive.S @ z[at.w]
         torques = u[: len(outside)] @ outside
@@ -287,6 +290,7 @@ class ContactStates:
             if hold is None:
                 torques -= torque * way
             else:
+                # The torque of friction has the sign of the side on which its rate lies.
                 sign = -1 if phase.place < hold.place else 1
                 slips[number] = Slip(way, float(own.row @ rates), sign, abs(torque), scale * hold.high)
         left = balanced_slips(list(slips.values()), torques)
@@ -321,6 +325,7 @@ class ContactStates:
         number, kind = divmod(guard, GUARDS_PER_LAW)
         law, phase = self.laws[number], self.laws[number].phases[contact[number]]
         if kind == PUSH:
+            # The torque of a contact passes zero: it opens within the overlap, or closes again.
             other = "free" if phase.kind == "slope" else ""
             return _changed(contact, number, law.of_piece(phase.place, other)), True
         step = -1 if kind == LOWER else 1
@@ -346,8 +351,10 @@ class ContactStates:
         if scale <= 0 and hold.high > hold.low and law.over_rate:  # a clamp that closes holds from zero on
             z, scale = self._changes(held, number, z)
         low, high = scale * hold.low, scale * hold.high
+        # A step without width holds nothing, one over the twist only what would be back at once.
         if high <= low or not (law.over_rate or self._returns(beyond, number, hold.lower, step, z)):
             return beyond
+        # Held while the torque for it lies between both ends of the step; else it goes on to where it pushes.
         torque = self.values(z, held)[2][number]
         rounding = HOLD_TOLERANCE * max(abs(low), abs(high))
         if torque > high + rounding or torque < low - rounding:
@@ -371,10 +378,12 @@ class ContactStates:
         """Whether a row that has passed a step over the twist is back at once, or never gets beyond without inertia."""
         form = self.form(beyond)
         whole = form.refresh @ (z * in_steps(self.at, self.h))
+        # Rounding of the twist against the place of the step.
         there, rate = float(form.twists[number] @ whole), float(form.rates[number] @ whole) * step
         terms = float(np.abs(form.twists[number]) @ np.abs(whole)) + abs(twist)
         if (there - twist) * step < -TOLERANCE * terms or rate <= 0:
             return True
+        # Flight time 2 rate / back: the last bounce is one shorter than LONGEST_BOUNCE steps.
         back = -float(form.accelerations[number] @ whole) * step
         return back > 0 and 2 * rate < LONGEST_BOUNCE * self.h * back
 

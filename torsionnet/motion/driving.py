@@ -128,6 +128,7 @@ class Driving:
             return ()
         at = self.sampled(np.array(cuts))
         found = []
+        # Lines and waves of histories, and the straight lines between samples as chords.
         for place, (start, end) in enumerate(pairwise(cuts)):
             one = self.straight(start, end)
             slopes = (at[:, place + 1] - at[:, place]) / (end - start)
@@ -233,6 +234,7 @@ def acting_means(
     """
     tangents, others = drivetrain.definition.tangents, set(replaced)
     means = dict(drivetrain.mean_torques)
+    # A torque between two nodes that is replaced has to go from both of them.
     for place, torque in drivetrain.definition.operating_point.torque.items() if not drivetrain.definition.load else ():
         nodes = torque_place(place).nodes
         if nodes in others and len(nodes) > 1:
@@ -247,6 +249,7 @@ def acting_means(
         state = None if tangents is None else tangents.state
     except ModelError:  # other torques may be in balance
         return means
+    # Torques that a law of motion gives as well would act twice.
     stated = {*_taken_over(drivetrain, means, state), *(() if state is None else state.stated)}
     return {node: torque for node, torque in means.items() if node not in stated}
 
@@ -262,6 +265,7 @@ def _taken_over(drivetrain: AssembledModel, means: Mapping[str, float], state: B
             if not isinstance(law, MotionLaw) or len(law.row) != 1 or law.curve.over != "rate" or law.sensed:
                 continue
             ((node, share),) = law.row.items()
+            # A law's torque stands on the left side, a mean on the right: both brake where their signs differ.
             rate = float(share) * speeds.get(node, 0.0)
             if rate and node in means and float(law.torque(0.0, rate)) * float(share) * means[node] < 0:
                 yield node

@@ -109,6 +109,7 @@ class MotionPlant:
         """
         system = self.assembly.system
         laws = zip(system.sparse_rows, system.stiffness, self.assembly.laws, strict=True)
+        # Motions that neither springs nor contacts nor controllers feel.
         elastic = [row for row, stiffness, law in laws if stiffness and not _is_over_rate(law)]
         felt = [one for one in self.actions if one.at_once[0] or one.G[:, 0].any()]  # with their states at rest
         sensed = [dict(enumerate(one.sensed.tolist())) for one in felt]
@@ -341,6 +342,7 @@ def _of_slope(place: int, piece: Slope, scale: float) -> list[Phase]:
     upper = math.inf if piece.upper is None else float(piece.upper)
     torque, stiffness, damping = (scale * float(value) for value in (piece.torque, piece.stiffness, piece.damping))
     found = [Phase("slope", place, torque, stiffness, damping, lower, upper, piece.side)]
+    # max(0, k d + c d'): within reach of each other, but free, where the damper would pull.
     if piece.side and damping:
         found.append(Phase("free", place, torque, stiffness, damping, lower, upper, piece.side))
     return found

@@ -46,6 +46,7 @@ def energy_rows(states: ContactStates, contact: Contact) -> EnergyRows:
     refresh = form.refresh * in_steps(at, states.h)
     position, speed = (rows @ refresh for rows in form.motion[:2])
     linear = np.array([not isinstance(law, PlacedLaw) for law in plant.assembly.laws], dtype=bool)
+    # sum of J gamma'^2 / 2 and k gamma^2 / 2 of linear laws; laws over the twist add energies of their own.
     squares = np.vstack([system.rows @ speed, system.rows @ position])
     weights = np.concatenate([system.inertia, system.stiffness * linear]) / 2
     storing = [number for number, one in enumerate(plant.laws) if one.law.curve.over == "twist"]
@@ -131,9 +132,11 @@ class EventLosses:
         """States z (N, n) at the ends of stretches in one contact state."""
         at, n_sub = self.states.at, self.states.n_sub
         units = in_steps(at, self.states.h)
+        # z' = h A z, with time in steps
         A = self.states.h * self.states.form(contact).A * units / units[:, None]
         Z = few.whole_states(self.drive)
         steps = few.numbers[:, 2]
+        # Whole steps first, then points of the finer grid, then a Taylor series over the rest.
         for step in range(int(steps.max())):
             moving = steps > step
             Z[:, moving] = scipy.linalg.expm(A) @ Z[:, moving]
@@ -196,19 +199,23 @@ def work_rows(states: ContactStates, contact: Contact, form: ContactForm, h: flo
     squares: list[tuple[FloatArray, float, str]] = []
     products: list[tuple[FloatArray, FloatArray, float, str]] = []
     system, speed, one = plant.assembly.system, form.motion[1], np.eye(at.size)[at.one]
+    # Dampers lose c gamma'^2.
     for number, law in enumerate(plant.assembly.laws):
         if system.damping[number] and not isinstance(law, PlacedLaw):
             squares.append((system.rows[number] @ speed, float(system.damping[number]), plant.assembly.owners[number]))
     for number, (law_of, place) in enumerate(zip(states.laws, contact, strict=True)):
         phase, rate = law_of.phases[place], form.rates[number]
+        # A law over the rate loses T gamma', nothing where it holds a row at rest.
         if law_of.over_rate:
             if phase.kind != "hold" or phase.lower:
                 products.append((form.torques[number], rate, 1.0, law_of.owner))
         elif phase.kind == "free":
+            # Free contact: no torque acts while its energy k d^2 / 2 goes down, which is lost.
             line = phase.torque * one + phase.stiffness * form.twists[number]
             products.append((line, rate, -1.0, law_of.owner))
         elif phase.kind == "slope" and phase.damping:
             squares.append((rate, phase.damping, law_of.owner))
+    # Torques from outside and of controllers supply T times the rate of their row.
     for number, column in enumerate(states.drive.columns.T):
         products.append((form.inputs[number], column @ speed, 1.0, ""))
     for action, torque in zip(plant.actions, form.act, strict=True):
@@ -238,6 +245,7 @@ def node_count(turn: float) -> tuple[int, int]:
     parts = 1
     while True:
         for count in range(FEWEST_NODES, MOST_NODES + 1):
+            # Error with n points, (n!)^4 / ((2n + 1) (2n)!^3) (2 turn)^2n, as powers turn twice as fast.
             size = math.factorial(count) ** 4 / ((2 * count + 1) * math.factorial(2 * count) ** 3)
             if size * (2 * turn / parts) ** (2 * count) < WORK_TOLERANCE:
                 return count, parts
@@ -287,7 +295,9 @@ class Works:
         A = self.h * form.A * units / units[:, None]
         work = work_rows(self.states, contact, form, self.h)
         places, weights = gauss_points(*node_count(max(form.largest_rates) * self.h))
+        # Rows of the powers at the Gauss points of a step, rows exp(place A).
         inside = np.vstack([work.rows @ scipy.linalg.expm(place * A) for place in places])
+        # In parts of a step: terms rows A^k / k! of the Taylor series.
         taylor = [work.rows]
         for k in range(1, DEGREE + 1):
             taylor.append(taylor[-1] @ A / k)
@@ -301,6 +311,7 @@ class Works:
         for step in range(int(few.numbers[:, 2].max())):
             now, then = self.drive[i + step].T, self.drive[i + step + 1].T
             values = (tables.inside @ np.vstack([p, now, then - now])).reshape(len(weights), -1, len(i))
+            # Only stretches that last beyond this step count in it.
             inside = (step < few.numbers[:, 2]).astype(float)
             total += np.tensordot(weights, tables.work.powers(values), axes=1) @ inside
             p = steps.powers[0] @ p + steps.first @ now + steps.last @ then

@@ -79,6 +79,7 @@ class PieceMotion:
         flat = self.drive.ravel()
         units = in_steps(at, states.h)
         first = contact or self._at_start(z0)
+        # Angles count from what turns with the whole, time in steps.
         z0 = relative_state(states.plant, at, z0) / units
         z0[at.u] = flat[: at.n_u]
         contact = states.fixed(first, z0)
@@ -97,6 +98,7 @@ class PieceMotion:
             if reason == marching.STORM:
                 self._refuse_storm(event_numbers[: state[4]], int(state[1]), f)
             if reason == marching.ASK:
+                # The next contact state is not known yet: it follows from the state at the event.
                 z = self._refreshed(states.contacts[state[0]], self._z(p, int(state[1]), f))
                 time = self.begins + (int(state[1]) + f) * states.h
                 contact, always = states.after(states.contacts[state[0]], guard, z, time)
@@ -110,6 +112,7 @@ class PieceMotion:
                 self._note(record, numbers[: state[3]], times[: state[3]], starts[: state[3]])
                 self._tell(event_numbers[: state[4]], event_times)
                 state[3] = state[4] = 0
+                # A full list before half the time means many events, for which compiling pays.
                 if reason != marching.DONE and 2 * state[1] < self.last:
                     march = _compiled_march()
                 if states.is_large:
@@ -215,6 +218,7 @@ def first_rates(states: ContactStates, laws: Sequence[LawPhases]) -> tuple[float
     """Largest frequency and pole in rad/s with all laws at their stiffest and most damped pieces."""
     contact: list[int] = []
     for law in laws:
+        # The stiffest and most damped piece of every law.
         slopes = [number for number, phase in enumerate(law.phases) if phase.kind == "slope"]
         contact.append(max(slopes, key=lambda number: (law.phases[number].stiffness, law.phases[number].damping)))
     try:
@@ -235,6 +239,7 @@ def steps_of(rates: tuple[float, float], step: float, n: int, refinement: int = 
     """
     turning, largest = rates
     most = MOST_SUBSTEPS * MOST_TURN
+    # Steps short enough for the fastest vibration, and for what the finer grid can follow of poles.
     k = refinement * max(1, math.ceil(step * turning / LONGEST_TURN), math.ceil(step * largest / most))
     if k * n > MOST_STEPS:
         text = f"the fastest motion, {largest:.3g} rad/s, needs {k * n:.2g} steps over {n * step:.3g} s"
@@ -276,6 +281,7 @@ def generators_of(stretches: Sequence[Stretch], n_u: int) -> Generators:
     F, S = np.zeros((2 * len(kinds), 2 * len(kinds))), np.zeros((n_u, 2 * len(kinds)))
     for number, (entry, exponent) in enumerate(kinds):
         own = slice(2 * number, 2 * number + 2)
+        # d/dt of (Re, Im) A exp((a + jb) t) = [[a, -b], [b, a]] (Re, Im)
         F[own, own] = [[exponent.real, -exponent.imag], [exponent.imag, exponent.real]]
         S[entry, 2 * number] = 1.0
     return Generators(kinds, F, S)
@@ -331,6 +337,7 @@ def simulate_pieces(
     states = ContactStates(plant, split.phases, drive, at, relative=True)
     rates = first_rates(states, split.phases)
     march = _DrivenMarch(states, readings, inputs, driving, stretches, made)
+    # A contact state quicker than the steps: the motion begins again with shorter ones.
     while True:
         try:
             return march.whole(z, contact, rates, refinement)

@@ -66,6 +66,7 @@ class SmoothLaw:
     def slope(self, twist: float, rates: FloatArray, bends: FloatArray, scale: float) -> float:
         """Rate of change in N m/s of the torque under a constant scale, with the rates of change of ``rates``."""
         rate, *sensed = rates.tolist()
+        # dT/dt = dT/dgamma gamma' + dT/dgamma' gamma'' + the same over the rates sensed
         over_twist, *others = self.law.curve.slopes(MotionState(twist, rate, tuple(sensed)))
         own = float(over_twist) * float(rate)
         rest = sum(float(one) * float(bend) for one, bend in zip(others, bends, strict=False))
@@ -124,6 +125,7 @@ def split_plant(drivetrain: AssembledModel, plant: MotionPlant, scales: tuple[Sc
         key = (one.owner, law.scaled_by)
         scale = scales.index(key) if key in scales else -1
         straight = isinstance(law.curve, PieceCurve)
+        # A slope times a scale over time is no straight piece.
         grows = isinstance(law.curve, PieceCurve) and _grows(law.curve)
         if scale >= 0 and law.curve.over == "twist":
             raise UsageError(f"{one.owner}: a torque over the twist cannot be scaled over time")
@@ -134,6 +136,7 @@ def split_plant(drivetrain: AssembledModel, plant: MotionPlant, scales: tuple[Sc
             continue
         sensed = np.array([plant.assembly.rows_of(row)[0] for row in law.sensed]).reshape(-1, len(one.row))
         held = -1
+        # Steps, in which friction sticks, stay with the straight pieces and have no torque on these.
         if straight:
             held = len(pieces)
             pieces.append(replace(one, law=law))
