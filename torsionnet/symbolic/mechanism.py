@@ -174,6 +174,7 @@ class Mechanism:
         network, factor = self.network, ONE
         carried = [*rows, *([rigid[loose]] if loose is not None else [])]
         waiting = [row for index, row in rigid.items() if index != loose]
+        # Every rigid row takes a coordinate away, also from the rows that wait.
         while waiting:
             contraction = network.contracted(waiting.pop(0))
             network, factor = contraction.network, factor * contraction.factor
@@ -191,6 +192,7 @@ class Mechanism:
         """Numerator of a reading under torques on nodes, det D times the reading, a node of the program."""
         total = self.program.leaf(0)
         for part in parts:
+            # The torque of a rigid connection is read as the twist of its row in the drivetrain without it.
             found = self.reduced([self.row(part.row), self.row(load)], part.rigid)
             row, loaded = found.rows[-1 if part.rigid is not None else 0], found.rows[1]
             number = self.program.leaf(part.factor * found.factor)
@@ -251,13 +253,16 @@ class ContinuedFraction:
         for block in self.tree.below[name]:
             (child,), (member,) = block.below, block.members
             if self.receptance[child] is not None:
+                # 1/Z_branch = 1/y + 1/Z_c, over the ratio of the edge
                 series = self._one / self.element(member.law) + self._squared(member, child) * self.receptance[child]
                 self.flexibility[child] = series / self._squared(member, name)
                 found.append(self.flexibility[child])
         grounds = self.network.grounds.get(name, [])
+        # A single branch keeps its receptance as it is, instead of 1 / (1 / receptance).
         if not grounds and len(found) == 1:
             self.receptance[name] = found[0]
             return
+        # Z_v = g_v + sum of Z_branch
         total = self.element(grounds[0]) if grounds else None
         for flexibility in found:
             total = self._one / flexibility if total is None else total + self._one / flexibility
@@ -279,6 +284,7 @@ class ContinuedFraction:
 
     def _handed_on(self, block: GraphBlock[Stiffness], far: str) -> Any:
         (member,) = block.members
+        # y / (y + Z_c) times the ratio of the edge; c follows rigidly where nothing holds it.
         ratio = self.element(-member.row[block.top] / member.row[far])
         if self.receptance[far] is None:
             return ratio
@@ -288,6 +294,7 @@ class ContinuedFraction:
     def reading(self, row: SymbolRow, law: Any = None) -> Any:
         """Ratio of a reading, row theta times a law, to the motion at the root, in the fraction's algebra."""
         row = {name: value for name, value in row.items() if name in self.tree.below}
+        # A twist is read as the torque of its edge, without a difference of two motions.
         for child in row if len(row) == 2 else ():
             block = self.tree.above.get(child)
             if block and block.top in row and _parallel(row, block.members[0].row):
@@ -302,6 +309,7 @@ class ContinuedFraction:
         (child,), (member,) = block.below, block.members
         if child not in self.flexibility:
             return self.element(0)
+        # T = Z_branch theta at the upper end of the edge.
         carried = self.motion(block.top) * self.element(scale / member.row[block.top] ** 2)
         torque = carried * (self._one / self.flexibility[child])
         if law is not None and law == member.law:
@@ -389,6 +397,7 @@ def _arrival(network: Network[Stiffness], root: str, share: Any, read: Collectio
         if len(rows) != 1:
             break
         (end,) = (name for name in rows[0] if name != root)
+        # Without inertia the edge carries the whole torque on, over its ratio.
         share = -rows[0][end] / rows[0][root] * share
         came, root = root, end
     return root, share

@@ -58,6 +58,7 @@ class Factor:
         """Damping ratio of a factor of second order as an expression, None for other orders."""
         if self.order != 2:
             return None
+        # p_2 = 1 / omega_n^2 and p_1 = 2 zeta / omega_n; over their common denominator p_0 the root stays short.
         p_1, p_2 = (sympy.fraction(sympy.together(value)) for value in self.coefficients[1:])
         p_0 = sympy.lcm(p_1[1], p_2[1])
         if not _is_positive(p_0):
@@ -163,6 +164,7 @@ def _factors(function: SymbolicFraction, node: ProgramNode) -> tuple[Any, int, t
             lowest = next((i for i, value in enumerate(polynomial) if value != 0), None)
             if lowest is None:
                 return sympy.Integer(0), 0, ()
+            # p_m s^m (1 + ...): gain and power of s, and a factor that begins with 1.
             power += lowest * more * times
             gain *= polynomial[lowest] ** (more * times)
             if len(polynomial) > lowest + 1:
@@ -202,6 +204,7 @@ def _factors_at_random(polynomial: Any) -> bool:
         draw = random.Random(seed)
         chosen = {symbol: draw.randrange(10**3, 10**4) for symbol in symbols}
         _, found = sympy.factor_list(polynomial.xreplace(chosen), S)
+        # Factors in symbols remain factors with numbers, so that one draw without any decides.
         if sum(power for factor, power in found if factor != S) < 2:
             return False
     return True

@@ -138,6 +138,7 @@ def _trimmed(coefficients: Sequence[Any]) -> tuple[Any, ...]:
 def rational(function: SymbolicFraction) -> Rational:
     """Polynomial form of a transfer function, its coefficients multiplied out if short, else nested."""
     program, outputs = function.steps, [function.numerator, function.denominator]
+    # Short ones are multiplied out as a whole, else only in powers of s, and each coefficient by itself.
     if sum(program.run(TermCounts(), outputs)) <= MOST_TERMS_EXPANDED_WHOLE or len(function.free_symbols) <= 6:
         algebra = monomials_for(program.payloads(outputs))
         above, below = program.run(algebra, outputs)
@@ -155,6 +156,7 @@ class ExpandedCoefficients:
     algebra: Monomials
 
     def expressions(self) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+        # Both over the same scale^depth.
         depth = max(self.above.depth, self.below.depth)
         above, below = (
             tuple(
@@ -258,6 +260,7 @@ def evaluate(function: SymbolicFraction, frequencies: ArrayLike, given: Mapping[
     moving = f > 0
     if moving.any():
         result[moving] = _at(function, f[moving], values)
+    # 0 Hz is a limit, in which numerator and denominator may both vanish.
     if not moving.all():
         result[~moving] = static_value(function, values)
     if not np.isfinite(result).all():
@@ -305,6 +308,7 @@ def _at(function: SymbolicFraction, frequencies: FloatArray, values: Mapping[Any
     above, below = function.steps.run(algebra, [function.numerator, function.denominator])
     ratio = above / below
     found = np.array(np.broadcast_to(ratio.array(), frequencies.shape))
+    # Where terms cancel the bound of rounding grows, and more digits are needed.
     for point in np.flatnonzero(~np.broadcast_to(ratio.relative_error() <= ACCEPTED_RELATIVE_ERROR, frequencies.shape)):
         found[point] = _in_many_digits(function, float(omega[point]), values)
     return found
@@ -345,6 +349,7 @@ def static_value(function: SymbolicFraction, values: Mapping[Any, Any]) -> compl
         return payload.xreplace(known)
 
     above, below = lowest_terms_in_s(function, coefficient, lambda value: sympy.expand(value) == 0)
+    # b s^m / (a s^n) for s -> 0: the lower power decides.
     if above is None or above[0] > below[0]:
         return 0j
     return complex(np.inf) if above[0] < below[0] else complex(above[1] / below[1])
@@ -359,6 +364,7 @@ def lowest_terms_in_s(function: SymbolicFraction, coefficient: Any, vanishes: An
             first_term(polynomial.coefficients, vanishes)
             for polynomial in function.steps.run(algebra, [function.numerator, function.denominator])
         ]
+        # A numerator that vanishes in more powers of s than the program has steps counts as zero.
         if found[1] is not None and (found[0] is not None or limit > len(function.steps.steps)):
             return found[0], found[1]
         if limit > 4 * len(function.steps.steps) + 4:
@@ -403,6 +409,7 @@ def high_frequency(function: SymbolicFraction) -> Any:
     )
     if above[1] is None or below[1] is None:
         return sympy.Integer(0)
+    # Degrees, less leading coefficients that vanish for all values.
     power = (above[0] - above[1][0]) - (below[0] - below[1][0])
     return _quotient(above[1][1], below[1][1]) * S**power
 

@@ -137,6 +137,7 @@ def simplified(
     reference = _Reference(drivetrain, request)
     candidates = list(_candidates(drivetrain.definition, read))
     costs = {change: reference.cost(_apply(drivetrain, change)) for change in candidates}
+    # What moves the poles least goes first, and dampings after whole elements.
     ranked = sorted(candidates, key=lambda change: (change.of_damping, costs[change]))
     for change in ranked:
         shorter = _apply(current, change)

@@ -65,6 +65,7 @@ class PolynomialInS:
         if not left or not right:
             return PolynomialInS((), self.limit)
         size = len(left) + len(right) - 1
+        # Lower coefficients do not depend on higher ones, so that none beyond the limit is ever needed.
         total: list[Any] = [0] * (size if self.limit is None else min(size, self.limit))
         for i, a in enumerate(left):
             if is_zero(a):
@@ -263,6 +264,8 @@ def surely_zero(node: ProgramNode | int) -> bool:
         return node == 0
     if node.is_zero:
         return True
+    # Exact random numbers, the same for a symbol in every run: a polynomial other than zero hardly ever
+    # vanishes there (Schwartz and Zippel).
     chosen: dict[Any, Fraction] = {}
 
     def number(expression: Any) -> Fraction:

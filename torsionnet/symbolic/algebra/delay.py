@@ -100,6 +100,7 @@ class InPowersNearRest(InPowersOfS):
         delay = (self.delays or {}).get(payload) if isinstance(payload, sympy.Basic) else None
         if delay is None:
             return super().leaf(payload)
+        # e^(-s tau) = sum of (-tau)^n s^n / n!
         terms = [(-delay.time) ** power / sympy.factorial(power) for power in range(self.limit or 1)]
         return PolynomialInS(tuple(self.coefficient(term) for term in terms), self.limit)
 

@@ -118,6 +118,7 @@ class ExpandedBlock:
         for law, member in zip(unknowns, self._members, strict=False):
             for (first, alpha), (second, beta) in product(member.row.items(), repeat=2):
                 yield first, second, law * in_ring(alpha) * in_ring(beta)
+        # det(D + x e e^T) = det D + x det(D with the top held): one determinant gives both.
         yield self.block.top, self.block.top, unknowns[-1]
 
     def _determinant(self, power: int) -> ProgramNode:
@@ -146,6 +147,7 @@ class ExpandedBlock:
             by_power.setdefault(powers[depth], {})[powers] = coefficient
         unknown, total = payloads[depth], self.program.leaf(0)
         top = max(1, *by_power)
+        # Horner's rule; a law enters once at most, as above / below, and ratios have the denominator 1.
         for power in range(top, -1, -1):
             share = self._nested(by_power.get(power, {}), payloads, depth + 1)
             total = total * unknown.above + (share if power == top else share * unknown.below)
@@ -163,6 +165,7 @@ result."""
 def solve_block(block: GraphBlock[Quotient], hanging: Mapping[str, Quotient], program: Program) -> SolvedBlock:
     """Solved block of more than two coordinates, with its determinants and readings, parts beyond it included."""
     loops = loops_of(block)
+    # Every loop is opened at one of the laws, which leaves so many forests at most.
     if loops > MOST_LOOPS or comb(len(block.members), loops) > MOST_FORESTS:
         return ExpandedBlock(block, hanging, program)
     return SplitBlock(block, hanging, program)
@@ -213,6 +216,7 @@ class SplitBlock:
     def weight(self) -> ProgramNode:
         """Program node that multiplies the determinant of the network in which the split law's motion is zero."""
         result = self.program.leaf(self.contraction.factor) * self.member.law.above
+        # The contracted network lacks the denominators of laws that cannot act in it.
         for law in self.contraction.idle:
             result = result * law.below
         return result

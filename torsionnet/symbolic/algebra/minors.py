@@ -31,9 +31,11 @@ def sparse_determinant(rows: Sequence[SparseRow], program: Program) -> ProgramNo
     Fraction(-11, 1)
     """
     order = _order(rows)
+    # Minors of the rows so far by their columns as bits: each is recorded once, however many rows need it.
     minors = {0: program.leaf(_parity(order))}
     steps = 0
     for place, number in enumerate(order):
+        # Columns that no later row has must be taken by now.
         later = {column for other in order[place + 1 :] for column in rows[other]}
         closed = sum(1 << column for column in range(len(rows)) if column not in later)
         found: dict[int, ProgramNode] = {}
@@ -42,6 +44,7 @@ def sparse_determinant(rows: Sequence[SparseRow], program: Program) -> ProgramNo
                 now = used | 1 << column
                 if used >> column & 1 or closed & ~now:
                     continue
+                # Laplace: the sign counts the columns on the right that are taken already.
                 term = minor * entry * (-1 if (used >> column).bit_count() % 2 else 1)
                 found[now] = found[now] + term if now in found else term
                 steps += 1

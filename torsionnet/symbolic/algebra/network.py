@@ -78,12 +78,14 @@ class Network(Generic[L]):
         coordinate expressed, and so for every bilinear form of the adjugate.
         """
         pivot = self._pivot(row, keep)
+        # a_v theta_v + ... = 0, solved for theta_v
         solution = {name: -value / row[pivot] for name, value in row.items() if name != pivot}
         members = [
             NetworkMember(substitute_coordinate(member.row, pivot, solution), member.law) for member in self.members
         ]
         rest = tuple(name for name in self.coordinates if name != pivot)
         left = Network(rest, tuple(member for member in members if member.row))
+        # Laws on that row alone have no motion left.
         idle = tuple(member.law for member in members if not member.row)
         return Contraction(left, pivot, solution, row[pivot] ** 2, idle)
 
@@ -91,6 +93,7 @@ class Network(Generic[L]):
         """Coordinate of a row, by name, that a contraction expresses by the others, in long rows one with few laws."""
         names = [name for name in row if name != keep]
         uses: Counter[str] = Counter()
+        # Long rows spread to all other laws on the coordinate that they express.
         if len(row) > 2:
             uses.update(name for member in self.members if len(member.row) > 1 for name in member.row)
         return max(names, key=lambda name: (-uses[name], self.coordinates.index(name)))
@@ -133,6 +136,7 @@ def _direction(row: SymbolRow, known: Collection[Any]) -> tuple[tuple[tuple[str,
     names = sorted(row, key=lambda name: row[name] not in (1, -1))
     first, last = row[names[0]], row[names[-1]]
     if len(names) == 2:
+        # A pair of coordinates may be known from its other end.
         back = ((names[1], ONE), (names[0], first / last))
         return (back, last) if back in known else (((names[0], ONE), (names[1], last / first)), first)
     return tuple((name, row[name] / first) for name in sorted(names)), first
@@ -153,6 +157,7 @@ class _Collected:
         self.parts: tuple[dict[Any, Any], ...] = ({}, {}, {})
 
     def add(self, law: Stiffness, ratio: Any) -> None:
+        # Numbers in a squared ratio go into the term, so that only its symbols part the groups.
         number, reflected = (ONE, ONE) if ratio in (1, -1) else (ratio**2).as_coeff_Mul()
         for groups, part in zip(self.parts, law.parts, strict=True):
             if part != 0:
@@ -261,6 +266,7 @@ class Program:
     def needed(self, outputs: Iterable[ProgramNode]) -> list[int]:
         """Indices of the program's steps on which its output nodes depend, in ascending order."""
         wanted = {node.index for node in outputs}
+        # Backwards, as steps depend on earlier ones alone.
         for index in range(max(wanted, default=-1), -1, -1):
             if index in wanted and self.steps[index][0] in ARITHMETIC:
                 wanted.update(self.steps[index][1:])
@@ -307,6 +313,7 @@ class Program:
     def reduced(self, numerator: ProgramNode, denominator: ProgramNode) -> tuple[ProgramNode, ProgramNode]:
         """Program nodes of numerator and denominator of a fraction without their common factors."""
         above, below = self.factors(numerator), self.factors(denominator)
+        # Equal factors are the same step of the program.
         common = above & below
         if not common or self.constant(numerator) == 0:
             return numerator, denominator

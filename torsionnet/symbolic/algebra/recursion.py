@@ -99,6 +99,7 @@ def orient(network: Network[L], root: str) -> Orientation[L]:
     for name in order:
         found = []
         for number, (coordinates, members) in blocks.get(name, {}).items():
+            # A block hangs on that coordinate of it which is reached first.
             if number not in hung:
                 others = tuple(other for other in coordinates if other != name)
                 found.append(GraphBlock(name, others, members))
@@ -112,6 +113,7 @@ def orient(network: Network[L], root: str) -> Orientation[L]:
 def _blocks(network: Network[L]) -> dict[str, dict[int, tuple[tuple[str, ...], tuple[NetworkMember[L], ...]]]]:
     """Coordinates and laws of all blocks of a network, by coordinate and by number of the block."""
     wide = [member for member in network.members if len(member.row) > 1]
+    # A law over three coordinates is a triangle here, which no cut parts, so that it stays in one block.
     graph = nx.Graph(pair for member in wide for pair in combinations(member.row, 2))
     parts = list(nx.biconnected_component_edges(graph))
     home = {frozenset(pair): number for number, part in enumerate(parts) for pair in part}
@@ -142,6 +144,7 @@ def is_forest(network: Network[L]) -> bool:
     """Whether a network has no closed loop, so that all its blocks are laws between two coordinates."""
     pairs = {frozenset(member.row) for member in network.members if len(member.row) > 1}
     parts = len(roots_of(network))
+    # A forest has as many edges as coordinates, less one for each of its trees.
     return all(len(pair) == 2 for pair in pairs) and len(pairs) == len(network.coordinates) - parts
 
 
@@ -162,6 +165,7 @@ def sum_of_quotients(laws: Sequence[tuple[Quotient, Any]], program: Program) -> 
     """Sum over laws of dynamic stiffness times squared ratio of motion, as one quotient of program nodes."""
     total = Quotient(program.leaf(0), program.leaf(1))
     for law, ratio in laws:
+        # a / b + r^2 c / d = (a d + r^2 c b) / (b d)
         above = program.leaf(ratio**2) * law.above
         total = Quotient(total.above * law.below + above * total.below, total.below * law.below)
     return total
@@ -178,12 +182,14 @@ class Bundle:
     @cached_property
     def held(self) -> ProgramNode:
         """Dynamic stiffness determinant of block and parts beyond, upper coordinate held, as a program node."""
+        # Q = A_c + sum_e y_e a_ec^2 Q_c
         far = self._sum([row[self._child] ** 2 for row in self._rows])
         return self.hanging.above * self._below() + far * self.hanging.below
 
     @cached_property
     def free(self) -> ProgramNode:
         """Dynamic stiffness determinant of block and parts beyond, upper coordinate free, as a program node."""
+        # A = sum_e y_e a_ev^2 A_c + sum_{e<f} y_e y_f (a_ev a_fc - a_fv a_ec)^2 Q_c
         total = self._sum([row[self.block.top] ** 2 for row in self._rows]) * self.hanging.above
         both = self._pairs()
         return total if both.is_zero else total + both * self.hanging.below
@@ -195,6 +201,7 @@ class Bundle:
     def reading(self, row: SymbolRow) -> ProgramNode:
         """Numerator (program node) of a sensor's reading in the block under a unit torque on the upper coordinate."""
         near, far = row.get(self.block.top, 0), row.get(self._child, 0)
+        # near A_c + sum_e y_e a_ec (near a_ec - far a_ev) Q_c, with the motions of v and c under a torque on v
         twists = [own[self._child] * (near * own[self._child] - far * own[self.block.top]) for own in self._rows]
         total = self.program.leaf(near) * self.hanging.above * self._below()
         return total + self._sum([0 if vanishes(twist) else twist for twist in twists]) * self.hanging.below
@@ -305,6 +312,7 @@ class Recursion:
         blocks = self.tree.below[name]
         for block in blocks:
             self.solved[block] = self._solve(block)
+        # Q_v = prod Q_b and A_v = g_v Q_v + sum_b A_b prod_{b' != b} Q_b', with g_v as a quotient.
         own = self._ground(name)
         held = self._hanging(name)
         self.Q[name] = own.below * held
@@ -330,6 +338,7 @@ class Recursion:
         return result
 
     def _products_without_one(self, blocks: Sequence[GraphBlock[Quotient]]) -> list[ProgramNode]:
+        # Products from both ends, since nothing is divided.
         ahead, behind = [self.program.leaf(1)], [self.program.leaf(1)]
         for block in blocks[:-1]:
             ahead.append(ahead[-1] * self.solved[block].held)
@@ -344,6 +353,7 @@ class Recursion:
     def _carried(self, end: str) -> ProgramNode:
         """Product (program node) of the blocks' angle numerators to ``end`` and of the determinants off that path."""
         result = self.beside
+        # The motion goes through the blocks on the path, and every block off it is held: its Q.
         for block, far in self.tree.path(end):
             result = result * self.solved[block].carried(far) * self._aside(block.top, block)
         return result
@@ -356,6 +366,7 @@ class Recursion:
         """Numerator of a sensor's reading under a unit torque at the root, det D times the reading, a program node."""
         row = {name: value for name, value in row.items() if name in self.Q}
         block = self._common(row)
+        # Within one block the terms of a twist that would cancel never appear.
         if block is not None:
             return self._carried(block.top) * self._aside(block.top, block) * self.solved[block].reading(row)
         total = self.program.leaf(0)

@@ -57,6 +57,7 @@ class Scaled:
     @classmethod
     def rational(cls, value: Fraction) -> Scaled:
         """Scaled array (1,) of a rational constant of any size, with its rounding error."""
+        # The quotient is brought to about one first, as its parts may be too large for a double.
         shift = value.numerator.bit_length() - value.denominator.bit_length()
         exact = value / Fraction(2) ** shift
         mantissa = float(exact)
@@ -64,6 +65,7 @@ class Scaled:
         return cls.normalised(np.array([mantissa + 0j]), np.array([shift], dtype=np.int64), np.array([error]))
 
     def __add__(self, other: Scaled) -> Scaled:
+        # Both at the larger exponent; what is 2^2000 times smaller is nothing beside it.
         top = np.maximum(self.exponent, other.exponent)
         first = np.exp2(np.maximum(self.exponent - top, -2000))
         second = np.exp2(np.maximum(other.exponent - top, -2000))
@@ -74,6 +76,7 @@ class Scaled:
 
     def __mul__(self, other: Scaled) -> Scaled:
         first, second = np.abs(self.mantissa), np.abs(other.mantissa)
+        # |a b - a' b'| <= |a| e_b + |b| e_a + e_a e_b, and rounding
         error = (
             first * other.error + second * self.error + self.error * other.error + OPERATION_ROUNDING * first * second
         )
@@ -83,6 +86,7 @@ class Scaled:
         with np.errstate(divide="ignore", invalid="ignore"):
             quotient = np.where(other.mantissa == 0, np.inf + 0j, self.mantissa / other.mantissa)
             size = np.abs(quotient)
+            # (e_a + |a / b| e_b) / |b|, and rounding
             error = (self.error + size * other.error) / np.abs(other.mantissa) + OPERATION_ROUNDING * size
         exponent = self.exponent - other.exponent
         return Scaled(quotient, np.where(other.mantissa == 0, 0, exponent), error)  # infinite where it divides by zero

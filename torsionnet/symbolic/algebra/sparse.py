@@ -58,6 +58,7 @@ class Sparse:
         total: dict[int, int] = {}
         for monomial, number in shorter.items():
             if not total:
+                # Multiplied by one monomial, different monomials stay different: nothing to add up yet.
                 total = {monomial + more: number * times for more, times in longer.items()}
                 continue
             for more, times in longer.items():
@@ -83,6 +84,7 @@ class Monomials:
         found: dict[int, int] = {}
         for power, part in enumerate(_parts(payload)):
             for number, factors in monomials(part):
+                # Exponents in fields of bits, so that monomials multiply by adding.
                 key = sum(times << self._place[name] for name, times in factors.items()) + (power << self._place[S])
                 value = number * self.scale**depth
                 found[key] = found.get(key, 0) + value.numerator
@@ -162,6 +164,7 @@ def _monomial(term: Any) -> tuple[Fraction, dict[Any, int]]:
             continue
         key, times = factor, 1
         if power.is_Integer:
+            # Negative powers are powers of the inverse, a generator of its own.
             key, times = (base, int(power)) if power > 0 else (1 / base, -int(power))
         factors[key] = factors.get(key, 0) + times
     return Fraction(number.p, number.q), factors
