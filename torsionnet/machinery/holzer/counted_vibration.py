@@ -125,6 +125,7 @@ def _senses(drivetrain: AssembledModel) -> dict[str, float]:
 def _against(drivetrain: AssembledModel, senses: Mapping[str, float], mode: VibrationMode) -> str:
     """Text with the masses that have most of a mode's kinetic energy, forwards and backwards in their rotation."""
     shape = np.asarray(mode.shape)
+    # The phase at which sum Re(phi)^2 is largest: a damped shape is nearly real there.
     angles = (shape * np.exp(-0.5j * np.angle(np.sum(shape**2)))).real
     frequency = mode.natural_frequency if math.isnan(mode.undamped_frequency) else mode.undamped_frequency
     try:
@@ -132,6 +133,7 @@ def _against(drivetrain: AssembledModel, senses: Mapping[str, float], mode: Vibr
     except TorsionnetError:  # controllers drive nodes: no balance of masses and springs alone
         return ""
     signed = dict(zip(drivetrain.assembly.nodes, angles.tolist(), strict=True))
+    # Kinetic energy J theta^2 of each mass, up to a factor common to all.
     energies = {node: inertia * signed[node] ** 2 for node, inertia in inertias.items() if inertia > 0}
     total = sum(energies.values())
     if not total:

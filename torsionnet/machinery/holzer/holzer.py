@@ -118,6 +118,7 @@ def _mode(drivetrain: AssembledModel, mode: int, start: str) -> tuple[float, Flo
     place = np.flatnonzero(rates)[at]
     notes = () if not pair.is_shifted else (f"with damping its natural frequency is {pair.natural_frequency:.5g} Hz",)
     angles = np.asarray(assembly.node_rows.dense @ shapes[:, place])
+    # Scaled to 1 where it moves most, so that the amplitude of the first station is judged against that.
     angles /= np.abs(angles).max()
     at_start = angles[assembly.node_index[start]]
     if abs(at_start) > LEAST_AMPLITUDE:
@@ -150,6 +151,8 @@ class _HolzerWalk:
         """Add the torques of connections outside the lines, as springs to ground, locks, planetary sets, loops."""
         followed = {id(load) for ends in self.tree.values() for loads in ends.values() for load in loads}
         for load in self.balance.loads:
+            # The walk accounts for both ends of what it follows; on other nodes, as the housing of a gear, the
+            # torque acts from outside.
             passed = load.ends if id(load) in followed else ()
             for node, value in load.row.items():
                 if node in passed:
@@ -162,6 +165,7 @@ class _HolzerWalk:
         for node, after in line.steps():
             joined = self.branch_torques.get(node, 0.0)
             inertia_torque = self.balance.inertia_torques[node]
+            # T_i = T_(i-1) + omega^2 J_i theta_i + torques of branches that join here.
             torque = carried + inertia_torque + joined
             link = self._link(node, after, torque) if after else None
             stations.append(
@@ -185,7 +189,9 @@ class _HolzerWalk:
     def _link(self, node: str, after: str, torque: float) -> HolzerLink:
         loads = self.tree[node][after]
         first, stiffness = loads[0], sum(load.stiffness_at(node) for load in loads)
+        # row @ theta = 0 of a rigid link: theta_node/theta_after = -row[after]/row[node].
         ratio = -first.row[after] / first.row[node]
+        # gamma = T/k of the row, as an angle at this station.
         twist = 0.0 if math.isinf(stiffness) else first.torque / first.stiffness / first.row[node]
         stress = max((self._stress(load, node, torque, stiffness) for load in loads), default=math.nan)
         return HolzerLink(tuple(dict.fromkeys(load.element for load in loads)), stiffness, twist, stress, ratio)
@@ -197,5 +203,7 @@ class _HolzerWalk:
             return math.nan
         value = Values(self.drivetrain.exact_values)
         outer, inner = float(value(shaft.outer_diameter)), float(value(shaft.inner_diameter))
+        # Parallel elements twist alike: torque goes by stiffness.
         share = load.stiffness_at(node) / stiffness
+        # tau = 16 T D/(pi (D^4 - d^4)) at the surface.
         return abs(torque * share) * 16 * outer / (math.pi * (outer**4 - inner**4))

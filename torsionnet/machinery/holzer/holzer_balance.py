@@ -77,10 +77,13 @@ def trial_angles(drivetrain: AssembledModel, omega: float, first: str, last: str
     assembly = drivetrain.assembly
     refuse_actions(assembly.system.actions, "a Holzer table is")
     (stiffness, inertia), rows = _coefficients(assembly, omega), assembly.system.rows
+    # D = B^T diag(k - omega^2 J) B, undamped.
     dynamic = rows.T @ ((stiffness - omega**2 * inertia)[:, None] * rows)
     nodes = assembly.node_rows.dense
     start, end = nodes[assembly.node_index[first]], nodes[assembly.node_index[last]]
     scale = max(np.abs(dynamic).max(initial=0), 1e-300)
+    # D theta = e_last T and theta_first = 1, with the torque T as a further unknown; D is scaled to the size of the
+    # row.
     bordered = np.block([[dynamic / scale, -end[:, None]], [start[None, :], np.zeros((1, 1))]])
     try:
         found = np.linalg.solve(bordered, np.append(np.zeros(len(dynamic)), 1.0))
@@ -107,7 +110,10 @@ def balance_of(drivetrain: AssembledModel, omega: float, angles: FloatArray, las
         row = {node: float(value) for node, value in law.row.items() if node in angle}
         motion = sum(value * angle[node] for node, value in row.items())
         for node, value in row.items():
+            # Row sum of J b b^T where the law is of a shaft: its nodes count as moving alike, which gives half to
+            # each end.
             inertias[node] += inertia * value * (sum(row.values()) if _is_shaft(row) else value)
+            # omega^2 J gamma b, and what springs leave of it for rigid connections.
             torques[node] += omega**2 * inertia * motion * value
             rest[node] += (omega**2 * inertia - stiffness) * motion * value
         if stiffness:
@@ -137,6 +143,7 @@ def _of_constraints(
     ]
     if not rows:
         return []
+    # sum_c T_c row_c = rest at every node but the last one, at which a trial frequency leaves a torque over.
     places = {node: place for place, node in enumerate(node for node in rest if node != last)}
     matrix, right = np.zeros((len(places), len(rows))), np.zeros(len(places))
     for node, place in places.items():
@@ -145,6 +152,7 @@ def _of_constraints(
         for node, value in row.items():
             if node in places:
                 matrix[places[node], column] = value
+    # The equations of all nodes agree: least squares solves them although they are more than the links.
     multipliers = np.linalg.lstsq(matrix, right, rcond=None)[0].tolist()
     return [(owner, row, torque) for (owner, row), torque in zip(rows, multipliers, strict=True)]
 
@@ -156,10 +164,12 @@ def _coefficients(assembly: Assembly, omega: float) -> tuple[FloatArray, FloatAr
     """
     stiffness, inertia = assembly.system.stiffness.copy(), assembly.system.inertia.copy()
     for law, table in assembly.system.dynamic:
+        # A Holzer table has no damping: the real part at this frequency.
         kappa = table.with_loss(0).kappa(np.array([omega])).real.item()
         if table.is_elastic:
             stiffness[law] += kappa
         else:
+            # kappa = -omega^2 J at the ends of a continuous shaft.
             inertia[law] += -kappa / omega**2 if omega else table.inertia_at_rest
     return stiffness, inertia
 
@@ -195,6 +205,7 @@ def holzer_lines(
     for node in ([first] if first else []) + list(nodes):
         if node not in seen:
             start = node if node == first else _first_end(tree, node, nodes)
+            # The main line is the longest way from the start; what leaves it are branches.
             main = _farthest(tree, start, set())
             found += _with_branches(tree, HolzerLine(tuple(main)), set(main))
             seen |= {one for line in found for one in line.nodes}
@@ -211,6 +222,7 @@ def _tree(nodes: Sequence[str], loads: Iterable[NodeLoad]) -> dict[str, dict[str
         one, other = load.ends
         if other in tree[one]:
             tree[one][other] = tree[other][one] = (*tree[one][other], load)
+        # Kruskal: an element between nodes that are connected already would close a loop.
         elif _root(home, one) != _root(home, other):
             home[_root(home, one)] = _root(home, other)
             tree[one][other] = tree[other][one] = (load,)
@@ -242,6 +254,7 @@ def _farthest(tree: Neighbours, start: str, barred: set[str]) -> list[str]:
     """Names of the nodes on the longest path from a node that passes no barred node."""
     before = {start: ""}
     order = [start]
+    # Breadth first: the last node reached is the farthest.
     for node in order:
         for other in tree[node]:
             if other not in before and other not in barred:

@@ -171,6 +171,7 @@ class HolzerTable(NotebookResult):
 
         At a natural frequency it is only rounding.
         """
+        # A branch hands its torque on to the line that it joins; only main lines end with a remainder.
         lines = [abs(branch.stations[-1].torque) for branch in self.branches if not branch.joins]
         return max(lines) / (self._largest or 1.0)
 

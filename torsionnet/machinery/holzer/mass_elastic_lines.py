@@ -62,6 +62,7 @@ def hidden_nodes(drivetrain: AssembledModel, tree: Neighbours, inertias: Mapping
         chain = _chain(tree, inner) if inner and set(inner) <= tree.keys() else []
         if not chain:
             continue
+        # Flexibility 1/k of each part of the shaft, parallel elements of a part added as stiffnesses.
         steps = [1 / sum(load.stiffness_at(one) for load in tree[one][other]) for one, other in pairwise(chain)]
         names |= set(inner)
         for place, node in enumerate(chain[1:-1], 1):
@@ -99,11 +100,13 @@ def whole_shaft(parts: Sequence[MassElasticShaft]) -> MassElasticShaft:
     """
     if len(parts) == 1:
         return parts[0]
+    # Springs in series: one torque, twists add, 1/k = sum 1/k_i.
     stiffness = 1 / sum(1 / one.stiffness for one in parts)
     return replace(
         parts[0],
         to=parts[-1].to,
         stiffness=stiffness,
+        # gamma_i = (k/k_i) gamma: the loss sum c_i gamma_i'^2 is that of c = k^2 sum c_i/k_i^2.
         damping=stiffness**2 * sum(one.damping / one.stiffness**2 for one in parts),
         loss_factor=stiffness * sum(one.loss_factor / one.stiffness for one in parts),
         segments=len(parts),
@@ -162,6 +165,7 @@ def mass_elastic_table(drivetrain: AssembledModel, referred_to: str | None = Non
     definition, nodes = drivetrain.definition, drivetrain.assembly.nodes
     if referred_to is not None and referred_to not in drivetrain.nodes:
         raise UsageError(f'no node is named "{referred_to}"{did_you_mean(referred_to, drivetrain.nodes)}')
+    # At 0 Hz and without motion: rows, stiffnesses and inertias as the Holzer table takes them.
     balance = balance_of(drivetrain, 0.0, np.zeros(len(nodes)))
     order, tree = holzer_lines(nodes, balance.loads, None)
     reference = referred_to or (str(definition.speeds.of) if definition.speeds else order[0].nodes[0])
