@@ -195,6 +195,7 @@ def _slip_reading(rig: AssembledModel, sensor: Sensor | None, slipping: Slipping
     """Share of the torque of a law that slips in the reading of a sensor, in N m."""
     if sensor is None or sensor.quantity != "torque" or sensor.of != slipping.owner:
         return 0.0
+    # The slipping law acts on the port by its coefficient there; the sensor may refer that to another shaft.
     node, sign = port_of(rig.elements[sensor.of], sensor.at)
     factor = referring_factor(sensor, rig.elements, Values(rig.exact_values)) if sensor.referred_to else 1
     return float(sign * factor * slipping.law.row.get(node, 0)) * slipping.torque
@@ -218,6 +219,7 @@ def _mean_response(
     wanted = resolve_request(drivetrain, outputs, nodes, None).outputs
     _require_determined(drivetrain, wanted)
     acting = np.array([torques[node] for node in nodes]).T
+    # A clamp for each free motion makes K regular at rest; torques in balance leave nothing in the clamps.
     held = shared_by_conditions(drivetrain, AssembledModel, "held", lambda: _held(drivetrain), lambda _: HELD_BYTES)
     values, left_over = np.zeros((len(at), len(wanted))), np.zeros((len(at), len(_held_in(held))))
     solved = shared_by_conditions(
@@ -229,6 +231,8 @@ def _mean_response(
     )
     for per_torque, places in solved:
         torques_there = acting[places, None, :]
+        # Superposition: reading = sum_n (reading per N m on node n) T_n, and the sum of magnitudes to judge what
+        # cancels.
         found = (torques_there * per_torque).sum(axis=2)
         sizes = (np.abs(torques_there) * np.abs(per_torque)).sum(axis=2)
         found = np.where(np.abs(found) > SUM_ROUNDING * sizes, found, 0.0)
@@ -368,6 +372,7 @@ def _per_torque(kappa: LawStiffness, request: TransferRequest) -> FloatArray:
     Variants of equal stiffness are solved once.
     """
     resting = _at_rest(kappa)
+    # K q = f at 0 Hz depends on the stiffness alone.
     _, first, which = np.unique(resting.stiffness, axis=0, return_index=True, return_inverse=True)
     found = transfer_functions(request, resting.variants(first), "graph")
     return np.asarray(found.values.real[which.ravel()])

@@ -72,6 +72,8 @@ def _mean_power(run: OrderResponse, flows: Sequence[PowerFlow]) -> FloatArray:
     engines = [_only(run, block.places) for block in engine_blocks(run.lines)]
     total = sum(_power_between(one, one, flows).real.sum(axis=1) / 2 for one in engines)
     for one, other in itertools.combinations(engines, 2):
+        # Delaying one engine turns this product and that of the reverse the other way: with one conjugate they are
+        # one wave.
         together = (_power_between(one, other, flows) + _power_between(other, one, flows).conj()) / 2
         total = total + _largest_over_angle(together, run.lines)
     return np.asarray(total)
@@ -85,6 +87,7 @@ def _only(run: OrderResponse, places: Sequence[int]) -> OrderResponse:
 
 def _power_between(torques: OrderResponse, motions: OrderResponse, flows: Sequence[PowerFlow]) -> ComplexArray:
     """Product in W of one response's torques and another's conjugate rates, shape (n_speeds, n_frequencies)."""
+    # gamma' = j omega gamma; lines of one frequency are added before power, which is quadratic.
     rates = replace(motions, values=motions.values * (2j * math.pi * motions.frequencies)[:, :, None]).by_frequency()
     amplitudes = torques.by_frequency()
     total = np.zeros(rates.shape[:2], dtype=complex)
@@ -103,5 +106,6 @@ def _largest_over_angle(values: ComplexArray, lines: Sequence[OrderLine]) -> Flo
     moving = [at for at in range(len(relatives)) if relatives[at] and values[:, at].any()]
     cycle = common_cycle([relatives[at] for at in moving])
     if cycle is None or not moving:
+        # Waves without a common cycle all reach their crests together at some angle, or nearly so.
         return np.asarray(np.abs(values).sum(axis=1))
     return np.asarray(cycle_extremes(values[:, moving, None], [int(relatives[at] * cycle) for at in moving])[0, :, 0])

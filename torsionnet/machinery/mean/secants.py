@@ -31,8 +31,10 @@ class SecantLaws(OtherLaws):
 
 
 def _secant(law: MotionLaw, state: MotionState, torque: float) -> Part:
+    # Friction that holds passes its torque at no rate, as a rigid link; what slips is a torque from outside.
     if law.curve.over == "rate":
         return Constraint(law.row) if torque and law.curve.holds(state) else Law(law.row)
+    # T/gamma in the origin is the tangent there; a twist without torque, as in a clearance, has no spring.
     if not torque:
         tangent = law.tangent(state)[0]
         return Law(law.row, stiffness=tangent.stiffness if isinstance(tangent, Law) and not state.twist else 0)

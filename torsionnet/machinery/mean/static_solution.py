@@ -62,6 +62,7 @@ def _ports(element: Element, values: Mapping[str, Any]) -> list[str]:
     The torque at its second end is the same.
     """
     parts = element.parts(Values(values))
+    # Dampers pass no mean torque: only springs and rigid links have one.
     if not any(isinstance(part, Constraint) or (isinstance(part, Law) and part.is_elastic) for part in parts):
         return []
     nodes = [node for node in element.ports.values() if node != GROUND]
@@ -126,5 +127,6 @@ def power_balance(drivetrain: AssembledModel, speed: float | None = None) -> Pow
     """
     state = static_state(drivetrain, speed)
     ratios = drivetrain.external_torques.ratios
+    # P = T i Omega with the speed of each node, i its ratio to the reference.
     powers = {node: torque * ratios.get(node, 0.0) * state.speed for node, torque in state.external.items()}
     return PowerBalance(state, powers)
