@@ -63,6 +63,8 @@ class SteppedForm:
         """State space of a section of time in SI units, from its matrices at both ends."""
         A, B, C, _ = middle = _matrices((one + other) / 2 for one, other in zip(first, last, strict=True))
         change = _matrices(other - one for one, other in zip(first, last, strict=True))
+        # (dA; dC) = acting @ sensed of least rank, by singular values of rows scaled to A and C, so that units
+        # decide nothing.
         rows = np.vstack([change[0], change[2]])
         sizes = np.abs(np.vstack([A, C])).max(axis=1, keepdims=True, initial=1e-300)
         left, singular, right = np.linalg.svd(rows / sizes)
@@ -91,6 +93,7 @@ class SteppedForm:
         """
         n_in, n, nodes = torques.shape
         (n_out, n_x), rank = self.middle[2].shape, len(self.sensed)
+        # A(t) = A + swing dA over the section, swing from -1/2 to 1/2, and likewise B, C and D.
         swing = (np.arange(n)[:, None] + gauss_points(nodes)) / n - 0.5
         swing_at = np.linspace(-0.5, 0.5, n + 1)
         stepping = [(part, part.is_diagonal) for part in self.parts]
@@ -100,12 +103,14 @@ class SteppedForm:
         driven = np.concatenate([torques, torques * swing]) if self.change[1].any() else torques
         found = _sum(one.run(start, driven, slice(0, len(driven)), n_x) for one in steps)
         own, more = slice(2 * n_in, 2 * n_in + rank), found
+        # Picard iteration: dA acts on the motion found last and makes a correction, which dA acts on again.
         for _ in range(MOST_CORRECTIONS if rank else 0):
             push = swing * _at_gauss_points(more[0][n_out : n_out + rank], nodes)
             more = _sum(one.run(0 * start, push, own, n_x) for one in steps)
             found = (found[0] + more[0], found[1] + more[1])
             if np.abs(more[0]).max() <= CORRECTION_TOLERANCE * np.abs(found[0]).max():
                 break
+        # y = (C + swing dC) x + (D + swing dD) u.
         read = self.read @ found[0][n_out : n_out + rank] + self.change[3] @ at_points
         return found[0][:n_out] + self.middle[3] @ at_points + swing_at * read, found[1]
 
@@ -114,6 +119,7 @@ class SteppedForm:
 
         Lines that stand still, at 0 rad/s, move nothing.
         """
+        # At the beginning swing is -1/2: x = Re (j omega - A)^-1 B T for each line.
         A, B = (self.middle[place] - self.change[place] / 2 for place in (0, 1))
         found = np.zeros(len(A))
         for column, omega in zip((B @ torques).T, frequencies.tolist(), strict=True):
@@ -147,9 +153,11 @@ class _Steps:
 
         part, step = self.part, self.step
         z = part.B[:, -n_x:] @ start
+        # z(n+1) = exp(T h) z(n) + sum_j W_j B u(t_n + g_j h).
         pushed = np.tensordot(part.B[:, columns], torques, axes=1)
         drive = np.einsum("jk,knj->kn" if self.diagonal else "jkl,lnj->kn", self.weights, pushed)
         states = np.empty((len(z), torques.shape[1] + 1), dtype=complex)
+        # T is upper triangular: from the last state up each one depends on itself and on those below it alone.
         for state in range(len(z) - 1, -1, -1):
             source = np.concatenate([z[state : state + 1], drive[state]])
             if not self.diagonal:
@@ -177,6 +185,7 @@ def _matrices(four: Iterable[FloatArray]) -> Matrices:
 def _at_gauss_points(values: FloatArray, nodes: int) -> FloatArray:
     """Values (n_rows, n, n_nodes) at the Gauss points of n even steps, from those at their ends, by cubics."""
     n = values.shape[1] - 1
+    # Lagrange's cubic through the four points around a step; at an end those inside.
     first = np.clip(np.arange(n) - 1, 0, n - 3)
     found = np.zeros((len(values), n, nodes))
     place = (np.arange(n) - first)[:, None] + gauss_points(nodes)
@@ -202,6 +211,7 @@ def step_weights(T: ComplexArray, h: float, count: int, *, diagonal: bool) -> tu
     """
     powers = np.vander(gauss_points(count), count, increasing=True)
     lagrange = np.linalg.inv(powers)  # column j: coefficients of the polynomial that is 1 at point j alone
+    # The integral of exp(T (h - s)) (s/h)^m from 0 to h is h m! phi_(m+1)(T h).
     moments = h * np.array([math.factorial(power) for power in range(count)], dtype=float)
     if diagonal:
         functions = _phi(np.diag(T)[:, None, None] * h, count)[:, :, 0, 0].T

@@ -132,6 +132,8 @@ def passage_from(
     case = ExcitationCase.worst(steady)
     notes = [f"case of excitation, the worst in steady vibration: {case.words}"] if case.words else []
     model = drivetrain
+    # In time a law over frequency has no equation of its own: it is taken at the resonance, where its damping
+    # matters.
     if drivetrain.assembly.system.dynamic:
         hertz, first = _resonance(steady), steady.outputs[0].name
         model = viscous_equivalent(drivetrain, hertz)
@@ -146,6 +148,7 @@ def passage_from(
     walk = _Passage(request, tuple(asked), PassageTorques(request, case, kept), lines, request.loads(grid[:1]).inputs)
     sections = walk.cut(at, run, start_angle)
     found, error = walk.along(sections, 0), math.inf
+    # Each round halves the sections and adds a Gauss point: its difference from the round before estimates the error.
     for halving in range(1, MOST_HALVINGS + 1):
         sections = [half for one in sections for half in one.halves()]
         last, found = found, walk.along(sections, halving)
@@ -153,6 +156,7 @@ def passage_from(
         error = float((np.abs(found - last).max(axis=0) / np.where(size > 0, size, 1.0)).max(initial=0.0))
         if error <= ERROR_TOLERANCE:
             break
+    # Orders left out are an error, too.
     error = max(error + left_out, LEAST_ERROR)
     grid_of = [one.grid() for one in sections]
     moments, angles, course = (
@@ -191,6 +195,7 @@ class _Section:
     def moments(self, shares: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Times in s, angles in rad and speeds in rad/s at places of the section, as shares of its duration."""
         t = shares * self.duration
+        # phi = phi_0 + Omega_0 t + slope t^2/2 at an even rate.
         slope = (self.last - self.first) / self.duration
         return self.start + t, self.angle + self.first * t + slope * t**2 / 2, self.first + slope * t
 
@@ -220,11 +225,13 @@ class _Passage:
         found: list[_Section] = []
         whole = FEWEST_STEPS * 2**MOST_HALVINGS
         for start, end, first, last in zip(times[:-1], times[1:], speeds[:-1], speeds[1:], strict=True):
+            # A section holds a small change of speed only, in which matrices and amplitudes run nearly straight.
             count = max(1, math.ceil(abs(last - first) / (SECTION_SHARE * min(first, last))))
             ends, course = np.linspace(start, end, count + 1), np.linspace(first, last, count + 1)
             for number in range(count):
                 duration, low, high = float(ends[number + 1] - ends[number]), course[number], course[number + 1]
                 rate = highest_rate(relative, fixed, float(max(low, high)))
+                # A number that can be halved as often as sections are.
                 steps = whole * math.ceil(duration * rate * STEPS_PER_PERIOD / (2 * math.pi) / whole)
                 place = (float(ends[number]), duration, angle, float(low), float(high))
                 found.append(_Section(*place, steps or whole, len(found)))
@@ -246,6 +253,7 @@ class _Passage:
         shares, found, states = gauss_points(nodes), [], None
         for one in sections:
             torques, form = acting[one.base], forms(one.first, one.last)
+            # Before the passage the drivetrain has been at the first speed for long.
             if states is None:
                 states = form.steady(*torques.steady(one.start, one.angle, one.first))
             inner = ((np.arange(one.steps)[:, None] + shares) / one.steps).ravel()

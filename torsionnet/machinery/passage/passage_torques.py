@@ -68,6 +68,7 @@ class PassageTorques:
         values = loads.loads.copy()
         kinds = [each.torques.alternatives for each in loads.by_excitation]
         sizes = [len(one.labels) for one in kinds if one is not None]
+        # Cases are all combinations of one alternative per excitation, the last running fastest.
         picked = iter(np.unravel_index(self.case.alternative or 0, sizes) if sizes else ())
         signs, first = list(self.case.signs), 0
         for each, alternatives in zip(loads.by_excitation, kinds, strict=True):
@@ -96,9 +97,11 @@ class PassageTorques:
 
     def sections(self, ranges: Sequence[tuple[float, float]], count: int) -> list[SectionTorques]:
         """Torques in each of some ranges of speed in rad/s, with amplitudes interpolated between ``count`` speeds."""
+        # Chebyshev points with both ends, between which a polynomial does not swing.
         share = (1 - np.cos(np.pi * np.arange(count) / (count - 1))) / 2
         speeds = np.array([low + (high - low) * share for low, high in ranges])
         values, loads = self.amplitudes(speeds.ravel())
+        # A line that stands still is a mean torque, which is left out.
         values[loads.hertz == 0] = 0.0
         values = values[:, self.kept]
         size = (count, *values.shape[1:])
@@ -135,6 +138,7 @@ class SectionTorques:
 
     def at(self, times: FloatArray, angles: FloatArray, speeds: FloatArray) -> FloatArray:
         """Torques (n_inputs, n) in N m at times in s, angles in rad and speeds in rad/s of the reference shaft."""
+        # theta_l = r_l phi + 2 pi f_l t; amplitudes by Horner's rule in the share of the speed range.
         turning = np.exp(1j * (np.outer(self.relative, angles) + np.outer(self.fixed, times)))
         share = (speeds - self.low) / ((self.high - self.low) or 1.0)
         found = np.zeros((self.powers.shape[2], len(times)))
@@ -157,6 +161,7 @@ def lines_that_matter(run: OrderResponse, negligible: float) -> tuple[NDArray[np
     """
     size = run.half_range.max(axis=0)
     shares = (run.sizes.max(axis=0) / np.where(size > 0, size, 1.0)).max(axis=1)
+    # From the highest frequency down: these cost the most steps.
     order = np.argsort(-np.abs(run.frequencies).max(axis=0), kind="stable")
     lost = np.cumsum(shares[order])
     count = min(int(np.searchsorted(lost, negligible, side="right")), len(order) - 1)
