@@ -123,6 +123,7 @@ def damper_design(
         for name, unit, *numbers in zip(names, units, start, box.lower, box.upper, best, strict=True)
     )
     damping = np.array([one.is_damping for one in sought])
+    # c towards 0 frees the ring from its hub, c towards infinity locks the two together.
     free, locked = (
         np.where(damping, factor * np.maximum(best, FREE_FACTOR * box.upper), best)
         for factor in (FREE_FACTOR, LOCKED_FACTOR)
@@ -259,12 +260,14 @@ def _fixed_points(
         return np.log(levels.at(free, points) / levels.at(locked, points))
 
     grid = np.union1d(levels.grid(free), levels.grid(locked))
+    # Den Hartog: curves of all dampings pass the points where those of c = 0 and c = infinity cross.
     gap = apart(grid)
     found = []
     for place in np.flatnonzero(np.diff(np.sign(gap)) != 0):
         point = scipy.optimize.brentq(
             lambda f: float(apart(np.array([f]))[0]), grid[place], grid[place + 1], rtol=1e-12
         )
+        # With damping elsewhere the crossing is no fixed point in the strict sense: other dampings must agree there.
         sizes = np.concatenate([levels.at(values, np.array([point])) for values in (free, *films)])
         spread = float(sizes.max() / sizes.min() - 1)
         if spread < FIXED_POINT_SPREAD:
@@ -420,12 +423,14 @@ class ViscousLaws(OtherLaws):
 
     def _viscous(self, law: Law, value: Values) -> Law:
         omega = value.algebra.pi * value.algebra.number(2 * self.frequency)
+        # kappa = k (1 + j eta) becomes k + j omega c with c = k eta/omega at this frequency.
         stiffness, lost = law.stiffness, law.stiffness * law.loss_factor
         if law.table is not None:
             import numpy as np
 
             table = law.table.with_coefficients(*map(float, law.table.coefficients))
             kappa = complex(table.kappa(np.array([2 * np.pi * float(self.frequency)]))[0])
+            # A negative stiffness is the mass of a long continuous shaft, for which no spring can stand.
             if kappa.real < 0:
                 at = f"{self.element.name}: at {float(self.frequency):g} Hz the stiffness is {kappa.real:.6g} N m/rad"
                 rest = "a continuous shaft may be given as type: shaft with segments"

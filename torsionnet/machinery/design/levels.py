@@ -119,6 +119,7 @@ class ReceptanceLevels:
     def slopes(self, values: FloatArray, points: FloatArray) -> FloatArray:
         found = replace(self.response, frequencies=points).at(values)
         y, dy = found.values[:, 0, 0], found.jacobian[:, 0, 0]
+        # d|y|/dp = Re(conj(y) dy/dp)/|y|.
         return np.asarray((np.conj(y)[:, None] * dy).real / np.abs(y)[:, None])
 
     def maxima(self, values: FloatArray) -> FloatArray:
@@ -188,6 +189,7 @@ class OrderLevels:
     def slopes(self, values: FloatArray, points: FloatArray) -> FloatArray:
         found = np.empty((len(points), len(values)))
         for place, value in enumerate(values):
+            # Central differences, of which the error goes with the square of the step.
             step = SLOPE_STEP * (abs(value) or 1.0)
             above, below = (np.where(np.arange(len(values)) == place, values + sign * step, values) for sign in (1, -1))
             found[:, place] = (self.at(above, points) - self.at(below, points)) / (2 * step)

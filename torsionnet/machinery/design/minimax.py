@@ -68,6 +68,7 @@ class Box:
     def rates(self, place: FloatArray) -> FloatArray:
         """Derivatives (n_p,) of the parameters, in SI units, to their places in the unit cube from 0 to 1."""
         with np.errstate(divide="ignore", invalid="ignore"):
+            # v = lower (upper/lower)^x: dv/dx = v ln(upper/lower).
             factors = self.inside(place) * np.log(self.upper / self.lower)
         return np.where(self._by_factors, factors, self.upper - self.lower)
 
@@ -83,6 +84,8 @@ def smallest_maximum(levels: Levels, box: Box, start: FloatArray) -> FloatArray:
         box.place(start),
         *scipy.stats.qmc.Sobol(len(start), scramble=False).random(SAMPLED_STARTS * 2 ** (len(start) - 1)),
     ]
+    # The largest level has several minima over the box: starts are sampled roughly, and only the best are searched
+    # from.
     rough = [largest(levels, box.inside(place), refined=False) for place in places]
     found = [search_from(levels, box, places[index]) for index in np.argsort(rough, kind="stable")[:SEARCHED_STARTS]]
     return box.inside(min(found, key=lambda place: largest(levels, box.inside(place))))
@@ -98,6 +101,7 @@ def _along_one(levels: Levels, box: Box, start: FloatArray) -> FloatArray:
     def level(place: float) -> float:
         return largest(levels, box.inside(np.array([place])), refined=False)
 
+    # Slopes by differences are too coarse to follow: samples bracket the minimum, parabolas refine it.
     rough = [level(place) for place in places]
     at = int(np.argmin(rough))
     ends = places[max(at - 1, 0)], places[min(at + 1, len(places) - 1)]
@@ -126,11 +130,13 @@ def search_from(levels: Levels, box: Box, place: FloatArray) -> FloatArray:
         level = float(np.log(levels.at(box.inside(place), maxima[:1])[0] + SMALLEST_LEVEL))
         if level < least:
             best, least = place, level
+        # Exchange of constraints: maxima of this curve are held down in the next step, too.
         points = np.union1d(points, maxima)
         place, bound = _solved(levels, box, points, place)
         top = float(np.log(largest(levels, box.inside(place)) + SMALLEST_LEVEL))
         if top < least:
             best, least = place, top
+        # bound is the least maximum over the constraints alone: a curve nowhere higher is the minimax.
         if top <= bound + levels.precision:
             break
     return best
@@ -148,6 +154,8 @@ def _solved(levels: Levels, box: Box, points: FloatArray, start: FloatArray) -> 
         return np.column_stack([-by_value * box.rates(x[:-1]), np.ones(len(points))])
 
     search: Any = scipy.optimize.minimize  # its published types know no constraints that are functions
+    # The smallest z with z >= ln level_i(x) for all points i, in the variables (x, z): smooth where the maximum is
+    # not.
     found = search(
         lambda x: float(x[-1]),
         np.append(start, logs(np.append(start, 0.0)).max()),
