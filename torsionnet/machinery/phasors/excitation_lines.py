@@ -64,6 +64,7 @@ def excitation_lines(drivetrain: AssembledModel, excitation: str) -> tuple[Excit
     rating = one.rating
     mean = math.nan
     if rating is not None and one.quantity == "torque":
+        # Mean torque (n/n_rated)^exponent T_rated at the speed of the lines.
         follows = (own / rating.speed) ** rating.exponent if rating.speed and rating.exponent else 1.0
         mean = abs(rating.torque) * follows
     fixed = np.zeros(len(found.orders)) if found.fixed is None else found.fixed

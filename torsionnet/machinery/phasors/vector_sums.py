@@ -186,6 +186,7 @@ def star_diagram(
     found = {part: (node, 0j if part == out else v) for part, (node, v) in excitation.phase_vectors(order).items()}
     amplitudes = np.array([shape[node] for node, _ in found.values()])
     largest = np.abs(amplitudes).max(initial=0) or 1.0
+    # theta_z/max theta exp(-j h alpha_z).
     vectors = np.array([vector for _, vector in found.values()]) * amplitudes / largest
     return StarDiagram(name, order, tuple(found), tuple(node for node, _ in found.values()), vectors, title)
 
@@ -220,6 +221,7 @@ def generalised_force(
 def _cases(found: OrderTorques, at: tuple[int, int], shape: Mapping[str, complex]) -> list[tuple[float, str, str]]:
     """Generalised force in N m, label and part out of action of every case, each at the worst cylinder spread."""
     speed, line = at
+    # Q = sum_n phi_n T_n has the form of a response, with the shape in place of receptances.
     gains = np.array([shape[node] for node in found.nodes])[None, None, None, :]
     columns = {node: (place, 1.0) for place, node in enumerate(found.nodes)}
 
@@ -242,6 +244,7 @@ def _cases(found: OrderTorques, at: tuple[int, int], shape: Mapping[str, complex
 def _single(excitation: OrderExcitation, order: float, torques: Mapping[str, complex]) -> float:
     """Torque amplitude in N m of one cylinder, which is that of a node over the sum of its cylinders' phase vectors."""
     units = dict.fromkeys(torques, 0j)
+    # All cylinders on one throw act there together: T_node = T_cylinder |sum exp(-j h alpha)|.
     for node, vector in excitation.phase_vectors(order).values():
         units[node] = units.get(node, 0j) + vector
     each = [abs(torque) / abs(units[node]) for node, torque in torques.items() if abs(units[node]) > CANCELLED]
