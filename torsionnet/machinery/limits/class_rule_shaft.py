@@ -87,6 +87,7 @@ class ClassRuleShaft(ShaftLimit):
         rated = self.rated_speed(evidence.subject)
         inside = np.array([above.holds(speed) for speed in evidence.speeds.tolist()])
         at = int(np.argmax(np.where(inside, values, -np.inf)))
+        # The rule of thumb is around the critical speed: here the top of the stress where it exceeds the limit.
         usual = usual_range(min(max(vertex_speed(evidence.speeds, values, at), above.low), above.high), rated)
         span = SpeedSpan(min(above.low, usual.low), max(above.high, usual.high)).widened(self.tolerance)
         limit = self.no_barred_above * rated

@@ -203,6 +203,7 @@ class CouplingLimit(InSpeedBand, ElementLimit):
         return RuleText(self.source, formula, missing)
 
     def lines(self, evidence: Evidence) -> Iterator[LimitLine]:
+        # S_theta multiplies torques that act: the allowed ones are divided by it.
         factor, size = self.torque_temperature_factor, evidence.size([self.torque])
         nothing = np.zeros(len(evidence.speeds))
         if self.T_KN is not None:
@@ -229,6 +230,7 @@ class CouplingLimit(InSpeedBand, ElementLimit):
         if self.given_off is None:
             yield line_without_data("temperature", "nothing says what heat it gives off; give heat_transfer or P_KV")
             return
+        # P = Lambda (t - t_a), judged as a rise, so that a utilisation of 1 means the largest temperature.
         rise = steady_temperature(evidence.power(self.element), self.given_off, self.ambient_temperature)
         allowed = constant_over_speed(self.largest_temperature - self.ambient_temperature, evidence)
         hottest = float(np.max(rise))
@@ -249,6 +251,7 @@ class CouplingLimit(InSpeedBand, ElementLimit):
     def _vibratory(self, evidence: Evidence) -> LimitLine:
         weights = np.ones(evidence.run.frequencies.shape)
         if self.frequency_factor == "din_740_2":
+            # DIN 740-2: T_KW falls with sqrt(10 Hz/f) above 10 Hz, so that each order counts sqrt(f/10 Hz) times.
             weights = np.sqrt(np.maximum(evidence.run.frequencies, REFERENCE_HZ) / REFERENCE_HZ)
         values = evidence.weighted_size(self.torque, weights)
         orders = evidence.orders([self.torque]) * weights

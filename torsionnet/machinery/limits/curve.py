@@ -274,6 +274,7 @@ class CurveLimit(Limit):
 
     def _largest(self, sensor: Sensor, evidence: Evidence) -> FloatArray:
         lines, sizes = evidence.run.lines, evidence.summed_orders(sensor)
+        # What counts is the sum of lines of one frequency, if one of them is of an order named.
         chosen = [
             number
             for number, places in enumerate(lines_of_one_frequency(lines))

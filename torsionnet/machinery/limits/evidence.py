@@ -120,6 +120,7 @@ class Evidence:
         place, found = self._place(sensor), []
         for case in self._cases:
             values = case.values[:, :, place : place + 1] * weights[:, :, None]
+            # Weights belong to lines before they are added: each case is summed over its cycle anew.
             one = OrderResponse(case.speeds, case.reference, case.lines, values, (case.outputs[place],))
             found.append(one.half_range[:, 0])
         return np.asarray(np.max(found, axis=0))

@@ -211,6 +211,7 @@ class IacsM68(ClassRuleShaft):
         cases = self.stress_by_case(evidence)
         yield LimitLine(continuous, quantity, "Pa", values, allowed, (), orders, cases=cases)
         below = ratio <= NO_BARRED_ABOVE * (1 + 1e-12)
+        # tau_T = 1.7 tau_C/sqrt(C_K), said for lambda up to 0.8 only.
         passing = np.where(below, PASSING_FACTOR * allowed / math.sqrt(self.feature_factor), np.nan)
         yield LimitLine(in_passing, quantity, "Pa", values, passing, (), orders, in_passing=True)
 

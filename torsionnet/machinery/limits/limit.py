@@ -184,6 +184,7 @@ class Limit(Declared):
         """
         above = spans_above(evidence.speeds, line.values, line.allowed)
         wide = [span.widened(self.tolerance).within(evidence.examined) for span in above]
+        # A machine that may not run at these speeds is of no use in normal firing; with a cylinder out it may go slower.
         kept = [evidence.subject.rated, float(evidence.speeds[-1])]
         lost = [span for span, barred in zip(above, wide, strict=True) if barred.holds_any(kept)]
         if lost and not evidence.subject.misfiring:
@@ -326,6 +327,7 @@ def _coarse(evidence: Evidence, values: FloatArray) -> tuple[str, ...]:
     at = int(np.argmax(values))
     if at in (0, len(values) - 1):
         return ()
+    # At a resolved maximum the neighbours are nearly as high as the top.
     beside = (values[at - 1] + values[at + 1]) / 2
     if beside >= (1 - SHARP_PEAK_DROP) * values[at]:
         return ()

@@ -91,6 +91,7 @@ def permissible(strength: float, factors: float, ratio: FloatArray) -> FloatArra
     >>> (permissible(600e6, size_factor(0.4), np.array([0.5, 1.0])) / 1e6).round(3).tolist()
     [66.562, 36.742]
     """
+    # tau_C = C_W C_K C_D (3 - 2 lambda^2) below lambda = 0.9, 1.38 C_W C_K C_D from there to 1.05.
     bracket = np.where(ratio < CONSTANT_ABOVE, 3 - 2 * ratio**2, 1.38)
     found = material_factor(strength) * factors * bracket
     return np.asarray(np.where(ratio <= HIGHEST_RATIO * (1 + 1e-12), found, np.nan))
@@ -103,6 +104,7 @@ def usual_range(critical: float, rated: float) -> SpeedSpan:
     >>> round(span.low / 0.5, 5), round(span.high / 0.5, 5)
     (0.91429, 1.09375)
     """
+    # 16 n_c/(18 - lambda) <= n <= (18 - lambda) n_c/16.
     ratio = critical / rated
     return SpeedSpan(16 * critical / (18 - ratio), (18 - ratio) * critical / 16)
 

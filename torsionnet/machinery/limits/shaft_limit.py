@@ -179,6 +179,7 @@ class FatigueLimit(ShaftLimit):
         """Fatigue strength tau_W in Pa of the shaft for the number of cycles wanted."""
         if self.cycles is None or self.cycles >= self.knee:
             return float(self.fatigue_strength)
+        # S-N line N tau^slope = const up to the knee: tau = tau_W (N_knee/N)^(1/slope).
         return float(self.fatigue_strength * (self.knee / self.cycles) ** (1 / not_none(self.slope)))
 
     def text(self, evidence: Evidence) -> RuleText:
@@ -206,12 +207,14 @@ class FatigueLimit(ShaftLimit):
         if mean is None:
             yield line_without_data("tau_W", f"the mean stress is not known: {evidence.why_no_mean}")
             return
+        # What mean stress takes of the strength: tau_W tau_m/tau_B (Goodman) or M tau_m (Haigh).
         lost = {
             "goodman": lambda: self.strength * mean / self.ultimate_strength,
             "haigh": lambda: self.mean_sensitivity * mean,
             "none": lambda: 0.0 * mean,
         }
         strength = np.maximum(self.strength - lost[self.mean_stress](), 0)
+        # K tau_a S <= strength, as a nominal half range; a mean stress beyond tau_B leaves nothing.
         allowed = strength / (self.safety * self.stress_concentration)
         quantity = "nominal shear stress, half range"
         yield LimitLine("tau_W", quantity, "Pa", amplitude, allowed, (), orders)
