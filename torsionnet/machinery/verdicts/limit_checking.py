@@ -173,6 +173,7 @@ class _Examination:
         lines = [line for group in found.lines for line in group if not line.why_not]
         used = np.stack([line.utilisation for line in lines], axis=1) if lines else np.empty((len(found.run.speeds), 0))
         tops = [column for line in lines for column in _tops(found.run.speeds, line)]
+        # Utilisation 1 is where a range to be barred begins and ends; its top decides how wide it is usually barred.
         by_level = speeds_to_refine(found.run.speeds, used, 1.0)
         by_top = speeds_to_refine(found.run.speeds, np.stack(tops, axis=1)) if tops else np.empty(0)
         return np.unique(np.concatenate([by_level, by_top]))

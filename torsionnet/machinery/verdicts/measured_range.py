@@ -135,6 +135,7 @@ def measured_range(
     if not inside.any():
         return None
     at = speeds[inside]
+    # A check that adds speeds has them close around maxima and crossings: straight lines between them do.
     values, allowed = (np.interp(at, check.speeds, one) for one in (limited.values, limited.allowed))
     return MeasuredRange(limited, channel, at, measured[inside], values, allowed, check.barred)
 

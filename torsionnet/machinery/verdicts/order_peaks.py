@@ -102,6 +102,7 @@ def order_shares(check: LimitCheck) -> FloatArray:
     for one in vibratory_verdicts(check):
         assert one.orders is not None
         with np.errstate(invalid="ignore", divide="ignore"):
+            # Without a finite value allowed above 0 there is no share.
             shares = np.where(_counts(one)[:, None], one.orders / one.allowed[:, None], 0.0)
         found.append(shares.max(axis=0, initial=0.0))
     return np.asarray(np.max(found, axis=0))
@@ -166,6 +167,7 @@ def _window(speeds: FloatArray, critical: CriticalSpeed, crossings: Sequence[Cri
     low, high = 0.0, math.inf
     for other in crossings:
         if other is not critical and _is_of(other, critical):
+            # Speeds beyond halfway to the next critical speed of this order belong to that.
             middle = (speed + other.speed("natural")) / 2
             low, high = (max(low, middle), high) if middle < speed else (low, min(high, middle))
     inside = (speeds >= low) & (speeds <= high)
@@ -244,6 +246,7 @@ def governing_peaks(
     known: dict[str, float] = {}
     for places in (normal, misfiring):
         for line, (share, place) in _worst_conditions([checks[one] for one in places], least).items():
+            # With a cylinder out only orders count that are clearly larger than in normal firing.
             if share > (1 + SAME_SHARE) * known.get(line, 0.0):
                 wanted.setdefault(places[place], []).append(line)
             known.setdefault(line, share)
@@ -295,6 +298,7 @@ def _worst_conditions(checks: Sequence[LimitCheck], least: float) -> dict[str, t
     largest = {line: max(by_place.values()) for line, by_place in shares.items()}
     taken: list[int] = []
     found: dict[str, tuple[float, int]] = {}
+    # The largest order first, so that its condition stands for smaller orders that are as bad there.
     for line in sorted(largest, key=lambda name: -largest[name]):
         if largest[line] < least:
             break

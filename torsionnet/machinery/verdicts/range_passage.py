@@ -136,6 +136,7 @@ class RangePassage:
         over = self.factor * sizes > np.interp(times, run.times, self.allowed_in_passing)
         inside = (self.check.speeds >= self.low) & (self.check.speeds <= self.high)
         limited = math.isfinite(passing)
+        # The response counts cycles in the unit of its sensor.
         level = self.allowed / self.factor
         return PassageRow(
             self.verdict.limit,
@@ -197,6 +198,7 @@ def range_passages(
     whole = SpeedSpan(low - wide, high + wide).within(SpeedSpan(float(check.speeds[0]), float(check.speeds[-1])))
     passages = []
     for duration in seconds:
+        # The rate of the barred range itself, also along the run-up beside it.
         times = np.array([0.0, duration * (whole.high - whole.low) / (high - low)])
         for ends in ((whole.low, whole.high), (whole.high, whole.low)):
             run = passage_response(drivetrain, sensors, times, ends, speed_of=check.reference)

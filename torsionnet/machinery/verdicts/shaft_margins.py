@@ -63,6 +63,7 @@ def shaft_margins(
     search = CrossingSearch(
         drivetrain, drivetrain.title, given.of, speed_range, lines, margin_rule(margin), 0.0, lowest
     )
+    # Modes far above all lines keep any margin; the first one is always shown.
     highest = max(np.abs(line.frequency(np.array(speed_range))).max() for line in lines)
     modes = tuple(
         mode for mode in search.modes if not mode.undamped_frequency > FREQUENCY_REACH * highest or mode.number == 1
@@ -93,6 +94,7 @@ def _shaft_lines(drivetrain: AssembledModel, reference: str) -> Iterator[OrderLi
     named: dict[Fraction, str] = {}
     for node in (reference, *ratios):
         if node in ratios:
+            # Shafts of one speed have the same lines: the first node of each speed names them.
             named.setdefault(ratios[node], node)
     for ratio, node in named.items():
         yield from (OrderLine(node, float(times), ratio) for times in MULTIPLES)

@@ -103,6 +103,7 @@ def spans_above(speeds: FloatArray, values: FloatArray, allowed: FloatArray) -> 
     found: list[SpeedSpan] = []
     places = np.flatnonzero(above)
     for first, last in _runs(places):
+        # Crossings by straight lines to the neighbours below the limit; at an end of the speeds there is none.
         low = _crossing(speeds, over, first, first - 1) if first else speeds[0]
         high = _crossing(speeds, over, last, last + 1) if last + 1 < len(speeds) else speeds[-1]
         found.append(SpeedSpan(float(low), float(high)))
