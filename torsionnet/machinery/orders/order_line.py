@@ -161,17 +161,20 @@ class BlockGrid:
         found = cls._through(lines, moving)
         if found.points <= MOST_GRID_POINTS:
             return found
+        # Half orders repeat after two revolutions of the slowest engine: lines that do too keep the grid short.
         half = min(lines[at].ratio for at in moving[-1]) / 2
         own = [tuple(at for at in places if (lines[at].relative / half).denominator == 1) for places in moving]
         return cls._through(lines, own)
 
     @classmethod
     def _through(cls, lines: Sequence[OrderLine], moving: Sequence[tuple[int, ...]]) -> BlockGrid:
+        # Lines of relative orders r repeat together after 1/gcd(r) revolutions.
         slowest = [greatest_common_divisor(lines[at].relative for at in places) for places in moving]
         whole = greatest_common_divisor(slowest)
         repeats = [max(1, int(one / whole)) for one in slowest]
         step = math.lcm(*repeats)
         highest = max(lines[at].relative for places in moving for at in places)
+        # A multiple of all repeats, so that the period of every block is a whole number of steps.
         points = math.ceil(GRID_POINTS_PER_PERIOD * highest / whole / step) * step
         return cls(tuple(moving), tuple(points // count for count in repeats), points, 1 / whole)
 
@@ -181,6 +184,7 @@ def greatest_common_divisor(relatives: Iterable[Fraction]) -> Fraction:
     found = Fraction(0)
     for one in relatives:
         a, b = found, one
+        # gcd(a/b, c/d) = gcd(a d, c b)/(b d).
         found = Fraction(
             math.gcd(a.numerator * b.denominator, b.numerator * a.denominator), a.denominator * b.denominator
         )
