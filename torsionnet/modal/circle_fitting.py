@@ -146,6 +146,7 @@ def _points(
 ) -> tuple[FloatArray, ComplexArray, FloatArray, str]:
     """Frequency in rad/s, mobility or receptance, and weight of each line fitted, each (n,), and the points' unit."""
     lines = lines_of(response, Settings())
+    # Viscous damping makes a circle of the mobility, hysteretic damping one of the receptance.
     steps = (damping == "viscous") - int(lines.powers[0, 0])
     omega = np.abs(lines.s)
     points = lines.values[:, 0, 0] * lines.s**steps
@@ -205,6 +206,8 @@ def _fitted(
     angle, resonance = _resonance(omega, seen, damping)
     pairs = _pairs(omega, seen - angle, resonance, damping)
     zeta, spread = float(np.median(pairs)), float(np.diff(np.percentile(pairs, [16, 84]))[0] / 2)
+    # At resonance the diameter 2 R is A/(2 zeta omega_0) of the mobility, or A/(j eta omega_0^2) of the receptance
+    # with eta = 2 zeta.
     law = 4 * radius * zeta * resonance * (1 if damping == "viscous" else 1j * resonance)
     fit = CircleFit(
         natural_frequency=resonance / (2 * np.pi),
@@ -232,6 +235,7 @@ def _circle(points: ComplexArray, weights: FloatArray) -> tuple[complex, float]:
 
     size = float(np.abs(points).max())
     x, y = points.real / size, points.imag / size
+    # x^2 + y^2 = a x + b y + c is linear in the centre (a/2, b/2) and in c = R^2 - (a^2 + b^2)/4.
     design = np.stack([x, y, np.ones_like(x)], axis=1) * weights[:, None]
     a, b, c = np.linalg.lstsq(design, (x**2 + y**2) * weights)[0]
     start = [a / 2, b / 2, np.sqrt(max(c + (a**2 + b**2) / 4, 1e-12))]
@@ -257,8 +261,10 @@ def _resonance(omega: FloatArray, seen: FloatArray, damping: str) -> tuple[float
     if sweep <= 0:
         text = "the points do not turn clockwise with frequency: no resonance, or motion ~ exp(-j omega t)"
         raise SolveError(f"{text}; give the band= of one resonance, or the conjugate of the response")
+    # Points move along the circle fastest at resonance.
     fastest = int(np.argmax(-np.diff(seen) / np.diff(omega)))
     start_omega = float(np.mean(omega[fastest : fastest + 2]))
+    # angle = angle_0 - 2 atan(detuning/width) of a single mode: the width from the range of angles seen.
     width = np.ptp(_detuning(omega, start_omega, damping)) / (2 * np.tan(min(sweep / 4, 1.5)))
     start = [float(np.mean(seen[fastest : fastest + 2])), 0.0, np.log(max(width, 1e-9))]
 

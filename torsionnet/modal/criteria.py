@@ -82,6 +82,7 @@ def mpc(shapes: ArrayLike) -> FloatArray:
     """
     given = _shapes(shapes)
     x, y = given.real, given.imag
+    # Of the eigenvalues l_1, l_2 of [[sxx, sxy], [sxy, syy]] it is ((l_1 - l_2)/(l_1 + l_2))^2.
     sxx, syy, sxy = np.nansum(x * x, axis=0), np.nansum(y * y, axis=0), np.nansum(x * y, axis=0)
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray(((sxx - syy) ** 2 + 4 * sxy**2) / (sxx + syy) ** 2)
@@ -112,6 +113,7 @@ def cmif(response: FrequencyResponse) -> FloatArray:
     units = {(channel.unit, into.unit) for channel in response.outputs for into in response.inputs}
     if len(units) > 1:
         powers_of(response.outputs, response.inputs)
+        # With unlike units the larger numbers would rule the singular values: each transfer function over its size.
         size = np.sqrt(np.nanmean(np.abs(values) ** 2, axis=0))
         values = values / np.where(size > 0, size, 1)
     found = np.full((len(values), min(values.shape[1:])), np.nan)

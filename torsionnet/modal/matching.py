@@ -211,6 +211,7 @@ def _of_modes(
     known = [row for row, values in zip(angles, nodes, strict=True) if np.isfinite(values).all()]
     if len(known) < 2:
         return poles, None
+    # Shapes tell apart what is close in poles.
     return poles, (estimate.shapes[known], np.array([v for v in nodes if np.isfinite(v).all()]))
 
 
@@ -219,6 +220,7 @@ def _assigned(cost: FloatArray) -> tuple[IntArray, IntArray]:
     from scipy.optimize import linear_sum_assignment
 
     allowed = np.isfinite(cost)
+    # A forbidden pair costs more than all allowed ones together, so that as many of these as possible are made.
     prohibitive = 1 + 4 * cost[allowed].sum() if allowed.any() else 1.0
     rows, columns = linear_sum_assignment(np.where(allowed, cost, prohibitive))
     kept = allowed[rows, columns]

@@ -109,12 +109,14 @@ def orthogonal(s: ComplexArray, weights: FloatArray, degree: int) -> Family:
     real[:, 0] = 1 / np.linalg.norm(weights)
     steps = np.zeros(degree + 1)
     for k in range(degree):
+        # omega p_k less its part along p_(k-1); parity keeps the part along p_k at 0.
         raised = omega * real[:, k] - (steps[k] * real[:, k - 1] if k else 0.0)
         # The recurrence alone loses orthogonality at high degrees; only those of like parity overlap.
         same = real[:, (k + 1) % 2 : k + 1 : 2]
         raised -= same @ (same.T @ (weights**2 * raised))
         steps[k + 1] = np.linalg.norm(weights * raised)
         real[:, k + 1] = raised / steps[k + 1]
+    # With j^k they are polynomials in s of real coefficients.
     return Family(real * 1j ** np.arange(degree + 1), steps[1:], -steps[:-1])
 
 
@@ -141,6 +143,7 @@ def roots(coefficients: FloatArray, family: Family) -> tuple[ComplexArray, Compl
 
     degree, size = len(coefficients) - 1, coefficients.shape[1]
     transposed = coefficients.transpose(0, 2, 1)
+    # Comrade matrix: s p_k = up_k p_(k+1) + down_k p_(k-1), the last row by sum A_k p_k = 0.
     comrade = np.zeros((degree, size, degree, size))
     unit = np.eye(size)
     for k in range(degree - 1):
@@ -190,6 +193,7 @@ def largest_order(lines: Lines, settings: Settings) -> int:
 
 
 def _rational(lines: Lines, highest: int, settings: Settings) -> Iterator[tuple[ComplexArray, ComplexArray]]:
+    # s over the highest line, as powers of rad/s would lose all digits.
     scale = np.abs(lines.s).max()
     s = lines.s / scale
     for order in range(1, highest + 1):
@@ -207,6 +211,7 @@ def _reweighted(lines: Lines, order: int, settings: Settings) -> tuple[ComplexAr
     numerator += 2 if driven and settings.has_upper else 0
     denominator, before = np.ones(len(s)), None
     for _ in range(MOST_ROUNDS):
+        # B - H A, over the |A| of the round before, tends to B/A - H.
         family = orthogonal(s, 1 / denominator, order)
         rest = []
         for power, (receptance, weight) in zip(lines.powers[:, 0], _outputs(lines), strict=True):
@@ -214,11 +219,13 @@ def _reweighted(lines: Lines, order: int, settings: Settings) -> tuple[ComplexAr
             above = orthogonal(s, size * np.abs(drive) * np.abs(s) ** -below, numerator).values
             columns = size[:, None] * above * (drive * s**-below)[:, None]
             if driven:
+                # Transients of a record have the same denominator, and are not driven.
                 far = orthogonal(s, size * np.abs(s) ** (-2.0 - power), order + TRANSIENT_DEGREES).values
                 columns = np.hstack([columns, size[:, None] * far * (s ** (-2.0 - power))[:, None]])
             rest.append(_eliminated(_equations(columns, size, receptance, family), columns.shape[1]))
         coefficients = _denominator(np.vstack(rest), order, inputs)
         found, rows = roots(coefficients, family)
+        # Size of the matrix A at each line, by its determinant.
         size = np.abs(np.linalg.det(np.tensordot(family.values, coefficients, axes=1))) ** (1 / inputs)
         denominator = np.maximum(size, SMALLEST_DENOMINATOR * size.max())
         now = np.sort_complex(found)
@@ -236,6 +243,7 @@ def _denominator(equations: FloatArray, order: int, inputs: int) -> FloatArray:
     Without that, the columns of A could be multiples of each other, and every number a root.
     """
     if inputs == 1:
+        # Unit coefficients that leave least: the right singular vector of the smallest singular value.
         return np.asarray(np.linalg.svd(equations)[2][-1].reshape(order + 1, 1, 1))
     free = order * inputs
     solved = np.linalg.lstsq(equations[:, :free], -equations[:, free:])[0]
@@ -249,9 +257,11 @@ def _lscf(lines: Lines, highest: int, settings: Settings) -> Iterator[tuple[Comp
     (IMAC 2003); Cauberghe (2004) on the constraint. The lines are reduced to triangles once, for all orders.
     """
     del settings
+    # z = exp(s dt) with dt = pi/omega_max: the band is the upper half of the unit circle.
     interval = np.pi / np.abs(lines.s).max()
     family = powers(np.exp(lines.s * interval), highest)
     inputs = lines.values.shape[2]
+    # One decomposition per output for all orders: a lower one takes some of its columns.
     triangles = [
         _triangle(_equations(weight[:, None] * family.values, weight, values, family))
         for values, weight in _outputs(lines, measured=True)
@@ -259,10 +269,12 @@ def _lscf(lines: Lines, highest: int, settings: Settings) -> Iterator[tuple[Comp
     for order in range(1, highest + 1):
         columns = [*range(order + 1), *range(highest + 1, highest + 1 + (order + 1) * inputs)]
         rest = np.vstack([_eliminated(triangle[:, columns], order + 1) for triangle in triangles])
+        # A_0 = I, under which poles of noise come out unstable.
         solved = np.linalg.lstsq(rest[:, inputs:], -rest[:, :inputs])[0]
         coefficients = np.vstack([np.eye(inputs), solved]).reshape(order + 1, inputs, inputs)
         found, rows = roots(coefficients, family)
         with np.errstate(divide="ignore"):
+            # s = ln(z)/dt; at z = -1, where the band folds, poles are its artefacts.
             poles = np.log(found) / interval
         inside = np.isfinite(poles) & (np.abs(poles.imag) < NYQUIST_MARGIN * np.pi / interval) & (poles != 0)
         yield poles[inside], rows[inside]

@@ -135,8 +135,10 @@ class ModalEstimate(NotebookResult):
         moving = np.array([channel.unit != "N*m" for channel in self.outputs])
         found = np.zeros((len(self.outputs), len(self)), dtype=complex)
         for mode, residue in enumerate(self.residues):
+            # The residues are shape times participation: all inputs alike in size, their common direction by the SVD.
             size = np.linalg.norm(residue, axis=0)
             left = np.linalg.svd(residue / np.where(size > 0, size, 1))[0][:, 0]
+            # 1 where the shaft moves most; a torque's number would depend on its unit.
             among = np.where(moving, np.abs(left), 0) if moving.any() else np.abs(left)
             found[:, mode] = left / left[int(among.argmax())]
         return found

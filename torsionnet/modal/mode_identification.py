@@ -133,6 +133,7 @@ def _fitted(
     free: bool = False,
 ) -> ModalEstimate:
     poles, notes = chosen.poles, band_notes(response, settings.band)
+    # Residues of close poles grow against each other if each is free: as shape times participation they do not.
     together = not free and lines.values.shape[2] > 1 and _any_close(poles)
     if together or not refined:
         close = ("modes lie close together: residues are shapes times participations; poles not refined",)
@@ -148,6 +149,8 @@ def _fitted(
     else:
         widened = response.coherence is not None or response.estimation is not None
         better = refine(lines, poles, settings)
+        # Windows widen a peak, which two poles may share: as long as some are too close to part, they are fitted as
+        # fewer.
         while widened and chosen.automatic and len(fewer := merged(response, better.poles)) < len(better.poles):
             better = refine(lines, fewer, settings)
         if len(better.poles) < len(poles):
@@ -164,6 +167,7 @@ def _fitted(
 
 def _decaying(found: ModalEstimate, seconds: float) -> ModalEstimate:
     """Estimate without poles that hardly decay within the seconds of its record, as steady vibrations are no modes."""
+    # -Re(lambda) T is the logarithm by which a mode decays in T.
     steady = -found.poles.real * seconds < LEAST_DECAY
     if not steady.any():
         return found

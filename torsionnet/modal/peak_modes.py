@@ -150,8 +150,10 @@ def _edge(frequencies: FloatArray, curve: FloatArray, level: float) -> tuple[flo
 
 def _summit(frequencies: FloatArray, curve: FloatArray, line: int) -> float:
     """Frequency of a peak in Hz between lines, from the parabola through the inverse squared magnitudes."""
+    # Near the peak of a mode 1/|H|^2 is nearly a parabola, |H| is not.
     f, y = frequencies[line - 1 : line + 2], curve[line - 1 : line + 2] ** -2
     a, b = f - f[1], y - y[1]
+    # Divided differences, as lines may be unevenly apart.
     bend = (b[2] / a[2] - b[0] / a[0]) / (a[2] - a[0])
     if not bend > 0:
         return float(f[1])
@@ -196,6 +198,7 @@ def _is_asymmetric(peak: PickedPeak) -> bool:
 
     if wider(MOST_DAMPED) < 0:
         return True
+    # Damping ratio with that whole width, and the halves that its receptance has.
     low, high = _halves(brentq(wider, 0.0, MOST_DAMPED))
     ratio = (peak.frequency - peak.edges[0]) / (peak.edges[1] - peak.frequency) * high / low
     return not 1 / LARGEST_ASYMMETRY < ratio < LARGEST_ASYMMETRY
@@ -213,6 +216,7 @@ def _one_by_one(lines: Lines, peaks: list[PickedPeak]) -> Expansion:
     poles = omega * (-zeta + 1j * np.sqrt(1 - zeta**2))
     places = [peak.line for peak in peaks]
     s = lines.s[places][:, None, None]
+    # At its peak a mode alone is H = s^p R/(s - lambda), without its conjugate, which is far off.
     residues = lines.values[places] / s**lines.powers * (s - poles[:, None, None])
     nothing = np.zeros(lines.powers.shape)
     return Expansion(poles, residues, nothing, nothing)

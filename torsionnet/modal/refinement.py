@@ -70,6 +70,8 @@ def refine(lines: Lines, poles: ComplexArray, settings: Settings) -> RefinedPole
     scale = float(np.abs(lines.s).max())
     scaled = replace(lines, s=lines.s / scale)
     sizes, start = factors_of(poles / scale)
+    # Logarithms keep the coefficients positive, and so the poles stable; weights come from the residuals of the round
+    # before.
     for _ in range(ROUNDS):
         problem = Projection(scaled, sizes, settings)
         logarithms, converged = minimised(problem, start)
@@ -107,6 +109,7 @@ def factors_of(poles: ComplexArray) -> tuple[tuple[int, ...], FloatArray]:
 
     Coefficients are (b, c) of s^2 + b s + c for a conjugate pair or two real poles, (a,) of s + a for a last real pole.
     """
+    # (s - lambda)(s - lambda^*) = s^2 - 2 Re(lambda) s + |lambda|^2; real poles are taken in pairs.
     factors: list[tuple[float, ...]] = [(-2 * pole.real, abs(pole) ** 2) for pole in poles if pole.imag != 0]
     real = sorted(-pole.real for pole in poles if pole.imag == 0)
     factors += [(a + b, a * b) for a, b in zip(real[::2], real[1::2], strict=False)]
@@ -125,6 +128,7 @@ def roots_of(sizes: tuple[int, ...], coefficients: FloatArray) -> tuple[ComplexA
         for root in np.roots([1.0, *coefficients[own]]).astype(complex):
             if root.imag >= 0:
                 slope = np.zeros(len(coefficients), dtype=complex)
+                # From s^2 + a s + b = 0: ds/d ln a = -a s/(2 s + a), ds/d ln b = -b/(2 s + a).
                 inner = 2 * root + coefficients[place] if size > 1 else 1.0
                 slope[own] = -np.array([root, 1.0])[-size:] / inner * coefficients[own]
                 poles.append(root)
@@ -162,8 +166,11 @@ def _variance(squares: FloatArray, passed: FloatArray) -> FloatArray:
     around = np.ones(2 * reach + 1)
     counts = np.convolve(np.ones(len(squares)), around, "same")
     tiny = np.finfo(float).tiny
+    # Noise even over neighbouring lines, and with a part in proportion to the response, as noise of the input makes.
     shapes = [np.ones(len(squares)), *(1 + share * passed / max(passed.max(), tiny) for share in INPUT_SHARES)]
     variances: list[FloatArray] = [shape * np.convolve(squares / shape, around, "same") / counts for shape in shapes]
+    # Minus the logarithm of the likelihood of complex normal residuals; a part of the input has to be clearly
+    # likelier.
     unlikely = [float(np.sum(np.log(each + tiny) + squares / (each + tiny))) for each in variances]
     place = int(np.argmin(unlikely))
     return variances[place if unlikely[place] < unlikely[0] - CLEAR_LIKELIHOOD else 0]
@@ -173,6 +180,7 @@ def _covariance(problem: Projection, point: FloatArray, left: ComplexArray) -> F
     """Covariance of the coefficients' logarithms, enlarged where residuals of neighbouring lines correlate."""
     slopes = problem.jacobian(point)
     normal = slopes.T @ slopes
+    # Residuals that correlate by rho from line to line count as (1 - rho)/(1 + rho) of their number.
     along = np.sum(left[1:] * left[:-1].conj()).real / max(float(np.sum(np.abs(left) ** 2)), np.finfo(float).tiny)
     correlation = float(np.clip(along, 0, LARGEST_CORRELATION))
     over = problem.residuals(point)
@@ -183,6 +191,7 @@ def _covariance(problem: Projection, point: FloatArray, left: ComplexArray) -> F
 def _errors(poles: ComplexArray, slopes: ComplexArray, covariance: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Standard errors of ``|lambda|`` and of the damping ratio of each pole, each (n,), from the covariance."""
     size = np.abs(poles)[:, None]
+    # d|lambda| = Re(lambda^* d lambda)/|lambda|, and zeta = -Re(lambda)/|lambda|.
     along = (poles.conj()[:, None] * slopes).real / size
     damping = -slopes.real / size + poles.real[:, None] * along / size**2
     first, second = (
@@ -236,6 +245,7 @@ def record_lines(response: FrequencyResponse, lines: Lines, poles: ComplexArray,
     band = np.abs(lines.s[[0, -1]]) / (2 * np.pi)
     inside = (frequencies >= band[0] * (1 - 1e-9)) & (frequencies <= band[1] * (1 + 1e-9))
     torque = record[inputs[0]]
+    # Spectrum of the torque as it acts, between its samples too.
     course = torque.course(record.sampling_rate).share(frequencies[inside])
     drive = np.fft.rfft(torque.values[kept])[inside] * course
     values = np.stack([np.fft.rfft(record[name].values[kept])[inside] for name in names], axis=1)[:, :, None]
@@ -265,6 +275,7 @@ def _chosen(lines: Lines, start: ComplexArray, settings: Settings) -> ComplexArr
     highest = settings.highest_order or max(LEAST_HIGHEST_ORDER, pole_count(start) + MORE_ORDERS)
     highest = min(highest, largest_order(lines, settings) // 2)
     best = start / scale
+    # The BIC weighs by the noise of the best fit, which each pass knows better.
     for _ in range(PASSES):
         candidates, left, values = [best], [_left(scaled, best, settings)], [np.inf]
         for poles, _ in poles_of_orders(scaled, highest, replace(settings, method="rational")):
@@ -315,6 +326,7 @@ def _with_hidden(lines: Lines, poles: ComplexArray, settings: Settings, highest:
         sizes, coefficients = factors_of(poles)
         problem = Projection(lines, sizes, settings)
         gains = problem.gains(np.log(coefficients), factors)
+        # Lines that correlate by rho count as (1 - rho)/(1 + rho) of their number.
         same = line_correlation(problem.complex_residuals(np.log(coefficients)))
         if gains.max() * (1 - same) / (1 + same) < LEAST_GAIN:
             break

@@ -32,6 +32,7 @@ class Expansion:
     def values(self, s: ComplexArray, powers: NDArray[np.int_]) -> ComplexArray:
         """Transfer functions of the expansion at s in rad/s, complex, SI, (n_f, n_out, n_in)."""
         each = s[:, None, None]
+        # H = s^p (sum over the modes + U) + L s^(p - 2).
         total = sum((self.term(mode, s) for mode in range(len(self.poles))), start=np.zeros(1)) + self.upper
         with np.errstate(divide="ignore", invalid="ignore"):
             rest = np.where(self.lower == 0, 0, self.lower * each ** (powers - 2))
@@ -49,6 +50,7 @@ def terms(pole: complex, s: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
     one = 1 / (s - pole)
     if pole.imag == 0:
         return one, np.zeros_like(one)
+    # R/(s - lambda) + R^*/(s - lambda^*) = Re R (a + b) + Im R j (a - b), with a and b the two fractions.
     other = 1 / (s - np.conj(pole))
     return one + other, 1j * (one - other)
 
@@ -93,6 +95,7 @@ def _solve(
     weighted = [lines.weights[:, output, i] * lines.values[:, output, i] for i in inputs]
     design, wanted = np.vstack(blocks), np.concatenate(weighted)
     real = np.vstack([design.real, design.imag])
+    # Columns of length 1, as those of modes and of residual terms differ by decades.
     size = np.linalg.norm(real, axis=0)
     size[size == 0] = 1.0
     found = np.linalg.lstsq(real / size, np.concatenate([wanted.real, wanted.imag]))[0] / size
@@ -116,6 +119,7 @@ def _columns(
     """Columns (n_f, n) of the fit of one transfer function, real and imaginary parts of shapes, then residual terms."""
     s = lines.s
     pairs = [terms(pole, s) for pole in poles]
+    # (x + j y)(u + j v) of shape and participation: x comes with u a + v b, y with u b - v a.
     real = [row.real * a + row.imag * b for row, (a, b) in zip(rows, pairs, strict=True)]
     imaginary = [row.real * b - row.imag * a for row, (a, b) in zip(rows, pairs, strict=True)]
     ends = [term for term, has in ((s**-2, settings.has_lower), (np.ones_like(s), settings.has_upper)) if has]
@@ -192,6 +196,7 @@ class Projection:
         extra = np.where(np.isin(powers, (-2, 0)), 0, lines.s[:, None] ** powers)
         free = np.hstack([modes, lines.s[:, None] ** TRANSIENT_POWERS])
         values, count = lines.values.copy(), modes.shape[1]
+        # Y = H X + transients: what is neither mode nor one of the two residual terms is taken out, then the drive.
         for (o, i), (_, _, (_, solution)) in zip(np.ndindex(*values.shape[1:]), self._pairs(logarithms), strict=True):
             driven, rest = np.split(solution[count:], [len(powers)])
             values[:, o, i] -= lines.drive * lines.s ** lines.powers[o, i] * (extra @ driven) + free @ rest
@@ -206,6 +211,8 @@ class Projection:
         for (o, i), (factor, _, (basis, solution)) in zip(
             np.ndindex(*self.lines.values.shape[1:]), self._pairs(logarithms), strict=True
         ):
+            # Columns change with the residues as they are; what other residues would make up for is projected out
+            # below.
             change = np.stack([factor * (columns @ solution[own]) for own, columns in moved], axis=1)
             if self.lines.drive is not None:
                 weight, transients = self.lines.weights[:, o, i], solution[free]
@@ -241,6 +248,7 @@ class Projection:
                 real /= np.linalg.norm(real, axis=0)
                 blocks.append(real - basis @ (basis.T @ real))
             more = block_diag(*blocks)
+            # Less what a change of the poles known already would do, too.
             more -= known @ (known.T @ more)
             directions, sizes, _ = np.linalg.svd(more, full_matrices=False)
             gains.append(np.sum((directions[:, sizes > SMALLEST_PART].T @ left) ** 2))
@@ -260,6 +268,7 @@ class Projection:
             if lines.drive is not None:
                 design = np.hstack([design, weight[:, None] * free])
             real = np.vstack([design.real, design.imag])
+            # Variable projection: residues are linear once the poles are given, and left is data - Q Q^T data.
             size = np.linalg.norm(real, axis=0)
             basis, triangle = np.linalg.qr(real / size)
             data = np.concatenate([wanted.real, wanted.imag])
@@ -300,6 +309,7 @@ class Projection:
         for own, value in self._values(coefficients):
             size = own.stop - own.start
             for number, coefficient in enumerate(coefficients[own]):
+                # d(1/D)/d ln c = -c s^n/D^2 for the coefficient c of s^n.
                 change = -coefficient * s ** (size - 1 - number) / value**2
                 found.append((own, change[:, None] * s[:, None] ** np.arange(size)))
         return found

@@ -52,6 +52,7 @@ class BicCriterion:
         size = np.mean(np.abs(self.lines.weights * self.lines.values) ** 2, axis=0)
         squares = np.maximum(np.mean(np.abs(left) ** 2, axis=0), ROUND_OFF**2 * size)
         same = line_correlation(self.noise)
+        # Complex lines are two equations each, those that correlate by rho (1 - rho)/(1 + rho) of that.
         equations = 2 * count * (1 - same) / (1 + same)
         residues = outputs if self.lines.drive is None else 2 * outputs  # of a record, and those of its transients
         unknowns = poles * (residues + inputs)
@@ -180,6 +181,7 @@ def merged(response: FrequencyResponse, poles: ComplexArray) -> ComplexArray:
     spacing = float(np.diff(response.frequencies).min()) if origin is None else 1 / origin.seconds
     kept: list[complex] = []
     for pole in poles[np.argsort(poles.imag)]:
+        # Width of the windows and of both peaks together: poles nearer than that are one peak.
         width = 2 * np.pi * WINDOW_LINES * spacing - CLOSE_MODES * (pole.real + (kept[-1].real if kept else 0))
         if kept and kept[-1].imag and pole.imag - kept[-1].imag < width:
             kept[-1] = (kept[-1] + complex(pole)) / 2
@@ -199,6 +201,7 @@ def clusters(diagram: Stabilisation) -> list[Place]:
     enough = diagram.settings.criteria.enough(len(diagram.orders))
     taken: set[Place] = set()
     found: list[tuple[Place, list[Place]]] = []
+    # The longest chains first, so that a pole goes to the mode that stays over most orders.
     for chain in sorted(_chains(diagram), key=len, reverse=True):
         own = [place for place in chain if place not in taken]
         if len(own) < enough:

@@ -233,6 +233,7 @@ def _weights(values: ComplexArray, coherence: FloatArray | None, settings: Setti
     mean = np.sqrt(np.mean(size**2, axis=0))
     if settings.weights == "uniform":
         return np.broadcast_to(1 / mean, size.shape).copy()
+    # An antiresonance must not have all the weight.
     relative = 1 / np.maximum(size, 1e-6 * mean)
     if settings.weights == "relative":
         return np.asarray(relative)
@@ -240,5 +241,6 @@ def _weights(values: ComplexArray, coherence: FloatArray | None, settings: Setti
         raise UsageError(
             'weights="coherence" need a coherence, which only an estimate from recordings has; use "uniform"'
         )
+    # The variance of a line is in proportion to |H|^2 (1 - coherence)/coherence.
     certain = np.clip(coherence, 0, HIGHEST_COHERENCE)
     return np.asarray(relative * np.sqrt(certain / (1 - certain)))

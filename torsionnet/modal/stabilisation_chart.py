@@ -136,6 +136,7 @@ def _shapes(residues: ComplexArray) -> ComplexArray:
     count, outputs, _ = residues.shape
     if outputs == 1:
         return residues[:, 0]
+    # The input that drives a mode most shows its shape best.
     most = np.linalg.norm(residues, axis=1).argmax(axis=1)
     return np.asarray(residues[np.arange(count), :, most])
 
@@ -156,12 +157,14 @@ def _same(
     if before is None or not len(before.poles) or not count:
         return places, (same[0], same[1], same[2])
     distance = np.abs(poles[:, None] - before.poles) / np.abs(poles)[:, None]
+    # d/(d + limit): all far distances cost about 1, so that a wandering pole does not part close pairs.
     rows, columns = linear_sum_assignment(distance / (distance + criteria.frequency))
     places[rows] = columns
     frequency = np.abs(np.abs(before.poles) / np.abs(poles)[:, None] - 1) <= criteria.frequency
     damping = np.abs(damping_ratios(before.poles) / damping_ratios(poles)[:, None] - 1) <= criteria.damping
     same[:2, rows] = frequency[rows, columns], damping[rows, columns]
     for pole in np.flatnonzero(same[0] & same[1]):
+        # Shapes of nearly equal poles mix from order to order: a combination of them is the same mode.
         partners = before.shapes[frequency[pole] & damping[pole]]
         same[2, pole] = _within(shapes[pole], partners) >= criteria.shape
     alone = np.flatnonzero(~(same[0] & same[1]) & (places >= 0))

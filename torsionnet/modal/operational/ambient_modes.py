@@ -111,10 +111,12 @@ def modes_from_ambient(
     rows = np.stack([recording[name].values for name in channels])
     if not np.isfinite(rows).all():
         raise UsageError("the record has values that are no numbers; repair it first")
+    # Thinned to some samples per cycle of the highest frequency, as the subspace spans a number of samples.
     factor = max(1, int(recording.sampling_rate / (SAMPLES_PER_CYCLE * highest)))
     rows = rows - rows.mean(axis=1, keepdims=True)
     thinned = resample_poly(rows, 1, factor, axis=1) if factor > 1 else rows
     step = factor / recording.sampling_rate
+    # Channels of unlike units and sizes count alike.
     scaled = thinned / np.maximum(thinned.std(axis=1, keepdims=True), np.finfo(float).tiny)
     found = _subspace(scaled, step, model_order)
     evidence, poles, errors = _stable(*found, highest)
@@ -187,6 +189,7 @@ def _stable(
     table = np.array([one[:5] for one in listed]).reshape(-1, 5)
     stable = np.array([one[5] for one in listed], dtype=bool)
     evidence = AmbientPoles(table[:, 0], _poles(table[:, 1], table[:, 2]), stable)
+    # Of the poles of a mode over the orders, that of the smallest error of damping.
     chosen = [group[np.argsort(group[:, 4])[0]] for group in _groups(table[stable]) if len(group) >= STABLE_ORDERS]
     modes = np.array(chosen).reshape(-1, 5)
     return evidence, _poles(modes[:, 1], modes[:, 2]), modes[:, 3:].T
@@ -233,5 +236,6 @@ def _kurtosis(rows: FloatArray, step: float, frequency: float) -> float:
     from scipy.stats import kurtosis
 
     lines = np.fft.rfftfreq(rows.shape[1], step)
+    # The excess kurtosis is -1.5 of a sine, 0 of Gaussian noise.
     narrow = np.fft.rfft(rows, axis=1) * (np.abs(lines / frequency - 1) < NEAR_ORDER)
     return float(np.min(kurtosis(np.fft.irfft(narrow, rows.shape[1], axis=1), axis=1)))

@@ -33,6 +33,8 @@ def pencil_poles(values: FloatArray, step: float, highest: int) -> list[ComplexA
     right = np.linalg.svd(rows, full_matrices=False)[2]
     found = []
     for count in range(1, min(highest, len(right), length) + 1):
+        # The space of the signal at some samples and at the next ones: eigenvalues of the shift are z = exp(lambda
+        # dt).
         space = right[:count].T
         shifted = np.linalg.lstsq(space[:-1], space[1:], rcond=None)[0]
         inside = np.linalg.eigvals(shifted)
@@ -119,6 +121,7 @@ def _start(
         columns = _columns(t, vibrating, real)
         left = values - columns @ np.linalg.lstsq(columns, values, rcond=None)[0]
         misfit = max(float(left @ left) / power, NO_NOISE)
+        # Schwarz criterion n ln(misfit) + unknowns ln(n), of amplitudes and poles.
         unknown = columns.shape[1] + 2 * len(vibrating) + len(real)
         criterion = n * np.log(misfit) + unknown * np.log(n)
         if criterion < best[0]:
@@ -128,9 +131,11 @@ def _start(
 
 def _sorted(poles: ComplexArray, t: FloatArray) -> tuple[ComplexArray, FloatArray]:
     """Decaying vibrations with a cycle or more in the record, and decaying real poles, of the poles of a pencil."""
+    # From a cycle in the whole record to somewhat below half the sampling rate.
     up = poles[(poles.imag > 2 * np.pi / t[-1]) & (poles.imag < 0.9 * np.pi / (t[1] - t[0]))]
     vibrating = up[(up.real < 0) & (-up.real < LARGEST_DAMPING * np.abs(up))]
     real = poles[np.abs(poles.imag) < 1e-6 * np.abs(poles)].real
+    # Decays slower than the record are its mean, those within a few samples are noise.
     slow = real[(real < -1 / t[-1]) & (real > -0.3 / (t[1] - t[0]))]
     return vibrating[np.argsort(np.abs(vibrating))], slow
 
@@ -174,6 +179,7 @@ def _refined(
     columns = _columns(t, final, slow)
     linear = np.linalg.lstsq(columns, values, rcond=None)[0]
     unknown = columns.shape[1] + len(origin)
+    # The residuals have the amplitudes eliminated: their derivatives give the covariance of the poles alone.
     variance = float(found.fun @ found.fun) / max(len(t) - unknown, 1) * _inflation(found.fun)
     jacobian = np.asarray(found.jac)
     covariance = np.linalg.pinv(jacobian.T @ jacobian) * variance * np.outer(scale, scale)

@@ -79,6 +79,7 @@ def _limits(values: FloatArray) -> tuple[int, int]:
     count = len(values) // size
     blocks = values[: count * size].reshape(count, size)
     x = np.arange(size) - (size - 1) / 2
+    # Without a straight line in each block, as a mean or a drift is no vibration.
     slopes = blocks @ x / (x @ x)
     straight = blocks - blocks.mean(axis=1, keepdims=True) - slopes[:, None] * x
     lively = straight.std(axis=1)
@@ -100,12 +101,14 @@ def _thinned(
 
     rate = (len(times) - 1) / (times[-1] - times[0])
     if highest is None:
+        # Half a Hann window: the beginning of the decay counts fully, its end fades to 0.
         padded = (values - values[-max(len(values) // 10, 1) :].mean()) * np.hanning(2 * len(values))[len(values) :]
         power = np.abs(np.fft.rfft(padded)) ** 2
         above = 1 - np.cumsum(power) / power.sum()
         highest = float(np.fft.rfftfreq(len(padded), 1 / rate)[int((above > HIGHEST_SHARE).sum())])
     factor = int(rate / (SAMPLES_PER_CYCLE * max(highest, rate / len(values))))
     if factor > 1:
+        # About the line between the ends, at which the filter would ring otherwise.
         line = np.interp(times, times[[0, -1]], values[[0, -1]])
         kept = slice(FILTER_REACH, -FILTER_REACH)
         values, times = (resample_poly(values - line, 1, factor) + line[::factor])[kept], times[::factor][kept]
@@ -201,6 +204,8 @@ def logarithmic_decrement(times: FloatArray, values: FloatArray, pole: complex, 
         return None
     cycles = (middle - middle[0]) * pole.imag / (2 * np.pi)
     weights = size / size.max()  # an error of an amplitude is one of its logarithm over its size
+    # ln(amplitude) falls by the decrement from cycle to cycle; a square term is a decrement that changes with
+    # amplitude.
     line, covariance = _regression(cycles, np.log(size), weights, 1)
     bow, spread = _regression(cycles, np.log(size), weights, 2)
     return Decrement(
@@ -220,6 +225,7 @@ def _cycle_amplitudes(
         first, last = np.searchsorted(times, [begin, begin + period])
         if last - first < FEWEST_SAMPLES:
             continue
+        # The mode's own wave over one cycle, so that the amplitude found is that in the middle of the cycle.
         wave = np.exp(pole * (times[first:last] - begin - period / 2))
         parts = np.linalg.lstsq(np.stack([wave.real, -wave.imag], axis=1), values[first:last], rcond=None)[0]
         found.append((begin + period / 2, float(np.hypot(*parts)), noise * np.sqrt(2 / (last - first))))
@@ -334,6 +340,7 @@ def modes_from_decay(
     waves = np.real(fit.amplitudes * np.exp(np.outer(section.times - section.times[0], fit.poles)))
     largest = int(np.abs(fit.amplitudes).argmax())
     apart = np.abs(np.abs(fit.poles) / abs(fit.poles[largest]) - 1) > SAME_MODE
+    # The largest mode alone, without the rest and the other modes, which would beat with it.
     alone = section.values - fit.rest - waves[:, apart].sum(axis=1)
     decrement = logarithmic_decrement(section.times, alone, fit.poles[largest], float(fit.residuals.std()))
     remarks = [f"{count:.3g} cycles" for count in cycles]
@@ -363,6 +370,7 @@ def _half_widths(fit: ExponentialFit) -> FloatArray:
     errors = np.zeros((2, count))
     for mode, (a, b) in enumerate(zip(fit.poles.real, fit.poles.imag, strict=True)):
         places = [mode, mode + count]
+        # By a and b of lambda = a + j b: derivatives of f = |lambda|/(2 pi), and of zeta = -a/|lambda|.
         slopes = np.array([[a, b] / size[mode] / (2 * np.pi), [-(b**2), a * b] / size[mode] ** 3])
         variances = np.diag(slopes @ fit.covariance[np.ix_(places, places)] @ slopes.T)
         errors[:, mode] = NORMAL_95 * np.sqrt(np.maximum(variances, 0))

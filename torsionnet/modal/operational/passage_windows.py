@@ -117,6 +117,7 @@ def passage_windows(
         )
     middles = revolutions / 2 * (1 + np.arange(count))
     weights = _hann(turned, middles, revolutions)
+    # Without mean and drift; the amplitude of order o is twice the weighted mean of x exp(-j o phi).
     straight = values - np.polynomial.Polynomial.fit(times, values, 1)(times)
     found = np.array([2 * (weights @ (straight * np.exp(-1j * order * angle))) for order in orders])
     rate = np.gradient(turned, times)
@@ -127,6 +128,7 @@ def passage_windows(
 def _hann(turned: FloatArray, middles: NDArray[np.floating[Any]], length: float) -> csr_matrix:
     from scipy.sparse import csr_matrix
 
+    # The window is over angle: a sample counts by the angle it stands for, fewer of them at high speed.
     share = np.gradient(turned)
     rows, columns, parts = [], [], []
     for row, middle in enumerate(middles):

@@ -102,9 +102,11 @@ def swept_response(pole: complex, sweep: SpeedSweep, derivative: int = 0) -> Com
     >>> print(abs(found[at]).round(2))
     10.0
     """
+    # q = (z - z')/(2 j Im lambda) of the states z of lambda and z' of its conjugate, each derivative a power of them.
     total = _forced(pole, sweep) * pole**derivative - _forced(pole.conjugate(), sweep) * pole.conjugate() ** derivative
     values = total / (2j * pole.imag) * sweep.turning.conj()
     if derivative == 2:
+        # The second derivative has the excitation beside them, q'' = 2 Re(lambda) q' - |lambda|^2 q + g.
         values = values + sweep.excitation
     return np.asarray(abs(pole) ** 2 * values)
 
@@ -115,8 +117,10 @@ def _forced(pole: complex, sweep: SpeedSweep) -> ComplexArray:
 
     h, g = sweep.step, sweep.excitation
     torque, middle = sweep.torque
+    # A step's decay exp(lambda h) exactly, the excitation within it by Simpson's rule.
     over = np.exp(pole * h)
     gains = h / 6 * (over * torque[:-1] + 4 * np.exp(pole * h / 2) * middle + torque[1:])
+    # Steady state g/(j Omega - lambda) at the beginning, corrected by its own rate of change to first order.
     steady = g[:2] / (1j * sweep.speed[:2] - pole)
     rate = 1j * sweep.speed[0] - pole
     start = (steady[0] - (steady[1] - steady[0]) / h / rate) * sweep.turning[0]
@@ -220,6 +224,7 @@ def fit_run_up(
     solution, jacobian, residuals, amplitudes = solve(passage, start)
     poles = _poles(solution)
     columns = passage.columns(poles)
+    # Two for each complex amplitude and for each pole; without phases a phase of each order has no effect.
     unknown = 2 * columns.shape[1] + 2 * modes - (len(windows.orders) if windows.amplitudes_only else 0)
     degrees = len(residuals) - unknown
     if degrees < 1:
@@ -268,6 +273,7 @@ def _started(passage: _Passage, windows: PassageWindows, modes: int) -> FloatArr
     columns = passage.whitened(passage.columns(np.zeros(0, dtype=complex)))
     chosen: list[tuple[float, float]] = []
     for _ in range(modes):
+        # What the columns chosen so far leave, and the candidate that explains most of it.
         basis = np.linalg.qr(columns)[0]
         left = data - basis @ (basis.conj().T @ data)
         gains = []
@@ -341,5 +347,6 @@ def _correlated(residuals: FloatArray, windows: PassageWindows) -> tuple[float, 
     products = float(np.sum(rows[:, 1:] * rows[:, :-1]))
     power = float(np.sum(rows**2))
     correlation = products / power if power else 0.0
+    # Of n values a correlation scatters by 1/sqrt(n): only a clear one widens the intervals.
     clear = correlation > CLEAR_CORRELATION / np.sqrt(rows.size)
     return correlation, (1 + correlation) / (1 - correlation) if clear else 1.0

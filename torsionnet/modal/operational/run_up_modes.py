@@ -153,7 +153,9 @@ def _steady(
     found = []
     for pole, part in zip(fit.poles, fit.parts[:, 0], strict=True):
         swept = windows.weights @ swept_response(pole, sweep, derivative)
+        # Amplitude of the mode's excitation by least squares over the windows.
         gain = np.vdot(swept, part) / np.vdot(swept, swept)
+        # |lambda|^2/((j omega - lambda)(j omega - lambda^*)), over the static response.
         compliance = abs(pole) ** 2 / ((1j * omega - pole) * (1j * omega - pole.conjugate()))
         found.append(gain * growth * compliance * (1j * omega) ** derivative)
     return at, np.array(found)
@@ -166,8 +168,10 @@ def _notes(fit: RunUpFit, windows: PassageWindows, excitation: Excitation, deriv
     sweep = sweep_of(windows.times, windows.angle, windows.orders[0], excitation)
     passed = int(np.abs(np.abs(sweep.speed) - abs(pole)).argmin())
     rate = abs(float(np.gradient(sweep.speed, sweep.step)[passed])) / (2 * np.pi)
+    # Beyond about (zeta f_0)^2 in Hz/s the half-power width is passed before the mode settles.
     if rate > FAST_SWEEP * (zeta * f0) ** 2:
         read = steady_reading(np.abs(sweep.speed) / (2 * np.pi), np.abs(swept_response(pole, sweep, derivative)))
+        # Peak of a steady receptance over the static one, 1/(2 zeta sqrt(1 - zeta^2)).
         steady = 1 / (2 * zeta * np.sqrt(1 - zeta**2)) * abs(pole) ** derivative
         peak = _share_apart(read.peak / (steady * sweep.excitation[passed]))
         found.append(
