@@ -184,7 +184,7 @@ class Limit(Declared):
         """
         above = spans_above(evidence.speeds, line.values, line.allowed)
         wide = [span.widened(self.tolerance).within(evidence.examined) for span in above]
-        # A machine that may not run at these speeds is of no use in normal firing; with a cylinder out it may go slower.
+        # In normal firing a machine has to run at these speeds; with a cylinder out it may go slower.
         kept = [evidence.subject.rated, float(evidence.speeds[-1])]
         lost = [span for span, barred in zip(above, wide, strict=True) if barred.holds_any(kept)]
         if lost and not evidence.subject.misfiring:
