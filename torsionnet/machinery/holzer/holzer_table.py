@@ -244,6 +244,7 @@ class HolzerTable(NotebookResult):
 
 
 def _row(one: HolzerStation, rounding: float, *, referred: bool) -> tuple[object, ...]:
+    # Referred to the shaft of speed 1: J n^2, k n^2, T n and theta/n, so that T theta stays.
     angle, torque = (1 / one.ratio, one.ratio) if referred else (1.0, 1.0)
     link = one.link
     own = [one.node, one.inertia, one.inertia * one.ratio**2, one.amplitude * angle, one.inertia_torque * torque]
@@ -312,10 +313,12 @@ def vibration_nodes(holzer: HolzerTable) -> tuple[VibrationNode, ...]:
     rests: dict[str, set[int]] = {}
     for here, after in _links(holzer):
         assert here.link is not None
+        # Both angles on the shaft of the first mass: theta_2 times the ratio of the link.
         near, far = (one if abs(one) > rounding else 0.0 for one in (here.amplitude, after.amplitude * here.link.ratio))
         limit = STANDING_SHARE * max(abs(near), abs(far))
         if here.link.rigid or not limit:
             continue
+        # The angle runs straight over the compliance: it is 0 at near/(near - far) of it.
         if near * far < 0 and min(abs(near), abs(far)) > limit:
             found.append(VibrationNode(here.node, after.node, here.link.elements, near / (near - far)))
         # The sense of a neighbour is seen on the shaft of the mass at rest.

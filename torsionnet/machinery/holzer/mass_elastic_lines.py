@@ -218,6 +218,7 @@ class _Walk:
                     shaft = self._film(node)
                     joins = shaft.to if shaft else joins
                 ratio = self.ratios.get(node, math.nan)
+                # Inner nodes of a divided shaft give their inertia to its ends, so that the sum stays.
                 inertia = self.balance.inertias[node] + self.hidden.shares.get(node, 0.0)
                 rows.append(MassElasticRow(number, node, inertia, self._absolute(node), ratio, shaft))
             yield MassElasticLine(joins, tuple(rows))
@@ -252,6 +253,7 @@ class _Walk:
         ]
         names = tuple(dict.fromkeys([*(load.element for load in loads), *(one.element for one in laws)]))
         found = MassElasticShaft(names, after, stiffness, sum(one.damping * one.row[node] ** 2 for one in laws))
+        # k eta of parallel laws adds; eta of the connection is their sum over the sum of k.
         lossy = sum(one.lossy * one.row[node] ** 2 for one in laws)
         found = replace(found, loss_factor=lossy / stiffness) if lossy else found
         return replace(found, section=self._section(loads), length=self._length(loads), material=self._material(loads))
