@@ -42,6 +42,7 @@ def crests(values: FloatArray) -> FloatArray:
         return found
     before, here, after = values[:-2], values[1:-1], values[2:]
     bend = before - 2 * here + after
+    # A sample no lower or no higher than both neighbours; the vertex lies (y_1 - y_3)^2/(-8 bend) beyond it.
     extreme = (here - before) * (after - here) <= 0
     with np.errstate(divide="ignore", invalid="ignore"):
         rise = np.where(extreme & (bend != 0), (before - after) ** 2 / (-8 * bend), 0.0)
@@ -91,6 +92,7 @@ def envelopes(angles: FloatArray, values: FloatArray, cycle: float) -> tuple[Flo
     count = int((angles[-1] - angles[0]) / cycle * WINDOWS_PER_CYCLE * (1 + 1e-12))
     if count < WINDOWS_PER_CYCLE:
         return np.array([(angles[0] + angles[-1]) / 2]), np.array([exact.min()]), np.array([exact.max()])
+    # Windows of a cycle begin at every part of it: extremes of parts first, then over all parts of a window.
     edges = angles[0] + np.arange(count + 1) * cycle / WINDOWS_PER_CYCLE
     starts = np.searchsorted(angles, edges[:-1])
     last = int(np.searchsorted(angles, edges[-1], side="right"))
@@ -112,6 +114,7 @@ def cycles_above(values: FloatArray, level: float) -> float:
     5.0
     """
     positive = values > 0
+    # Each stretch between changes of sign is a half cycle with one peak.
     starts = np.concatenate([[0], np.flatnonzero(positive[1:] != positive[:-1]) + 1])
     peaks = np.maximum.reduceat(np.abs(crests(values)), starts)
     return float((peaks > level).sum() / 2)
