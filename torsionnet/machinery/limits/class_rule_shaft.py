@@ -100,6 +100,7 @@ class ClassRuleShaft(ShaftLimit):
             return self._verdict(line, name, evidence, PASS, (), ())
         rated = self.rated_speed(evidence.subject)
         top = min(self.highest_ratio * rated, evidence.examined.high)
+        # A range ends where the rule or the examined speeds do: nothing is known of stresses beyond.
         covered = SpeedSpan(evidence.examined.low, top)
         nothing = f"the rule says nothing above lambda = {self.highest_ratio:g}"
         above = nothing if top < evidence.examined.high else NOT_EXAMINED[1]
@@ -107,6 +108,7 @@ class ClassRuleShaft(ShaftLimit):
         remarks = list(self.on_barred())
         remarks += [remark for span in barred for remark in range_end_remarks(span, covered, NOT_EXAMINED[0], above)]
         limit = self.no_barred_above * rated
+        # A range that begins below the ratio and reaches above it cannot be barred either.
         beyond = [span for span in barred if span.high > limit * (1 + 1e-12)]
         if beyond and not self.may_bar_higher(evidence.subject):
             where = f"above lambda = {self.no_barred_above:g}, where no range may be barred"
@@ -191,6 +193,7 @@ class GeneratingSetShaft(ClassRuleShaft):
     def material_factors(self) -> tuple[float, float]:
         """Dimensionless factors of the material on the stress in continuous operation and in passing, 1 or more."""
         numbers = self.numbers
+        # f_m = 1 + 2/3 (T_s/T_0 - 1) up to the strength that counts, and Y/Y_0 in passing; no less than 1.
         strength = min(self.tensile_strength, numbers.caps[self.material])
         passing = (self.yield_strength or 0.0) / numbers.yield_strength
         return max(1.0, 1 + 2 / 3 * (strength / numbers.tensile_strength - 1)), max(1.0, passing)

@@ -89,6 +89,7 @@ class ElementLimit(Limit):
         found = evidence.mean(mean)
         if found is None:
             return line_without_data(line.criterion, f"the mean value is not known: {evidence.why_no_mean}")
+        # |T_mean| + half range bounds |T| whatever the sense of the mean torque.
         return replace(line, values=np.abs(found) + line.values, in_passing=True)
 
 
@@ -186,6 +187,8 @@ class GearLimit(ElementLimit):
                 allowed = constant_over_speed(self.vibratory_share * rated, evidence)
                 remarks = (f"mean torque at rated speed {rated:.6g} N*m",)
                 yield LimitLine("T_v", quantity, "N*m", size, allowed, remarks, orders)
+        # Teeth part where the vibratory torque exceeds the mean torque of the same speed, so that torque changes its
+        # sign.
         if self.hammer:
             if mean is None:
                 yield line_without_data("hammer", _unknown(evidence))

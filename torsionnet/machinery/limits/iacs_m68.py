@@ -159,6 +159,7 @@ class IacsM68(ClassRuleShaft):
     @property
     def strength(self) -> float:
         """Tensile strength sigma_B of the shaft in Pa, capped as the rule says."""
+        # Strengths count up to a cap: that of the steel, and that of propeller shafts if it is lower.
         cap = min(CAPS[self.material], PROPELLER_CAP if self.shaft == "propeller" else math.inf)
         return float(min(self.tensile_strength, cap))
 
@@ -166,6 +167,7 @@ class IacsM68(ClassRuleShaft):
     def feature_factor(self) -> float:
         """Dimensionless factor C_K of the shaft's design feature."""
         if self.stress_concentration is not None:
+            # C_K = 1.45/scf of a slot, and no more than that of a plain shaft.
             return float(min(1.0, SCF_OF_UNIT / self.stress_concentration))
         return FEATURES[self.shaft][self.feature]
 
