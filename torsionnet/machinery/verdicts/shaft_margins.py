@@ -107,6 +107,8 @@ def _electrical_lines(drivetrain: AssembledModel, reference: str) -> Iterator[Or
         if not isinstance(machine, ElectricMachine):
             continue
         lines = (machine.line, machine.slip, machine.short_circuit)
+        # A machine on the mains has a fixed frequency; one on an inverter follows the speed with p n, the slip left
+        # out.
         fixed = next((one.frequency for one in lines if one is not None), None)
         if fixed is not None:
             yield from (OrderLine(name, 0.0, Fraction(1), times * fixed) for times in MULTIPLES)

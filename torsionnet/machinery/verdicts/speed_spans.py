@@ -134,6 +134,7 @@ def _crossing(speeds: FloatArray, over: FloatArray, inside: int, outside: int) -
     """Speed in rad/s at which a value falls to the allowed one on the straight line to a speed outside the range."""
     if not np.isfinite(over[outside]):
         return float(speeds[inside])
+    # Straight line from over > 0 inside to over <= 0 outside: it is 0 at this share of the step.
     share = over[inside] / (over[inside] - over[outside])
     return float(speeds[inside] + share * (speeds[outside] - speeds[inside]))
 
