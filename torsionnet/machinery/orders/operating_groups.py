@@ -99,6 +99,7 @@ def _at_own_tangents(
 
 def own_ratio(drivetrain: AssembledModel, reference: str) -> float:
     """Speed of the node whose speed the load follows over that of the node to which speeds belong."""
+    # Tables and load follow the speed of a node of their own, which may be on another shaft.
     own = reference_node(drivetrain.definition) or reference
     return 1.0 if own == reference else abs(float(cached_total_ratio(drivetrain, own, reference)))
 
@@ -289,6 +290,7 @@ def damping_shares(
     speed = critical.speed("natural")
     rig = drivetrain
     if math.isfinite(speed):
+        # Shares are those with the parameters at the critical speed, as its mode has them.
         ((rig, _),) = drivetrains_at_speeds(drivetrain, node, np.array([speed]))
     found = modes(rig)
     vibrating = [index for index, kind in enumerate(found.kinds) if kind == OSCILLATORY]

@@ -288,6 +288,7 @@ def summed_sizes(run: LinesWithCases) -> FloatArray:
         if len(places) == 1:
             found.append(run.sizes[:, places[0]])
         else:
+            # The largest sum of a case need not come in the case with the largest parts: phases differ.
             cases = (run.values, *run.case_values)
             found.append(np.max([np.abs(values[:, places].sum(axis=1)) for values in cases], axis=0))
     return np.stack(found, axis=1)

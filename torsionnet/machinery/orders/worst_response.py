@@ -285,6 +285,7 @@ def join_responses(
     parts: Sequence[tuple[OrderResponse, NDArray[np.intp]]], speeds: FloatArray, title: str
 ) -> OrderResponse:
     """Order response at all speeds in rad/s, joined from responses at some of the speeds, given with their indices."""
+    # Parts come by their indices among all speeds: sorting these puts values in place.
     order = np.argsort(np.concatenate([places for _, places in parts]))
     found = [part for part, _ in parts]
     whole = replace(found[0], speeds=speeds, values=np.concatenate([part.values for part in found])[order], title=title)
