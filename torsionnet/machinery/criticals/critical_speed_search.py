@@ -394,6 +394,8 @@ def _crossings(every: Sequence[Sequence[Meeting]]) -> list[list[Meeting | None]]
     """
     rows: list[list[Meeting | None]] = []
     for curve in (NATURAL, UNDAMPED, DAMPED):
+        # Nearest pairs first, by the ratio of speeds; slopes of opposite signs are two passages of the line and not
+        # one.
         pairs = sorted(
             (abs(math.log(one.speed / main.speed)), place, number)
             for place, row in enumerate(rows)
@@ -406,6 +408,7 @@ def _crossings(every: Sequence[Sequence[Meeting]]) -> list[list[Meeting | None]]
             if rows[place][curve] is None and number in left:
                 rows[place][curve] = every[curve][number]
                 left.remove(number)
+        # A damped frequency by itself is no critical speed: it belongs to a natural one.
         alone = [every[curve][number] for number in sorted(left) if curve != DAMPED]
         rows += [[meeting if one == curve else None for one in (UNDAMPED, NATURAL, DAMPED)] for meeting in alone]
     return rows
