@@ -394,6 +394,7 @@ class EngineEntries(ReactingExcitation):
         """
         if self.orders:
             return np.array(sorted(self.orders))
+        # A cycle of c strokes takes c/2 revolutions: the lowest order is 2/c, of which all others are multiples.
         step = 2 / self.cycle
         own = [order for _, order in self.gas.own_orders] if self.gas else []
         return np.array(sorted({*np.arange(step, DEFAULT_HIGHEST_ORDERS[self.cycle] + step / 2, step).tolist(), *own}))
@@ -425,6 +426,7 @@ class EngineEntries(ReactingExcitation):
 
         ``at`` is the entry with the rated speed.
         """
+        # T = p_mi V_h z/(2 pi revolutions), the work of all cylinders in a cycle over its angle.
         torque = pressure * self.crank.swept_volume * len(self.numbers) / (2 * math.pi * self.revolutions)
         speed_path: EntryPath = (key, "rated") if at.rated else ()
         shares = MECHANICAL_EFFICIENCIES if torque > 0 else (1.0, 1 / MECHANICAL_EFFICIENCIES[0])
