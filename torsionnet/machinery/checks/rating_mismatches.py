@@ -74,6 +74,7 @@ def likely_power(stated: float, expected: float, rating: Rating, ratios: Mapping
     share = stated / expected
     slips = _OF_TORQUE if of_torque else _THOUSANDS
     near = LIKELY_POWER_SHARE if rating.shares[0] < 1 else LIKELY_POWER_SHARE / 2
+    # Stated over expected is near a factor of a thousand or a million: a prefix that was mistaken.
     found = next((text for factor, text in slips.items() if _is(share, factor, near)), None)
     if found is not None:
         if rating.power is None and not of_torque:
@@ -175,6 +176,7 @@ def _ratios(external: ExternalTorques) -> dict[str, float]:
 def _of_load(external: ExternalTorques, unlike: Sequence[_Unlike], work: Mapping[str, float]) -> list[Fault]:
     """Warning about the load, where one slip in its unit explains the differences to two machines or more."""
     load, sizes = external.definition.load, [one.share for one in unlike]
+    # The same ratio at several machines points to the one value that they are compared with.
     if load is None or load.absorbers or len(sizes) < 2 or max(sizes) > (1 + SAME_SLIP_SHARE) * min(sizes):
         return []
     entry = next((name for name in ("power", "torque") if getattr(load, name) is not None), "over_speed")
