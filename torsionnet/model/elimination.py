@@ -338,6 +338,7 @@ def _add(row: dict[Any, Any], name: Any, value: Any) -> None:
 
 def rows_holding(rows: Sequence[Mapping[Any, Any]], name: Any) -> list[int]:
     """Numbers of the independent ``rows`` that together hold ``name`` at zero."""
+    # Shares y of the rows that sum up to the row of the name alone: one equation for each name.
     shares: dict[Any, dict[Any, Any]] = {name: {_UNIT: Fraction(-1)}}
     for index, row in enumerate(rows):
         for other, coefficient in row.items():

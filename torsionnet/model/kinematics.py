@@ -241,6 +241,7 @@ def contradicting_loop(parts: Sequence[OwnedPart], nodes: Sequence[str]) -> list
     def contradicts(some: Sequence[Any]) -> bool:
         return bool(reduce_rows(some, order).held())
 
+    # The node that the fewest rows hold shows the shortest loop.
     origin, node = min(((sorted(reduction.origin(node)), node) for node in held), key=lambda found: len(found[0]))
     loop = [origin[place] for place in rows_holding([rows[index] for index in origin], node)]
     if len(loop) <= SMALL_LOOP:
@@ -274,8 +275,10 @@ def loop_mismatch(parts: Sequence[OwnedPart], nodes: Sequence[str], loop: Sequen
         own = [row for name, row in rows if name == element]
         if len(own) != 1 or len(own[0]) != 2:
             continue
+        # theta_1/theta_2 by this element: share theta_1 + other theta_2 = 0.
         (first, share), (second, other) = own[0].items()
         reduction = reduce_rows([row for name, row in rows if name != element], order)
+        # By the others there is a ratio where both follow one free angle.
         ends = [reduction.reduced({node: Fraction(1)}) for node in (first, second)]
         if all(len(end) == 1 for end in ends) and ends[0].keys() == ends[1].keys():
             ((above,), (below,)) = (end.values() for end in ends)
@@ -296,7 +299,9 @@ def virtual_motion(kinematics: Kinematics, index: int, number: Callable[[Any], A
     """
     constraints = kinematics.constraints
     rows: list[Any] = [{node: number(value) for node, value in row.items()} for _, row in constraints]
+    # a^T z = 1 for this constraint, a^T z = 0 for all others; the name UNIT stands for 1.
     rows[index] = {**rows[index], UNIT: Fraction(-1)}
+    # It comes last, so that it is the row left over where the others hold its motion already.
     rows = [row for number, row in enumerate(rows) if number != index] + [rows[index]]
     names = [name for number, (name, _) in enumerate(constraints) if number != index] + [constraints[index][0]]
     imposed: list[Any] = [exact_row(row) for row in kinematics.driven]
@@ -343,6 +348,7 @@ def count_held_motions(kinematics: Kinematics) -> int:
     if not acting:
         return 0
     left = free_motions(kinematics, lambda law: law.holds_at_rest)
+    # Torques by angles of the free motions, gain lever share: the rank of this matrix is what they hold.
     torques: dict[str, dict[str, Fraction]] = {}
     for action in acting:
         gain = next(exact(value) for value in action.numerator if value != 0)

@@ -155,6 +155,7 @@ def _torques_balance(definition: Definition) -> bool:
     """Whether the torques of the operating point alone leave nothing over on the motions that are free of springs."""
     values = resolve(definition.parameters)[0]
     free = law_network(replace(definition, is_asked=False), values).free
+    # Torque on each motion without springs, and the sum of sizes against which what is left over may be rounding.
     left: dict[str, float] = {}
     size: dict[str, float] = {}
     for node, torque in stated_torques(definition, values).items():

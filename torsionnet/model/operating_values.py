@@ -80,6 +80,7 @@ class OperatingPoints:
         """Value in SI units of a parameter at a speed of the reference node in rad/s."""
         if parameter.by == VIBRATORY_TORQUE:
             return float(parameter.table[0][1].value)
+        # Tables are over sizes; which way a shaft turns or is loaded makes no difference.
         size = abs(self._followed(parameter, speed))
         if not parameter.table:
             return size
@@ -119,6 +120,7 @@ class OperatingPoints:
             if parameter.of not in torques:
                 raise UsageError(f"{parameter.of} neither drives nor absorbs; the load acts on {', '.join(torques)}")
             return torques[parameter.of]
+        # A torque in equilibrium is linear in those from outside, T = sum z T_node.
         if parameter.of not in self._motions:
             self._motions[parameter.of] = torque_per_node(self.external.definition, self.external.values, parameter.of)
         return sum(torque * self._motions[parameter.of].get(node, 0.0) for node, torque in torques.items())
@@ -196,12 +198,14 @@ def torque_per_node(definition: Definition, values: Mapping[str, Any], name: str
     own = [number for number, (owner, row) in enumerate(rows) if owner == name and node in row]
     if len(own) != 1:
         raise UsageError(f"{name} transmits no mean torque, so nothing can follow it")
+    # Virtual work: the element opens by one while all else that hands on a torque stays closed.
     opened = {**exact_row(rows[own[0]][1]), UNIT: Fraction(-1)}
     order = {one: index for index, one in enumerate(all_nodes(definition.active))}
     others = [exact_row(row) for number, (_, row) in enumerate(rows) if number != own[0]]
     reduction = reduce_rows([*others, opened], order, {UNIT})
     if reduction.blocked:
         raise UsageError(f"{name} shares its mean torque with others by stiffness; nothing can follow it")
+    # The torque of a law acts by its row: at the port times the coefficient there.
     factor = float(opened[node])
     return {one: factor * float(row[UNIT]) for one, row in reduction.solved.items() if UNIT in row}
 

@@ -31,6 +31,7 @@ def rounded_product(factor: Fraction, ratio: Fraction) -> Fraction:
     shorter = min(_lengths(product))
     if shorter <= LONG_RATIO_BITS:
         return product
+    # Both parts lose the same low bits, so that the ratio keeps its leading ones.
     cut = shorter - LONG_RATIO_BITS // 2
     return Fraction(product.numerator >> cut, product.denominator >> cut)
 
@@ -147,6 +148,7 @@ class Proportions:
                 way.append((name, link))
                 name = link.above
         ratio = known[name]
+        # From the root down, each name by one product.
         for name, link in reversed(way):
             ratio = known[name] = product(-link.other / link.own, ratio)
         return ratio
@@ -163,6 +165,7 @@ class Proportions:
         if over is not None and under is not None:
             return over / under
         up, down = self._ways(first, second)
+        # own x + other y = 0 with y above x: x is -(other/own) y on the way up, and the inverse on the way down.
         factors = [-link.other / link.own for link in up] + [-link.own / link.other for link in down]
         ratio = factors[0]
         for factor in factors[1:]:

@@ -112,11 +112,13 @@ def total_ratio(definition: Definition, values: Mapping[str, Any], first: str, s
             raise UsageError(unknown_name("node", node, nodes))
     order = {node: index for index, node in enumerate(nodes)}
     rows, rest = _rows_on_average(definition, values)
+    # Each of both turns in its own trial; what would stop one of them is not held.
     turning = [
         _eliminated([{node: Fraction(1), UNIT: Fraction(-1)}, *rows], order) for node in dict.fromkeys((first, second))
     ]
     still = [*_clamp(definition, turning), *_held_by_springs(rest, turning)]
     reduction = reduce_rows([*rows, *still], order)
+    # Both speeds by free ones, in proportion to each other if there is a ratio.
     row, other = (reduction.reduced({node: Fraction(1)}) for node in (first, second))
     if not other:
         text = Worded("{} cannot turn, there is no ratio to it; name a node that turns", ModelName(second))
@@ -141,12 +143,14 @@ def mean_speeds(definition: Definition, values: Mapping[str, Any]) -> dict[str, 
     rows: Rows = [{node: Fraction(1), UNIT: -speed} for node, speed in given.items() if node in order]
     holding, friction = _apart_from_friction(definition, values, holding_rows(definition, values))
     elimination = _eliminated([*rows, *holding], order)
+    # Friction sticks unless the speeds given make it slip.
     _hold_where_possible(friction, elimination)
     _clamp(definition, [elimination])
     if elimination.blocked:
         raise ModelError([Fault(_contradiction(definition, rows), ("operating_point", "speed"))])
     reduction = Reduction(elimination)
     speeds = {node: reduction.in_floats({node: 1}) for node in order if not reduction.is_free(node)}
+    # A speed is determined where it follows from the given ones alone.
     return {node: row.get(UNIT, 0.0) for node, row in speeds.items() if row.keys() <= {UNIT}}
 
 
@@ -163,6 +167,7 @@ def speeds_by_reference(
     order = {node: index for index, node in enumerate(all_nodes(definition.active))}
     point = _numbers(definition.operating_point, values)
     determined = mean_speeds(definition, values) if mean is None and point else mean or {}
+    # Without speeds of the point, or where the reference stands in it, all speeds are over that of the reference.
     given = point if determined.get(reference) else {reference: Fraction(1)}
     turning: Rows = [{node: Fraction(1), UNIT: -speed} for node, speed in given.items() if node in order]
     holding, rest = _rows_on_average(definition, values)

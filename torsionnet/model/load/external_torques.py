@@ -244,6 +244,7 @@ class ExternalTorques:
         if not self._remaining([speed]):
             return 1.0
         (now,), before = self.in_condition([speed]), self.at(speed)
+        # Power that drives: torques in the sense of their rotation.
         given = [
             sum(max(torque * self.ratios.get(node, 0.0), 0.0) for node, torque in one.items()) for one in (now, before)
         ]
@@ -254,6 +255,7 @@ class ExternalTorques:
         acting: list[tuple[Input, float]] = []
         power = 0.0
         given = {place: share * remaining.get(place.of, 1.0) for place, share in self._drivers.items()}
+        # What the drivers lose all absorbers take less, in proportion.
         kept = sum(given.values()) if remaining else 1.0
         for place, absorber in self.absorbers.items():
             ratio = self._ratio(place)
@@ -261,8 +263,10 @@ class ExternalTorques:
                 raise UsageError(f"{NEEDS_RATED}, or rated of its own")
             torque = absorber.torque_at(abs(ratio) * speed, abs(ratio) * rated if rated else None)
             torque *= remaining.get(place.of, 1.0)
+            # An absorber acts against its rotation.
             acting.append((place, -math.copysign(kept * torque, ratio)))
             power += torque * abs(ratio) * speed
+        # T = P/omega at the driver's own speed.
         acting += [(place, share * power / (self._ratio(place) * speed)) for place, share in given.items()]
         return on_nodes(acting)
 

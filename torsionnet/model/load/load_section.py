@@ -141,6 +141,7 @@ class Absorber(Declared):
         if self.over_speed:
             return self._from_table(speed)
         own: Any = self.rated or rated
+        # T = T_r (omega/omega_r)^m, and T_r = P/omega_r of a power.
         at_rated = self.torque if self.torque is not None else self.power / own
         return float(at_rated * (speed / own) ** self.torque_exponent)
 

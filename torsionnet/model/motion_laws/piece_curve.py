@@ -128,6 +128,7 @@ class PieceCurve(TorqueCurve):
     def energy(self, twist: Any) -> Any:
         if self.over == "rate":
             return 0 * twist
+        # Integral of T over the twist from 0: pieces between, and the outer ones beyond their ends.
         low, high = (twist, 0) if twist < 0 else (0, twist)
         total = 0 * twist
         for place, piece in enumerate(self.pieces):
@@ -137,6 +138,7 @@ class PieceCurve(TorqueCurve):
                 end = high if last or piece.upper is None or piece.upper > high else piece.upper
                 if start < end:
                     total += piece.torque * (end - start) + piece.stiffness * (end**2 - start**2) / 2
+        # Below 0 the integral runs backwards.
         return -total if twist < 0 else total
 
     def _outer_slopes(self) -> tuple[int, int]:
@@ -176,6 +178,7 @@ class PieceCurve(TorqueCurve):
                 continue
             lower, upper = ends
             level = lower is None or upper is None or lower < upper
+            # Neighbours meet at a corner and give the torque both: it is one state.
             if reach is not None and lower is not None and not reach < lower:
                 before = self.pieces[found[-1].piece or 0]
                 if isinstance(before, Hold) or (level_before and not level and not isinstance(piece, Hold)):
@@ -191,6 +194,7 @@ class PieceCurve(TorqueCurve):
         if isinstance(piece, Hold):
             return None if torque < piece.low or torque > piece.high else (piece.at, piece.at)
         slope = piece.stiffness if self.over == "twist" else piece.damping
+        # A level piece gives its torque anywhere.
         if slope == 0:
             return (piece.lower, piece.upper) if torque == piece.torque else None
         at = (torque - piece.torque) / slope
@@ -216,6 +220,7 @@ class PieceCurve(TorqueCurve):
     def scaled(self, ratio: Any) -> PieceCurve:
         if not ratio < 0:
             return replace(self, pieces=tuple(piece.scaled(ratio) for piece in self.pieces))
+        # A negative ratio turns both axes: pieces are mirrored, and come in reverse order.
         pieces = tuple(piece.scaled(-ratio).mirrored() for piece in reversed(self.pieces))
         rest = None if self.rest is None else len(pieces) - 1 - self.rest
         return PieceCurve(self.over, pieces, rest)
@@ -231,11 +236,13 @@ def symmetric_curve(over: Literal["twist", "rate"], above: tuple[Slope | Hold, .
     """
     first, *others = above
     below = tuple(piece.mirrored() for piece in reversed(above))
+    # Without a torque at zero the first piece goes on into its mirror image.
     if isinstance(first, Slope) and not first.torque > 0:
         middle = (replace(first, lower=None if first.upper is None else -first.upper),)
         return PieceCurve(over, (*below[:-1], *middle, *others), len(others))
     if isinstance(first, Hold):
         return PieceCurve(over, (*below[:-1], *above), len(others))
+    # A torque at zero, as of dry friction, jumps there from -T to T.
     return PieceCurve(over, (*below, Hold(0, -first.torque, first.torque), *above), len(above))
 
 
@@ -285,6 +292,7 @@ def _slopes(rows: NumberRows) -> tuple[Slope, ...]:
     found = []
     for (start, low), (end, high) in pairwise(rows):
         slope = (high - low) / (end - start)
+        # The torque of a piece is that of its line at slip 0.
         found.append(Slope(low - slope * start, 0, slope, start, end))
     return tuple(found)
 

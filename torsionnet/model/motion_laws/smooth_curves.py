@@ -42,6 +42,7 @@ class PowerCurve(TorqueCurve):
             return self.size
         if rate == 0:
             return 0 * self.size
+        # T = T_0 |omega/omega_0|^m, with the sign of omega.
         size = self.size * abs(rate / self.speed) ** self.exponent
         return size if rate > 0 else -size
 
@@ -53,6 +54,7 @@ class PowerCurve(TorqueCurve):
             return 0, 0
         if state.rate == 0:
             return 0, self.size / self.speed if self.exponent == 1 else 0
+        # dT/domega = m T/omega.
         return 0, self.exponent * self.torque(0, state.rate) / state.rate
 
     def corners(self) -> tuple[Any, ...]:
@@ -65,6 +67,7 @@ class PowerCurve(TorqueCurve):
             return None
         if wanted == 0:
             return (MotionState(),) if exponent > 0 else ()
+        # |omega| = omega_0 |T/T_0|^(1/m).
         rate = speed * abs(wanted / there) ** (1 / exponent)
         return (MotionState(rate=math.copysign(rate, wanted * there)),)
 
@@ -116,6 +119,7 @@ class OpenWaterCurve(TorqueCurve):
         bend, size = float(self.bend), float(torque) / float(self.mean_torque)
         if bend > 0 or size <= 0:
             return None
+        # (1 - b) r^2 + b r = T/Q, of which the root above 0 is wanted.
         r = (-bend + math.sqrt(bend**2 + 4 * (1 - bend) * size)) / (2 * (1 - bend))
         return (MotionState(rate=r * float(self.speed)),)
 
@@ -157,6 +161,7 @@ class CubicCurve(TorqueCurve):
         k, third = float(self.stiffness), float(self.cubic)
         if k * third >= 0:
             return ()
+        # dT/dgamma = k + 3 k_3 gamma^2 = 0.
         extreme = math.sqrt(-k / (3 * third))
         return -extreme, extreme
 
@@ -170,6 +175,7 @@ class CubicCurve(TorqueCurve):
         k, third, wanted = float(self.stiffness), float(self.cubic), float(torque)
         if third == 0:
             return (MotionState(wanted / k),) if k else ()
+        # k_3 gamma^3 + k gamma - T = 0.
         roots = np.roots([third, 0.0, k, -wanted])
         real = {float(root.real) for root in roots if abs(root.imag) <= 1e-9 * abs(root)}
         return tuple(MotionState(self._refined(twist, wanted)) for twist in sorted(real))
@@ -247,11 +253,13 @@ class KlossCurve(TorqueCurve):
         breakdown, speed, wanted = (float(one) for one in (self.breakdown_slip, self.synchronous_speed, torque))
         if wanted == 0:
             return (MotionState(rate=speed),)
+        # Kloss: s/s_k + s_k/s = 2 T_k/T with the driving torque T, so that s = s_k (m +- sqrt(m^2 - 1)), m = T_k/T.
         over = float(self.breakdown_torque) / -wanted
         if abs(over) < 1:
             return ()
         if abs(over) == 1:
             return (MotionState(rate=speed * (1 - over * breakdown)),)
+        # The larger root first, without a difference; the other follows from their product s_k^2.
         larger = breakdown * (over + math.copysign(math.sqrt(over**2 - 1), over))
         slips = sorted((larger, breakdown**2 / larger), reverse=True)
         return tuple(MotionState(rate=speed * (1 - slip)) for slip in slips)
@@ -305,10 +313,12 @@ class LoadAngleCurve(TorqueCurve):
         import numpy as np
 
         field, saliency, wanted = (float(one) for one in (self.field_torque, self.reluctance_torque, torque))
+        # T_e sin(delta) + T_r sin(2 delta) = T times 2j z^2, as sin(delta) = (z - 1/z)/2j.
         coefficients = np.array([saliency, field, -2j * wanted, -field, -saliency])  # of z = e^(j delta)
         if saliency == 0:
             coefficients = coefficients[1:4]
         roots = [complex(root) for root in np.roots(coefficients)]
+        # Roots off the unit circle are no angles.
         angles = [math.atan2(root.imag, root.real) for root in roots if abs(abs(root) - 1) < ON_CIRCLE]
         found: list[float] = []
         for angle in sorted(self._refined(angle, field, saliency, wanted) for angle in angles):
