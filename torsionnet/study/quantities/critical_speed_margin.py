@@ -71,10 +71,12 @@ class CriticalSpeedMargin(StudyQuantity):
         if not shared:
             return block.one_by_one(self._of)
         ranges = self._ranges(block.model)
+        # |s|/2 pi of what vibrates, beside the frequencies without damping.
         vibrations = np.where(modes.eigenvalues.imag > 0, np.abs(modes.eigenvalues) / (2 * np.pi), np.nan)
         resting = modes.undamped_natural_frequencies
         natural = np.hstack([vibrations, np.where(resting > 0, resting, np.nan)])
         margins = np.array([_distances(natural, low, high) for low, high in ranges])
+        # What a variant lacks is NaN, which fmin passes over.
         smallest = np.fmin.reduce(np.fmin.reduce(margins, axis=2), axis=0)
         return np.asarray(smallest[:, None])
 

@@ -72,6 +72,7 @@ class ModeQuantity(StudyQuantity):
 def nth_vibration(eigenvalues: ComplexArray, number: int) -> ComplexArray:
     """Eigenvalue (n_variants,) in rad/s of the n-th vibration by magnitude among (n_variants, n_modes), or NaN."""
     vibrates = eigenvalues.imag > 0
+    # What does not vibrate comes last.
     places = np.argsort(np.where(vibrates, np.abs(eigenvalues), np.inf), axis=1, kind="stable")
     if places.shape[1] < number:
         return np.full(len(eigenvalues), complex(np.nan, np.nan))

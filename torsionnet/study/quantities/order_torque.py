@@ -48,6 +48,7 @@ def order_responses(
     for which, part in block.parts(len(moving) * len(loads.inputs)):
         solved = part.responses(output, loads.inputs, moving)
         for index, values in zip(range(which.start, which.stop), solved, strict=False):
+            # Lines of 0 Hz are mean values and have no response here.
             gains = np.zeros((len(frequencies), *values.shape[1:]), dtype=complex)
             gains[frequencies > 0] = values
             yield index, loads.response(loads.at_lines(frequencies, gains), channels)
@@ -114,6 +115,7 @@ def largest_orders(
     search = _Search(block, output, question, sizes, np.array(places, dtype=np.intp))
     lines = question.loads(first[:1]).lines
     poles = block.every_mode.eigenvalues
+    # More speeds of each variant where lines pass its own poles.
     around = [
         new_speeds(first, around_poles(poles[index][np.isfinite(poles[index])], lines, first)) for index in places
     ]

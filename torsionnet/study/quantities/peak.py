@@ -78,6 +78,7 @@ def largest(magnitude: Callable[[FloatArray], FloatArray], grid: FloatArray) -> 
         low, high = (_taken(look.at, np.clip(look.best + side, 0, POINTS - 1)) for side in (-1, 1))
     at, infinite = _vertex(look)
     known, tops = _taken(look.values, look.best), np.where(infinite, np.inf, magnitude(at))
+    # The vertex counts where it is not below the points.
     at = np.where(tops >= known, at, _taken(look.at, look.best))
     tops = np.maximum(tops, known)
     first = np.argmax(tops, axis=1)
@@ -113,6 +114,7 @@ def _promised(values: FloatArray) -> FloatArray:
     with np.errstate(all="ignore"):
         inverse = values**-2.0
         before, here, after = inverse[..., :-2], inverse[..., 1:-1], inverse[..., 2:]
+        # The parabola through y_1, y_0, y_2 has its vertex at y_0 - (y_1 - y_2)^2/(8 bend), bend = y_1 - 2 y_0 + y_2.
         bend = before - 2 * here + after
         bottom = here - np.where(bend > 0, (before - after) ** 2 / (8 * bend), 0)
         inner = np.where(bottom > 0, bottom**-0.5, np.inf)
@@ -127,8 +129,10 @@ def _vertex(look: _Look) -> tuple[FloatArray, NDArray[np.bool_]]:
     with np.errstate(all="ignore"):
         before, here, after = (_taken(look.values, middle + side) ** -2.0 for side in (-1, 0, 1))
         bend = before - 2 * here + after
+        # The vertex lies (y_1 - y_2)/(2 bend) steps from the middle point.
         shift = np.where(bend > 0, (before - after) / (2 * bend), 0)
         bottom = here - np.where(bend > 0, (before - after) ** 2 / (8 * bend), 0)
+        # 1/|H|^2 comes to 0 at a resonance without damping.
         infinite = (look.best == middle) & (bottom < UNDAMPED_SHARE * np.maximum(before, after))
     at = f_here + np.clip(shift, -1, 1) * (f_after - f_before) / 2
     return np.where(look.best == middle, at, _taken(look.at, look.best)), infinite

@@ -104,6 +104,7 @@ class ResponseQuantity(TransferQuantity):
         if self.at is not None:
             return np.array(self.at)
         low, high = not_none(self.band)
+        # Equal factors over a decade or more.
         is_log = self.spacing == "log" or (self.spacing is None and 0 < 10 * low <= high)
         return np.asarray((np.geomspace if is_log else np.linspace)(low, high, self.points or DEFAULT_POINTS))
 

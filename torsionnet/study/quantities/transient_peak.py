@@ -229,6 +229,7 @@ class TransientPeak(StudyQuantity):
 
     def _rate(self, model: Drivetrain, duration: float) -> float:
         highest = float(np.max(natural_modes(model)[0].damped_frequencies, initial=0.0))
+        # Fine enough for the highest mode, the whole duration and the rise.
         rate = self.rate or max(
             SAMPLES_PER_PERIOD * highest, 1000 / duration, SAMPLES_PER_PERIOD / (self.rise or np.inf)
         )

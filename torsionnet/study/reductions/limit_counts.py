@@ -78,6 +78,7 @@ class LimitCounts:
         every = np.unpackbits(part.bits, axis=1)
         some = every[:, every.any(axis=0)]
         places = np.arange(len(some), dtype=np.uint64)[:, None]
+        # The set of limits that a variant exceeds, as bits of a number.
         sets = np.bitwise_or.reduce(some.astype(np.uint64) << places, axis=0)
         for one, count in zip(*np.unique(sets, return_counts=True), strict=True):
             self.sets[int(one)] = self.sets.get(int(one), 0) + int(count)

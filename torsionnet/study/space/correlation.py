@@ -107,6 +107,7 @@ class HermiteSeries:
 
 def _nodes() -> tuple[FloatArray, FloatArray]:
     """Nodes (n,) and weights (n,) of the quadrature over a standard normal variable."""
+    # Gauss and Legendre's rule in equal panels, with the weight exp(-x^2/2), summing up to 1.
     inner, weights = leggauss(NODES)
     edges = np.linspace(-INTEGRATED_DEVIATIONS, INTEGRATED_DEVIATIONS, PANELS + 1)
     half = INTEGRATED_DEVIATIONS / PANELS
@@ -172,6 +173,7 @@ def normal_correlation(
             text = f"{first} and {second} can only be correlated from {low:.3f} to {high:.3f} with their distributions"
             faults.append(Fault(f"{text}, got {coefficient:g}", (index, "coefficient")))
             continue
+        # Nataf: the normal variables take the correlation with which the values have the given one.
         matrix[at] = matrix[at[::-1]] = pair.of_normals(coefficient)
     if not faults:
         faults = list(_contradictions(correlations, names, given, "contradict each other"))
@@ -202,6 +204,7 @@ def _contradictions(
 
 def _contradiction(pairs: Sequence[Pair], group: Sequence[str], matrix: FloatArray, what: str) -> Fault:
     """Fault of a matrix that is not positive definite, with the smallest change of a coefficient that mends it."""
+    # The vector of the smallest eigenvalue shows which parameters contradict each other.
     values, vectors = np.linalg.eigh(matrix)
     weights = np.abs(vectors[:, 0])
     involved = [name for name, weight in zip(group, weights, strict=True) if weight > INVOLVED_SHARE * weights.max()]
@@ -235,6 +238,7 @@ def _possible(matrix: FloatArray, i: int, j: int) -> tuple[float, float] | None:
     inner, along = matrix[np.ix_(rest, rest)], matrix[np.ix_(rest, (i, j))]
     if rest and _least(inner) < LEAST_EIGENVALUE:
         return None
+    # Schur complement: rho_ij = a_i^T R^-1 a_j +- sqrt((1 - a_i^T R^-1 a_i)(1 - a_j^T R^-1 a_j)).
     known = along.T @ np.linalg.solve(inner, along)
     free = 1 - np.diag(known)
     if min(free) <= 0:

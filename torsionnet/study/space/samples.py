@@ -57,6 +57,7 @@ def permuted(places: NDArray[np.int64], count: int, seed: np.random.SeedSequence
     """
     if count <= MOST_SORTED:
         return np.argsort(np.random.PCG64(seed).random_raw(count), kind="stable")[places]
+    # Numbers of two digits in a base whose square is just as large as the count, or larger.
     side = np.uint64(isqrt(count - 1) + 1)
     keys = np.asarray(seed.generate_state(2 * FEISTEL_ROUNDS, np.uint64), dtype=np.uint64)
     found = _shuffled(places.astype(np.uint64), side, keys)
@@ -68,6 +69,7 @@ def permuted(places: NDArray[np.int64], count: int, seed: np.random.SeedSequence
 
 
 def _shuffled(numbers: HashWords, side: np.uint64, keys: HashWords) -> HashWords:
+    # A round adds a hash of one digit to the other, which can be taken off again: a permutation.
     first, second = numbers // side, numbers % side
     for key in keys.reshape(-1, 2):
         first = (first + _mixed(second, key[0]) % side) % side
@@ -138,6 +140,7 @@ class LatinHypercubePoints:
         places = np.arange(start, stop)
         within = RandomPoints(self.names, self.seed)(start, stop)
         for column, name in enumerate(self.names):
+            # Each of the strata once, in random order, and a random place within.
             within[:, column] += permuted(places, self.count, _seed(name, self.seed))
         return np.minimum(within / self.count, 1 - 2.0**-53)
 
@@ -166,6 +169,7 @@ class SobolPoints:
         found = np.empty((stop - start, self.dimension), dtype=np.uint32)
         for block in range(start >> LOW_BITS, -(-stop >> LOW_BITS)):
             begin, end = max(start, block << LOW_BITS), min(stop, (block + 1) << LOW_BITS)
+            # Gray codes are linear modulo 2: a block differs from the first one by a single sum.
             rest = _sums(np.array([block << LOW_BITS], dtype=np.uint32), directions)
             found[begin - start : end - start] = table[begin - (block << LOW_BITS) : end - (block << LOW_BITS)] ^ rest
         # Half a step keeps the points above 0, which no unbounded distribution could take.

@@ -152,6 +152,7 @@ class Space:
             raise IndexError(f"variants are 0 to {self.count - 1}, asked for {start} to {stop - 1}")
         if start == stop:
             return {name: np.empty(0) for name in self.names}
+        # Draws are the fastest digit of a variant's number; grid points follow.
         point, draw = divmod(start, self.draws)
         places = draw + np.arange(stop - start)
         found = self._on_grid(point, places // self.draws) | self._drawn(draw, stop - start)
@@ -160,6 +161,7 @@ class Space:
     def _on_grid(self, point: int, further: Any) -> dict[str, FloatArray]:
         """Values (n,) in SI of each grid parameter at points ``further`` (n,) steps after the point with an index."""
         found = {}
+        # Digits of mixed bases, the last axis the lowest.
         for name, axis in reversed(list(self.grid.items())):
             point, digit = divmod(point, axis.count)
             further, places = np.divmod(digit + further, axis.count)
@@ -174,6 +176,7 @@ class Space:
         if ends <= self.draws:
             return self.from_unit(points(draw, ends))
         if count < self.draws:
+            # The stretch passes the end of the draws once.
             return self.from_unit(np.concatenate([points(draw, self.draws), points(0, ends - self.draws)]))
         all_of_them = self.from_unit(points(0, self.draws))
         places = np.arange(draw, ends) % self.draws

@@ -85,6 +85,7 @@ class JointDistribution:
         if self.root is None:
             return np.asarray(found)
         correlated = np.where(np.isfinite(found)[:, None], self._normal(values), 0.0)
+        # Gaussian copula: ln c = (|z|^2 - |u|^2)/2 - ln det L, with z = L u.
         squares = (correlated**2).sum(axis=1) - (self._independent(correlated) ** 2).sum(axis=1)
         return np.asarray(found + squares / 2 - np.log(np.diag(self.root)).sum())
 

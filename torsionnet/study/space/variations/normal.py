@@ -45,6 +45,7 @@ class TruncatedMarginal(Marginal):
         self.whole, self.low, self.high = whole, max(low, whole.low), min(high, whole.high)
         ends = np.array([self.low, self.high])
         self._below, self._above = whole.cdf(ends), whole.sf(ends)
+        # By the side where shares are small, as their difference keeps its digits there.
         by_below, by_above = self._below[1] - self._below[0], self._above[0] - self._above[1]
         self.share = float(by_below if self._below[0] < 0.5 else by_above)
         """Share of the values of the whole distribution, from 0 to 1, that are left between the limits."""

@@ -125,6 +125,7 @@ class TriangularMarginal(Marginal):
     def log_density(self, values: ArrayLike) -> FloatArray:
         x = np.asarray(values, dtype=float)
         rising, falling = x - self.low, self.high - x
+        # f = 2 (x - a)/((b - a)(c - a)) from the low end a to the mode c, and likewise from the high end b.
         side = np.where((x < self.mode) | (self._falling == 0), rising / (self._rising or 1.0), 1.0)
         side = np.where((x >= self.mode) & (self._falling > 0), falling / (self._falling or 1.0), side)
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -235,6 +236,7 @@ class Steps:
             values = self.low * (self.high / self.low) ** share
         else:
             values = self.low * (1 - share) + self.high * share
+        # The end is as given, without rounding.
         return np.where(indices == self.count - 1, self.high, values)
 
 

@@ -129,6 +129,7 @@ class NominalReader:
             return self.fault(f'{self._without_value}; "{text}" is relative to none', *path)
         if nominal.value == 0 and number.value:
             return self.fault(f'{nominal.name} is 0 in the model, and so is "{text}" of it; give a value', *path)
+        # A percentage is of the size: +5 % raises a negative value, too.
         return nominal.value + float(number.value) * abs(nominal.value)
 
     def spread(self, number: Number, of: float, *path: str | int) -> float:
