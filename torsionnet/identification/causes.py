@@ -204,6 +204,7 @@ def with_causes(problem: FitProblem, causes: Sequence[Cause], values: FloatArray
         **{name: one for name, one in problem.unknowns.items() if name not in gone},
         **{name: Unknown() for name in more},
     }
+    # Geometric mean of all frequencies, where the other damping starts as strong, c omega = k eta.
     top = np.exp(np.mean([np.log(block.frequencies).mean() for block in problem.blocks]))
     changes = [_change(cause, float(top), instead) for cause in causes if cause.element]
 
@@ -357,6 +358,7 @@ def fit_causes(
     ]
     for one in sorted((one for one in found if one is not None), key=lambda one: one.criterion):
         best.setdefault(one.cause, one)
+    # After the rough search the exact one, where the cause may yet explain the misfit.
     most = REFINED_RATIO * (1 - LEAST_MISFIT_REDUCTION) * whole
     refined = [_refined(one, solve) if one.sum_of_squares <= most else one for one in best.values()]
     return sorted(refined, key=lambda one: one.criterion)

@@ -83,6 +83,7 @@ def stepwise_optimum(
 
 def _with_lines(problem: FitProblem, start: FloatArray, share: float) -> FloatArray:
     """Values (n,) in SI of the unknowns at the optimum for a share of the lines, the lowest, and for the priors."""
+    # From the lowest lines on, where few modes act: each further peak meets a model that is right below it.
     every = np.sort(np.concatenate([block.frequencies for block in problem.blocks]))
     count = min(max(int(share * len(every)), FEWEST_LINES_PER_PARAMETER * len(start)), len(every))
     inside = [np.tile(block.frequencies <= every[count - 1], block.parts) for block in problem.blocks]
@@ -214,16 +215,20 @@ def make_fit(
     free = problem.effective_count - len(values)
     left_over = residual_variance(residuals, len(values), loss, found.scale)
     silent, exact = has_no_scatter(problem, values), is_rounding_alone(problem, values)
+    # Smaller residuals than the noise that was measured are chance, and do not narrow the intervals.
     factor = max(left_over, 1.0) if exact or (problem.noise_is_measured and loss == "linear") else left_over
+    # Columns of like size: then small singular values are combinations without effect, and not units.
     effects = np.linalg.norm(slopes, axis=0)
     scale = 1 / np.where(effects > 0, effects, 1.0)  # parameters without effect at the optimum are not determined
     left, sizes, directions = np.linalg.svd(slopes * scale, full_matrices=False)
     lost = sizes <= SINGULAR_RATIO * sizes[0]  # all of them, where nothing has an effect
+    # Values move by B r, B the pseudo-inverse V S^-1 U^T: of noise of covariance C they have B C B^T.
     backward = (directions.T / np.where(lost, np.inf, sizes)) @ left.T
     inverse = problem.noise_covariance(backward) + problem.shared_covariance(backward, values) / max(
         factor, np.finfo(float).tiny
     )
     covariance = factor * inverse * np.outer(scale, scale)
+    # What has a part in a direction without effect is not determined at all.
     undetermined = (np.abs(directions[lost]) > np.sqrt(SINGULAR_RATIO)).any(axis=0)
     errors = np.where(undetermined, np.inf, np.sqrt(np.diag(covariance)))
     correlation = _correlation(inverse, directions[lost])
@@ -326,6 +331,7 @@ def _at_limits(
     """Fitted values (n,) with 0 for those that ran to zero, and a sentence by name for each that ran off."""
     residuals, slopes = problem.residuals_and_jacobian(values)
     spread = np.sqrt(float(residuals @ residuals) / max(len(residuals) - len(values), 1))
+    # Effect of a relative change: below the noise the value is as good as 0 or infinite.
     effect = np.linalg.norm(slopes, axis=0) * np.abs(values)
     unseen = cannot_be_negative(problem) & (effect <= INVISIBLE_EFFECT * max(spread, np.finfo(float).tiny))
     ended, said = values.copy(), {}

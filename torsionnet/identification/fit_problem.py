@@ -81,6 +81,7 @@ class FitProblem:
             np.add.at(whole.T, place, jacobian.T)
             parts.append(residual)
             slopes.append(whole)
+        # A prior is one more measurement, of the value itself.
         for index, (mean, deviation) in self.priors.items():
             parts.append(np.array([(values[index] - mean) / deviation]))
             slopes.append(np.eye(len(values))[index : index + 1] / deviation)
@@ -103,6 +104,7 @@ class FitProblem:
         for block, mine in records:
             block.choose_start(mine)
         for sensors in dict.fromkeys(block.sensors for block, _ in records):
+            # Sensors have one noise in all of their records; then what pauses of the input show is taken in.
             alike = [(block, mine) for block, mine in records if block.sensors == sensors]
             found = zip(*(block.unexplained(mine) for block, mine in alike), strict=True)
             level, gain, steps = (np.concatenate(parts) for parts in found)
@@ -130,6 +132,7 @@ class FitProblem:
         """
         residuals, slopes = self.residuals_and_jacobian(values)
         basis, _ = np.linalg.qr(slopes / np.maximum(np.linalg.norm(slopes, axis=0), np.finfo(float).tiny))
+        # A residual has the variance sigma^2 (1 - h) with the leverage h, the diagonal of Q Q^T.
         variances = (trust * residuals) ** 2 / np.maximum(1 - np.sum(basis**2, axis=1), LEAST_FREE_SHARE)
         for block, span, place in zip(self.blocks, self.residual_slices, self.unknown_indices, strict=True):
             if isinstance(block, ResponseBlock) and block.noise_is_unknown:
@@ -151,6 +154,7 @@ class FitProblem:
         for block, place in zip(self.blocks, self.unknown_indices, strict=True):
             if "gain" in block.extra and block.form != "magnitude":
                 predicted, (real, imaginary) = block.predicted(start[place])[0], np.split(block.deviations, 2)
+                # Re sum conj(G) H, below 0 if the test is rather minus the model.
                 if np.sum((predicted.conj() * block.measured).real / (real**2 + imaginary**2)) < 0:
                     found[place[len(block.response.names) + block.extra.index("gain")]] *= -1
         return found

@@ -363,6 +363,7 @@ def interval_half_width(level: float, error: float, steps: Sequence[Sequence[flo
     known = sum(float(np.mean(np.square(one))) for one in steps)
     if not np.isfinite(error) or known <= NEGLIGIBLE_VARIANCE_SHARE * error**2:
         return usual
+    # The error of the steps is not normal: noise of Student's law about each error that they may make.
     moved, noise = _combined(steps), np.sqrt(max(error**2 - known, NEGLIGIBLE_VARIANCE_SHARE * error**2))
 
     def missed(width: float) -> float:
@@ -379,6 +380,7 @@ def _combined(steps: Sequence[Sequence[float]]) -> FloatArray:
 
     The sets fill a cube evenly (generalised golden ratio).
     """
+    # Powers of the root of x^(d + 1) = x + 1 fill the cube of rest positions evenly, however many tests there are.
     ratio = float(scipy.optimize.brentq(lambda x: x ** (len(steps) + 1) - x - 1, 1.0, 2.0))
     places = (np.arange(POSITION_COMBINATIONS)[:, None] + 0.5) * ratio ** -np.arange(1.0, len(steps) + 1) % 1.0
     return np.asarray(

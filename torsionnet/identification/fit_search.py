@@ -54,6 +54,7 @@ def local_optimum(
         return _local(problem, start, loss, 1.0, tolerance)
     found = _local(problem, start, "linear", 1.0, tolerance)
     scale = residual_scale(problem, found.x)
+    # The loss needs the scale of the residuals, and these depend on the loss: by turns until the scale settles.
     for _ in range(SCALE_ROUNDS):
         if not np.isfinite(found.cost) or scale == 0:
             break
@@ -121,6 +122,7 @@ def residual_variance(residuals: FloatArray, parameters: int, loss: str, scale: 
     free = max(len(residuals) - parameters, 1)
     if loss == "linear" or scale == 0:
         return float(residuals @ residuals) / free
+    # With psi the residual times its weight it is sum psi^2/(n - p) over the square of the mean of psi'.
     weight, slope = _influence(loss, residuals, scale)
     return float(np.sum((weight * residuals) ** 2)) / free / float(np.mean(slope)) ** 2
 

@@ -77,6 +77,7 @@ def _promising(problem: FitProblem, values: FloatArray) -> list[Cause]:
     wide = with_causes(problem, causes, values, instead=False)
     residuals, slopes = _residuals_by_configuration(wide, problem.names)
     own = [wide.names.index(name) for name in problem.names]
+    # Squares that a linear step with one cause removes, beyond what the unknowns of the fit could remove themselves.
     basis, _ = np.linalg.qr(_scaled(slopes[:, own]))
     gains = []
     for cause in causes:
@@ -315,6 +316,7 @@ def _starts_and_reversed(problem: FitProblem, count: int, seed: int) -> list[Flo
 def _starts(problem: FitProblem, count: int, seed: int) -> list[FloatArray]:
     rng = np.random.default_rng(seed)
     found = [problem.start]
+    # Without bounds a decade on either side of the start, drawn evenly over the logarithm.
     lower = np.where(np.isfinite(problem.lower) & (problem.lower > 0), problem.lower, np.abs(problem.start) / 10)
     upper = np.where(np.isfinite(problem.upper), problem.upper, np.abs(problem.start) * 10)
     for _ in range(count - 1):

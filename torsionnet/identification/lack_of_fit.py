@@ -48,6 +48,7 @@ def _shift(block: RecordBlock, values: FloatArray) -> ComplexArray:
     """Bias that squared noise gives to model minus test at each line of a record, complex, SI, (n_b,)."""
     windowed, (on_output, on_input) = block.windowed, block.sources
     rows = windowed.rows
+    # Squared noise in the denominator of H1 makes it read low, that in the numerator of H2 high.
     own = np.where(windowed.background, len(rows.weights) * rows.squares / windowed.power, 0.0)[block.kept]
     if not own.any():
         return np.asarray(own, dtype=complex)
@@ -186,6 +187,7 @@ def misfits(problem: FitProblem, values: FloatArray, weights: FloatArray | None 
     residuals, slopes = problem.residuals_and_jacobian(values)
     shift = noise_shift(problem, values)
     basis, _ = np.linalg.qr(slopes / np.maximum(np.linalg.norm(slopes, axis=0), np.finfo(float).tiny))
+    # Of that shift the fit has taken up the part Q Q^T, and the rest is left in the residuals.
     residuals = residuals * (1.0 if weights is None else weights) - shift + basis @ (basis.T @ shift)
     found = [
         block.measured_noise(values[place])
@@ -202,6 +204,7 @@ def misfits(problem: FitProblem, values: FloatArray, weights: FloatArray | None 
     result = []
     for (block, span, noise), covariance in zip(known, covariances, strict=True):
         Q, S = basis[span], spread[span]
+        # Covariance of residuals of a fit, (I - Q Q^T) C (I - Q Q^T), the block of this measurement.
         left = covariance - Q @ S.T - S @ Q.T + Q @ both @ Q.T
         result.append(_judge_block(block, residuals[span], left, noise))
     return tuple(result)
@@ -219,7 +222,9 @@ def _judge_block(block: MeasurementBlock, residual: FloatArray, covariance: Floa
     r, R = residual * scale, covariance * np.outer(scale, scale)
     mean, square = float(np.trace(R)), float(np.sum(R**2))
     total = float(r @ r) / mean
+    # By Satterthwaite the sum over its mean has (tr R)^2/tr R^2 degrees of freedom.
     chances = [float(scipy.stats.f.sf(total, mean**2 / square, noise.certainty))]
+    # A model that is wrong leaves slow waves over the lines, even where the sum of squares could be noise.
     waves = _waves(count, len(r) // count, block.runs)
     sizes, directions = np.linalg.eigh(waves.T @ R @ waves)
     seen = sizes > ABSORBED_VARIANCE_SHARE * sizes[-1]
@@ -228,6 +233,7 @@ def _judge_block(block: MeasurementBlock, residual: FloatArray, covariance: Floa
     weights = block.absolute_scale**2
     beyond = max(float((residual**2 - np.diag(covariance)) @ weights), 0.0)
     size = np.sqrt(beyond / float(np.sum(np.abs(block.measured) ** 2)))
+    # Two tests were made: twice the smaller chance.
     return Misfit(block.measurement.label, float(np.sqrt(total)), float(size), min(1.0, 2 * min(chances)))
 
 

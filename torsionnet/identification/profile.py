@@ -55,6 +55,7 @@ class _Profile:
         bound = float((self.problem.lower if sign < 0 else self.problem.upper)[self.index])
         inside, guess = float(self.best[self.index]), self.best.copy()
         distance = self.step
+        # Outwards in doubled steps until chi squared is above the limit, then back to where it passes.
         for _ in range(STEP_DOUBLINGS):
             place = self.best[self.index] + sign * distance
             if (place - bound) * sign >= 0:

@@ -80,6 +80,7 @@ def calculated_wheel_orders(
         )
     )
     spread = {name: _by_order(run, orders) for name, run in runs.items()}
+    # Inertia torques follow from masses and lengths; all others have a size that the test decides.
     known = sum((values for name, values in spread.items() if name.endswith(_MASSES)), np.zeros((1, 1)))
     shapes = [values for name, values in spread.items() if not name.endswith(_MASSES)]
     shape = (len(orders), len(wanted))

@@ -125,6 +125,7 @@ class OrderBlock(MeasurementBlock):
             return super().residuals(values)
         found, slopes = self.predicted(values)
         noise = self.noise if self.lines.is_known else 0.0
+        # Noise sigma in both parts lengthens a phasor A, to first order to sqrt(A^2 + sigma^2).
         size = np.sqrt(np.abs(found) ** 2 + noise)
         rates = (found.conj()[:, None] * slopes).real / np.maximum(size, np.finfo(float).tiny)[:, None]
         return (size - np.abs(self.measured)) / self.sizes, rates / self.sizes[:, None]
@@ -240,6 +241,7 @@ def reference_angles(block: OrderBlock, values: FloatArray) -> tuple[float, ...]
     highest = max(float(block.line_orders.max()), 1.0)
     steps = int(np.ceil(ANGLES_PER_PERIOD * highest * LONGEST_CYCLE / (2 * np.pi)))
     angles = (np.arange(steps) - steps // 2) * (LONGEST_CYCLE / steps)
+    # Each angle over the longest cycle, with the other unknowns following by a linear step.
     costs = np.array(
         [
             _cost(turn * predicted * weight - block.measured * weight, turn[:, None] * moving)

@@ -255,6 +255,7 @@ def _deviations(
         return np.where(stated, found, measurement.error * np.abs(values)), True
     if stated.any():
         return np.where(stated, found, np.median(found[stated])), True
+    # Without intervals the noise of an order is in proportion to its RMS over speed, and the fit finds the factor.
     level = np.empty(len(orders))
     for order in np.unique(orders):
         mine = orders == order

@@ -207,7 +207,9 @@ class ParametricOrders:
         loads, load_slopes = self._loads_and_slopes({name: given[name] for name in self._numbers})
         found = np.zeros(len(self.orders), dtype=complex)
         jacobian = np.zeros((len(self.orders), len(self.names)), dtype=complex)
+        # Sum of G T over the inputs; several lines of the model may be one measured order.
         np.add.at(found, self._pairs.measured, (gains * loads).sum(axis=1))
+        # G dT/dp for a number of an excitation, dG/dp T for a value of the shafts.
         for place, name in enumerate(self.names):
             if name in self._numbers:
                 moved = gains * load_slopes[name]
@@ -229,6 +231,7 @@ class ParametricOrders:
             found = response.at(values)
             output = self.output_of[self._pairs.measured[pairs]]
             gains[pairs], slopes[pairs] = found.values[frequency, output], found.jacobian[frequency, output]
+        # At negative frequencies G is the conjugate.
         backward = self._pairs.hertz < 0
         gains[backward], slopes[backward] = gains[backward].conj(), slopes[backward].conj()
         return gains, slopes

@@ -61,8 +61,7 @@ def sensor_noise_powers(
     both = np.column_stack([np.ones_like(gain), gain])
     shares, spread = _shares(level, both, rest, repeated)
     if seen is None or abs(seen[0] - shares[1]) > COMPATIBLE_STANDARD_ERRORS * np.hypot(seen[1], spread[1]):
-        # Where lines and windows contradict each other, the lines give the ratio of the powers, scaled to fit on
-        # average.
+        # Where lines and windows contradict each other, the lines alone give the ratio, scaled to fit on average.
         made_up = rest + both @ shares
         shares = shares * np.mean(level / np.maximum(made_up, LEAST_POWER))
         return _above_zero(float(shares[0]), float(shares[1]))
@@ -356,8 +355,7 @@ def _by_distance(estimation: Estimation) -> FloatArray:
     step = max(1, WINDOW_SAMPLES - round(estimation.overlap * WINDOW_SAMPLES))
     total = np.zeros(WINDOW_SAMPLES // 2)
     for m in range(min(estimation.averages, -(-WINDOW_SAMPLES // step))):
-        # Windows m steps apart share noise where they overlap: the spectrum of their product, squared, is the
-        # correlation.
+        # Windows m steps apart share noise where they overlap; lines correlate by the squared spectrum of that.
         shared = np.zeros(WINDOW_SAMPLES)
         shared[m * step :] = window[m * step :] * window[: WINDOW_SAMPLES - m * step]
         # Of n averages, n - m pairs are m apart, in both sequences.

@@ -50,8 +50,7 @@ class SensorSteps:
         """
         if not self.size:
             return np.zeros((REST_POSITIONS, len(rows.segments.bins)), dtype=complex)
-        # Steps act at the sensor's rate, before decimation; where in a step the rest lies is open, so places are
-        # tried evenly.
+        # Steps act before decimation; where in a step the rest lies is open, so places are tried evenly.
         fine = _finer(motion, self.decimation)
         places = (np.arange(REST_POSITIONS) + 0.5) / REST_POSITIONS * self.size
         return np.array([rows.apply(self._error(fine + place, len(motion))) for place in places])
@@ -168,8 +167,7 @@ def unexcited_windows(windowed: WindowedEstimate, G: ComplexArray) -> UnexcitedW
     at = windowed.frequencies
     gain = np.interp(at, windowed.fine, G.real) + 1j * np.interp(at, windowed.fine, G.imag)
     unit = (np.abs(segments.pieces()) ** 2).sum(axis=1)
-    # Of residual Y - G X: noise of the input's sensor is in it as -G N, and so correlates with G times the input
-    # read.
+    # In Y - G X noise N of the input's sensor is -G N, which correlates with G times the input read.
     power, moment = np.abs(into) ** 2 / unit, -(left * (into * gain).conj()).real / unit
     near = scipy.ndimage.uniform_filter(power, EXCITATION_CELLS)
     unexcited = near < UNEXCITED_POWER_SHARE * near.max(axis=0)
