@@ -339,6 +339,7 @@ def _values_at_whole_numbers(
     found = wide[KERNEL_HALF_LENGTH:-KERNEL_HALF_LENGTH]
     for part in _chunks(len(places)):
         found[part] = _read_at(places, beyond, part)
+    # Values at whole numbers, corrected by what they miss where the pulses stand, which is next to them.
     while True:
         _reflect(wide)
         for part in _chunks(len(places)):
@@ -352,6 +353,7 @@ def _values_at_whole_numbers(
         if size < CONVERGED_STEPS:
             _reflect(wide)
             return wide, None
+        # Corrections that hardly shrink are vibration beyond what the pulses tell.
         if size > max(before) * (LEAST_REDUCTION if len(before) == REDUCED_OVER else 1):
             return wide, float(times[worst])
         before.append(size)
@@ -392,6 +394,7 @@ def _sum(around: NDArray[np.float64], places: FloatArray, polynomials: FloatArra
         coefficients = (around[first:last] @ polynomials)[whole - first]
     else:
         coefficients = around[whole] @ polynomials
+    # Horner's scheme, from the highest power on.
     total = coefficients[:, -1]
     for column in coefficients.T[-2::-1]:
         total = total * rest + column
@@ -401,11 +404,13 @@ def _sum(around: NDArray[np.float64], places: FloatArray, polynomials: FloatArra
 @cache
 def _polynomials(slope: bool) -> FloatArray:
     """Coefficients of the kernel of each sample around a place, of powers of twice the distance to the nearest one."""
+    # Chebyshev's nodes: the error of the polynomials is about even over the interval.
     nodes = np.cos(np.pi * (np.arange(POLYNOMIAL_DEGREE + 1) + 0.5) / (POLYNOMIAL_DEGREE + 1))
     offset = nodes[:, None] / 2 - np.arange(-KERNEL_HALF_LENGTH, KERNEL_HALF_LENGTH + 1)
     kernel = np.sinc(offset) * np.exp(-(offset**2) / (2 * KERNEL_VARIANCE))
     found = np.polynomial.polynomial.polyfit(nodes, kernel, POLYNOMIAL_DEGREE)
     if slope:
+        # Twice, as the powers are of twice the distance.
         found = 2 * np.polynomial.polynomial.polyder(found)
     return np.ascontiguousarray(found.T)
 

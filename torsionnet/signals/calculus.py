@@ -106,6 +106,7 @@ def _changed(values: FloatArray, sign: int, rate: float, ends: Ends, lowest: flo
     """Time derivative of a signal (n,) for sign 1, or its time integral without mean for sign -1, in SI."""
     if ends == "periodic":
         return _spectrally(values, sign, rate, lowest)
+    # Without the line between its ends, and mirrored oddly there, a signal is periodic without a step.
     slope = (values[-1] - values[0]) / (len(values) - 1)
     place = np.arange(len(values)) - (len(values) - 1) / 2
     line = 0.5 * (values[0] + values[-1]) + slope * place
@@ -115,6 +116,7 @@ def _changed(values: FloatArray, sign: int, rate: float, ends: Ends, lowest: flo
     if sign > 0:
         return np.asarray(changed + slope * rate)
     if not lowest:
+        # The line's own integral, mean t + slope t^2/2.
         changed += (line.mean() * place + 0.5 * slope * place**2) / rate
     return np.asarray(changed - changed.mean())
 

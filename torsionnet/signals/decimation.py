@@ -155,6 +155,7 @@ class _Stream:
         if not self.primed:
             if self.pending.shape[1] <= self.half:
                 return
+            # Reflected oddly about the first sample, so that value and slope go on beyond it.
             head = 2 * self.pending[:, :1] - self.pending[:, self.half : 0 : -1]
             self.pending = np.concatenate([head, self.pending], axis=1)
             self.primed = True

@@ -215,6 +215,7 @@ def flanks(
         level = float(np.mean(values)) if inductive else float(low + high) / 2
     beyond = values - level
     height = _height_around(beyond, float(high - low)) if inductive else float(high - low)
+    # A flank counts where the signal was clearly below the level before and is clearly above it afterwards.
     state = np.where(beyond > hysteresis * height, 1, np.where(beyond < -hysteresis * height, -1, 0))
     sure = np.flatnonzero(state)
     changes = np.diff(state[sure])
@@ -261,9 +262,11 @@ def _share_on_cubic(beyond: FloatArray, after: NDArray[np.intp]) -> FloatArray:
     share = _share_on_line(beyond, after)
     whole = (after >= 2) & (after <= len(beyond) - 2)
     one, two, three, four = (beyond[after[whole] + shift] for shift in (-2, -1, 0, 1))
+    # Lagrange's cubic through samples at -1, 0, 1 and 2, by powers of the share.
     linear = -one / 3 - two / 2 + three - four / 6
     square, cube = one / 2 - two + three / 2, (four - one) / 6 + (two - three) / 2
     found = share[whole]
+    # Newton's steps from the straight line's passage, kept within the interval.
     for _ in range(CUBIC_STEPS):
         slope = linear + found * (2 * square + 3 * cube * found)
         value = two + found * (linear + found * (square + cube * found))

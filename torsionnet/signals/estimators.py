@@ -96,6 +96,7 @@ def estimate(
         found = estimate(moved, outputs, inputs, estimator, settings, noise_ratio, references, band)
         if not lag:
             return replace(found, notes=(*found.notes, f"no clear lag of {outputs[0]}: nothing is moved"))
+        # The output was moved earlier by the lag; exp(-j omega lag) puts it back.
         turned = found.values * np.exp(-2j * np.pi * found.frequencies * lag)[:, None, None]
         moves = f"{1e3 * abs(lag):g} ms {'earlier' if lag > 0 else 'later'}"
         note = f"{outputs[0]} {moves} where windows cut the record; the phase of the lag is put back"
@@ -222,6 +223,7 @@ def _values(
     if noise_ratio is not None:
         return transfer_matrices.hs(s_xx, s_xy, s_yy, noise_ratio)
     with np.errstate(divide="ignore", invalid="ignore"):
+        # Equal ratios of signal to noise on both sides: noise in proportion to the signals, S_yy/S_xx.
         alike = np.einsum("foo->fo", s_yy).real / s_xx[:, :, 0].real
     return transfer_matrices.hs(s_xx, s_xy, s_yy, alike)
 
@@ -343,6 +345,7 @@ def _sines(recording: Recording, step: Step, settling: float) -> ComplexArray:
     first = last - round(periods / step.frequency * rate)
     time = recording.time[first:last]
     angle = 2 * np.pi * step.frequency * time
+    # a cos + b sin over whole periods is Re (a - j b) exp(j omega t); mean and drift are fitted beside it.
     basis = np.array([np.cos(angle), np.sin(angle), np.ones_like(time), np.linspace(-1, 1, len(time))]).T
     fit = np.linalg.lstsq(basis, stacked(recording)[:, first:last].T, rcond=None)[0]
     return np.asarray(fit[0] - 1j * fit[1], dtype=np.complex128)

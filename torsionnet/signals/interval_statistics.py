@@ -36,9 +36,11 @@ def amplitude_scores(measured: FloatArray, calculated: FloatArray, half_widths: 
     """
     sigma = half_widths / NORMAL_95
     size, true = measured / sigma, calculated / sigma
+    # An amplitude with noise in both parts follows Rice's law, of mean true + 1/(2 true) where it is large.
     scores = size - true - 0.5 / np.maximum(true, 1.0)
     near = (true < NORMAL_FROM) & (size < 2 * NORMAL_FROM)
     if near.any():
+        # Near 0 exactly: its square is noncentral chi squared with 2 degrees of freedom.
         below = scipy.special.chndtr(size[near] ** 2, 2, true[near] ** 2)
         inside = (below > SAFE_PROBABILITY) & (below < 1 - SAFE_PROBABILITY)
         scores[near] = np.where(inside, scipy.special.ndtri(np.clip(below, SAFE_PROBABILITY, 1.0)), scores[near])
@@ -60,6 +62,7 @@ def independent_points(scores: ComplexArray | FloatArray) -> float:
     if len(scores) < 2 or not total:
         return float(max(len(scores), 1))
     near = float((scores[1:] * np.conj(scores[:-1])).real.sum()) / total
+    # Squares of scores correlate by rho^2 from one to the next, and are worth that many independent ones.
     return max(1.0, len(scores) * (1 - near**2) / (1 + near**2))
 
 

@@ -46,6 +46,7 @@ def best_turn(rates: FloatArray, products: ComplexArray, low: float, high: float
         heights += (product * np.exp(-1j * rate * grid)).real
     best = float(grid[heights.argmax()])
     for _ in range(REFINEMENTS):
+        # Newton's step: slope sum rates Im(turned) over bend sum rates^2 Re(turned).
         turned = products * np.exp(-1j * rates * best)
         bend = float((rates**2 * turned.real).sum())
         if bend <= 0:

@@ -165,6 +165,7 @@ class Pulses:
         """Missing pulses of the encoder without those of missing teeth of its wheel."""
         if not self.period or not self.missing.total:
             return self.missing
+        # In the gap of a wheel pulses are missing each turn, at other teeth now and then.
         phase = self.numbers[self.missing.after] % self.period
         phases, often = np.unique(phase, return_counts=True)
         own = phase != phases[often.argmax()]
@@ -189,6 +190,7 @@ def missing_pulses(times: ArrayLike) -> MissingPulses:
         return MissingPulses(np.empty(0, np.intp), np.empty(0, np.intp))
     if not np.all(intervals > 0):
         raise UsageError("the times of pulses must be finite and increase")
+    # Over the median around them, which single gaps leave as it is.
     intervals /= running_median(intervals, MEDIAN_INTERVALS)
     steps = np.rint(intervals, out=intervals)
     after = np.flatnonzero(steps > 1)

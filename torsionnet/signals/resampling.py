@@ -145,6 +145,7 @@ def interpolated_at(values: FloatArray, rate: float, start: float, times: FloatA
     """
     from scipy.signal import kaiser_beta, kaiserord
 
+    # Sinc under a Kaiser window: the stop band gives beta, the width of the passage the length.
     lower = min(rate, new_rate)
     count, _ = kaiserord(-20 * np.log10(STOP_BAND_SHARE), (1 - VALID_SHARE) * lower / rate)
     half, beta = count // 2 + 1, float(kaiser_beta(-20 * np.log10(STOP_BAND_SHARE)))
@@ -159,6 +160,7 @@ def interpolated_at(values: FloatArray, rate: float, start: float, times: FloatA
         away = (places[part] - whole)[:, None] - shifts
         inside = np.sqrt(np.maximum(1 - (away / (half + 0.5)) ** 2, 0.0))
         weights = np.sinc(cutoff * away) * np.i0(beta * inside)
+        # Of sum 1, so that a constant stays what it is.
         weights /= weights.sum(axis=1, keepdims=True)
         found[part] = np.einsum("ij,ij->i", weights, wide[whole[:, None] + shifts + half])
     return found
@@ -191,6 +193,7 @@ def spline_error(values: FloatArray) -> float:
     """
     shares, powers = _power_shares(values)
 
+    # Response of the cubic spline through samples at nu cycles per sample; at nu + k it is that of the images.
     def gain(nu: FloatArray) -> FloatArray:
         return np.asarray(np.sinc(nu) ** 4 / (2 / 3 + np.cos(2 * np.pi * nu) / 3))
 

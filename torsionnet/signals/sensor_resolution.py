@@ -88,6 +88,7 @@ def sweep_amplitudes(
     rows, last = np.arange(whole), power.shape[1]
     near = cumulated[rows, np.minimum(line + half_width + 1, last)] - cumulated[rows, np.maximum(line - half_width, 0)]
     is_sine = near > SINE_POWER_SHARE * cumulated[:, -1]
+    # Peak of a sine from its RMS.
     return line[is_sine] / seconds, (np.sqrt(2) * answer.std(axis=1))[is_sine]
 
 

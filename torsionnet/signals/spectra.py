@@ -158,6 +158,7 @@ class _Total:
         for begin in range(0, count, batch):
             plain = without_trend(segments[:, begin : begin + batch], self.settings.detrend)
             lines = np.fft.rfft(plain * self.weights, axis=-1).transpose(2, 0, 1)
+            # Sum over the segments of X^* Y for all pairs of signals.
             self.sum += lines.conj() @ lines.transpose(0, 2, 1)
         self.runs[-1] += count
         self.waiting = values[:, count * self.step :]
@@ -169,6 +170,7 @@ class _Total:
             text = f"the record of {have:g} s is too short for one window of {self.settings.seconds:g} s"
             raise UsageError(f"{text}; take shorter windows (seconds)")
         rate, length = self.first.sampling_rate, len(self.weights)
+        # One-sided densities 2/(f_s sum w^2) a segment, without the 2 at 0 and at half the sampling rate.
         scale = np.full(len(self.sum), 2 / (rate * (self.weights @ self.weights) * count))
         scale[0] /= 2
         if length % 2 == 0:
@@ -249,6 +251,7 @@ def _hs_single(s_xx: ComplexArray, s_xy: ComplexArray, s_yy: FloatArray, ratio: 
 
 
 def _hs_several(s_xx: ComplexArray, s_xy: ComplexArray, s_yy: FloatArray, ratio: FloatArray) -> ComplexArray:
+    # Total least squares: with inputs and output scaled to equal noise, the eigenvector of the smallest eigenvalue.
     scaled = (s_xy / np.sqrt(ratio)[:, None])[:, :, None]
     below = np.concatenate([scaled.conj().transpose(0, 2, 1), (s_yy / ratio)[:, None, None]], axis=2)
     joint = np.concatenate([np.concatenate([s_xx, scaled], axis=2), below], axis=1)

@@ -79,6 +79,7 @@ def sweep_loss(rate: float, natural: float, ratio: float) -> SweepLoss:
     >>> round(found.loss, 2), round(found.shift, 2)
     (0.43, 0.11)
     """
+    # d omega/dt over (zeta omega_0)^2: half bandwidths passed in the time 1/(zeta omega_0) in which a mode settles.
     sweep = abs(rate) / (2 * math.pi * (ratio * natural) ** 2)
     if not sweep:
         return SweepLoss(0.0, 0.0)

@@ -84,6 +84,7 @@ def random_errors(
         )
     backward, found = np.linalg.pinv(s_rx), hr(s_rx, s_ry)
     alone = np.einsum("fir,frs,fis->fi", backward, spectra.between(references, references), backward.conj()).real
+    # What the inputs leave of the output, passed back through the references, over twice the free averages.
     squared = unexplained_spectra(found, s_xx, s_xy, s_yy)[:, :, None] * alone[:, None, :] / (2 * free)
     with np.errstate(divide="ignore", invalid="ignore"):
         return _of_relative(np.sqrt(squared) / np.abs(found))

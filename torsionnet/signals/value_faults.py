@@ -88,6 +88,7 @@ def encoder_leaps(values: FloatArray) -> NDArray[np.intp]:
         return np.empty(0, np.intp)
     windows = np.lib.stride_tricks.sliding_window_view(np.pad(counts, 2, mode="reflect"), 5)
     others = windows[:, [0, 1, 3, 4]]
+    # Where the shaft turns evenly before and after, a larger step is no motion.
     calm = np.ptp(others, axis=1) <= 1
     return np.flatnonzero(calm & (np.abs(counts - np.median(others, axis=1)) >= LEAP_STEPS)) + 1
 
@@ -201,9 +202,11 @@ def spikes(values: FloatArray, step: float = 0.0) -> NDArray[np.intp]:
     if len(values) < 2 * NEIGHBOUR_SAMPLES:
         return np.empty(0, np.intp)
     rise, fall = np.diff(values)[:-1], -np.diff(values)[1:]
+    # Distance of each sample from the middle of its neighbours.
     turn = np.abs(rise + fall) / 2
     sums = np.cumsum(np.concatenate([[0.0], turn]))
     ends = np.clip(np.arange(len(turn))[:, None] + [-NEIGHBOUR_SAMPLES, NEIGHBOUR_SAMPLES + 1], 0, len(turn))
+    # Mean of those around, without the sample itself.
     usual = (sums[ends[:, 1]] - sums[ends[:, 0]] - turn) / (ends[:, 1] - ends[:, 0] - 1)
     sizes = np.sort(np.abs([rise, fall]), axis=0)
     seen = (

@@ -159,6 +159,7 @@ def effective_averages(weights: FloatArray, step: int, count: int) -> float:
     length = len(weights)
     shared = 0.0
     for lag in range(1, min(count, -(-length // step))):
+        # Spectra of two segments correlate by the product of their windows, and powers by the square of that.
         common = float(weights[: length - lag * step] @ weights[lag * step :] / (weights @ weights))
         shared += 2 * (1 - lag / count) * common**2
     return float(count / (1 + shared))
@@ -190,6 +191,7 @@ def lag_between(record: Recording, output: str, input: str) -> float:
     X, Y = (np.fft.rfft(record[name].values - record[name].values.mean(), size) for name in (input, output))
     driven = np.abs(X) >= DRIVEN_AMPLITUDE * np.abs(X).max(initial=0.0)
     cross = np.where(driven, X.conj() * Y, 0.0)
+    # Each driven line by its phase alone, as the spectrum of the drive says nothing of the lag.
     turns = np.divide(cross, np.abs(cross), out=np.zeros_like(cross), where=cross != 0)
     count = int(np.count_nonzero(turns))
     if not count:

@@ -111,6 +111,7 @@ class Multisine(_Periodic):
         """Complex amplitudes (n_lines,) of the multisine's lines, scaled to a peak of 1."""
         numbers = self._numbers
         size, order = int(PEAK_POINTS_PER_CYCLE * numbers[-1]), np.arange(len(numbers))
+        # Schroeder's phases, whose peak is low; clipping with the magnitudes put back lowers it further.
         values = np.exp(-1j * np.pi * order * (order - 1) / len(numbers))
         best, lowest = values, np.inf
         for level in np.linspace(0.75, 0.95, CLIPPING_ITERATIONS):

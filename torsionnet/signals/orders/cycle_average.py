@@ -143,8 +143,7 @@ def averaged_blocks(
         waves = waves.reshape(len(waves), cycles, count)
         whole = np.ones(waves.shape[:2], dtype=bool) if lost is None else ~lost(bounds)
         waves = without_drift(waves, whole)
-        # Lines are turned to the phase mark, and divided by what interpolation between samples lets pass at the mean
-        # speed.
+        # Turned to the phase mark, and over what interpolation between samples lets pass at the mean speed.
         turned = np.exp(-1j * orders * (mean.angles[begin] - zero)) / transmitted(
             (mean.angles[end] - mean.angles[begin]) / (bounds[-1] - bounds[0])
         )
@@ -173,8 +172,7 @@ def _averaged(
 ) -> AveragedBlock:
     """Orders of signals from the pairs of cycles (n_signals, n_cycles, n) that are whole, NaN where too few are."""
     size, many = waves.shape[2], waves.shape[1] - 1
-    # Hann window over two cycles, folded onto one: lines at multiples of 1/cycle stay whole, and others leak far
-    # less.
+    # Hann window over two cycles, folded onto one: lines at multiples of 1/cycle stay whole, others leak less.
     rising = 0.5 - 0.5 * np.cos(np.pi * (np.arange(size) + 0.5) / size)
     pairs = waves[:, :-1] * rising + waves[:, 1:] * rising[::-1]
     lines = 2 * np.fft.rfft(pairs, axis=2)[:, :, places] / size * turned

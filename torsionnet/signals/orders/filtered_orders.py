@@ -150,8 +150,7 @@ def _results(
         mark = zero if number == 0 else PhaseReference(float(shaft.angles[0]), "")
         kept = values[:, mine]
         within = settings.bandwidths(np.outer(orders, speeds / (2 * np.pi)))
-        # A value averages over the time 1/bandwidth, so the scatter of single cycles is larger by the root of their
-        # number.
+        # A value averages over the time 1/bandwidth: single cycles scatter by the root of their number more.
         cycles = np.maximum(speeds / (2 * np.pi * shaft.cycle) / within, 1)
         seen = np.sqrt(cycles) * widths[:, mine]
         wide = np.hypot(widths[:, mine], one.uncertain(orders, speeds, seen) if number == 0 else 0.0)

@@ -103,8 +103,7 @@ def _take(
     integral = spline.antiderivative()
     if begin:
         at, values = np.concatenate([[ends[-1]], at]), np.concatenate([[found[-1]], values])
-    # Integral of the angle beyond that at the beginning of each cycle: vibration that repeats with the cycle drops
-    # out.
+    # Integral of the angle beyond that at a cycle's beginning: what repeats with the cycle adds a constant.
     whole = np.diff(integral(at)) - values[:-1] * np.diff(at)
     fresh = slice(1, None) if begin else slice(None)
     ends.extend(at[fresh].tolist())

@@ -151,8 +151,7 @@ def averaged_orders(
     bounds = shared.ends[begins]
     times = (bounds[1:] + bounds[:-1]) / 2
     speeds = np.diff(shared.angles[begins]) / np.diff(bounds)
-    # Errors of pulses count as far as the scatter of single cycles, sqrt(n) times that of the mean, does not show
-    # them.
+    # Errors of pulses count as far as the scatter of single cycles, sqrt(n) times this, does not show them.
     widths = np.hypot(scattered, one.uncertain(wanted, speeds, np.sqrt(counts)[:, None] * scattered))
     size = "blocks of whole cycles" if method.step else f"blocks of {method.cycles} cycles"
     said = f"synchronous average over {size} of {mean.cycle} turns, intervals from the scatter between cycles"

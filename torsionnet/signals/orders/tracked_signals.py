@@ -183,8 +183,7 @@ def _of_wheels(parts: tuple[tuple[WheelRotation, float], ...], mean: MeanRotatio
     def uncertain(orders: FloatArray, speeds: FloatArray, seen: FloatArray) -> FloatArray:
         places, steps = np.zeros(len(orders)), np.zeros(len(speeds))
         for wheel, weight in parts:
-            # Errors of places are the same in each turn; those of times are independent, and n pulses leave 2/n of
-            # their square.
+            # Errors of places return in each turn; of independent times n pulses leave 2/n of the square.
             places += (weight * _of_pattern(wheel, orders, mean)) ** 2
             pulses = (wheel.wheel.teeth - wheel.wheel.missing_teeth) * mean.cycle / wheel.wheel.ratio
             steps += 2 / pulses * (NORMAL_HALF_WIDTH * weight * wheel.deviations.time * speeds) ** 2

@@ -90,8 +90,7 @@ class VoldKalman:
         response H = 1/(1 + (sqrt 2 - 1) (2f/bandwidth)^(2 poles)).
         """
         power = 2 * self.poles
-        # Response H = 1/(1 + x^2p): integrals over x of its powers n by I_(n+1) = I_n (1 - 1/(2 p n)), and I_1 from
-        # the sine.
+        # Integrals of powers n of H = 1/(1 + x^2p): I_(n+1) = I_n (1 - 1/(2 p n)), with I_1 from the sine.
         first = np.pi / power / np.sin(np.pi / power)
         of_squares = first * (1 - 1 / power)
         of_fourths = of_squares * (1 - 1 / (2 * power)) * (1 - 1 / (3 * power))

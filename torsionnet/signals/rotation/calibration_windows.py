@@ -118,8 +118,7 @@ def first_window(
     angle = 2 * np.pi * numbers / teeth
     powers = np.polynomial.legendre.legvander(place, MEAN_DEGREE)
     mean: FloatArray = np.asarray(np.linalg.lstsq(powers, angle, rcond=None)[0])
-    # theta(t) = mean + vibration, whose waves run over the mean: the mean is found first without them, then with
-    # them.
+    # theta(t) = mean + vibration over the mean angle: the mean first without vibration, then with it.
     for step in range(MEAN_STEPS):
         base = powers @ mean
         terms = np.hstack([powers, _waves(orders, base)])

@@ -368,8 +368,7 @@ def _delay(ours: FloatArray, there: FloatArray, margin: int, rate: float) -> tup
     lags = np.arange(-margin, margin + 1)
     scores = np.empty(len(lags))
     count = len(a)
-    # Normalised cross-correlation sum a (b - mean b)/(|a| |b - mean b|); a is of mean 0, so that mean b drops out of
-    # the sum above.
+    # Normalised cross-correlation sum a (b - mean b)/(|a| |b - mean b|); as a is of mean 0, sum a b is the numerator.
     sums = np.correlate(there, a, "valid")
     squares = np.concatenate([[0.0], np.cumsum(there**2)])
     means = np.concatenate([[0.0], np.cumsum(there)])

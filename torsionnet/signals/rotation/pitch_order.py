@@ -346,8 +346,7 @@ class PitchEvidence:
         # Vibration has no such order: what is read there is -P alone.
         if not shared:
             return self._judged(order, self._alone(-first), NO_VIBRATION, gain)
-        # The second pickup, alpha behind, reads V - P exp(-j o alpha), the first V - P: in the difference V drops
-        # out.
+        # The second pickup reads V - P exp(-j o alpha), the first V - P: in the difference V drops out.
         if second is not None and gain is not None and self.angle is not None and gain >= LEAST_GAIN:
             found = self._alone((second - first) / (1 - np.exp(-1j * order * self.angle)), np.sqrt(2) / gain)
             return self._judged(order, found, TWO_PICKUPS, gain)

@@ -97,8 +97,7 @@ def seen_deviations(
     means = sums[some] / counts[some]
     if jitter is None or len(means) < 2:
         return jitter, None
-    # Jitter of times, as an angle at the mean speed, stays in a mean over n turns by 1/sqrt(n); its square is taken
-    # off.
+    # Jitter, as an angle at the mean speed, stays in a mean over n turns by 1/sqrt(n); its square is taken off.
     of_times = jitter * of_speeds / len(numbers) / sqrt(float(counts[some].mean()))
     squared = float(np.mean(means**2)) / DIFFERENCE_GAIN**2 - of_times**2
     return jitter, sqrt(max(squared, 0.0))

@@ -284,8 +284,7 @@ def tooth_by_difference(first: WheelRotation, second: WheelRotation, phase: floa
             "their difference returns within a turn; take counts without one, as 60 and 61"
         )
     shares = _shares(first, second, int(first.numbers[0]))
-    # From tooth to tooth the phase goes on by n_2/n_1 of a pitch, which gives each tooth another one if no divisor is
-    # common.
+    # The phase goes on by n_2/n_1 of a pitch per tooth: all differ where the numbers have no common divisor.
     seen = np.exp(2j * np.pi * shares).mean()
     expected = np.exp(2j * np.pi * (phase + np.arange(one) * two / one))
     away = np.abs(np.angle(seen * expected.conj())) / (2 * np.pi) * one

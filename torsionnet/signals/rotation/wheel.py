@@ -171,8 +171,7 @@ def matched_pulses(times: FloatArray, teeth: ToothPlaces) -> tuple[NDArray[np.in
     """
     count = len(teeth.places)
     turns = (teeth.places + teeth.offsets) / teeth.count
-    # log(interval) = log(pitch) - log(speed): less that of the right tooth, only the slow change of the speed is
-    # left.
+    # log(interval) = log(pitch) - log(speed): less that of the right tooth, only the speed's slow change is left.
     steps = np.log(np.diff(turns, append=turns[0] + 1))
     intervals = np.log(np.diff(times))
     compared = intervals[: COMPARED_TURNS * count]
@@ -324,8 +323,7 @@ class WheelPattern:
         turning = np.exp(-2j * np.pi * order * np.arange(self.teeth) / self.teeth)
         lines: ComplexArray = self.positions * turning
         mean = complex(lines.mean())
-        # At order 0 and at half the tooth count a line stands once, else twice with its conjugate, hence the factor
-        # of 2.
+        # At order 0 and half the tooth count a line stands once, else twice with its conjugate.
         if order % self.teeth in (0, self.teeth / 2):
             return complex(-mean.real, 0)  # real but for rounding, which would be read as a phase
         return -2 * mean

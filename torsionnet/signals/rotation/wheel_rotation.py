@@ -145,11 +145,9 @@ class WheelRotation:
         Independent errors of the places of z teeth add 2 sigma/sqrt(z) to each order that is whole on the wheel;
         those of the times of n pulses 2 sigma/sqrt(n) to every order of the whole record.
         """
-        # Independent errors of standard deviation s at n pulses leave a line of RMS 2 s/sqrt(n); times become angles
-        # by the speed.
+        # Errors s at n pulses leave a line of RMS 2 s/sqrt(n); times become angles by the speed.
         of_times = 2 * float(np.sqrt(np.mean((self.deviations.time * self.speeds) ** 2) / len(self.times)))
-        # Errors of places return with every turn: they are in whole orders of the wheel alone, however long the
-        # record is.
+        # Errors of places return with each turn, in whole orders of the wheel alone, however long the record is.
         on_wheel = order * self.wheel.ratio
         whole = abs(on_wheel - round(on_wheel)) < WHOLE_ORDER
         there = self.wheel.teeth - self.wheel.missing_teeth
