@@ -149,8 +149,7 @@ def _fitted(
     else:
         widened = response.coherence is not None or response.estimation is not None
         better = refine(lines, poles, settings)
-        # Windows widen a peak, which two poles may share: as long as some are too close to part, they are fitted as
-        # fewer.
+        # Windows widen a peak, which two poles may share: those too close to part are fitted as one.
         while widened and chosen.automatic and len(fewer := merged(response, better.poles)) < len(better.poles):
             better = refine(lines, fewer, settings)
         if len(better.poles) < len(poles):

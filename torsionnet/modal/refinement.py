@@ -70,8 +70,7 @@ def refine(lines: Lines, poles: ComplexArray, settings: Settings) -> RefinedPole
     scale = float(np.abs(lines.s).max())
     scaled = replace(lines, s=lines.s / scale)
     sizes, start = factors_of(poles / scale)
-    # Logarithms keep the coefficients positive, and so the poles stable; weights come from the residuals of the round
-    # before.
+    # Logarithms keep coefficients positive, and so poles stable; each round weighs by the last one's residuals.
     for _ in range(ROUNDS):
         problem = Projection(scaled, sizes, settings)
         logarithms, converged = minimised(problem, start)
@@ -169,8 +168,7 @@ def _variance(squares: FloatArray, passed: FloatArray) -> FloatArray:
     # Noise even over neighbouring lines, and with a part in proportion to the response, as noise of the input makes.
     shapes = [np.ones(len(squares)), *(1 + share * passed / max(passed.max(), tiny) for share in INPUT_SHARES)]
     variances: list[FloatArray] = [shape * np.convolve(squares / shape, around, "same") / counts for shape in shapes]
-    # Minus the logarithm of the likelihood of complex normal residuals; a part of the input has to be clearly
-    # likelier.
+    # Minus log-likelihood of complex normal residuals; a part of the input has to be clearly likelier.
     unlikely = [float(np.sum(np.log(each + tiny) + squares / (each + tiny))) for each in variances]
     place = int(np.argmin(unlikely))
     return variances[place if unlikely[place] < unlikely[0] - CLEAR_LIKELIHOOD else 0]

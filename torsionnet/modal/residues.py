@@ -211,8 +211,7 @@ class Projection:
         for (o, i), (factor, _, (basis, solution)) in zip(
             np.ndindex(*self.lines.values.shape[1:]), self._pairs(logarithms), strict=True
         ):
-            # Columns change with the residues as they are; what other residues would make up for is projected out
-            # below.
+            # Columns change under fixed residues; what other residues would make up for is projected out below.
             change = np.stack([factor * (columns @ solution[own]) for own, columns in moved], axis=1)
             if self.lines.drive is not None:
                 weight, transients = self.lines.weights[:, o, i], solution[free]

@@ -33,8 +33,7 @@ def pencil_poles(values: FloatArray, step: float, highest: int) -> list[ComplexA
     right = np.linalg.svd(rows, full_matrices=False)[2]
     found = []
     for count in range(1, min(highest, len(right), length) + 1):
-        # The space of the signal at some samples and at the next ones: eigenvalues of the shift are z = exp(lambda
-        # dt).
+        # From the signal's space at some samples to that at the next: eigenvalues z = exp(lambda dt).
         space = right[:count].T
         shifted = np.linalg.lstsq(space[:-1], space[1:], rcond=None)[0]
         inside = np.linalg.eigvals(shifted)

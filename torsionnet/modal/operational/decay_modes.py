@@ -204,8 +204,7 @@ def logarithmic_decrement(times: FloatArray, values: FloatArray, pole: complex, 
         return None
     cycles = (middle - middle[0]) * pole.imag / (2 * np.pi)
     weights = size / size.max()  # an error of an amplitude is one of its logarithm over its size
-    # ln(amplitude) falls by the decrement from cycle to cycle; a square term is a decrement that changes with
-    # amplitude.
+    # ln(amplitude) falls by the decrement each cycle; a square term shows that it changes with amplitude.
     line, covariance = _regression(cycles, np.log(size), weights, 1)
     bow, spread = _regression(cycles, np.log(size), weights, 2)
     return Decrement(
