@@ -239,7 +239,7 @@ class ElectricMachine(OrderExcitation):
     def _of_short_circuit(self) -> Iterator[_Pulsation]:
         if self.short_circuit:
             given = self.short_circuit
-            # The phase is that of the line voltage: at twice the frequency it counts twice.
+            # One phase for both lines, an angle at the line frequency: at twice the frequency it counts twice.
             for multiple, size in ((1, given.once), (2, given.twice)):
                 if size:
                     yield _Pulsation(0.0, multiple * given.frequency, size * np.exp(1j * multiple * given.phase))

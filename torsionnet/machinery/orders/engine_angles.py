@@ -225,8 +225,8 @@ def _newton(
     """
     slope, curvature = np.zeros_like(tau), np.zeros_like(tau)
     each = []
-    # R = sum_b x_b(a_b + tau) - x_b(a_b), with gradients x_b'(a_b + tau) - x_b'(a_b) to a_b and sum_b x_b'(a_b +
-    # tau) to tau.
+    # R = sum_b x_b(a_b + tau) - x_b(a_b), with the gradients x_b'(a_b + tau) - x_b'(a_b) to a_b
+    # and sum_b x_b'(a_b + tau) to tau.
     for one, own, start in zip(motions, amplitudes, starts, strict=True):
         first, second = (_derivative(one.rates, own, start + tau, order) for order in (1, 2))
         gradient = first - _derivative(one.rates, own, start, 1)

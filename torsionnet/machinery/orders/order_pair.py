@@ -303,8 +303,8 @@ def common_turn(pairs: Sequence[OrderPair]) -> str:
         delay_words(delay): np.exp(-1j * omega * delay),
     }
     left = {words: float((np.abs(test - model * turn) ** 2).sum()) for words, turn in turned.items()}
-    words = min(left, key=left.__getitem__)
     # Offset and delay have one free number each, so that the smaller remainder decides between them.
+    words = min(left, key=left.__getitem__)
     removed = 1 - left[words] / before
     if removed < LEAST_EXPLAINED:
         return ""

@@ -153,7 +153,7 @@ class OrderRequest:
                 OrderLine(name, 0.0, abs(self.ratios[name]), engine=self.engines.get(name, "")),
                 one,
                 self.senses[name],
-                # An excitation is given over the speed of its own shaft, |i| Omega
+                # An excitation is given over the speed of its own shaft, |i| Omega.
                 one.torques(at * abs(float(self.ratios[name]))),
             )
             for name, one in self.excitations.items()
