@@ -87,6 +87,7 @@ class DampedSystem:
             D, along, across = (scale[:, None] * part * scale for part in (D, along, across))
             y = q / scale
             y = y / np.linalg.norm(y)
+            # Newton's step on D(s) q = 0 with the length along y fixed; D is not analytic where losses follow |Im s|.
             size = max(float(np.linalg.norm(along @ y)), 1e-300)
             bordered = np.block([[D, (along @ y)[:, None] / size], [y.conj()[None, :], np.zeros((1, 1))]])
             right = np.array([[*np.zeros(len(y)), 1.0], [*(-across @ y / size), 0.0]]).T
@@ -110,6 +111,7 @@ def damped_modes(system: RowSystem, count: int) -> tuple[FloatArray, Eigenpairs,
     require_resistance(system, (system.inertia > 0) | (system.damping != 0) | stiff_laws(system))
     rates, shapes = undamped_modes(system, count)
     rigid = rigid_motions(system)
+    # Rigid motions that dampers resist are real poles.
     turning = rigid.shape[1] - unresisted_motions(system, elastic(system) | (system.damping != 0)).dimension
     vibrating = [group for group in equal_rates(rates) if rates[group[0]] > 0]
     if not _is_damped(system, rates):
@@ -120,6 +122,7 @@ def damped_modes(system: RowSystem, count: int) -> tuple[FloatArray, Eigenpairs,
     real = _real_poles(system, float(rates.max(initial=0)) or first_rate(system))
     if any(table.rows for _, table in system.dynamic):  # others are of modes that vibrate where tables are their own
         real = sorted(real, key=lambda mode: abs(mode.value))[: turning + 2 * lost]
+    # An overdamped vibration becomes two real poles.
     overdamped = (len(real) - turning) // 2
     return rigid, Eigenpairs.of_modes([*modes, *real], system.n_coordinates), max(0, lost - overdamped)
 
@@ -165,6 +168,7 @@ def _split_by_damping(damped: DampedSystem, rate: float, shapes: ComplexArray) -
     """Starts (pole in rad/s, shape) from shapes of one frequency, combined so that damping separates them."""
     if shapes.shape[1] == 1:
         return [(1j * rate, shapes[:, 0])]
+    # Equal frequencies part to first order, by Phi^T (D - D_free) Phi against Phi^T dD/ds Phi.
     (free, _, slope, _), (whole, *_) = damped.matrices(1j * rate, 0.0), damped.matrices(1j * rate, 1.0)
     reduced = np.linalg.solve(-1j * shapes.T @ slope @ shapes, shapes.T @ (whole - free) @ shapes)
     _, mixed = np.linalg.eig(reduced)
@@ -177,6 +181,7 @@ def _follow(damped: DampedSystem, start: complex, shape: ComplexArray, room: flo
     It is lost also on the real axis.
     """
     mode, share, step = Mode(start, shape), 0.0, 1.0
+    # All the damping at once if that works, else in steps that halve and double.
     while share < 1:
         trial = damped.newton(mode.value, mode.shape, min(1.0, share + step))
         alike = abs(np.vdot(trial.shape, mode.shape)) ** 2
@@ -197,6 +202,7 @@ def _real_poles(system: RowSystem, rate: float) -> list[Mode]:
     sizes = rate * np.logspace(low, high, REAL_GRID)
     counts = _negative_on_axis(system, sizes)
     found: list[Mode] = []
+    # Each real pole changes the number of negative pivots of the real D(s).
     for place in np.flatnonzero(np.diff(counts)):
         change = int(counts[place + 1] - counts[place])
         for number in range(abs(change)):

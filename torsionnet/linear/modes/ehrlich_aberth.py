@@ -127,9 +127,11 @@ def minimum_degree_order(size: int, pattern: Iterable[tuple[int, int]]) -> tuple
     waiting = [(len(around), i) for i, around in neighbours.items()]
     heapify(waiting)
     for number in range(size):
+        # Entries of the heap with another degree than now are out of date.
         while (leaf := waiting[0])[1] not in neighbours or leaf[0] != len(neighbours[leaf[1]]):
             heappop(waiting)
         around = neighbours.pop(leaf[1])
+        # Elimination ties all neighbours to each other.
         for i in around:
             neighbours[i] |= around - {i}
             neighbours[i].discard(leaf[1])
@@ -223,6 +225,7 @@ def _inverse_newton(p: MatrixPolynomial, z: Any) -> Any:
     here, _ = eliminate(p.at(z))
     if here == 0:
         return None
+    # p(z + step) / p(z) = 1 + step p'(z) / p(z), with digits enough for the difference.
     step = z * STEP
     there, _ = eliminate(p.at(z + step))
     return (there / here - 1) / step
@@ -274,6 +277,7 @@ def _move(p: MatrixPolynomial, z: list[Any], j: int, zeros: int) -> bool:
     newton = _inverse_newton(p, z[j])
     if newton is None:
         return True
+    # Sum of 1 / (z_j - z_i), the root zero with its multiplicity among them.
     others = [other for i, other in enumerate(z) if i != j]
     repulsion = sum((1 / (z[j] - other) for other in others), start=zeros / z[j]) if z[j] not in others else newton
     if newton == repulsion:  # on another approximation, or as far from it as from the root
@@ -288,6 +292,7 @@ def _set_apart(
     roots: NDArray[np.float64] | ComplexArray, uncertain: NDArray[np.bool_], spread: FloatArray
 ) -> NDArray[np.generic]:
     """Start values (n,) of roots, pairwise distinct and, if complex, not symmetric to the real axis."""
+    # Turns of 2.4 rad never repeat and are not symmetric to the real axis.
     angles = 0.7 + np.arange(len(roots)) * 2.4
     turn = np.cos(angles) if np.isrealobj(roots) else np.exp(1j * angles)
     nonzero = np.where(roots == 0, -ZERO_START * np.max(np.abs(roots)), roots)

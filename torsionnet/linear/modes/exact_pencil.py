@@ -56,6 +56,7 @@ class DelayedRow:
     def coefficient(self, power: int) -> Fraction:
         """Coefficient, a rational, of s^power in the series of a controller's N(s) e^(-s delay)."""
         total = Fraction(0)
+        # e^(-s tau) = sum of (-s tau)^m / m!
         for m, value in enumerate(self.numerator[: power + 1]):
             total += value * (-self.delay) ** (power - m) / factorial(power - m)
         return total
@@ -84,6 +85,7 @@ class ExactPencil:
             held += [Fraction(0)] * (power + 1 - len(held))
             held[power] += value
 
+        # D(s) = sum over the laws of (k + c s + J s^2) a a^T
         for law, row in zip(assembly.laws, assembly.exact_rows, strict=True):
             ours = {index[name]: value for name, value in row.items() if name in index}
             for power, value in enumerate((exact(law.stiffness), exact(law.damping), exact(law.inertia))):
@@ -91,6 +93,7 @@ class ExactPencil:
                     for j, b in ours.items():
                         add(i, j, power, value * a * b)
         delayed = []
+        # The torque T of an action: -B T beside D(s) q, and a row E(s) T - N(s) e^(-s tau) L q = 0 of its own.
         for place, action in enumerate(assembly.system.actions, len(index)):
             for name, value in action.row.items():
                 if name in index:
@@ -133,8 +136,10 @@ class ExactPencil:
         """
         prime = next(primes())
         entries = {place: list(values) for place, values in self.undelayed.items()}
+        # Bound of the degree of det P: 2 for every coordinate, that of N or E for every action.
         degree = 2 * self.size
         for one in self.delayed:
+            # Of a delay only the terms count that can reach a root at zero of the multiplicity asked for.
             highest = len(one.numerator) - 1 + (most if one.delay else 0)
             series = [one.coefficient(power) for power in range(highest + 1)]
             for j, value in one.sensed.items():
@@ -193,6 +198,7 @@ def zero_chains(pencil: ExactPencil, weights: Sequence[float]) -> dict[int, Zero
         The determinant vanishes at every s.
     """
     chains: dict[int, ZeroChain] = {}
+    # det P has no more roots at zero than its degree, unless it vanishes.
     most = sum(len(one.numerator) for one in pencil.delayed) + sum(
         max((len(values) for (row, _), values in pencil.undelayed.items() if row == i), default=0)
         for i in range(pencil.size)
@@ -236,6 +242,7 @@ def _next_chain(
     vector: ExactVector, chains: Mapping[int, ZeroChain], weights: Sequence[float]
 ) -> tuple[int, ZeroChain]:
     """Index of the column of P(s) that a null vector replaces, and the chain of motions that replaces it."""
+    # x = sum of v_i / v_column s^(highest - k_i) x_i(s): P x begins one power of s later than those before.
     orders = {i: chains[i].order if i in chains else 0 for i in vector}
     highest = max(orders.values())
     column = max((i for i in vector if orders[i] == highest), key=lambda i: abs(float(vector[i])) * weights[i])
@@ -299,6 +306,7 @@ def _phi(r: int, z: complex) -> complex:
     if r == 0:
         with np.errstate(all="ignore"):  # e^z overflows far to the left
             return complex(np.exp(z))
+    # The series next to zero; farther off phi_r = (phi_{r-1} - 1 / (r-1)!) / z cancels nothing.
     if abs(z) <= r + 1:
         total, term = 0j, 1 / math.factorial(r) + 0j
         for m in range(1, SERIES_TERMS):
@@ -392,6 +400,7 @@ def _column(assembly: Assembly, exact: ExactPencil, place: int, chain: ZeroChain
         motion[m, list(vector)] = [float(value) for value in vector.values()]
         for law, row in enumerate(assembly.exact_rows):
             strains[m, law] = float(sum(value * vector.get(index.get(name, -1), 0) for name, value in row.items()))
+    # P(s) x(s) / s^k; what stands below s^k cancels exactly and is not formed.
     sums: defaultdict[tuple[int, int], Fraction] = defaultdict(Fraction)
     for (i, j), values in exact.undelayed.items():
         for m, vector in enumerate(chain.motion):

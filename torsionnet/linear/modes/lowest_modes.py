@@ -108,6 +108,7 @@ def _search(system: RowSystem, motions: RigidMotions, count: int, *, undamped: b
     parts = []
     for before, forms in starts:
         values, shapes, errors = polished(pencil, before, forms)
+        # What polishing carries to zero was a rigid body.
         kept = np.abs(values) > _RIGID_ECHO * np.abs(before)
         parts.append((values[kept], pencil.scale[:, None] * shapes[:, kept], errors[kept]))
     values, shapes, errors = (np.concatenate(part, axis=-1) for part in zip(*parts, strict=True))
@@ -178,6 +179,7 @@ def _slowest_undamped(system: RowSystem, motions: RigidMotions) -> float:
 
 
 def _slowest(pencil: Pencil, rigid: FloatArray) -> float:
+    # A shift far below trace K / trace M first, which the frequency found then corrects.
     square = float(np.sum(pencil.stiffness > 0)) and 1e-6 / float(pencil.scale.max() / pencil.scale.min())
     square *= float(pencil.gram(pencil.stiffness).diagonal().sum() / pencil.M.diagonal().sum())
     for _ in range(_SHIFT_ROUNDS):
@@ -226,6 +228,7 @@ def _undamped(pencil: Pencil, motions: RigidMotions, count: int, slowest: float)
     """Squares omega^2 in (rad/s)^2 of the lowest natural frequencies and shapes (n_q, n), at least ``count``."""
     problem = _Symmetric(pencil, motions.rigid, slowest**2 / 2)
     values, vectors = problem.run(count + 1)
+    # Again without the modes found: a further one of a multiple eigenvalue only shows then.
     for _ in range(count):
         problem.known = np.linalg.qr(np.hstack([problem.known, vectors]))[0]
         more, extra = problem.run(2)
@@ -259,6 +262,7 @@ class _Companion:
 
     def apply(self, x: FloatArray) -> FloatArray:
         n = len(x) // 2
+        # -D(sigma)^-1 ((C + sigma M) q + M s q), and s q from s q = lambda q
         q = -self.factors.solve(self.load @ x)
         return np.concatenate([q, (x[:n] + self.sigma * q) / self.unit])
 
@@ -303,6 +307,7 @@ def _damped(pencil: Pencil, motions: RigidMotions, count: int, slowest: float) -
         upper = values.imag >= 0
         values, vectors = values[upper], vectors[:, upper]
         sizes = np.sort(np.abs(values))
+        # All poles within ``radius`` of sigma are known, and these hold the circle about zero with ``count`` of them.
         enough = len(sizes) >= count and sizes[count - 1] + sigma <= problem.radius * (1 + _MISSED_MARGIN)
         resolved = len(sizes) > 0 and sizes[0] > sigma * _RESOLVED
         if enough and resolved:

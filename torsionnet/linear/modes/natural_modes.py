@@ -95,6 +95,7 @@ def elements_beyond_cut(drivetrain: AssembledModel, request: TransferRequest) ->
         return None
     node, _ = port_of(drivetrain.elements[sensor.of], sensor.at)
     ends = {name: {*one.ports.values(), *one.internal_nodes} - {GROUND} for name, one in drivetrain.elements.items()}
+    # The cut lies between the element and its node at the port.
     ends[sensor.of].discard(node)
     parts = Groups(drivetrain.nodes)
     tied = [set(one.nodes) for one in drivetrain.inputs.values() if one.quantity == "angle"]
@@ -311,6 +312,7 @@ def energies(
     system = assembly.system
     motion = np.abs(_motion(system.law_rows, solution.vectors)) ** 2
     sizes = np.array([sum(map(abs, row.values())) for row in system.sparse_rows])
+    # Motions that are rounding have no energy.
     motion[motion < (1e-12 * sizes[:, None]) ** 2] = 0.0
     rate = np.abs(solution.eigenvalues)
     inertia, stiffness, loss = (np.zeros((len(motion), len(rate))) for _ in range(3))
@@ -320,6 +322,7 @@ def energies(
     kinetic = (system.inertia[:, None] + inertia) * motion
     strain = (system.stiffness[:, None] + stiffness) * motion
     dissipated = (system.damping[:, None] * rate + loss) * rate * motion
+    # A rigid body strains nothing, and what it loses is no part of a vibration.
     rigid = np.array([kind == "rigid body" for kind in solution.kinds], dtype=bool)
     strain[:, rigid], dissipated[:, rigid] = 0.0, 0.0
     place = {element: number for number, element in enumerate(elements)}
