@@ -40,6 +40,7 @@ class StepMatrices:
 
         The shapes are (BLOCK + 1, n_rows, n_p) and (BLOCK + 1, BLOCK + 2, n_rows, n_u).
         """
+        # Rows after 0 to n - 1 steps times the matrix of n steps are those after n to 2 n - 1.
         ahead = rows[None]
         for power in self.powers:
             few = ahead[: BLOCK + 1 - len(ahead)]
@@ -55,6 +56,7 @@ class StepMatrices:
 
 def step_matrices(whole: FloatArray, at: Layout) -> StepMatrices:
     """Matrices of steps from that of one step for all of z, shape (N, N)."""
+    # Within a step u + (u' - u) t: the column of the slope goes to u', and what is left of that of u to u.
     last = whole[: at.n_p, at.slope]
     powers = [np.ascontiguousarray(whole[: at.n_p, : at.n_p])]
     while len(powers) < LEVELS:
@@ -100,6 +102,7 @@ def pushes_of(steps: StepMatrices) -> FloatArray:
     pushes = [np.hstack([steps.first, steps.last])]
     for level in range(LEVELS - 1):
         push, size = pushes[-1], 1 << level
+        # The first half of the steps, carried on over the second, and the second half.
         twice = np.zeros((n_p, (2 * size + 1) * n_u))
         twice[:, : (size + 1) * n_u] = steps.powers[level] @ push
         twice[:, size * n_u :] += push
@@ -189,6 +192,7 @@ def guard_rows(form: ContactForm, laws: Sequence[LawPhases], contact: Sequence[i
         if math.isfinite(phase.upper):
             own[UPPER] = phase.upper * one - motion
         if phase.side and phase.damping:
+            # k d + c d' of a contact, which pushes on its own side alone.
             line = phase.torque * one + phase.stiffness * form.twists[number] + phase.damping * form.rates[number]
             own[PUSH] = line * (phase.side if phase.kind == "slope" else -phase.side)
     return found
@@ -202,6 +206,7 @@ def march_table(form: ContactForm, guards: FloatArray, at: Layout, h: float, n_s
     own_guards = changing_guards(guards, at)
     rows = guards[own_guards] * units
     finest = np.asarray(scipy.linalg.expm(A / n_sub))
+    # Half a step, a quarter and so on: each is the square of the next one.
     parts = [finest]
     while len(parts) < round(math.log2(n_sub)):
         parts.insert(0, parts[0] @ parts[0])
@@ -212,6 +217,7 @@ def march_table(form: ContactForm, guards: FloatArray, at: Layout, h: float, n_s
     ahead, pushed = rows_of_guards(rows, steps, at)
     taylor = taylor_rows(np.vstack([rows, np.eye(at.size)[at.n_q : at.one]]), A)
     size, n_g = np.abs(A), len(guards)
+    # Sizes of the terms of guards, and of what the motion changes in them in a step.
     changed = np.abs(rows) @ size
     return MarchTable(
         _padded(ahead.reshape(-1, at.n_p), (BLOCK + 1) * n_g),

@@ -77,6 +77,7 @@ def root_between(coefficients: Any, above: float, below: float) -> float:
         else:
             below = at
         slope = slope_at(coefficients, at)
+        # Newton's step, or half the bracket where it would leave it.
         following = at - value / slope if slope != 0 else below
         if abs(following - at) <= LAST_STEP:
             break
@@ -113,6 +114,7 @@ def first_root(coefficients: Any, length: float, rounding: float) -> float:
     """
     begin, start = 0.0, coefficients[0]
     if start < -rounding:
+        # Below zero from the start: it has to have risen a moment later.
         begin, below = AT_ONCE, start
         start = polynomial_at(coefficients, begin)
         if below < -ASTRAY * rounding or start <= 0:
@@ -123,12 +125,14 @@ def first_root(coefficients: Any, length: float, rounding: float) -> float:
     rising, rises = slope_at(coefficients, begin) > 0, slope_at(coefficients, length) > 0
     above, below = begin, length
     if end >= -rounding:
+        # Above zero at both ends: only a minimum between them can lie below.
         if rising or not rises:
             return -1.0
         below = turning_point(coefficients, begin, length)
         if polynomial_at(coefficients, below) >= -rounding:
             return -1.0
     if start <= rounding:
+        # Zero at the start: if it rises first, it falls behind the maximum.
         if not rising or rises:
             return begin
         above = turning_point(coefficients, begin, below)
@@ -161,6 +165,7 @@ def sum_of_products(matrix: Any, vector: Any, other: Any, torques: Any) -> Any:
 def jumped(p: Any, i: int, steps: int, n_u: int, drive: Any, offsets: Any, powers: Any, pushes: Any) -> Any:
     """State p after a number of whole steps from grid point i, under torques ``drive`` at the grid points."""
     n_p = p.shape[0]
+    # Steps by powers of two, the largest first.
     for level in range(powers.shape[0] - 1, -1, -1):
         size = 1 << level
         while steps >= size:
@@ -195,6 +200,7 @@ def moved(z: Any, rest: float, n_q: int, taylor: Any) -> Any:
     terms = np.dot(taylor, z).reshape(DEGREE, n_moving)
     powers = rest**EXPONENTS
     found = z.copy()
+    # Angles from rates: a term of t^k becomes one of t^(k+1) / (k + 1).
     found[:n_q] += rest * (z[n_q : 2 * n_q] + np.dot(powers / (EXPONENTS + 1.0), terms)[:n_q])
     found[n_q : n_q + n_moving] += np.dot(powers, terms)
     return found
@@ -260,6 +266,7 @@ def located(
     here, place, which, found = z, -1, -1, 2.0
     for pair in range(places.shape[0]):
         start = places[pair] / n_sub
+        # Pairs come in the order of time, so that no later point can have an earlier event.
         if start >= length or (which >= 0 and places[pair] != place):
             break
         if places[pair] != place:
@@ -310,12 +317,14 @@ def march(
             break
         which, part, start, n_g = -1, 0.0, f, guards[c, 0]
         if f > 0:
+            # The rest of a step, after an event within it.
             z = with_torques(p, i, f, n_u, drive)
             part, which, z = located(z, 1 - f, n_sub, n_q, n_g, finer[c], courses[c], sizes[c], halves[c], taylors[c])
             if which < 0:
                 part = 1 - f
                 z = passed(z, part, n_sub, n_q, halves[c], taylors[c])
         else:
+            # From a grid point on: the guards at all points of a block by one product.
             count, rows = min(most, last - i), (most + 1) * n_g
             values = sum_of_products(ahead[c, :rows], p, pushed[c, :rows], drive[i * n_u : (i + most + 1) * n_u])
             there, steps, looked, z = p, 0, -1, p

@@ -101,6 +101,7 @@ def _balanced(
     try:
         return _state_under(drivetrain, asked)
     except ModelError:
+        # No balance: torques that accelerate what turns freely are left out, f - M a.
         relief = _accelerations(plant, [one.row for one in rows], forces)
         if relief is None:
             raise
@@ -176,6 +177,7 @@ def _accelerations(plant: MotionPlant, rows: list[FloatArray], forces: FloatArra
     free = _free_motions(plant, rows)
     if not free.shape[1]:
         return None
+    # (Phi^T M Phi) a = Phi^T f, over the motions that nothing resists.
     inertia = free.T @ plant.assembly.system.M @ free
     found = np.linalg.lstsq(inertia, free.T @ forces, rcond=None)[0]
     return np.asarray(free @ found)
@@ -221,6 +223,7 @@ def _angles(
         K = K - gain * np.outer(action.row, action.sensed)
         load += offset * action.row
         finish.append((action, settle))
+    # K q + M Phi a = load, and the twists that the balance knows; all rows of one size for least squares.
     free = _free_motions(plant, held)
     size = max(float(np.abs(K).max(initial=0.0)), 1.0)
     pushed = system.M @ free
@@ -248,6 +251,7 @@ def _settled(action: LawStates, rate: float) -> tuple[float, float, Any]:
     n = len(F)
     if not n or _integrates(action):
         return float(P[0]), float(P[1]) * rate, lambda y: np.zeros(n)  # noqa: ARG005
+    # Steady x = along y + moved in x' = F x + G_0 y + G_1 y': F along = -G_0, F moved = (along - G_1) rate.
     along = -np.linalg.solve(F, G[:, 0])
     moved = np.linalg.solve(F, along * rate - G[:, 1] * rate)
     return float(P[0] + H @ along), float(P[1] * rate + H @ moved), lambda y: along * y + moved
