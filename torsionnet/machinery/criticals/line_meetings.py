@@ -365,7 +365,7 @@ def around_poles(poles: ComplexArray, lines: Sequence[OrderLine], speeds: FloatA
         for pole in poles[poles.imag > 0].tolist()
         for line in _distinct(lines)
         # lambda = -delta +- j omega_d: damped frequency omega_d/2pi, half width delta/2pi, natural frequency
-        # |lambda|/2pi in Hz
+        # |lambda|/2pi, all in Hz.
         for resonance in _met(line, pole.imag / (2 * math.pi), -pole.real / (2 * math.pi), abs(pole) / (2 * math.pi))
     )
     return _around(found, speeds)

@@ -106,7 +106,7 @@ class _Search:
         return found
 
     def _around(self, one: CriticalSpeed) -> FloatArray:
-        # Damping shifts and widens a peak in proportion to zeta, so that the search is that many zeta wide.
+        # A peak is wider in proportion to zeta and further from the critical speed the more it is damped.
         width = min(max(WIDTHS * one.mode.damping_ratio, LEAST_WIDTH), MOST_WIDTH)
         critical = one.speed("natural")
         low, high = np.clip(critical * np.array([1 - width, 1 + width]), *self.limits)
