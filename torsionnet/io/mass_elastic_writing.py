@@ -127,10 +127,12 @@ def _law(graph: MassElasticGraph, element: Element, law: Law, value: Values) -> 
     if not law.row:
         return True
     node, share = next(iter(law.row.items()))
+    # A law on the row a (theta_1 - tau theta_2) counts a^2 times over the angle of its first node.
     factor = float(share) ** 2
     inertia, damping, stiffness = (float(one) * factor for one in (law.inertia, law.damping, law.stiffness))
     section = element.diameters
     diameters = None if section is None else (float(value(section[0])), float(value(section[1])))
+    # On one node an inertia is a mass and a damping one to ground; a spring to ground has a row of its own.
     if len(law.row) == 1:
         graph.inertias[node] += inertia
         if not stiffness:
@@ -148,6 +150,7 @@ def _connected(name: str, row: Row) -> Connection:
     (first, share), *rest = row.items()
     if not rest:
         return Connection(name, first, GROUND)
+    # a theta_1 + b theta_2 = a (theta_1 - tau theta_2), tau = -b/a.
     second, other = rest[0]
     return Connection(name, first, second, -other / (Fraction(share) if isinstance(share, int) else share))
 
@@ -168,6 +171,7 @@ def _ratios(graph: MassElasticGraph, reference: str) -> dict[str, Any]:
         node = waiting.popleft()
         for one in at[node]:
             there = one.from_node(node)
+            # A rigid connection has theta_1 = tau theta_2, and on average so has a spring.
             speed = ratios[node] / there.tau
             if there.second not in ratios:
                 ratios[there.second] = speed

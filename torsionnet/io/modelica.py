@@ -90,6 +90,7 @@ def _differential(element: Differential, net: Net, words: ModelicaExpressions) -
     if element.locked:
         net.points.join(*(port(element, side) for side in sides))
         return
+    # A planetary set of ratio 1 turns its carrier with the mean of sun and ring.
     name = declared(element, net, "IdealPlanetary", "ratio=1")
     for ours, theirs in sides.items():
         net.points.join(port(element, ours), f"{name}.{theirs}")
@@ -103,6 +104,7 @@ def _shaft(element: Shaft, net: Net, words: ModelicaExpressions) -> None:
     length, modulus, density = (
         factor(words.expression(value)) for value in (element.length, element.shear_modulus, element.density)
     )
+    # Of one segment k = n G I/L and J = rho I L/n, with I = pi (D^4 - d^4)/32.
     stiffness, inertia = f"{n}*{modulus}*{area}/{length}", f"{density}*{area}*{length}/{n}"
     laws = (part for part in element.parts(words.values) if isinstance(part, Law))
     damping = next(float(law.damping) for law in laws if law.is_elastic)
@@ -123,11 +125,13 @@ def _power(words: ModelicaExpressions, value: Any) -> str:
 
 def _segment_inertia(element: Shaft, net: Net, inertia: str, ends: list[str], suffix: str) -> None:
     """Write the inertia of a shaft segment on its ends, and of a consistent one two thirds on the mean angle."""
+    # Consistent: J (w_1^2 + w_1 w_2 + w_2^2)/3 = J w_1^2/6 + J w_2^2/6 + (2 J/3) ((w_1 + w_2)/2)^2.
     share = 6 if element.inertia == "consistent" else 2
     for end, side in zip(ends, "ab", strict=True):
         lump = declared(element, net, "Inertia", f"J={inertia}/{share}", f"{suffix}_inertia_{side}")
         net.points.join(end, f"{lump}.flange_a")
     if element.inertia == "consistent":
+        # A planetary set of ratio 1 has the mean of both angles on its carrier.
         mean = declared(element, net, "IdealPlanetary", "ratio=1", f"{suffix}_mean")
         middle = declared(element, net, "Inertia", f"J=2*{inertia}/3", f"{suffix}_inertia_mean")
         net.points.join(ends[0], f"{mean}.sun")

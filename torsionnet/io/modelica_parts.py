@@ -334,6 +334,7 @@ class _PartWriter:
             if part.is_elastic or part.damping != 0:
                 self._spring(part)
             if part.inertia != 0:
+                # The row's sum is the factor times one angle, so that J counts the factor squared.
                 point, factor = self._mean(part.row)
                 name = self._declared("Inertia", f"J={self._text(part.inertia * factor**2)}", "_inertia")
                 self.net.points.join(point, f"{name}.flange_a")
@@ -348,6 +349,7 @@ class _PartWriter:
 
     def _spring(self, law: Law) -> None:
         first, second, factor = self._ends(law.row)
+        # gamma is the factor times a difference of two angles: k and c count its square.
         laws = {"c": law.stiffness * factor**2, "d": law.damping * factor**2}
         values = ", ".join(f"{letter}={self._text(number)}" for letter, number in laws.items() if number != 0)
         kind = "Damper" if law.stiffness == 0 else "Spring" if law.damping == 0 else "SpringDamper"
@@ -374,6 +376,7 @@ class _PartWriter:
             reverse = self._declared("IdealGear", "ratio=-1", "_reverse")
             self.net.points.join(end, f"{reverse}.flange_a")
             end, share = f"{reverse}.flange_b", -share
+        # Its equation is sun + r ring = (1 + r) carrier; r = share/factor makes the sum (factor + share) carrier.
         mean = self._declared("IdealPlanetary", f"ratio={self._text(share / factor)}", "_mean")
         self.net.points.join(point, f"{mean}.sun")
         self.net.points.join(end, f"{mean}.ring")
@@ -386,9 +389,11 @@ class _PartWriter:
             return
         point, factor = self._mean({node: row[node] for node in some})
         share = expression_number(row[last])
+        # Weights that cancel leave two equal angles.
         if factor + share == 0:
             self.net.points.join(point, self.points[last])
             return
+        # factor phi_m + share phi = 0, and an ideal gear has phi_a = ratio phi_b.
         gear = self._declared("IdealGear", f"ratio={self._text(-share / factor)}", "_gear")
         self.net.points.join(point, f"{gear}.flange_a")
         self.net.points.join(self.points[last], f"{gear}.flange_b")

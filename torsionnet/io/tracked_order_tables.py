@@ -130,6 +130,7 @@ def read_tracked_orders(path: str | os.PathLike[str]) -> tuple[TrackedOrders, ..
     faults = _misplaced(file, numbers, [line for line, _ in body], len(times) * len(orders))
     if faults:
         raise ModelError(faults, str(file))
+    # By time, then by order, in whatever order the lines stand.
     sorted_rows = numbers[np.lexsort((numbers[:, 2], numbers[:, 0]))].reshape(len(times), len(orders), -1)
     undecided = tuple(float(text) for text in heads.get(_UNDECIDED, "").split(",") if text.strip())
     related = tuple(float(text) for text in heads.get(_RELATED, "").split(",") if text.strip())
@@ -422,6 +423,7 @@ def _of_this_package(file: str, rows: Sequence[list[str]], output: Channel, conf
         ) from None
     sums: dict[tuple[float, float], complex] = {}
     for speed, frequency, real, imag in numbers.tolist():
+        # Order 60 f/n with the speed n in r/min; amplitudes of one order add up with their phases.
         key = (speed, round(60 * frequency / speed, 9))
         sums[key] = sums.get(key, 0) + complex(real, imag)
     table = np.array([(speed, order, value.real, value.imag) for (speed, order), value in sums.items()])

@@ -132,6 +132,7 @@ def _add_law(
         weight = motion.tape.number(coefficient)
         if weight.vanishes:
             continue
+        # M = sum J a a^T over the rows a of the laws, and so C and K.
         for first, a in row.items():
             for second, b in row.items():
                 matrices[letter].add(place[first], place[second], weight * (a * b))
@@ -147,6 +148,7 @@ def _add_reading(
     read = reading(sensor, drivetrain.elements, motion.values, rows, motion.kinematics.constraints)
     balanced = balance(read, motion.kinematics, [row for _, row in rows], tape.number)
     parts = [] if read.row is None else [(read.row, [tape.number(read.power == power) for power in range(3)])]
+    # A law gives (k + c s + J s^2) times its row.
     for index, factor in balanced.laws:
         _, law = laws[index]
         if law.acts and not factor.vanishes:
@@ -323,6 +325,7 @@ def _patterns(system: System) -> tuple[Pattern, Pattern]:
     place[:n_h, :n_h] = rate[:n_h, n_h : 2 * n_h] = np.eye(n_h, dtype=bool)
     place[n_h : n_h + n_b, 2 * n_h : n_x] = np.eye(n_b, dtype=bool)
     heavy, damped, static = slice(0, n_h), slice(n_h, n_h + n_b), slice(n_h + n_b, n)
+    # Statics first, K d from loads and the other angles; with d the rates of b by C, and last those of h' by M.
     place[static] = _solved(K[static, static], (loads | K @ place)[static])
     rate[damped] = _solved(C[damped, damped], (loads | K @ place | C @ rate)[damped])
     faster = _solved(M[heavy, heavy], (loads | K @ place | C @ rate)[heavy])
@@ -330,6 +333,7 @@ def _patterns(system: System) -> tuple[Pattern, Pattern]:
     outputs = np.hstack(
         [np.zeros((len(system.outputs), n_x), dtype=bool), _pattern(system, "F", len(system.outputs), n_u)]
     )
+    # y is made of c, c' and c'': with the rates of the states each row gives the next one.
     row = place
     for power in range(3):
         outputs |= _pattern(system, f"R{power}", len(system.outputs), n) @ row

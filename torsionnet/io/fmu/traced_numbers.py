@@ -80,6 +80,7 @@ class Traced:
             return self
         if self.place is not None and self.place == right.place:
             return self.tape.number(1)
+        # The check is divided modulo its prime.
         return self.tape.operation(
             "/", self, right, self.value / right.value, self.other * pow(right.other, -1, CHECK_PRIME)
         )
@@ -281,6 +282,7 @@ class Motion:
 def trace_motion(drivetrain: Drivetrain) -> Motion:
     """Coordinates and laws of a drivetrain as they follow from parameters, as many of them left open as possible."""
     settled: set[str] = set()
+    # A decision that other values would reverse settles its parameters: again, with these as constants.
     while True:
         motion = _traced(drivetrain, settled)
         if motion.tape.settled <= settled:
@@ -312,6 +314,7 @@ class _Kinds:
 
     def found(self) -> tuple[tuple[dict[str, Any], ...], _Names, _Names, _Names, frozenset[str]]:
         """Changes of coordinates, and names of those with inertia, massless with dampers, without either, relative."""
+        # What inertia leaves free is massless, and what dampers leave free of that is static.
         inertial = [row for law, row in self.laws if self._is_there(law.inertia, row)]
         massless = self._separated(inertial, self.coordinates)
         heavy = tuple(name for name in self.coordinates if name not in massless)
@@ -319,6 +322,7 @@ class _Kinds:
         damping = [row for law, row in inside if row and self._is_there(law.damping, row)]
         static = self._separated(damping, massless)
         damped = tuple(name for name in massless if name not in static)
+        # What springs leave free is motion as a rigid body; other angles are taken relative to it.
         elastic = [row for law, row in self.laws if law.is_elastic]
         free = self._separated(elastic, (*heavy, *damped, *static))
         self._require_held(free, static)
