@@ -57,6 +57,7 @@ def exact_sqrt(value: Fraction | float) -> Fraction | float:
         raise ArithmeticError(f"the square root of {float(value):.4g} is not real; check the signs of the values")
     if not isinstance(value, Fraction | int):
         return math.sqrt(value)
+    # In lowest terms a fraction has a rational root where both parts are squares.
     root = Fraction(math.isqrt(value.numerator), math.isqrt(value.denominator))
     return root if root * root == value else math.sqrt(value)
 
@@ -294,6 +295,7 @@ def _power(compound: Compound, algebra: Algebra, base: Any, _: Any = None) -> An
     if isinstance(base, int | float | Fraction) and base < 0:
         said = '"{}" is {:g}; a negative number has no square root here'
         raise ExpressionError(Fault(Worded(said, source, float(base))))
+    # x^(n/2) = sqrt(x)^n.
     return algebra.sqrt(base) ** exponent.numerator
 
 
@@ -456,6 +458,7 @@ def interpolate_in_algebra(rows: Rows, at: Any, algebra: Algebra) -> Any:
         ahead = (following[1].value - level.value) / (following[0].value - key.value) if following else Fraction(0)
         if ahead != slope:
             beyond = at - algebra.number(key.value)
+            # The ramp beyond a row is (x - x_i + sqrt((x - x_i)^2))/2.
             total = total + algebra.number((ahead - slope) / 2) * (beyond + algebra.sqrt(beyond**2))
         slope = ahead
     return total

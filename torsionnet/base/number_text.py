@@ -99,6 +99,7 @@ class NumberText:
             return None
         if SMALLEST_PLAIN <= abs(self.value) < LARGEST_PLAIN or self.decimals is not None:
             return None
+        # Of the number as rounded: 9.9996 to four digits is 10.00.
         return math.floor(math.log10(float(f"{abs(self.value):.{self.digits - 1}e}")))
 
     @property

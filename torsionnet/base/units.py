@@ -325,6 +325,7 @@ def parse_unit(text: str) -> Unit:
         raise _refusal(text, what)
     if dimension == _RATE and not is_angular:
         raise _refusal(text, "leaves open what turns or repeats; write rad/s, rpm, rev/s or Hz")
+    # GD^2 with the diameter is four times the inertia with the radius.
     return Unit(factor / 4 if disc and disc[2] == "GD" else factor, dimension, text)
 
 
@@ -360,6 +361,7 @@ def _ratio(numeral: re.Match[str]) -> tuple[int, int]:
     if exponent and (len(exponent) > len("+0330") or abs(int(exponent)) > _MAX_DECIMAL_EXPONENT):
         raise UnitError(f'"{numeral[0]}" is too large or too small a number')
     whole, _, decimals = mantissa.partition(".")
+    # Digits times a power of ten, in whole numbers throughout.
     power = int(exponent or 0) - len(decimals)
     digits = int(sign + whole + decimals)
     return (digits * 10**power, 1) if power >= 0 else (digits, 10**-power)

@@ -77,6 +77,7 @@ def nanoseconds(found: re.Match[str]) -> int:
     hours = int(found["hours"])
     half = (found["half"] or "").strip().casefold()
     if half:
+        # 12 am is 0 h, and 12 pm stays 12 h.
         hours = hours % 12 + 12 * half.startswith("p")
     whole = (hours * 60 + int(found["minutes"])) * 60 + int(found["seconds"]) - zone_offset(found["zone"])
     return whole * NANOSECONDS_PER_SECOND + int((found["part"] or "")[:9].ljust(9, "0"))
@@ -227,6 +228,7 @@ def detect_encoding(path: Path) -> str:
     if start.startswith((b"\xff\xfe", b"\xfe\xff")):
         return "utf-16"
     try:
+        # Whole lines only, as the end of the block may cut a character.
         start[: start.rfind(b"\n") + 1].decode("utf-8")
     except UnicodeDecodeError:
         return "cp1252"

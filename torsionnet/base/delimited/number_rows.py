@@ -79,6 +79,7 @@ class StampReader:
         values = clocks[known]
         if self._form and not self._form[0]:  # a clock without a date passes midnight
             before = np.concatenate([[self._last] if self._begun else values[:1], values[:-1]])[: len(values)]
+            # A clock that falls by more than half a day has passed midnight.
             days = self._days + np.cumsum(values - before < -NANOSECONDS_PER_DAY // 2)
             self._last = int(values[-1]) if len(values) else self._last
             self._days = int(days[-1]) if len(days) else self._days
