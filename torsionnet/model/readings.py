@@ -79,6 +79,7 @@ def reading(
             {i: share * row[node] for i, (owner, row) in enumerate(rows) if owner == element.name and node in row}
             for rows in tables
         )
+        # An action drives with its torque where laws and constraints resist, hence the sign.
         found = Reading(laws=own, constraints=rigid, actions={number: -factor for number, factor in driving.items()})
     if sensor.referred_to is None:
         return found
@@ -118,6 +119,7 @@ def referring_factor(sensor: Sensor, elements: Mapping[str, Element], value: Val
             ModelName(shaft),
         )
         raise UsageError(Fault(text))
+    # Power is the same at both shafts, so that torques go with 1/ratio.
     ratio = path.ratio(value)
     return 1 / ratio if sensor.quantity == "torque" else ratio
 
@@ -153,6 +155,7 @@ def balance(
     shares = [(law, number(factor)) for law, factor in torque.laws.items()]
     applied: dict[str, Any] = {}
     for constraint, read in torque.constraints.items():
+        # lambda = z^T (B u - D theta): torques applied count as they are, those of the laws are taken off.
         opened, factor = virtual_motion(kinematics, constraint, number), number(read)
         for node, angle in opened.items():
             share = factor * angle

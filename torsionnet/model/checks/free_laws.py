@@ -92,6 +92,7 @@ def sticking_loops(definition: Definition, values: Mapping[str, Any], kinematics
     order = {name: number for number, name in enumerate(dict.fromkeys(name for row in rows for name in row))}
     reduction = reduce_rows(rows, order)
     found = []
+    # A row that follows from others: their frictions may share the torque in any way.
     for last in reduction.redundant:
         names = dict.fromkeys(owners[number] for number in sorted({*reduction.origin_of_row(last), last}))
         text = Worded(

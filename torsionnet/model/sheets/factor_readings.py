@@ -112,6 +112,7 @@ def decide_factors(
              for one in factored]  # fmt: skip
     is_certain = all(len(choices) == 1 for choices in usual)
     possible: tuple[PossibleReading, ...] = ()
+    # Each combination of readings makes another plant, with a lowest vibration of its own.
     if not option and len(factored) <= MOST_FACTORS:
         combinations = product(READINGS, repeat=len(factored))
         possible = tuple(
@@ -194,12 +195,14 @@ def lowest_vibration(rows: SheetRows) -> float | None:
         if stiffness == math.inf or not stiffness or (len(ends) == 2 and ends[0] == ends[1]):
             continue
         held |= len(ends) == 1
+        # K takes k at both ends and -k between them; a spring to ground has one end here.
         for row in ends:
             for column in ends:
                 k[row, column] += stiffness if row == column else -stiffness
     held |= len(joined.of(GROUND)) > 1
     if not inertia.any() or not k.any():
         return None
+    # The shift begins at a mean omega^2 and comes down until the lowest one is not lost in rounding beside it.
     shift, root = float(k.trace() / inertia.sum()), np.sqrt(inertia)
     for _ in range(6):
         try:
@@ -207,6 +210,7 @@ def lowest_vibration(rows: SheetRows) -> float | None:
         except np.linalg.LinAlgError:
             return None
         values = np.sort(np.linalg.eigvalsh(root[:, None] * inverse * root[None, :]))[::-1]
+        # Where nothing holds the plant, the largest eigenvalue is its motion as a rigid body, and the next is sought.
         if len(values) < 2 - held or values[1 - held] <= 0:
             return None
         squared = 1 / float(values[1 - held]) - shift
@@ -221,5 +225,6 @@ def _stiffness(link: SheetLink) -> float:
         return math.inf if link.stiffness.is_rigid else float(link.stiffness.si)
     if link.outer is None or link.length is None or not link.length.si:
         return math.inf
+    # k = G pi (D^4 - d^4)/(32 L).
     inner = float(link.inner.si) if link.inner is not None else 0.0
     return STEEL * math.pi / 32 * (float(link.outer.si) ** 4 - inner**4) / float(link.length.si)

@@ -296,6 +296,7 @@ def parse_sheet(grid: CellGrid, reading: SheetReading = SheetReading()) -> MassE
             raise ModelError(scaled.faults, grid.file)
         return found
 
+    # The readings of factors are judged on values referred to one speed: real ones take the square of the ratio.
     power = 0 if sides.referred else 2
     factors = decide_factors(columns, grid, lambda readings: rows_of(readings).scaled(power), reading.factors)
     faults = [*sides.faults, *factors.faults]

@@ -63,11 +63,13 @@ class Histogram:
         own = _bins(values[there])
         low, high = (int(own.min()), int(own.max()) + 1) if own.size else (0, 1)
         width = high - low
+        # A counter for every bin in between, or sorted values where these would be too many.
         if width * values.shape[1] > MOST_COUNTERS:
             bins, counts = np.unique((points << 21) + own + (1 << 20), return_counts=True)
             return cls(bins, counts.astype(np.int64))
         every = np.bincount(points * width + (own - low), minlength=width * values.shape[1])
         places = np.flatnonzero(every)
+        # The point in the high bits, the bin with an offset in the lower 21.
         return cls((places // width << 21) + places % width + low + (1 << 20), every[places].astype(np.int64))
 
     @classmethod
@@ -92,6 +94,7 @@ class Histogram:
             if first == last:
                 continue
             below = np.cumsum(self.counts[first:last])
+            # The value of that rank, rounded up, without interpolation.
             ranks = np.ceil(wanted * below[-1]).clip(1, below[-1])
             places = np.searchsorted(below, ranks)
             found[:, point] = _middles(self.bins[first:last][places] - (point << 21) - (1 << 20))
@@ -130,6 +133,7 @@ class GrowingHistogram:
 
 def _bins(values: FloatArray) -> NDArray[np.int64]:
     with np.errstate(divide="ignore"):
+        # Bin n holds the sizes from r^n to r^(n + 1); its sign and an offset leave 0 for zero.
         sizes = np.floor(np.log(np.abs(values)) / log(BIN_RATIO))
     return np.where(values == 0, 0, np.sign(values) * (sizes.clip(1 - BIN_OFFSET, BIN_OFFSET - 1) + BIN_OFFSET)).astype(
         np.int64
@@ -203,6 +207,7 @@ class Moments:
     def joined(self, other: Moments) -> Moments:
         """Moments of the values of some variants together with those of later variants."""
         count = self.count + other.count
+        # Chan, Golub and LeVeque: about the common mean the squares grow by d^2 n_a n_b/(n_a + n_b).
         apart = other.mean - self.mean
         share = other.count / np.maximum(count, 1)
         lower = ~(self.smallest <= other.smallest) & (other.count > 0)
