@@ -168,7 +168,7 @@ def _notes(fit: RunUpFit, windows: PassageWindows, excitation: Excitation, deriv
     sweep = sweep_of(windows.times, windows.angle, windows.orders[0], excitation)
     passed = int(np.abs(np.abs(sweep.speed) - abs(pole)).argmin())
     rate = abs(float(np.gradient(sweep.speed, sweep.step)[passed])) / (2 * np.pi)
-    # Beyond about (zeta f_0)^2 in Hz/s the half-power width is passed before the mode settles.
+    # At (zeta f_0)^2 in Hz/s half the half-power width takes 2 pi of the mode's time constants 1/(zeta omega_0).
     if rate > FAST_SWEEP * (zeta * f0) ** 2:
         read = steady_reading(np.abs(sweep.speed) / (2 * np.pi), np.abs(swept_response(pole, sweep, derivative)))
         # Peak of a steady receptance over the static one, 1/(2 zeta sqrt(1 - zeta^2)).
