@@ -48,12 +48,14 @@ class MeanMotion:
 
     @cached_property
     def _angles(self) -> FloatArray:
+        # Trapezoids are exact, as the speed is straight between points.
         turned = np.diff(self.times) * (self.speeds[1:] + self.speeds[:-1]) / 2
         return np.concatenate([[self.start_angle], self.start_angle + np.cumsum(turned)])
 
     def angle(self, times: FloatArray) -> FloatArray:
         """Angles in rad at times in s between first and last point, shape (n,)."""
         place = self._place(times)
+        # From the point before: alpha + Omega t + Omega' t^2/2.
         since = times - self.times[place]
         return np.asarray(self._angles[place] + since * (self.speeds[place] + self.acceleration(times) * since / 2))
 

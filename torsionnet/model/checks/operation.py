@@ -69,8 +69,10 @@ def _unbalanced(given: Mapping[str, float], done: Mapping[str, float]) -> list[F
     if abs(rest) <= UNBALANCED_SHARE * largest:
         return []
     last = list(done)[-1]
+    # What is left as a torque at the last node, whose work is the torque times a ratio.
     over = rest * given[last] / done[last]
     listed = ", ".join(f"{node} {given[node]:.6g} N*m" for node in done)
+    # A torque of the wrong sign leaves twice its own work over.
     turned = [node for node in done if abs(rest - 2 * done[node]) <= UNBALANCED_SHARE * largest]
     hint = f'; did you mean "{turned[-1]}: {-given[turned[-1]]:.6g} N*m"?' if turned else ""
     text = (

@@ -139,11 +139,11 @@ class LoopDrive(Element):
         parts = []
         for place, stiffness in enumerate(self._span_stiffnesses(value)):
             one, other = self.wheels[place], self.wheels[(place + 1) % count]
-            # gamma is the stretch of a span over r_1: by its two wheels, and by the arm of a tensioner.
+            # gamma is what a span gets shorter, over r_1: by its two wheels, and by the arm of a tensioner.
             row = self._row(
                 [(one, radius_ratios[one]), (other, -radius_ratios[other]), *self._by_arm(one, other, radius, value)]
             )
-            # A stretch r_1 gamma at a lever r_1 makes k in N/m a stiffness k r_1^2 in N m/rad.
+            # A change of length r_1 gamma at a lever r_1 makes k in N/m a stiffness k r_1^2 in N m/rad.
             referred = stiffness * radius**2
             parts.append(Law(row, stiffness=referred, damping=viscous(self.damping, referred, value)))
         return tuple(parts)

@@ -150,6 +150,7 @@ def _weights(at: float) -> FloatArray:
     >>> (12 * _weights(1.0)).round(9).tolist()
     [-1.0, 6.0, -18.0, 10.0, 3.0]
     """
+    # sum w_i x_i^n = n at^(n - 1) for n from 0 to 4: exact for the polynomial through the five points.
     powers = np.arange(len(STENCIL))
     with np.errstate(divide="ignore", invalid="ignore"):
         wanted = np.where(powers > 0, powers * float(at) ** np.maximum(powers - 1, 0), 0.0)

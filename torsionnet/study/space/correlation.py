@@ -101,6 +101,7 @@ class HermiteSeries:
     def __init__(self, marginal: Marginal) -> None:
         nodes, weights = _nodes()
         x = marginal.from_normal(nodes)
+        # a_k = E(x He_k/sqrt(k!)) over the standard deviation, of x without its mean.
         x = x - weights @ x
         self.coefficients = _polynomials(nodes)[1:] @ (weights * x) / np.sqrt(weights @ x**2)
 
@@ -119,6 +120,7 @@ def _nodes() -> tuple[FloatArray, FloatArray]:
 def _polynomials(nodes: FloatArray) -> FloatArray:
     """Normalised Hermite polynomials (HERMITE_TERMS + 1, n) at nodes (n,), He_k/sqrt(k!) of degree k in row k."""
     rows = [np.ones_like(nodes), nodes]
+    # He_(k+1) = x He_k - k He_(k-1), each over the root of its factorial.
     for k in range(1, HERMITE_TERMS):
         rows.append((nodes * rows[k] - np.sqrt(k) * rows[k - 1]) / np.sqrt(k + 1))
     return np.array(rows)
@@ -128,6 +130,7 @@ class CorrelationOfPair:
     """Correlation of two parameters as a function of that of the normal variables behind them."""
 
     def __init__(self, first: HermiteSeries, second: HermiteSeries) -> None:
+        # Mehler: the correlation of the values is the sum of a_k b_k rho^k over k from 1, rho that of the normals.
         self._powers = np.concatenate([[0.0], first.coefficients * second.coefficients])
 
     def of_values(self, of_normals: float) -> float:
