@@ -78,6 +78,7 @@ class ManyDigitPencil:
 
         K, C, M = self.powers
         n, whole = len(self.index), mpmath.zeros(self.size, self.size)
+        # K + C s + M s^2, and C + 2 M s
         whole[:n, :n] = C + 2 * s * M if rate else K + s * (C + s * M)
         for place, action in enumerate(self.actions, n):
             above, below = (
@@ -102,6 +103,7 @@ class ManyDigitPencil:
 
         s, w = mpmath.mpmathify(start), mpmath.matrix([mpmath.mpmathify(complex(value)) for value in vector])
         for _ in range(MOST_ITERATIONS):
+            # Inverse iteration z = P^-1 P' w, and s moves by w_i / z_i of the largest w_i.
             try:
                 z = mpmath.lu_solve(self.at(s), self.at(s, rate=True) * w)
             except ZeroDivisionError:
@@ -186,6 +188,7 @@ def _with_hysteresis(assembly: Assembly) -> tuple[EigenSolution, tuple[str, ...]
         names = ", ".join(dict.fromkeys(varying))
         text = f"modes with controllers are not calculated where a stiffness varies with frequency: {names}"
         raise UsageError(f"{text}; a continuous shaft may be given as type: shaft with segments")
+    # Springs with k alone first; their losses k eta then grow in steps, each from the poles before.
     springs = system.frozen(1.0)[0].real
     elastic = replace(assembly, system=replace(system, dynamic=(), stiffness=springs))
     solution, warned, notes = active_modes(elastic)
@@ -244,6 +247,7 @@ def _rational(pencil: ActivePencil) -> tuple[list[Pole], tuple[str, ...], tuple[
         met = (_on_exact_equation(pencil, start) if small else start) if start.error < LARGEST_START_ERROR else None
         firm += [met] if met else []
         loose += [] if met else [start]
+    # Poles that the states have, but for those at zero and those that are certain.
     left = total - pencil.zeros - sum(pole.count for pole in firm)
     if left:
         for pole in _distinct(pencil, [*slow_starts(pencil, loose), *loose]):
@@ -321,6 +325,7 @@ def _delayed(pencil: ActivePencil, delay: float) -> tuple[list[Pole], tuple[str,
     ]
     tried = [*starts, *slow_starts(pencil, loose)]
     near = _distinct(pencil, [pole for pole in tried if abs(pole.value) <= 1.2 * radius])
+    # The circle lies in the widest gap between poles, where counting along it is surest.
     radius = _between(radius, [abs(pole.value) for pole in near])
     inside = [pole for pole in near if abs(pole.value) < radius]
     counted = pencil.count_within(radius) if pencil.size <= LARGEST_COUNTED else None

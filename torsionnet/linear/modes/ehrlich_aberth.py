@@ -346,6 +346,7 @@ def isolation_radii(roots: AnyArray, errors: FloatArray) -> FloatArray:
         Relative errors of the roots.
     """
     with np.errstate(over="ignore", invalid="ignore"):
+        # Ample room for the uncertainty of a root, which others and zero must be farther off than.
         blur = np.nan_to_num(ISOLATION * np.abs(roots) * errors, nan=np.inf)
         between = np.abs(np.subtract.outer(roots, roots)) - blur
     np.fill_diagonal(between, np.inf)
@@ -366,12 +367,14 @@ def isolated_root(
         z = first = mpmath.mpmathify(start)
         vector: list[Any] = [mpmath.mpmathify(shape[j].item()) for j in np.argsort(p.place)]
         for _ in range(MOST_STEPS):
+            # q <- P(z)^-1 P'(z) q
             _, found = eliminate(p.at(z), p.slope(z, vector))
             largest = max(found, key=size_of, default=None)
             if not largest:
                 return None
             vector = [value / largest for value in found]
             last, z = z, _quotient(p, vector, z)
+            # Farther than a third of the room around the start another root may be met.
             if z is None or size_of(z - first) > space / 3:
                 return None
             if size_of(z - last) <= CONVERGED * size_of(z):
@@ -381,6 +384,7 @@ def isolated_root(
 
 def _quotient(p: MatrixPolynomial, vector: list[Any], z: Any) -> Any:
     """Root of q^T P(z) q next to z by Newton's iteration, as an mpmath number, or None without convergence."""
+    # q^T P(z) q = sum of powers[d] z^d
     powers: list[Any] = [0] * max(len(coefficients) for _, _, coefficients in p.entries)
     for i, j, coefficients in p.entries:
         product = vector[i] * vector[j]

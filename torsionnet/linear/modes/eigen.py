@@ -155,6 +155,7 @@ def _sorted_solution(rigid: FloatArray, found: Eigenpairs, *, passive: bool) -> 
     order = np.argsort(np.abs(found.values), kind="stable")
     n_rigid, real = rigid.shape[1], found.real[order]
     values = np.where(real, found.values[order].real, found.values[order])
+    # Where nothing feeds energy, growth is rounding.
     if passive:
         values = np.minimum(values.real, 0.0) + 1j * values.imag
     shapes = _real_shapes(unit_shapes(found.shapes[:, order]), found.values[order], real)
@@ -175,6 +176,7 @@ def _real_shapes(shapes: AnyArray, values: ComplexArray, real: NDArray[np.bool_]
     """
     found = shapes.copy()
     found[:, real] = shapes[:, real].real
+    # Two real poles that came as a pair share a complex shape, of which each takes one part.
     second = real & (values.imag < 0) & (np.abs(shapes.imag).max(axis=0, initial=0) > LEAST_IMAGINARY_PART)
     found[:, second] = unit_shapes(shapes[:, second].imag)
     return found

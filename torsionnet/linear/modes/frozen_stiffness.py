@@ -171,6 +171,7 @@ class FrozenProblem:
                 elastic = stiffness.real.tobytes() + damping.tobytes()
                 met = self.known.get(elastic)
                 count = len(self._frequencies(stiffness.real, damping) if met is None else met.candidates)
+                # Of the eigenvalues above the axis the least damped ones, as many as vibrate without losses.
                 upper = np.flatnonzero(spectrum.values.imag > 0)
                 decay = -spectrum.values[upper].real / np.abs(spectrum.values[upper])
                 candidates = upper[np.argsort(decay, kind="stable")[:count]]
@@ -262,6 +263,7 @@ class FixedPoints:
         points = [low, *np.geomspace(begin, high, steps + 1)[1:-1].tolist(), high]
         counts = [int(np.sum(self.problem.frequencies(point) > point)) for point in points]
         ends, sense = [low], 0
+        # Where the number above goes on in the other sense, fixed points may hide each other.
         for place, (before, after) in enumerate(pairwise(counts)):
             if (after - before) * sense < 0:
                 ends.append(self._parting(points[place]))
@@ -283,6 +285,7 @@ class FixedPoints:
         if any(np.sum(on_real_axis(some) & (some != 0)) > 1 for some, _ in values):
             return False
         near = np.concatenate([some[(some.imag > low / 2) & (some.imag < 2 * high)] for some, _ in values])
+        # zeta^2 / (1 - zeta^2) of the vibrations near the range
         squares = (near.real / np.abs(near)) ** 2
         with np.errstate(divide="ignore"):
             growth = (squares / (1 - squares)).max(initial=0.0)
@@ -319,9 +322,11 @@ class FixedPoints:
         """Frequencies in rad/s that part the ranges of the search, from next to rest to above all vibrations."""
         lowest = next_to_rest(self.problem.system)
         top = max([*self._rows, lowest])
+        # The upper end lies above every vibration of the problem frozen there.
         while self.problem.number_above(top) and (fastest := float(self.problem.frequencies(top).max())) >= top:
             top = 2 * fastest
         inside = [row for row in self._rows if lowest < row < top]
+        # Rows of tables at which no coefficient changes part nothing.
         changing = [
             row
             for before, row, after in zip([lowest, *inside], inside, [*inside[1:], top], strict=False)
@@ -350,14 +355,17 @@ class FixedPoints:
         if self._is_constant(low, high):
             yield from self._as_frozen(low, high)
             return
+        # N falls by one at each fixed point, and rises by one at the few where tables are steeper than omega.
         counted = problem.number_above(low) - problem.number_above(high)
         found: list[Mode] = []
         missing = 0
+        # Starts from the vibrations in the range at both ends, then from those beside it.
         for end, beside in ((low, 0), (high, 0), (low, 1), (high, 1)):
             found += self._polished(end, low, high, max(missing, 0) * beside)
             values, shapes = np.array([mode.value for mode in found]), np.array([mode.shape for mode in found]).T
             found = [found[number] for number in distinct(values, shapes)]
             falling = self._falling(found)
+            # counted = falling - rising, and those found that do not fall rise.
             missing = counted + len(found) - 2 * len(falling)
             if not missing:
                 yield from falling

@@ -174,10 +174,12 @@ def _similarity(system: RowSystem, rates: FloatArray, shapes: FloatArray, damped
     found = np.zeros((len(rates), damped.shape[1]))
     rows = system.rows
     for group in _groups(rates):
+        # Laws over frequency count with the strain energy that they have at this frequency.
         stiffness = system.stiffness.copy()
         for law, table in system.dynamic:
             stiffness[law] += max(table.energy(1j * float(rates[group[0]]))[1], 0.0)
         weight = np.sqrt(stiffness)[:, None]
+        # MAC of the strains sqrt(k) gamma, with the space of all shapes that have this frequency.
         basis, strain = np.linalg.qr(weight * (rows @ shapes[:, group]))[0], weight * (rows @ damped)
         sizes = np.sum(np.abs(strain) ** 2, axis=0)
         common = np.sum(np.abs(basis.T @ strain) ** 2, axis=0)
