@@ -67,6 +67,7 @@ def roots_along(laws: Sequence[MotionLaw], factors: Sequence[float], wanted: flo
     def over(speed: float) -> float:
         return sum(factor * torque_at(law, factor * speed) for law, factor in zip(laws, factors, strict=True)) - wanted
 
+    # Between corners sums of straight pieces are straight; smooth curves may turn there and need more places.
     places = {0.0}
     for law, factor in zip(laws, factors, strict=True):
         places |= {float(corner) / factor for corner in law.curve.corners()}
@@ -79,6 +80,7 @@ def roots_along(laws: Sequence[MotionLaw], factors: Sequence[float], wanted: flo
     found: list[float] = []
     level: list[float] = []
     for low, high in itertools.pairwise((-reach, *ordered, reach)):
+        # Just inside the ends, as the torque may jump at both.
         inside = 1e-12 * (high - low)
         start, end = over(low + inside), over(high - inside)
         if start == 0 and end == 0:
@@ -127,6 +129,7 @@ def states_at_speed(
     held = {one: factor for one, factor in zip(laws, factors, strict=True) if one.law.curve.holds(found[one].state)}
     if held:
         others = ((one, factor) for one, factor in zip(laws, factors, strict=True) if one not in held)
+        # What those that slip leave to those that stick.
         rest = wanted - sum(factor * found[one].torque for one, factor in others)
         rows = np.array([[factor] for factor in held.values()])
         torques = shared_by_sticking([one.law for one in held], rows, np.array([rest]))
@@ -140,6 +143,7 @@ def shared_by_sticking(laws: Sequence[MotionLaw], rows: FloatArray, torques: Flo
 
     Of all that are within the ranges of friction they are the least in the sum of squares; ``rows`` are (n_laws, n).
     """
+    # Least squares without bounds; only where one is passed, the search within bounds.
     least, *_ = np.linalg.lstsq(rows.T, torques, rcond=None)
     ranges = np.array([sticking_range(law) for law in laws]).T
     size = max(float(np.abs(torques).max(initial=0.0)), float(np.abs(ranges).max(initial=0.0)))
@@ -196,6 +200,7 @@ def returns_to_speeds(
 
     ``rows`` are those of the laws over the free motions, in which laws that stick allow no motion.
     """
+    # M w' + D w = 0 over the free motions, D from the slopes of the laws over the rate.
     n = len(network.free_motions)
     inertia, damping = np.zeros((n, n)), np.zeros((n, n))
     for _, law in network.linear:
@@ -211,12 +216,15 @@ def returns_to_speeds(
             damping += slope * np.outer(rows[one], rows[one])
             for sensed, share in zip(one.law.sensed, others, strict=True):
                 damping += share * np.outer(rows[one], free_row(network, sensed))
+    # Friction that sticks allows its row no motion.
     moving = null_space(np.array(stuck).reshape(len(stuck), n))
     inertia, damping = moving.T @ inertia @ moving, moving.T @ damping @ moving
     if not damping.size or not damping.any():
         return True
+    # Where some motion has no inertia the signs of D decide alone.
     if np.linalg.matrix_rank(inertia) < len(inertia):
         inertia = np.eye(len(inertia))
+    # w' = -M^-1 D w returns unless M^-1 D has an eigenvalue below zero.
     rates = np.linalg.eigvals(np.linalg.solve(inertia, damping)).real
     return bool(rates.min() >= -ZERO_SHARE * np.abs(rates).max())
 
@@ -246,6 +254,7 @@ def returns_to_twists(network: LawNetwork, states: Mapping[PlacedMotionLaw, Moti
     rows += [(row_of(one.law.row), slope) for one, slope in slopes.items()]
     held = [row_of(one.law.row) for one in states if one not in slopes]
     moving = null_space(np.array(held).reshape(len(held), len(place)))
+    # The second derivative of the energy on the motions that steps leave free.
     stiffness = sum(size * np.outer(moving.T @ row, moving.T @ row) for row, size in rows)
     sizes = np.linalg.eigvalsh(stiffness)
     return bool(sizes.min() >= -ZERO_SHARE * np.abs(sizes).max())

@@ -126,6 +126,7 @@ class _Motions:
             sizes += abs(torque) * np.abs(shares[node])
         known = [node for node in given if node in shares and shares[node].any()]
         matrix = np.array([shares[node] for node in known]).reshape(len(known), len(place))
+        # Free motions of least length that have the speeds given, and the projection on what these fix.
         back = np.linalg.pinv(matrix)
         asked = back @ np.array([given[node] for node in known])
         rows = {one: row_of(one.law.row) for one in network.over_rate}
@@ -154,6 +155,7 @@ class _Motions:
         if not left:
             return [self._motion(fixed, self._require_balance(torques, fixed))]
         rows = np.array([self.rows[one] for one in left])
+        # f = sum_l r_l T_l, with the least torques where several laws share a motion.
         least, *_ = np.linalg.lstsq(rows.T, torques, rcond=None)
         needed = np.array([float(f"{torque:.{DIGITS}g}") for torque in least.tolist()])
         over = self._require_balance(torques - rows.T @ needed, fixed)

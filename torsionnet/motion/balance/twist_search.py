@@ -71,6 +71,7 @@ def monotone_graph(law: MotionLaw, ramp: float) -> MonotoneGraph:
     places: list[float] = []
     slopes: list[float] = []
     torques: list[float] = []
+    # Half the width of the ramp in place of a step: its height over the stiffness, less than its neighbours have.
     halves = [
         min(
             (float(one.high) - float(one.low)) / (2 * ramp * stiffest), _quarter(curve.pieces[max(0, number - 1) :][:3])
@@ -273,10 +274,12 @@ class _Search:
         for _ in range(MOST_STEPS):
             if np.abs(residual).max(initial=0.0) <= none:
                 return q
+            # Newton: (K + sum_l k_l b_l b_l^T) step = residual
             step = solution(self.stiffness + gram(self.rows, np.maximum(slopes, self.floors)), residual)
             if not np.isfinite(step).all():
                 return None
             after = self._left(q + step, load)
+            # The whole step if energy falls up to its end or the residual halves, else to the minimum along it.
             falls = step @ after[0] >= 0 or np.linalg.norm(after[0]) < np.linalg.norm(residual) / 2
             if not falls:
                 step = step * _zero(partial(self._fall, q, step, load))
@@ -314,6 +317,7 @@ class _Search:
         places = [float(one.at) for one in pieces if isinstance(one, Hold)]
         torques, found = np.zeros(len(pieces)), np.concatenate([q, np.zeros(len(held))])
         for _ in range(MOST_STEPS):
+            # Lines of the pieces in force: T_l = begun + slope gamma, and of steps b_l q = place as constraints.
             lines = [_line(*one) for one in zip(self.graphs, pieces, twists.tolist(), strict=True)]
             begun, slopes = (np.array([line[part] for line in lines]) for part in (0, 1))
             matrix = bordered(self.stiffness + gram(rows, slopes), rows[held])
@@ -375,6 +379,7 @@ def _zero(slope: Callable[[float], float]) -> float:
     low, high = 0.0, 1.0
     at_low, at_high = slope(low), slope(high)
     for count in range(200):
+        # False position, every third time a bisection, so that no end stays where it is.
         share = (low + high) / 2 if count % 3 == 2 else low + (high - low) * at_low / (at_low - at_high)
         value = slope(share)
         if value > 0:
