@@ -281,6 +281,7 @@ class _Planner:
             expected, v = heapq.heappop(waiting)
             if v not in names:
                 continue
+            # Elimination around it has given it more rows since.
             now = len(touching.get(v, ()))
             if now > expected:
                 heapq.heappush(waiting, (now, v))
@@ -381,6 +382,7 @@ class _Planner:
                 yield self._handed_on(slot, [(self.laws.rows[slot], 1.0)])
 
     def reaction(self, column: int) -> ReactionStep:
+        # sum_l w_l l_g - sum_e kappa_e a_eg (a_e q)
         laws = []
         for slot in sorted(self.laws.touching.get(column, ())):
             row = self.laws.rows[slot]

@@ -82,9 +82,11 @@ class ManyDigits:
             for gain, row in zip(gains, self.reading_problem.sensed, strict=True)
         ]
         places = range(len(gains))
+        # T = (I - kappa Y_T)^-1 kappa Y_u u
         loop = [[_left([in_many_digits(int(i == j)), -sensed[i][n + j]]) for j in places] for i in places]
         transposed = [[loop[j][i] for j in places] for i in places]
         excited = [[sensed[i][e] for i in places] for e in range(n)]
+        # The quotient has its inverse on the right, so that both sides are transposed.
         by_excitation = _quotient(excited, transposed)
         if by_excitation is None:
             raise SolveError("the closed loop of a controller has a pole at this frequency; leave the frequency out")
@@ -154,6 +156,7 @@ def _action_gain(action: ActionLaw, s: Any) -> Any:
 def _dynamic_stiffness(law: Law, s: Any) -> Any:
     import mpmath
 
+    # kappa = k (1 + j eta) + c s + J s^2
     loss = mpmath.mpc(0, in_many_digits(law.loss_factor)) if law.loss_factor else 0
     total = in_many_digits(law.stiffness) * (1 + loss) + s * (
         in_many_digits(law.damping) + s * in_many_digits(law.inertia)

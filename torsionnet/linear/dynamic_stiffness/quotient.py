@@ -53,14 +53,17 @@ def close_loops(
     if len(kappa.actions) != n_act:
         raise SolveError("this calculation does not include the torques of controllers; switch them off")
     gains = np.array([values_.ravel() for values_ in kappa.actions])
+    # kappa Y_u and kappa Y_T of the motions that actions sense
     sensed = gains[:, None, :] * values[list(reading_problem.sensed)]
     by_torque, by_excitation = np.moveaxis(sensed[:, n_exc:], 2, 0), np.moveaxis(sensed[:, :n_exc], 2, 0)
     with np.errstate(all="ignore"):
+        # T = (I - kappa Y_T)^-1 kappa Y_u u, which loses digits where kappa Y_T is next to 1.
         loop = np.eye(n_act) - by_torque
         torques, lost = _solved(loop, by_excitation)
         lost |= (LARGE_SHARE * np.abs(loop) < np.abs(by_torque)).any(axis=(1, 2))
         torques = np.moveaxis(torques, 0, 2)
         alone, added = values[:, :n_exc], values[:, n_exc:]
+        # z = Z_u u + Z_T T, and the sum of magnitudes against which it may cancel.
         total = alone + np.einsum("rap,aep->rep", added, torques)
         size = np.abs(alone) + np.einsum("rap,aep->rep", np.abs(added), np.abs(torques))
         lost |= (LARGE_SHARE * np.abs(total) < size).any(axis=(0, 1))
@@ -76,6 +79,7 @@ def _solved(loop: ComplexArray, right: ComplexArray) -> tuple[ComplexArray, NDAr
     found: ComplexArray = np.full(right.shape, np.nan + 0j)
     lost: NDArray[np.bool_] = np.asarray(~finite)
     for point in np.flatnonzero(finite):
+        # Rows of one size: actions differ in units, which says nothing of the loop.
         rows = np.abs(loop[point]).max(axis=1, keepdims=True)
         scaled = loop[point] / np.where(rows > 0, rows, 1.0)
         if np.linalg.cond(scaled) > LARGE_SHARE:
@@ -196,6 +200,7 @@ def _divide(outputs: ComplexArray, measured: ComplexArray) -> tuple[ComplexArray
         if n_in == 1:
             quotient = np.where(measured == 0, np.inf + 0j, outputs / measured)
             return quotient, np.asarray(~np.isfinite(quotient).all(axis=(1, 2))), np.ones(n_points)
+        # Rows and columns of one size: units of readings and excitations say nothing of the condition.
         rows = np.abs(measured).max(axis=2, keepdims=True)
         columns = (np.abs(measured) / rows).max(axis=1, keepdims=True)
         normed = measured / rows / columns

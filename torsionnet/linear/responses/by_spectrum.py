@@ -43,10 +43,12 @@ def by_spectrum(
             f"{drivetrain.title} has frequency-dependent laws and no finite static response: lock it to simulate it"
         )
     H = np.array(found[: len(frequencies)])
+    # Not band-limited, a course between samples has parts beyond half the rate, which samples fold back.
     for number, way in enumerate(between):
         if way != "band_limited":
             H[:, :, number] = courses[way].folded(found[:, :, number])
     spectra = np.fft.rfft(torques, size, axis=1)
+    # At 0 Hz the real part alone makes a real motion.
     H[0] = H[0].real
     motion = np.fft.irfft(np.einsum("foi,if->of", H, spectra), size, axis=1)
     return np.asarray(motion[:, :count])

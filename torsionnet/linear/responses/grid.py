@@ -68,6 +68,7 @@ class Adaptive:
         found = [np.asarray(spaced(self.start, self.stop, self.points))]
         for mode in modes:
             eigenvalues = mode.eigenvalues[mode.eigenvalues.imag > 0]
+            # f = f_d + zeta f_0 tan(phi), with zeta f_0 = -Re lambda / 2 pi
             peak = eigenvalues.imag / (2 * np.pi)
             width = np.maximum(-eigenvalues.real / (2 * np.pi), UNDAMPED_HALF_WIDTH * peak)
             found.append((peak[:, None] + width[:, None] * np.tan(phase)).ravel())
@@ -173,6 +174,7 @@ def _standing_out(values: FloatArray) -> list[int]:
     """
     found = []
     for index in inner_maxima(values):
+        # On both sides the lowest value before the curve is higher than here: the peak rises above both.
         valleys = []
         for side in (values[index::-1], values[index:]):
             higher = np.flatnonzero(side > values[index])

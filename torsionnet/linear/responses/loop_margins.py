@@ -164,6 +164,7 @@ def loop_margins(drivetrain: AssembledModel, controller: str | None = None) -> L
     loop = at(frequencies)
     finite = np.isfinite(loop)
     frequencies, loop = frequencies[finite], loop[finite]
+    # |L| = 1 for the phase margin, Im L = 0 for the gain margins.
     crossings = _met(at, frequencies, loop, lambda value: np.abs(value) - 1)
     phase_crossings = _met(at, frequencies, loop, lambda value: np.asarray(value.imag))
     return LoopMargins(
@@ -205,11 +206,13 @@ def open_loop(drivetrain: AssembledModel, place: int, frequencies: FloatArray) -
     values = respond(reading_problem.problem, kappa).values
     gains = np.array([one.ravel() for one in kappa.actions])
     with np.errstate(all="ignore"):
+        # Torque of every action per unit torque of every other, with all loops open.
         by_torque = np.moveaxis(gains[:, None, :] * values[list(reading_problem.sensed)], 2, 0)
         others = [number for number in range(len(gains)) if number != place]
         own = by_torque[:, place, place]
         if not others:
             return np.asarray(-own)
+        # The other loops closed: L = -(l_pp + l_po (I - l_oo)^-1 l_op)
         rest = np.eye(len(others)) - by_torque[np.ix_(range(len(own)), others, others)]
         back = by_torque[:, place, others][:, None, :] @ np.linalg.solve(rest, by_torque[:, others, place][:, :, None])
     return np.asarray(-own - back[:, 0, 0])
@@ -246,6 +249,7 @@ def _met(
 
 
 def _gains(f: FloatArray, loop: ComplexArray) -> tuple[Margin, Margin]:
+    # k L = -1 where L is real
     with np.errstate(all="ignore"):
         factors = -1 / loop.real
     real = np.isfinite(factors) & (factors > 0) & (np.abs(loop.imag) < 1e-6 * np.abs(loop))
@@ -256,6 +260,7 @@ def _gains(f: FloatArray, loop: ComplexArray) -> tuple[Margin, Margin]:
 def _phases(f: FloatArray, loop: ComplexArray) -> tuple[Margin, Margin]:
     """Phase margin in degrees and delay margin in s, the least that turn a loop of magnitude one into -1."""
     every = np.isclose(np.abs(loop), 1, rtol=1e-6)
+    # Angle by which L lies before -1, and the delay that turns it so far at f, by a lag alone.
     angle = np.degrees(np.angle(-loop))
     with np.errstate(all="ignore"):
         delay = np.mod(angle, 360) / (360 * f)
