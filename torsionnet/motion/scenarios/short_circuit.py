@@ -183,6 +183,7 @@ class ShortCircuitScenario(Scenario):
         frequency, speed = self._frequency(model, machine), abs(machine.speed or 0.0)
         if not (frequency and speed):
             return None
+        # p = omega / Omega, whole but for a slip.
         pairs = 2 * pi * frequency / speed
         return round(pairs) if abs(pairs - round(pairs)) < NEAR and round(pairs) else None
 
@@ -199,6 +200,7 @@ class ShortCircuitScenario(Scenario):
         events, tie = (MotionEvent(self.at, self.machine, self.what),), None
         pairs = self._pairs(model, machine)
         if self.angle is not None and pairs is not None:
+            # The largest synchronising torque is that of 1 per unit over x.
             most = rated / float(model.value(self.x) + model.value(self.x_external))
             tie = GridTie(
                 self.machine, machine.place, self.at, float(model.value(self.angle)), sense * most, sense * pairs,

@@ -68,12 +68,14 @@ def smooth_form(form: ContactForm, at: Layout, laws: Sequence[SmoothLaw], places
     UsageError
         The torque of a law changes its own motion at once, since nothing there has inertia.
     """
+    # The refresh is a projection with singular values of 0, or 1 and more: its range holds the states y.
     own = form.refresh[: at.n_p, : at.n_p]
     left, sizes, _ = np.linalg.svd(own)
     basis = left[:, : int((sizes > LEAST_SINGULAR).sum())]
     take = np.zeros((basis.shape[1], at.size))
     take[:, : at.n_p] = basis.T @ own
     over_y, over_u, over_s = form.refresh[:, : at.n_p] @ basis, form.refresh[:, at.u], form.refresh[:, at.slope]
+    # y' = take A z, with z = Z_y y + Z_u u + Z_s u'
     rates = take @ form.A
     angles, speeds, _ = form.motion
     motions = tuple(np.vstack([one.row @ angles, one.row @ speeds, one.sensed @ speeds]) for one in laws)
@@ -82,6 +84,7 @@ def smooth_form(form: ContactForm, at: Layout, laws: Sequence[SmoothLaw], places
         used = rows[1:] if one.over_rate else rows[:1]
         if one.lag:
             continue
+        # What prompt torques change at once in the motion that a law follows has to be nothing.
         at_once = np.hstack([used @ over_u[:, prompt], used @ over_s[:, prompt]])
         if np.abs(at_once).max(initial=0.0) > FEEDBACK * _size(form, at):
             text = "its torque acts where nothing has inertia, so that its motion follows from a curve alone"
@@ -181,6 +184,7 @@ def _powers(
     plant, at, bare = states.plant, states.at, form.form
     found: list[tuple[FloatArray, FloatArray, float, str]] = []
     system, speed, one = plant.assembly.system, bare.motion[1], np.eye(at.size)[at.one]
+    # c gamma'^2 of dampers, T gamma' of laws over the rate, and what contacts lose.
     for number, law in enumerate(plant.assembly.laws):
         if system.damping[number] and not isinstance(law, PlacedLaw):
             rate = system.rows[number] @ speed
@@ -283,6 +287,7 @@ class SmoothPlant:
         own = y[: len(now.form.A)]
         motions = self._torques(now, y, u, slopes)
         z = now.form.whole(own, u, slopes)
+        # The accelerations first, from which follows how the torques change, and z once more with that.
         if now.needs_slopes:
             self._bend(now, y, u, slopes, motions, now.form.form.motion[2] @ z)
             z = now.form.whole(own, u, slopes)
@@ -324,6 +329,7 @@ class SmoothPlant:
             try:
                 for place, one, over_y, over_u, over_s in at_once:
                     u[place] = self._torque(one, over_y @ own + over_u @ u + over_s @ slopes, u)
+                # A torque that lags: T' = (T_curve - T) / lag.
                 changes = [
                     (self._torque(one, over_y @ own + over_u @ u + over_s @ slopes, u) - u[place]) / one.lag
                     for place, one, over_y, over_u, over_s in late
@@ -331,6 +337,7 @@ class SmoothPlant:
             except OverflowError:
                 # Where a torque begins the first trial step may be far too long: the method shortens what has no error.
                 return np.full(len(y), np.nan)
+            # y' = A y + U u + S u'
             return np.concatenate([A @ own + form.U @ u + form.S @ slopes, changes])
 
         return rates
@@ -342,6 +349,7 @@ class SmoothPlant:
         q, v = (rows @ z for rows in now.form.form.motion[:2])
         twists, rates = system.rows @ q, system.rows @ v
         linear = np.array([not isinstance(law, PlacedLaw) for law in plant.assembly.laws], dtype=bool)
+        # sum of J gamma'^2 / 2 and k gamma^2 / 2 of linear laws; laws of motion add energies of their own.
         found = 0.5 * float(system.inertia @ rates**2 + system.stiffness[linear] @ twists[linear] ** 2)
         laws = [(one.law, one.row) for one in plant.laws]
         laws += [(one.law, one.row) for one in self.split.smooth if one.held < 0]
@@ -417,6 +425,7 @@ class SmoothPlant:
             elif self._active(one, now.contact):
                 rows = np.vstack([one.row, one.sensed])
                 slopes[place] = one.slope(float(motion[0]), motion[1:], rows @ bent, self._scale(one, u))
+                # (scale T)' has a part scale' T beside scale T'.
                 if one.scale >= 0:
                     changed = float(slopes[self.first_scale + one.scale])
                     slopes[place] += one.torque(float(motion[0]), motion[1:], changed)

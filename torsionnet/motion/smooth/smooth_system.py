@@ -46,6 +46,7 @@ def nodes() -> tuple[FloatArray, FloatArray, FloatArray]:
     """
     x = -np.cos(np.pi * np.arange(NODES) / (NODES - 1))
     matrix = np.linalg.inv(chebyshev.chebvander(x, NODES - 1))
+    # Integral of the Chebyshev polynomial T_k from -1 to 1: 2 / (1 - k^2) for even k, else 0.
     integrals = np.array([2 / (1 - k**2) if k % 2 == 0 else 0.0 for k in range(NODES)])
     return (x + 1) / 2, np.asarray(integrals @ matrix / 2), np.asarray(matrix)
 
@@ -63,6 +64,7 @@ def first_event(values: FloatArray, sizes: FloatArray, guard_at: Callable[[int, 
         Value of a guard at a place in the step.
     """
     found, which = -1.0, -1
+    # Between two nodes a guard is taken to dip by no more than it changes from node to node.
     swing = np.abs(np.diff(values, axis=1)).max(axis=1)
     for guard in np.flatnonzero(values.min(axis=1) <= swing + GUARD_ROUNDING * sizes).tolist():
         place = _first_root(values[guard], GUARD_ROUNDING * float(sizes[guard]), guard, guard_at)
@@ -75,6 +77,7 @@ def _first_root(values: FloatArray, rounding: float, guard: int, guard_at: Calla
     if values[0] < -rounding:
         return 0.0
     series = nodes()[2] @ values
+    # Between its turning points the series is monotone, so that signs there tell each fall.
     turning = chebyshev.chebroots(chebyshev.chebder(series)) if np.abs(series[2:]).max() > 0 else np.zeros(0)
     inside = sorted(float(one.real + 1) / 2 for one in np.atleast_1d(turning) if _is_inside(one))
     last, positive = 0.0, values[0] > rounding
@@ -179,6 +182,7 @@ def slopes_of(right: Any, time: float, y: FloatArray) -> FloatArray:
     """
     base = right(time, y)
     found = np.zeros((len(y), len(y)))
+    # The root of eps in each state balances rounding against curvature.
     step = np.sqrt(np.finfo(float).eps) * np.maximum(np.abs(y), 1e-3 * np.abs(y).max(initial=0.0) + 1e-9)
     for number, size in enumerate(step.tolist()):
         moved = y.copy()
@@ -268,6 +272,7 @@ class _SmoothMotion:
         last = None
         begun = energy = plant.stored_energy(now, plant.whole(now, 0.0, y, None))
         for stretch in driving.stretches():
+            # A torque that jumps at a break moves at once what has no inertia, and supplies that energy.
             self.works[""] += plant.stored_energy(now, plant.whole(now, stretch.start, y, stretch)) - energy
             now, y = self._through(stretch, now, y)
             energy, last = plant.stored_energy(now, plant.whole(now, stretch.end, y, stretch)), stretch
