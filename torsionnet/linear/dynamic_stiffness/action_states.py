@@ -64,6 +64,7 @@ def undelayed_states(assembly: Assembly, action: ActionLaw) -> LawStates:
     UsageError
         A law that grows quicker with frequency than can be followed in time.
     """
+    # N / D = P + R / D, with P acting at once.
     whole, rest = divide_polynomials(action.numerator, action.denominator)
     if len(whole) > HIGHEST_POWER + 1:
         text = "its law grows quicker with frequency than the acceleration of what it senses; give it a filter"
@@ -110,6 +111,7 @@ def companion(numerator: Sequence[Fraction], denominator: Sequence[Fraction]) ->
     """
     d, r = ([float(value) for value in part] for part in (denominator, numerator))
     n = len(d) - 1
+    # With s in units of w no coefficient of D is above 1.
     w = max((abs(value) ** (1 / (n - power)) for power, value in enumerate(d[:-1]) if value), default=1.0)
     F = w * np.eye(n, k=1)
     if n:
@@ -125,6 +127,7 @@ def _delayed(
 
     The torque travels along a line of these points, whose values are states after those of the action.
     """
+    # Transport along the line from 0 to 1, delay dT/dt = -dT/dx, which P y + h z enters.
     along = _derivative(points) / delay
     n, m = len(F), points
     whole = np.zeros((n + m, n + m))
@@ -146,5 +149,7 @@ def _derivative(points: int) -> FloatArray:
     weight = np.where(np.isin(np.arange(points + 1), (0, points)), 2.0, 1.0) * (-1.0) ** np.arange(points + 1)
     apart = place[:, None] - place[None, :] + np.eye(points + 1)
     found = np.outer(weight, 1 / weight) / apart
+    # A constant has no derivative: every row adds up to zero.
     found -= np.diag(found.sum(axis=1))
+    # Cosines run from 1 to -1, places from 0 to 1.
     return np.asarray(-2 * found)

@@ -272,6 +272,7 @@ class _Parts:
             if self.part[root] < 0:
                 self._walk(root, links)
         self.held = {self.part[column] for row in rows if len(row) == 1 for column in row}
+        # Ratios around a loop that do not meet hold their part still.
         for (a, x), (b, y) in ties:
             first, second = x * self.angle[a], y * self.angle[b]
             if abs(first + second) > CLOSED_LOOP_TOLERANCE * max(abs(first), abs(second)):

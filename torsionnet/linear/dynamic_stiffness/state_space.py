@@ -218,6 +218,7 @@ def close_loops_in_states(form: StateSpaceForm, actions: Sequence[LawStates]) ->
         names = ", ".join(dict.fromkeys(one.action.owner for one in actions))
         raise UsageError(f"{names}: the rate of what has neither inertia nor damper follows the rate of a torque")
     (B, B_act), (Y_u, Y_act) = (np.split(part, [n_u], axis=1) for part in (form.B, Y_in))
+    # z' = F z + G_0 y + G_1 y' with y = Y x + Y_u u + Y_act H z, and y' = Y x' where G_1 asks for it.
     A = np.block([
         [form.A, B_act @ H],
         [G[0] @ Y + G[1] @ Y @ form.A, F + G[0] @ Y_act @ H + G[1] @ Y @ B_act @ H],
@@ -265,6 +266,7 @@ def condensed(
     loads: FloatArray, names: tuple[str, ...],
 ) -> StateSpaceForm:  # fmt: skip
     M, C, K = matrices
+    # Static motions S d follow at once: S^T K (q + S d) = S^T f.
     hold = np.linalg.solve(static.T @ K @ static, static.T) if static.shape[1] else np.zeros((0, len(K)))
     n_a, n_b = heavy.shape[1], damped.shape[1]
     X = np.hstack([heavy, np.zeros((len(K), n_a)), damped])
@@ -274,10 +276,12 @@ def condensed(
     A, B = np.zeros((2 * n_a + n_b, 2 * n_a + n_b)), np.zeros((2 * n_a + n_b, loads.shape[1]))
     A[a, v] = np.eye(n_a)
     if n_b:
+        # D^T C (D b' + H v) + D^T K q = D^T f over the massless damped motions D.
         slip = np.linalg.inv(damped.T @ C @ damped)
         A[b] = -slip @ damped.T @ K @ X
         A[b, v] -= slip @ damped.T @ C @ heavy
         B[b] = slip @ damped.T @ (loads - K @ U)
+    # H^T M H v' = H^T (f - K q - C (H v + D b')) over the motions H with inertia.
     weight = np.linalg.inv(heavy.T @ M @ heavy)
     drag = heavy.T @ C
     A[v] = -weight @ (heavy.T @ K @ X + drag @ damped @ A[b])
@@ -327,12 +331,14 @@ def _output_rows(
         motions.append((weight, one.sensed, one.at_once))
         C += weight * system.torques[number]
     for gain, row, powers in motions:
+        # p_0 + p_1 s + p_2 s^2 of the motion X x + U u, with s x = A x + B u.
         x, u = row @ system.X, row @ system.U
         factors = [float(factor) for factor in powers]
         states, loads = (x, x @ system.A, x @ system.A @ system.A), (u, x @ system.B, x @ system.A @ system.B)
         for factor, state, load in zip(factors, states, loads, strict=True):
             C += gain * factor * state
             D = D + gain * factor * load
+        # What is left of u' and u''.
         improper = (factors[1] * u + factors[2] * (x @ system.B), factors[2] * u)
         for order, part in enumerate(improper):
             rates[order] += gain * part

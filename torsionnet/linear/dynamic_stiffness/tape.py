@@ -382,6 +382,7 @@ class Losses:
                 self._of_leaf(step, shares[i])
                 return
         squares = [square for _, square in step.terms]
+        # Relative bound of the pivot, the largest a_k^2 E_k over |S|.
         self.parts = [_times(self._bound(slot), square) for slot, square in step.terms]
         self.all, size = reduce(writer.larger, self.parts, NOTHING), writer.size(pivot)
         self.worst = writer.larger(self.worst, writer.ratio(self.all, size))
@@ -393,6 +394,7 @@ class Losses:
         ]
         self.kept = []
         for i, (slot, square) in enumerate(step.terms):
+            # 1 - a_i^2 s_i, which of two rows is the share of the other: nothing cancels.
             others = [_times(self.shares[k], squares[k]) for k in range(len(squares)) if k != i]
             if i in shares and len(others) > 1:
                 rest = writer.rest(_times(shares[i], square))
@@ -407,6 +409,7 @@ class Losses:
         if self.left is not None:
             return ErrorBound(_times(self.left.size, pair.factor), self.left.law)
         writer, i, j = self.writer, pair.i, pair.j
+        # s_j (1 - a_i^2 s_i) E_i and s_i (1 - a_j^2 s_j) E_j, then s_i s_j a_k^2 E_k of all other rows.
         kept = writer.product(self.shares[j], self.kept[i]), writer.product(self.shares[i], self.kept[j])
         bound = reduce(writer.larger, kept, NOTHING)
         others = [part for k, part in enumerate(self.parts) if k not in (i, j)]

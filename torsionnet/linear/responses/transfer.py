@@ -82,6 +82,7 @@ def refine_uncertain_points(
         kappa.at(points),
         found.values[points],
     )
+    # The worst first, as many as time allows.
     worst = errors.max(axis=(1, 2), initial=0.0)
     order = [place for place in np.argsort(-worst, kind="stable").tolist() if worst[place] > ACCEPTED_ERROR]
     most = max(1, MOST_WORK // max(1, kappa.n_laws))

@@ -37,10 +37,12 @@ def at_zero(drivetrain: AssembledModel, request: TransferRequest) -> ComplexArra
     with mpmath.workdps(LIMIT_DIGITS):
         rate = mpmath.mpf(smallest_rate(assembly.system))
         asked = ManyDigits(assembly, request)
+        # Two values of s a factor of ten apart show which power of s the response goes with.
         first, second = (asked.transfer(rate * mpmath.mpf(10) ** -power) for power in (LIMIT_POWER, LIMIT_POWER + 1))
         if first is not None and second is not None:
             pairs = (zip(*rows, strict=True) for rows in zip(first, second, strict=True))
             return np.array([[_limit(*pair) for pair in row] for row in pairs])
+        # Another s, off the axis, tells whether the inputs depend on each other at every one.
         if asked.transfer(rate * mpmath.mpc(1, 1)) is None:
             raise request.dependent_inputs_error()
     return np.full((len(request.outputs), len(request.measured)), complex(np.inf))
