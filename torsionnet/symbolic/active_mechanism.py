@@ -46,6 +46,7 @@ class ActiveMechanism(Mechanism):
                 factor = factor * self.program.leaf(law)
             for column, value in self._read(part).items():
                 _add(read, column, factor * self.program.leaf(value) * -1)
+        # det [[P, b], [-r, 0]] = r adj(P) b, the numerator of the reading r by Cramer's rule.
         loaded = {self._column[name]: value for name, value in self.row(load).items() if name in self._column}
         last, rows = len(self._rows), [dict(row) for row in self._rows]
         for place, value in loaded.items():
@@ -91,6 +92,7 @@ class ActiveMechanism(Mechanism):
                     _add(rows[self._column[first]], self._column[second], law * self.program.leaf(a * b))
         for number, place in self._acting.items():
             self._act(rows, place, *self.kinematics.actions[number])
+        # The torque of a rigid connection is the multiplier of its row, which stands on both sides.
         for number, place in self._rigid.items():
             for name, value in self.row(self.kinematics.constraints[number][1]).items():
                 rows[self._column[name]][place] = rows[place][self._column[name]] = self.program.leaf(value)
@@ -101,6 +103,7 @@ class ActiveMechanism(Mechanism):
         law, delay = self._in_s(above) * -1, twin(action.delay).symbol
         if delay != 0:
             law = law * self.program.leaf(delay_symbol(owner))
+        # -B T beside D(s) q, and E(s) T - N(s) e^(-s tau) L q = 0
         for name, value in self.row(action.row).items():
             rows[self._column[name]][place] = self.program.leaf(-value)
         for name, value in self.row(action.sensed).items():
