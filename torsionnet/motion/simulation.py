@@ -236,6 +236,7 @@ def _onto_grid(split: SplitPlant, request: TransferRequest, driving: Driving, be
     row = request.outputs[0].terms[0].row
     n_q = len(row)
     twist, first = float(row @ begun.z[:n_q]), float(row @ begun.z[n_q : 2 * n_q])
+    # The motion before the connection leads to the angle at which the rotor meets the grid.
     if tie.at > 0:
         before = Driving(driving.entries, 1 / tie.at, 2)
         twist = float(_solved(split, request, before, begun).values[0, -1])

@@ -108,12 +108,14 @@ def _band_limited(values: FloatArray, places: FloatArray) -> FloatArray:
     beyond = min(n - 1, BEYOND)
     if not beyond:
         return np.zeros((0, len(places)))
+    # Beyond its ends the record is reflected about them, which keeps value and slope there, and fades out.
     wide = np.pad(values, beyond, mode="reflect", reflect_type="odd")
     fading = np.sin(np.pi / 2 * np.arange(1, beyond + 1) / (beyond + 1)) ** 2
     wide[:beyond] *= fading
     wide[-beyond:] *= fading[::-1]
     size = int(scipy.fft.next_fast_len(len(wide), real=True))
     spectrum, turns = np.fft.rfft(wide, size), 2j * np.pi * np.fft.rfftfreq(size)
+    # A factor e^(j omega place) moves the record by that part of an interval.
     shifted = [np.fft.irfft(spectrum * np.exp(turns * place), size)[beyond : beyond + n - 1] for place in places]
     return np.stack(shifted, axis=1)
 
@@ -123,10 +125,12 @@ def first_order_hold(
 ) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
     """Matrices exp(A h), G_0 and G_1 by which a state steps on by h seconds, under torques linear in between."""
     n, n_in = B.shape
+    # exp of [[A, B, 0], [0, 0, I], [0, 0, 0]] h holds the integrals over torques that run straight (Van Loan).
     whole = np.zeros((n + 2 * n_in, n + 2 * n_in), dtype=complex)
     whole[:n, :n], whole[:n, n : n + n_in] = A * h, B * h
     whole[n : n + n_in, n + n_in :] = np.eye(n_in)
     power = np.asarray(scipy.linalg.expm(whole), dtype=np.complex128)
+    # x(h) = exp(A h) x + G_0 u_0 + G_1 u_1, with u straight from u_0 to u_1.
     after = power[:n, n + n_in :]
     return power[:n, :n], power[:n, n : n + n_in] - after, after
 
@@ -212,10 +216,12 @@ def _driven(A: FloatArray, B: FloatArray, C: FloatArray, D: FloatArray, historie
     waves, n_x, n_u = tuple(found), len(A), len(histories)
     whole, read = np.zeros((n_x + 2 * n_u + 2 * len(waves),) * 2), np.zeros((len(C), n_x + 2 * n_u + 2 * len(waves)))
     whole[:n_x, :n_x], read[:, :n_x] = A, C
+    # A straight line is a level with level' = slope, slope' = 0.
     for number in range(n_u):
         level = n_x + 2 * number
         whole[:n_x, level], read[:, level] = B[:, number], D[:, number]
         whole[level, level + 1] = 1.0
+    # d/dt of (Re, Im) A exp((a + jb) t) = [[a, -b], [b, a]] (Re, Im)
     for place, (number, exponent) in enumerate(waves):
         real = n_x + 2 * n_u + 2 * place
         whole[:n_x, real], read[:, real] = B[:, number], D[:, number]
@@ -251,6 +257,7 @@ def _march(form: DrivenForm, x: FloatArray, histories: Sequence[TimeHistory], ra
 def _marched(form: DrivenForm, step: FloatArray, z: FloatArray, count: int) -> tuple[FloatArray, FloatArray]:
     """Readings (n_out, count) at samples from a state z on, and the state (n_z,) at the last of them."""
     states, power = z[:, None], step
+    # States at n samples times exp(A n / rate) are those at the n after them.
     while states.shape[1] < min(BLOCK, count):
         states = np.hstack([states, power @ states])
         power = power @ power
@@ -276,6 +283,7 @@ def _steady_state(A: FloatArray, push: FloatArray) -> FloatArray:
     """
     n = len(A)
     powers = [A, A @ A, A @ A @ A]
+    # x_0 with A x_0 = -B u, else A^2 x_0 = -A B u, else A^3 x_0 = -A^2 B u: at rest, a speed, an acceleration.
     for order, power in enumerate(powers):
         scale = np.abs(power).max(axis=1, initial=1e-300)
         aim = -(np.linalg.matrix_power(A, order) @ push)

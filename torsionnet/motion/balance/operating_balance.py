@@ -111,6 +111,7 @@ class OperatingBalance:
             own = self.speed or self._external.operating_speed
         except UsageError:
             return point
+        # Given speeds keep their ratio to that of the reference node.
         ratio = own / point[reference] if point.get(reference) else 1.0
         return {**{node: ratio * speed for node, speed in point.items()}, reference: own}
 
@@ -172,6 +173,7 @@ class OperatingBalance:
         given = {node: speed for node, speed in self.given_speeds.items() if node in network.order}
         motions = steady_speeds(network, external, given, self.definition.name)
         refused: list[ModelError] = []
+        # The nearest to given speeds first, of equally near ones that in which most sticks.
         for motion in sorted(motions, key=lambda one: (one.distance, -one.sticking)) if given else motions:
             try:
                 found = self._balanced(motion, external)
@@ -195,6 +197,7 @@ class OperatingBalance:
         found: dict[PlacedMotionLaw, tuple[MotionState, float]] = {
             one: (speed.state, speed.torque) for one, speed in motion.laws.items()
         }
+        # Torques that equilibrium alone gives are exact, and their laws are inverted; the others are searched for.
         known = determinate_torques(network, acting)
         choices = [self._states_at(one, torque) for one, torque in known.items()]
         if len(known) < len(network.over_twist):
@@ -401,6 +404,7 @@ def determinate_torques(network: LawNetwork, external: Mapping[str, Fraction]) -
 
 def virtual_opening(network: LawNetwork, opened: PlacedMotionLaw) -> dict[str, Fraction] | None:
     """Virtual motion of the nodes that opens a law by one and nothing else; None where others have to open with it."""
+    # b z = 1 for the law that is opened, b z = 0 for all others, and free motions held.
     rows: list[Row] = [exact_row(row) for row in network.held]
     rows += [exact_row(law.row) for _, law in network.elastic]
     rows += [exact_row(one.law.row) for one in network.over_twist if one is not opened]

@@ -223,6 +223,7 @@ class _Motions:
             if one.law.sensed:
                 text = "its torque follows the speeds of its nodes; give these as speed={node: value, ...}"
                 raise ModelError([Fault(text, ("elements", one.owner))], self.title)
+        # Torques that laws could exchange; a law without a share in any has that of equilibrium alone.
         shared = null_space(rows.T)
         alone = [number for number in range(len(left)) if np.abs(shared[number]).max(initial=0.0) < ZERO_SHARE]
         others = [number for number in range(len(left)) if number not in alone]
@@ -238,6 +239,7 @@ class _Motions:
             together = rows[others].T @ needed[others]
             choices.append(list(self._together(some, rows[others], together)))
         if math.prod(map(len, choices)) > MOST_COMBINATIONS:
+            # Of too many states friction takes those in which it sticks.
             choices = [[one for one in some if any(map(_holds, one.items()))] or some for some in choices]
         if math.prod(map(len, choices)) > MOST_COMBINATIONS:
             names = ", ".join(dict.fromkeys(one.owner for one in left))
@@ -266,6 +268,7 @@ class _Motions:
                 raise ModelError([Fault(text, ("elements", laws[0].owner))], self.title)
             yield {one: LawSpeed(state_at(one.law, 0.0), torque) for one, torque in zip(laws, held, strict=True)}
             return
+        # All laws act along one motion, so that one speed is sought.
         motion = rows[int(np.argmax(np.abs(rows).max(axis=1)))]
         motion = motion / np.linalg.norm(motion)
         factors, wanted = (rows @ motion).tolist(), float(torques @ motion)
@@ -310,8 +313,10 @@ class _Motions:
         solved = [one for one in laws if self.rows[one].any()]
         rows = np.array([self.rows[one] for one in solved]).reshape(len(solved), len(self.torques))
         rates = np.array([laws[one].state.rate for one in solved])
+        # The least change of the speeds given that has the rates found.
         motion = self.asked + np.linalg.pinv(rows) @ (rates - rows @ self.asked)
         both = np.concatenate([rows, self.directions])
+        # Rates and given speeds determine the speeds in this projection and no others.
         known = np.linalg.pinv(both) @ both
         speeds = {
             node: float(row @ motion)
