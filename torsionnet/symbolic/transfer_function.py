@@ -147,6 +147,7 @@ class TransferFunction(SymbolicFraction):
                 )
         algebra = Derivatives(program, symbol)
         above, below = self.steps.run(algebra, [self.numerator, self.denominator])
+        # (N / D)' = (N' D - N D') / D^2
         numerator = above.slope * below.value + below.slope * above.value * -1
         numerator, denominator = program.reduced(numerator, below.value * below.value)
         return replace(self, numerator=numerator, denominator=denominator, request=None)

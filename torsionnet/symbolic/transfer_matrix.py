@@ -141,6 +141,7 @@ def _by_cramer(
     program: Program, readings: list[list[ProgramNode]], request: TransferRequest, write: Write
 ) -> TransferMatrix:
     above, below = readings[: len(request.outputs)], readings[len(request.outputs) :]
+    # Y_out Y_in^-1 by Cramer's rule: Y_in with its row i replaced by a row of Y_out, over det Y_in.
     whole = _determinant(program, below)
     if vanishes(whole):
         raise UsageError(
