@@ -340,6 +340,7 @@ def _reading(
             _start(omega[min(variant, omega.shape[0] - 1)], first, n, w, w2, left)
             _points(operations, factors, inertia[variant], damping[variant], stiffness[variant], place,
                     sampled[:, variant], w2, w, first, n, r, left, y)  # fmt: skip
+            # Outputs whose squares would overflow make a point uncertain.
             for t in range(n_values):
                 for i in range(POINTS_AT_ONCE):
                     total = abs(y[t, 0, i]) + abs(y[t, 1, i])
@@ -347,10 +348,12 @@ def _reading(
             for number in range(whole.shape[0]):
                 solved, power, law = whole[number]
                 f = shares[number]
+                # factor s^power at s = j omega: f, j f omega or -f omega^2
                 for i in range(POINTS_AT_ONCE):
                     c[0, i] = f if power <= 0 else 0.0 if power == 1 else -f * w2[i]
                     c[1, i] = f * w[i] if power == 1 else 0.0
                 if law >= 0:
+                    # f kappa = f (k - J omega^2 + j c omega), and the sample of a table
                     k, J, d = own_stiffness[variant, law], own_inertia[variant, law], own_damping[variant, law]
                     for i in range(POINTS_AT_ONCE):
                         c[0, i] = f * (k - J * w2[i])
@@ -374,6 +377,7 @@ def _reading(
                 for number in range(n_readings, whole.shape[0]):
                     for i in range(POINTS_AT_ONCE):
                         size[i] += math.sqrt(z[number, 0, 0, i] ** 2 + z[number, 0, 1, i] ** 2)
+                # Conditioning |y| over its terms, and 1 / y = conj(y) / |y|^2 to multiply the readings by.
                 for i in range(POINTS_AT_ONCE):
                     a, b = z[n_out, 0, 0, i], z[n_out, 0, 1, i]
                     square = a * a + b * b

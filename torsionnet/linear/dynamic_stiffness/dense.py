@@ -46,10 +46,12 @@ def _respond(problem: ResponseProblem, kappa: ComplexArray) -> ComplexArray:
     for number, excitation in enumerate(problem.excitations):
         load[list(excitation.load), number] = list(excitation.load.values())
         motion[:, list(excitation.motion), number] = list(excitation.motion.values())
+    # D_ff q_f = f_f - D_fg q_g, with the given angles q_g
     motion[:, free] = _solve(D[:, free, free], load[free] - D[:, free, given] @ motion[:, given])
     rows = np.zeros((len(problem.outputs), n))
     for number, row in enumerate(problem.outputs):
         rows[number, list(row)] = list(row.values())
+    # The torque f_g - D_g q on given columns is their reaction.
     reacted = list(problem.reactions)
     return np.concatenate([rows @ motion, load[reacted] - D[:, reacted] @ motion], axis=1)
 

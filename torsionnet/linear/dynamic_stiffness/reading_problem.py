@@ -94,6 +94,7 @@ class ReadingProblem:
                 place, number = divmod(value, len(excitations))
                 reached.setdefault(place, set()).add(excitations[number])
         found = set(reached.get(self.parts[reading].solved, ()))
+        # Excitations after those of the request are torques of actions, which hand on what they sense.
         waiting = [*self.driven[reading], *(number - self.n_excitations for number in found)]
         seen: set[int] = set()
         while waiting:

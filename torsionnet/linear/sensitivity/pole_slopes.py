@@ -210,7 +210,7 @@ class Responses:
 
 def _pivots(residues: ComplexArray, shares: FloatArray, count: int) -> tuple[list[int], list[int]]:
     """Indices of the rows and columns of the ``count`` largest pivots of residues, where the pole counts most."""
-    # Entries that are residue least of all are other modes or rounding.
+    # Entries with far less of the residue in them than the best are other modes or rounding.
     left = np.where(shares > shares.max() / 10, residues, 0.0)
     # Rows and columns are brought to one size, as readings and loads have different units.
     for axis in (0, 1):
