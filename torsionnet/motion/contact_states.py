@@ -199,7 +199,7 @@ class ContactStates:
         if contact not in self.numbers:
             form = self.form(contact)
             turning, largest = form.largest_rates
-            # SLACK is what later contact states may be quicker; beyond that all steps have to be shorter.
+            # Later contact states may be quicker by SLACK; beyond that all steps have to be shorter.
             if turning * self.h > SLACK or largest * self.h > SLACK * MOST_TURN * self.n_sub:
                 raise FinerStepError((turning, largest))
             guards = guard_rows(form, self.laws, contact, self.at, self.drive.scale_of)

@@ -190,7 +190,7 @@ def _may_have_met(before: ComplexArray, after: ComplexArray) -> NDArray[np.bool_
     order = [_order(np.abs(values)) for values in (before, after)]
     kinds = [(values.imag > 0)[:, :, None] == (values.imag > 0)[:, None, :] for values in (before, after)]
     moved = np.abs(after - before)
-    # Only if both moved by the gap between them, at either end, can they have met on the way.
+    # Only if both together moved by the larger of their gaps can they have met on the way.
     gap = np.maximum(np.abs(_differences(before)), np.abs(_differences(after)))
     met = moved[:, :, None] + moved[:, None, :] >= gap  # False for NaN
     return np.asarray((order[0] * order[1] < 0) & kinds[0] & kinds[1] & met)
@@ -220,7 +220,7 @@ def assign_modes(known: FollowedModes, found: FollowedModes) -> Columns:
     for mode, column in zip(*linear_sum_assignment(-alike), strict=True):
         if alike[mode, column] > 0:
             columns[mode] = column
-    # Two real poles that meet become one vibration, which can go on only one of them.
+    # Two real poles that meet become one vibration, which continues only one of them.
     real = np.flatnonzero(_is_real(known.values[0]))
     for slower in real[columns[real] == MISSING_MODE]:
         for faster in real[columns[real] != MISSING_MODE]:
