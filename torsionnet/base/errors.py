@@ -10,7 +10,6 @@ Here as well: text of lists of names in a sentence.
 from __future__ import annotations
 
 import contextlib
-import json
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextvars import ContextVar
@@ -461,6 +460,8 @@ def remedy(argument: str, value: str | Mapping[str, str] = "") -> str:
     """
     name = _NAMES.get().get(argument)
     if name is None:
+        import json  # for the few remedies with a table
+
         return f"{argument}{value if isinstance(value, str) else json.dumps(dict(value), ensure_ascii=False)}"
     if VALUE in name:
         entries = value if isinstance(value, str) else f"{{{', '.join(f'{key}: {one}' for key, one in value.items())}}}"

@@ -16,12 +16,12 @@ from torsionnet.base.registers import TypeRegister
 from torsionnet.model.element_base.laws import MotionState, TorqueCurve
 from torsionnet.model.elements import Values
 from torsionnet.motion.scenarios.time_history import HistoryPiece, TimeHistory, Wave, first_sample
-from torsionnet.signals.recording import MotionEvent
 
 if TYPE_CHECKING:
     from torsionnet.base.entries.declared import Declared as Excitation
     from torsionnet.model.channels import Input
     from torsionnet.model.elements import Element
+    from torsionnet.signals.recording import MotionEvent
 
 
 S = TypeVar("S", bound="type[Scenario]")

@@ -23,7 +23,6 @@ from torsionnet.motion.scenarios.scenario import (
     register_scenario,
 )
 from torsionnet.motion.scenarios.time_history import HistoryPiece, TimeHistory, Wave
-from torsionnet.signals.recording import MotionEvent
 
 AFTERWARDS = 0.5
 """Time in s after the fault that is simulated unless another is asked for: thirty periods of a 60 Hz line, in which the
@@ -188,6 +187,8 @@ class ShortCircuitScenario(Scenario):
         return round(pairs) if abs(pairs - round(pairs)) < NEAR and round(pairs) else None
 
     def course(self, model: ScenarioSubject) -> DrivingCourse:
+        from torsionnet.signals.recording import MotionEvent
+
         machine = machine_of(model, self.machine)
         if isinstance(machine, Fault):
             raise KeyError(self.machine)  # the checks have refused it
