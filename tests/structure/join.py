@@ -2,7 +2,7 @@
 
 A line of the plan is ``target = member member ... | First sentence.``; paths are below the folder that a line ``@folder``
 above names, and the last part may be missing. The first member gives the docstring, what the others began with stands
-above their parts, and the rest of their docstrings in that of the file. Members stand in the order in which they import
+above their parts, and in the docstring of the file if more follows on it. Members stand in the order in which they import
 each other. A private function that two members define alike stays once; names that mean two things are refused, as are
 circles of imports: both are for whoever joins to mend.
 """
@@ -266,8 +266,8 @@ class Joined:
             "\n\n" + more.strip("\n")
             for member in self.members
             if member is not self.main
-            for more in [(ast.get_docstring(member.module.tree) or "").partition("\n\n")[2]]
-            if more
+            for more in [ast.get_docstring(member.module.tree) or ""]
+            if "\n\n" in more
         ]
         doc = doc.rstrip("\n") + "".join(rest)
         imports: dict[str, None] = {}

@@ -1,8 +1,9 @@
 """Result of a fit with values, standard errors and verdicts in words, and how an optimum is turned into it.
 
-Where a model has many resonances, one that is a little off already misses a high peak, and the misfit has a minimum
-wherever two of the peaks coincide. Low lines depend smoothly on the parameters; fitting them first brings the higher
-peaks near enough, one after the other.
+Search for an optimum of a fit that starts with the lowest lines and adds higher ones step by step. Where a model has
+many resonances, one that is a little off already misses a high peak, and the misfit has a minimum wherever two of the
+peaks coincide. Low lines depend smoothly on the parameters; fitting them first brings the higher peaks near enough, one
+after the other.
 """
 
 from __future__ import annotations

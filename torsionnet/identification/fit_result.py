@@ -1,8 +1,9 @@
 """Values of a fit with standard errors and intervals, and the curves of test and model.
 
-The error of a fitted value by sensor steps depends on the position within a step that the rig rests at. It is bounded:
-an error that varies as a sine with the position reaches 1.4 standard deviations, where noise has 1.96 at 95 %. The
-interval for both errors together follows from the distribution of the noise, averaged over the rest positions.
+Half width of a confidence interval for a value with errors by noise and by the steps of sensors. The error of a fitted
+value by sensor steps depends on the position within a step that the rig rests at. It is bounded: an error that varies
+as a sine with the position reaches 1.4 standard deviations, where noise has 1.96 at 95 %. The interval for both errors
+together follows from the distribution of the noise, averaged over the rest positions.
 """
 
 from __future__ import annotations

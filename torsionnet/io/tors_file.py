@@ -1,9 +1,10 @@
 """Declared content of a whole TORS file: components, and which begins at which element of another one.
 
-A file has ``components``, each a chain of ``elements``, and ``structure``, pairs ``[component.element,
-component.element]`` that let a component begin where an element of another one ends. Lengths are in mm. A disk, a gear
-without parent and the beginning of a shaft stand where the chain has come to; a shaft takes it to a new place, and so
-does a gear with a parent, on the shaft it drives. Meaning as in ``opentorsion.Parser.from_tors`` of openTorsion 0.3.2.
+Declared content of TORS files, the JSON format of openTorsion and its editor. A file has ``components``, each a chain
+of ``elements``, and ``structure``, pairs ``[component.element, component.element]`` that let a component begin where an
+element of another one ends. Lengths are in mm. A disk, a gear without parent and the beginning of a shaft stand where
+the chain has come to; a shaft takes it to a new place, and so does a gear with a parent, on the shaft it drives.
+Meaning as in ``opentorsion.Parser.from_tors`` of openTorsion 0.3.2.
 """
 
 from __future__ import annotations

@@ -4,8 +4,9 @@ The right matrix fraction ``H = s^p B A^-1 / s^q`` is linear in A and B once mul
 belong to one output each and are eliminated by QR decompositions; the equations left define A, whose roots are the
 poles.
 
-Powers of z are on the unit circle; the polynomials in s are orthogonal over the lines of a measurement (Forsythe's, as
-in Richardson and Formenti, IMAC 1982). On the imaginary axis these are even or odd, so that
+Polynomial bases (powers of z, orthogonal polynomials of s), and roots of matrix polynomials in them. Powers of z are on
+the unit circle; the polynomials in s are orthogonal over the lines of a measurement (Forsythe's, as in Richardson and
+Formenti, IMAC 1982). On the imaginary axis these are even or odd, so that
 
     s p_k = b_(k+1) p_(k+1) - b_k p_(k-1)
 

@@ -4,7 +4,8 @@ The linear fits minimise squares of an equation, which noise biases. Here the sq
 over the poles, with the residues eliminated (variable projection; Golub and Pereyra 1973, Kaufman 1975). An
 oscillatory mode is ``s^2 + b s + c``: as b grows it becomes two real poles without a step.
 
-The windows of an estimate widen peaks, so that a mode comes as two or with too much damping, and no number of averages
+Modes fitted to the record behind an estimate: one window as long as the record, with the transients at its ends. The
+windows of an estimate widen peaks, so that a mode comes as two or with too much damping, and no number of averages
 helps. The lines of the whole record have no such error once the free decays at its ends are unknowns of the fit (R.
 Pintelon and J. Schoukens, System Identification, 2nd ed., chapters 6 and 9): ``Y = s^p H X + T``, T with the poles of
 H. Noise on the input counts as noise on the outputs that the response has shaped.

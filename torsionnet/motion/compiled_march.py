@@ -66,7 +66,7 @@ def size_of(sizes: Any, z: Any) -> float:
 
 
 def moved(z: Any, rest: float, n_q: int, taylor: Any) -> Any:
-    """State z at a place between two points of the finer grid, see :func:`.motion_steps.moved`."""
+    """State z at a place between two points of the finer grid, see :func:`.marching.moved`."""
     n_moving = taylor.shape[0] // DEGREE
     terms, found, power = np.dot(taylor, z), z.copy(), 1.0
     for k in range(n_q):

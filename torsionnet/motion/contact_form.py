@@ -7,9 +7,10 @@ holds still is eliminated, q = Z y + Y c with the held angles c, and what has no
 it follows from the rest: the refresh takes z to the nearest one that meets these conditions. Torques u run straight
 between grid points; generators w' = F w add S w to them.
 
-Such a node takes at once the rate at which its torques are in balance. Where all friction beside it slips, its torques
-are constant, so that it runs on until as many of the frictions stick as it has motions; those that stick carry no
-more than they hold. This is the minimum over the rates w of sum_i T_i |r_i + n_i w| - f w.
+Motions without inertia that nothing but friction fixes, as those of a node between two frictions. Such a node takes at
+once the rate at which its torques are in balance. Where all friction beside it slips, its torques are constant, so that
+it runs on until as many of the frictions stick as it has motions; those that stick carry no more than they hold. This
+is the minimum over the rates w of sum_i T_i |r_i + n_i w| - f w.
 """
 
 from __future__ import annotations

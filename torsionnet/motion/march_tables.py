@@ -1,6 +1,7 @@
 """Tables of contact states for the march: matrices of steps, of guards at many grid points, and of parts of a step.
 
-A step takes the state p to own p + first u + last u', with the torques u at its beginning and u' at its end.
+Matrices of whole steps of a motion in one contact state, and rows of what is read after each of many steps. A step
+takes the state p to own p + first u + last u', with the torques u at its beginning and u' at its end.
 """
 
 from __future__ import annotations

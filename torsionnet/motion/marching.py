@@ -6,13 +6,11 @@ Guards are evaluated at many grid points at once. A step is examined where a gua
 does so between two grid points alone: at a turning point it lies below the smaller value at the ends by at most a
 fraction of its second differences.
 
+Polynomials of guards between two points of the finer grid say where one falls below zero for the first time. Steps of
+the motion go over whole steps of the grid, to points within one, and in between.
+
 These functions are plain Python with few numpy calls a block; :mod:`.compiled_march` compiles them where numba is
-installed. All arrays of contact states are stacked in :class:`.MarchTables`.
-
-These functions are plain Python; :mod:`.compiled_march` compiles them where numba is installed.
-
-Time counts in steps of the grid. These functions are plain Python with few numpy calls; :mod:`.compiled_march` compiles
-them where numba is installed.
+installed. All arrays of contact states are stacked in a :class:`.MarchTable`.
 """
 
 from __future__ import annotations

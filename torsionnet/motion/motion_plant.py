@@ -1,7 +1,8 @@
 """Plant of a motion over time: a drivetrain whose laws of motion are set apart from its linear parts.
 
-A contact gives max(0, k d + c d') at a penetration d. Where that sum is negative the bodies are still within each
-other's reach but free: the phase ``"free"`` of the piece.
+Phases of a law of motion: straight pieces and steps of its curve, and contacts that are loose where bodies overlap. A
+contact gives max(0, k d + c d') at a penetration d. Where that sum is negative the bodies are still within each other's
+reach but free: the phase ``"free"`` of the piece.
 """
 
 from __future__ import annotations

@@ -4,6 +4,7 @@ In each contact state the motion is that of a linear system, which exponentials 
 straight between samples. Where a law enters another piece, where a contact lifts off, where friction begins to stick
 or to slip, the motion is continued in the next contact state; such events are located to rounding.
 
+Motion over time of a drivetrain with laws of straight pieces under torques of lines and waves, exact between events.
 Between the breaks of the torques waves are generators w' = F w among the states, so that exponentials advance them with
 the motion. Breaks that no sample hits are reached by steps of their own length.
 """

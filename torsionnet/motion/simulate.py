@@ -7,10 +7,11 @@ Each triangular block of the first-order system is stepped by its own matrix exp
 where torques are straight, and with u[n] alone where they are held; band-limited ones are read at Gauss points. This is
 a recursive filter for every state, driven by the states after it. No step size, no iteration, no drift.
 
-The torque of a delayed controller follows from the motion one delay ago, so that it is known in advance and acts like
-a torque from outside (the method of steps). States go from point to point by the exact transition for torques
-that run straight between points; delayed torques are read between points by cubics. The error falls with the square of
-the step: it is taken out by extrapolation from two steps, and what that leaves is estimated from a third.
+Motion over time of a drivetrain where torques of controllers act with a delay. The torque of a delayed controller
+follows from the motion one delay ago, so that it is known in advance and acts like a torque from outside (the method of
+steps). States go from point to point by the exact transition for torques that run straight between points; delayed
+torques are read between points by cubics. The error falls with the square of the step: it is taken out by extrapolation
+from two steps, and what that leaves is estimated from a third.
 """
 
 from __future__ import annotations

@@ -1,8 +1,9 @@
 """Sampled torques of a simulation with their course between samples, and their values at any place there.
 
-What a torque is made of follows linear equations of its own: a straight line (v, s) has v' = s, s' = 0, and a wave
-w' = s w. With these states after those of the drivetrain, z' = A z, and z(t + h) = exp(A h) z(t) from sample to sample;
-at a time between samples at which a torque changes its form, its states start anew.
+Motion over time under torques of straight lines and waves that may decay, exact at every sample. What a torque is made
+of follows linear equations of its own: a straight line (v, s) has v' = s, s' = 0, and a wave w' = s w. With these
+states after those of the drivetrain, z' = A z, and z(t + h) = exp(A h) z(t) from sample to sample; at a time between
+samples at which a torque changes its form, its states start anew.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Auto and cross spectra of recordings by Welch's method, in bounded memory.
 
-All follow scipy's convention ``S_ab = mean(conj(A) B)``. With ``y = H x`` that gives ``S_xy = S_xx H^T`` and
-``S_yy = S_yx H^T``, hence ``H1 = S_xy / S_xx`` and ``H2 = S_yy / S_yx``. ``S_yy / S_xy`` has the phase of the opposite
-sign.
+Transfer functions (H1, H2, Hs, Hr) and coherences from arrays of auto and cross spectral densities. All follow scipy's
+convention ``S_ab = mean(conj(A) B)``. With ``y = H x`` that gives ``S_xy = S_xx H^T`` and ``S_yy = S_yx H^T``, hence
+``H1 = S_xy / S_xx`` and ``H2 = S_yy / S_yx``. ``S_yy / S_xy`` has the phase of the opposite sign.
 """
 
 from __future__ import annotations

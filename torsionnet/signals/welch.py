@@ -1,7 +1,8 @@
 """Settings of Welch's method of averaging, and the effective number of its overlapping segments.
 
-A window sees the output that an input causes for as long as both lie in it: with a lag tau the mean of the windows'
-products is less by the window's correlation with itself, 1 - tau/T for a plain one, and the coherence by its square.
+Lag between two signals of a record, and what the windows of Welch's method lose by it. A window sees the output that an
+input causes for as long as both lie in it: with a lag tau the mean of the windows' products is less by the window's
+correlation with itself, 1 - tau/T for a plain one, and the coherence by its square.
 """
 
 from __future__ import annotations

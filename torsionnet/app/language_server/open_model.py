@@ -1,6 +1,7 @@
 """Open file of an editor, and whether it is a model file.
 
-This is the only place that converts between the two; everything else counts characters.
+Text of an open file with the counting of an editor: lines, and units of UTF-16, UTF-8 or UTF-32 in a line. This is the
+only place that converts between the two; everything else counts characters.
 """
 
 from __future__ import annotations

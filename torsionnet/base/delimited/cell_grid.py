@@ -1,6 +1,7 @@
 """Spreadsheets as text: rows of cells with their line and column, and the comment lines around them.
 
-All numbers of a sheet together decide its decimal sign.
+Reading of numbers in the spellings that spreadsheets of several countries use. All numbers of a sheet together decide
+its decimal sign.
 """
 
 from __future__ import annotations

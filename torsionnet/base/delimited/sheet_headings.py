@@ -1,6 +1,7 @@
 """Headings of sheets taken apart into words, unit and factor (as x 10^-6), so that no part is passed over.
 
-With powers of ten, points for products, and in headings without brackets.
+Reading of units in the spellings of mass-elastic sheets. With powers of ten, points for products, and in headings
+without brackets.
 """
 
 from __future__ import annotations

@@ -1,10 +1,12 @@
 """Weighted residuals of measured orders against the calculated ones, over their intervals.
 
-A test that counts its angle from elsewhere than the model turns order o by exp(j o psi). The sum of squares over psi
-has as many minima as the highest order has periods in a cycle, and an even engine without misfire looks the same every
-firing interval: minima are looked for with the other unknowns following each angle by a linear step.
+Reference angles of measured orders from which a fit starts. A test that counts its angle from elsewhere than the model
+turns order o by exp(j o psi). The sum of squares over psi has as many minima as the highest order has periods in a
+cycle, and an even engine without misfire looks the same every firing interval: minima are looked for with the other
+unknowns following each angle by a linear step.
 
-A campaign has many records with few lines each: the work of an evaluation hardly depends on the number of lines.
+Orders of several measurements of one drivetrain, calculated together once for the same values of the unknowns. A
+campaign has many records with few lines each: the work of an evaluation hardly depends on the number of lines.
 """
 
 from __future__ import annotations

@@ -1,10 +1,11 @@
 """Measurement for a fit with its data, channels, band, and the configuration of the rig it was made in.
 
-Welch's H1 multiplies by the input itself, and the noise on that, squared, never averages out: H1 is low by its share. A
-set-point shares no noise with the sensors, so its product with their noise averages out. Without one, segments in
-which a line is not excited show the squared noise alone, which can be subtracted from the others. Antoni,
-Wagstaff and Henrio (2004), IEEE Transactions on Instrumentation and Measurement 53(2), do so with random excitation
-whose power rises and falls; a sweep passes each line once, which is as good.
+Signal (instrumental variable) whose spectra multiply those of input and output in the estimate from a record. Welch's
+H1 multiplies by the input itself, and the noise on that, squared, never averages out: H1 is low by its share. A
+set-point shares no noise with the sensors, so its product with their noise averages out. Without one, segments in which
+a line is not excited show the squared noise alone, which can be subtracted from the others. Antoni, Wagstaff and Henrio
+(2004), IEEE Transactions on Instrumentation and Measurement 53(2), do so with random excitation whose power rises and
+falls; a sweep passes each line once, which is as good.
 """
 
 from __future__ import annotations

@@ -3,10 +3,12 @@
 Where a measured torque is the input, its samples and those of the motion follow from the same torque that drives, and
 each has images of its own above half the sampling rate: their responses are folded before one is divided by the other.
 
-Under a stationary input the estimate at f tends to the transform of the impulse response times the lag window, which is
-the window's correlation with itself. In frequency that is a weighted mean of the response about f.
+Smoothing of a model's response by the windows of Welch's method, before comparison with an estimate. Under a stationary
+input the estimate at f tends to the transform of the impulse response times the lag window, which is the window's
+correlation with itself. In frequency that is a weighted mean of the response about f.
 
-Errors are small against the values, so the error of log(prediction / test) is the relative error of the line.
+Residuals between prediction and test as complex numbers, log magnitude and phase, or log magnitude alone. Errors are
+small against the values, so the error of log(prediction / test) is the relative error of the line.
 """
 
 from __future__ import annotations

@@ -4,10 +4,10 @@ The motion that a model predicts is rounded to steps as by the sensor, from seve
 position is unknown, but the same for a whole test of a rig that is held: its errors are common to all lines, and no
 averaging reduces them. A sine of A steps comes out up to 0.2 / A^1.5 too large or too small.
 
-There the measured input is almost only noise, and so is the output that a model predicts from it: the mean of their
-product over thousands of windows and lines is the power of that noise. Among the lines that a fit compares, few have an
-input noise as large as that of the output, and the fit has adapted to them. The error of a wrong model follows the
-excitation, which is absent from these windows.
+Noise of a record's input sensor, from windows in which a line is not excited. There the measured input is almost only
+noise, and so is the output that a model predicts from it: the mean of their product over thousands of windows and lines
+is the power of that noise. Among the lines that a fit compares, few have an input noise as large as that of the output,
+and the fit has adapted to them. The error of a wrong model follows the excitation, which is absent from these windows.
 """
 
 from __future__ import annotations

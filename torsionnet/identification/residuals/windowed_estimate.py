@@ -4,9 +4,10 @@ The prediction is G(f) X(f) over the whole record, and everything after it (cutt
 averaging) is linear in the output. So the estimate of the prediction is linear in G, and its derivative is that of dG.
 Leakage and windows act on model and test in the same way, and cancel.
 
-Such a map has a row for each line with a value for each sample: 80 lines of two minutes at 5 kHz would fill 770 MB, and
-filtered copies several times that. Rows consist of short pieces, one for each window, so products and covariances are
-calculated from the pieces.
+Lines (Fourier coefficients) of a signal's windows, and linear maps from a record to weighted sums of them. Such a map
+has a row for each line with a value for each sample: 80 lines of two minutes at 5 kHz would fill 770 MB, and filtered
+copies several times that. Rows consist of short pieces, one for each window, so products and covariances are calculated
+from the pieces.
 """
 
 from __future__ import annotations

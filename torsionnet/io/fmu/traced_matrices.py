@@ -5,8 +5,9 @@
 
 with heavy coordinates h, damped b and static d. What runs inside an FMU makes A, B, C and D of these.
 
-Hosts look here for direct ways from inputs to outputs. The pattern holds for any values of the parameters; it may name
-one more than needed where numbers would cancel.
+States and inputs that each output and state derivative of an FMU depends on, from the pattern of its matrices. Hosts
+look here for direct ways from inputs to outputs. The pattern holds for any values of the parameters; it may name one
+more than needed where numbers would cancel.
 """
 
 from __future__ import annotations

@@ -5,7 +5,8 @@ drops out, a loop of ratios that closes) falls on the present values. A second, 
 prime, tells whether a decision would have been the same for any values; if not, the parameters behind it are *settled*:
 they must not change without the structure of the model changing.
 
-The kept coordinates q of a drivetrain are changed, exactly, into three kinds:
+Coordinates of the state space of an FMU, chosen so that its matrices have zeros where the mechanics has them. The kept
+coordinates q of a drivetrain are changed, exactly, into three kinds:
 
     heavy    inertia acts on these, and on nothing else:      M h'' + ..
     damped   massless, but dampers act on these:              C b' + ..

@@ -1,7 +1,8 @@
 """Eigenvalues in rad/s and shapes of many variants of a drivetrain, from stacks of matrices, or singly if uncertain.
 
-A variant is uncertain where the solver of single drivetrains would go on in many digits, and where the order of modes
-is not certain.
+Modes of variants that share rows, in double precision, with a mask of variants to be solved by themselves. A variant is
+uncertain where the solver of single drivetrains would go on in many digits, and where the order of modes is not
+certain.
 
 >>> import torsionnet as tn
 >>> assembly = tn.load("oil_engine").assembly

@@ -3,10 +3,11 @@
 Modes are followed along their eigenvalues: neighbours whose states have most of their energy in common are the same
 mode. Where two modes have changed places in between and could have met, a shorter step says whether they did.
 
-The state of a mode has for every law the velocity times the root of its inertia and the twist times the root of its
-stiffness: the square of its length is the energy of the vibration. States of different modes of an undamped drivetrain
-are orthogonal, whatever inertias and stiffnesses are, which angles at nodes are not; and two real poles that share a
-shape differ in velocity over twist.
+Modes written as vectors of energy over the laws, and the energy that two modes have in common. The state of a mode has
+for every law the velocity times the root of its inertia and the twist times the root of its stiffness: the square of
+its length is the energy of the vibration. States of different modes of an undamped drivetrain are orthogonal, whatever
+inertias and stiffnesses are, which angles at nodes are not; and two real poles that share a shape differ in velocity
+over twist.
 """
 
 from __future__ import annotations
@@ -152,9 +153,9 @@ def successors(known: FollowedModes, found: FollowedModes) -> Successors:
 
     Parameters
     ----------
-    known : Followed
+    known : FollowedModes
         m modes that are followed.
-    found : Followed
+    found : FollowedModes
         All modes there are; NaN after the last one of a variant.
     """
     alike = common_energy(known.states, found.states)
@@ -252,7 +253,7 @@ class ModeWalk:
     Parameters
     ----------
     found : BatchedModes
-    home : Followed
+    home : FollowedModes
         m modes of the drivetrain itself (1, m).
     """
 
@@ -267,7 +268,7 @@ class ModeWalk:
         ----------
         places : (n,) index array
             The variants.
-        arrived : Followed
+        arrived : FollowedModes
             All their modes.
         """
         n, m = len(places), self._home.values.shape[1]

@@ -2,7 +2,7 @@
 
 A mode is followed along its eigenvalue from the drivetrain's own values to those of the variant. Where every mode is
 most like the one of the same rank among its kind, nothing has to be followed. Otherwise the values move in steps, each
-short enough that neighbouring modes are identified by the energy their states have in common (``mode_states``):
+short enough that neighbouring modes are identified by the energy their states have in common (:mod:`.mode_steps`):
 
 * modes that **cross** keep their shapes, so each is found where its shape went, and the order of frequencies changes;
 * modes that **veer** come near each other and turn away, exchanging their shapes on the way; each stays on its side,
@@ -16,6 +16,8 @@ count as crossing.
 
 A vibration that is damped beyond critical damping goes on as the slower one of its two real poles; two real poles that
 become a vibration go on as one mode, and the other one is lost.
+
+Sentences on tracked modes that come near each other, become overdamped, or get lost.
 
 >>> here, there = np.array([2j, 3j]), np.array([[2j, 3j], [2.9j, 3.1j]])
 >>> mixed = np.array([[False, False], [True, True]])

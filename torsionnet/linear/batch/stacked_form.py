@@ -6,7 +6,8 @@ The algebra is that of one system; numpy hands every matrix of a stack to LAPACK
 of stacked matrices too, not ``einsum`` and no product over the variants, which may add in another order when there
 are fewer of them: the bits of a variant do not depend on its neighbours.
 
-The error is estimated as in :mod:`torsionnet.linear.modes.spectrum`, from the size of the form and the condition of the
+Nonzero eigenvalues in rad/s and shapes of a stack of first-order forms, each with an estimate of its error. The error
+is estimated as in :mod:`torsionnet.linear.modes.spectrum`, from the size of the form and the condition of the
 eigenvalue, which its symmetry gives without left vectors: with x = (velocities, forces) and S = diag(I, -I) the matrix
 S A is symmetric, so that S x is the left vector of x.
 """

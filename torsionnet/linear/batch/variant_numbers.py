@@ -242,7 +242,7 @@ def planned_elements(
 def _numbered(drivetrain: AssembledModel) -> dict[str, list[tuple[Part, int | None]]]:
     """Springs, dampers, inertias and constraints of a drivetrain by element, each with the number of its law.
 
-    It is None for what is no acting law.
+    The number is None for what is no acting law.
     """
     found: dict[str, list[tuple[Part, int | None]]] = {}
     count = 0

@@ -8,8 +8,9 @@ has no poles of its own, so that its roots are the poles of the drivetrain. Root
 slow poles. How many roots there are without delays is counted modulo a large prime; with delays there are
 infinitely many, and those in a circle are counted by the argument principle.
 
-Rounding turns a double root at zero into a pair of small eigenvalues, which hides slow poles. These are taken from the
-characteristic equation without its roots at zero instead.
+Start values for poles of a drivetrain with controllers, from its state matrix and from slow roots. Rounding turns a
+double root at zero into a pair of small eigenvalues, which hides slow poles. These are taken from the characteristic
+equation without its roots at zero instead.
 """
 
 from __future__ import annotations

@@ -1,15 +1,13 @@
 """Poles of transfer functions against any measured inputs, that is rates s at which these can stay zero.
 
-The poles are the roots of det P(s) of the bordered system. As many approximations as there are roots come from a
-generalised eigenvalue problem in (q, s q, u); uncertain roots are refined in mpmath.
-
 With unknown excitations u, the rates s at which the readings L(s) q + d u can stay zero are the roots of det P(s),
 
     P(s) = [ D(s)  -B ]  =  P_0 + P_1 s + P_2 s^2
            [ L(s)   d ]
 
-Rounded numbers do not decide how many roots there are, how many are zero and which are repeated; the determinant modulo
-large primes does.
+the bordered system. As many approximations as there are roots come from a generalised eigenvalue problem in
+(q, u, s q); uncertain roots are refined in mpmath. Rounded numbers do not decide how many roots there are, how many are
+zero and which are repeated; the determinant modulo large primes does.
 """
 
 from __future__ import annotations

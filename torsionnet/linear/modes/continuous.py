@@ -2,6 +2,8 @@
 
 Every mode is bracketed by the count of Wittrick and Williams and bisected to the last digit.
 
+Number of natural frequencies below a frequency, by the algorithm of Wittrick and Williams.
+
     N(omega) = sum over the members of their own modes below omega with both ends clamped
                + number of negative pivots of D(omega)
 

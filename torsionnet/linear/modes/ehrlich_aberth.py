@@ -1,7 +1,5 @@
 """Eigenvalues in many digits, as all roots of det P(z) by Ehrlich-Aberth iteration in mpmath.
 
-Ehrlich-Aberth iteration for all roots of det D(z) in mpmath.
-
 Double precision leaves an absolute error of about 1e-16 ||A||; with stiffnesses from 1e2 to 1e10 the slow modes are
 noise. Here the Ehrlich-Aberth iteration (D. A. Bini, V. Noferini, "Solving polynomial eigenvalue problems by means of
 the Ehrlich-Aberth method", Linear Algebra Appl. 439 (2013), doi:10.1016/j.laa.2013.02.024)
@@ -10,6 +8,8 @@ the Ehrlich-Aberth method", Linear Algebra Appl. 439 (2013), doi:10.1016/j.laa.2
 
 moves the uncertain roots only. Each approximation is repelled by all others, so two starting values
 cannot run into the same simple eigenvalue, and clusters keep their count.
+
+Rayleigh quotient iteration in many digits, for an eigenvalue that is isolated from all others.
 
     q <- P(z)^-1 P'(z) q,    then the root z of q^T P(z) q next to the last one
 

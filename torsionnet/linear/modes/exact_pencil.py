@@ -4,15 +4,17 @@ P(s) of :class:`~torsionnet.linear.modes.active_pencil.ActivePencil` is a series
 included, since values are given as decimals. Singularity at zero is decided exactly, and its multiplicity is counted
 modulo a large prime, with the series of exponentials cut off where these no longer matter.
 
-A motion x(s) = x_0 + s x_1 + .. for which P(s) x(s) begins with s^k (a root polynomial; its coefficients are a Jordan
-chain: I. Gohberg, P. Lancaster and L. Rodman, "Matrix polynomials", 1982, section 1.5) replaces a coordinate,
+Chains of motions for poles at zero, by which these are taken out of the characteristic equation. A motion x(s) = x_0 +
+s x_1 + .. for which P(s) x(s) begins with s^k (a root polynomial; its coefficients are a Jordan chain: I. Gohberg, P.
+Lancaster and L. Rodman, "Matrix polynomials", 1982, section 1.5) replaces a coordinate,
 
     P(s) x(s) / s^k    in the column of that coordinate
 
 which takes k roots at zero out of det P and leaves all others. While the matrix is still singular at zero, a null
 vector gives the next chain. All numbers are exact: a root at zero is not distinguished from a slow root by its size.
 
-The division by powers of s is exact: powers of s that cancel are not formed, and of delays
+Columns of the characteristic equation from which roots at zero are taken out, in double precision. The division by
+powers of s is exact: powers of s that cancel are not formed, and of delays
 
     e^(-s tau) = sum of (-s tau)^m / m! for m < r, + (-s tau)^r phi_r(-s tau)
 

@@ -7,9 +7,10 @@ All node angles theta and the torques lambda of all rigid conditions are unknown
 
 so a parameter may sit in a law, in a ratio, or in both, and its derivative stays a sum over laws and conditions.
 
-Torques, stiffnesses and ratios move the states of laws of motion, and with these the slopes of smooth curves. The
-derivative of a stiffness or damping there is the one along the solution of the balance: differences of balances give
-it, as that of a straight piece, which does not move within the piece, is exact without them.
+Laws of a drivetrain at values of its unknowns, about the operating point that it has at these values. Torques,
+stiffnesses and ratios move the states of laws of motion, and with these the slopes of smooth curves. The derivative of
+a stiffness or damping there is the one along the solution of the balance: differences of balances give it, as that of a
+straight piece, which does not move within the piece, is exact without them.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Search for damping and stiffness of dampers, within bounds, for which the largest vibration is smallest.
 
-Where natural frequencies are quoted without damping, the ring of an
-untuned damper is left out (free), joined to the hub (locked), or half of its inertia is put on the hub, which is where
-the film of best damping brings the resonance near.
+Drivetrain with the rings of its viscous dampers free, locked to the hub, or counted by half. Where natural frequencies
+are quoted without damping, the ring of an untuned damper is left out (free), joined to the hub (locked), or half of its
+inertia is put on the hub, which is where the film of best damping brings the resonance near.
 """
 
 from __future__ import annotations

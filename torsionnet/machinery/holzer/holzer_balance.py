@@ -3,8 +3,9 @@
 The motion is the shape of a mode, or that of a Holzer trial: amplitude 1 at the first station, equilibrium everywhere
 but at the last station, where a torque remains.
 
-Two nodes with a spring, a shaft, a gear or a rigid coupling between them follow each other. Elements that close a loop
-or tie three nodes, as planetary sets do, are not followed: their torques count at their nodes.
+Lines of a Holzer table through a drivetrain, a main line, and branches that join it. Two nodes with a spring, a shaft,
+a gear or a rigid coupling between them follow each other. Elements that close a loop or tie three nodes, as planetary
+sets do, are not followed: their torques count at their nodes.
 """
 
 from __future__ import annotations

@@ -1,8 +1,9 @@
 """Order amplitudes with engines on unconnected crankshafts at angles of largest or smallest half range of their sum.
 
-Between two instants tau apart each engine rises as it would alone, and as the angles are free, it may be at any of its
-own instants. So the largest range is the maximum over tau of the sum of the largest rises of all engines within tau:
-one search, however many engines there are.
+Search of the angles between engines of unknown phase that give the largest half range of the sum of orders. Between two
+instants tau apart each engine rises as it would alone, and as the angles are free, it may be at any of its own
+instants. So the largest range is the maximum over tau of the sum of the largest rises of all engines within tau: one
+search, however many engines there are.
 """
 
 from __future__ import annotations

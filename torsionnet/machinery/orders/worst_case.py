@@ -3,7 +3,8 @@
 A misfire of each cylinder, gas torques that differ by some per cent, engines at any angle to each other: only torques
 of single cylinders or their phases change, and the response is linear in them.
 
-The half range is a convex function of the deviations, so that it is largest where each deviation is at one end.
+Signs of deviations that may each add or subtract, with which the half range is largest. The half range is a convex
+function of the deviations, so that it is largest where each deviation is at one end.
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
 """Response of a drivetrain to all orders along a speed over time, with its envelope, peaks and cycles.
 
-Half range of each, crests between samples, and how many exceed a level.
+Half ranges of a vibration over time in windows of one cycle, and number of its cycles above a level. Half range of
+each, crests between samples, and how many exceed a level.
 """
 
 from __future__ import annotations

@@ -1,8 +1,9 @@
 """Arrangement of a schematic on a page, with the connected parts of a drivetrain beside each other and a title.
 
-A line is built from its first vertex onwards, every symbol in a stretch as wide as the symbol and its texts; branches
-are then moved down (or up) to the nearest free place. A line wider than the page is cut and goes on below; a branch
-without room begins a band of its own, with flags at both ends. All lengths are in points.
+Layout of a schematic, with shaft lines from left to right, branches and gear stages on lines of their own. A line is
+built from its first vertex onwards, every symbol in a stretch as wide as the symbol and its texts; branches are then
+moved down (or up) to the nearest free place. A line wider than the page is cut and goes on below; a branch without room
+begins a band of its own, with flags at both ends. All lengths are in points.
 """
 
 from __future__ import annotations

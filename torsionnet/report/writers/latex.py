@@ -2,7 +2,8 @@
 
 Nothing refers to pages, and tables find their widths at once, so that a second run would change nothing.
 
-Special characters are escaped, and characters that pdfTeX cannot print are spelt out.
+LaTeX of the texts and numbers of a report. Special characters are escaped, and characters that pdfTeX cannot print are
+spelt out.
 """
 
 from __future__ import annotations

@@ -5,10 +5,11 @@ both give one estimate of every multiple of 1/cycle at once: the window has its 
 leaks less into its neighbours than through the edges of a single cycle. A block averages its estimates, under a window
 that is flat but for half a Hann window on either side.
 
-A pair of cycles under a Hann window shares a cycle with the next pair, so that their estimates correlate by 1/6 even
-where the noise does not; slow fluctuations correlate more. The correlation of neighbours, rho, is taken over all blocks
-of a record, without the share that the straight line of each block adds; the mean of n estimates then has the variance
-s^2/n (1 + rho)/(1 - rho) and n (1 - rho)/(1 + rho) - 2 degrees of freedom for each of two parts, as of a first-order
+Intervals of averaged orders, from the scatter between cycles and from the bend of their course over speed. A pair of
+cycles under a Hann window shares a cycle with the next pair, so that their estimates correlate by 1/6 even where the
+noise does not; slow fluctuations correlate more. The correlation of neighbours, rho, is taken over all blocks of a
+record, without the share that the straight line of each block adds; the mean of n estimates then has the variance s^2/n
+(1 + rho)/(1 - rho) and n (1 - rho)/(1 + rho) - 2 degrees of freedom for each of two parts, as of a first-order
 autoregression.
 """
 

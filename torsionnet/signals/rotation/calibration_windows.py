@@ -1,6 +1,7 @@
 """Windows of all tests of a calibration: what one or two pickups show in each order of the wheel's turn.
 
-The wheel turns by theta = phi + x(phi), phi the mean angle of rotation, a cubic over the window, x(phi) = Re sum_v X_v
+Whole revolutions of a wheel, one window after the other: what its pulses show in each order, and in each tooth. The
+wheel turns by theta = phi + x(phi), phi the mean angle of rotation, a cubic over the window, x(phi) = Re sum_v X_v
 exp(j v phi) its vibration. A pulse of tooth k says theta = 2 pi (n + k/z) + p_k at its time, p_k the tooth's error of
 position. Mean rotation and X follow by least squares from all pulses of the window, and depend on p linearly: so a
 window is solved once, and a better pattern changes what it shows by one product of matrices.

@@ -299,7 +299,7 @@ def pickup_gains(angle: float, orders: ArrayLike) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class PitchEvidence:
-    """PitchEvidence that tells the pattern from vibration: second pickup, calculated orders, or the speeds alone.
+    """Evidence that tells the pattern from vibration: second pickup, calculated orders, or the speeds alone.
 
     Attributes
     ----------

@@ -1,5 +1,6 @@
 """Entries of a toothed wheel or encoder that is read by its pulses.
 
+Wheels with several gaps or with uneven lobes: where their teeth stand, as words state it, and which pulse is which.
 Words are runs of even teeth, ``16 teeth, 2 missing, 10 teeth, 2 missing, 4 teeth, 2 missing``, or the angles of all
 edges, ``0, 80, 180, 270 deg``. The pulses are matched with them by the intervals: over those of the wheel they change
 with the speed alone, at one of its teeth as the first.

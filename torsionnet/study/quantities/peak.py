@@ -1,5 +1,6 @@
 """Peak and peak frequency, two quantities of a study, the largest magnitude of a transfer function in a band.
 
+Search of the largest magnitude in a band for many variants at once, on a grid of frequencies refined at maxima.
 Neighbours on the grid are at most 1 % apart; peaks closer together may be taken for one. The sixteen with the highest
 estimated peaks are refined with steps of a quarter per cent; around the four highest then, rounds shrink the bracket to
 2e-5 of the frequency. The last step is the vertex of a parabola through 1/|H|^2, which near a single resonance is one,

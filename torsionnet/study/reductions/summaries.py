@@ -1,8 +1,9 @@
 """Statistics of values that come in chunks of variants: moments, histograms with their percentiles, values kept.
 
-Values are counted in bins whose edges are powers of a number a little above 1, so that the middle of a bin is off by at
-most :data:`ACCURACY` of any value in it (Masson, Rim and Lee, DDSketch, 2019). Counts are whole numbers: they add up to
-the same whatever the order.
+Histograms of values that come in chunks, and their percentiles within 0.2 % of themselves, in bounded memory. Values
+are counted in bins whose edges are powers of a number a little above 1, so that the middle of a bin is off by at most
+:data:`ACCURACY` of any value in it (Masson, Rim and Lee, DDSketch, 2019). Counts are whole numbers: they add up to the
+same whatever the order.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
 """Recordings in CSV and other text files of columns, whose separator, decimal sign, names and units are detected.
 
-Rigol DS and MSO1000Z: ``X,CH1,Start,Increment`` above ``Sequence,Volt,-1.2E-02,1E-04``; MSO5000: ``CH1(V),t0 = -25s,
-tInc = 2e-06s``.
+Headings of the text files of oscilloscopes that tell first time and interval of the samples, but list no times. Rigol
+DS and MSO1000Z: ``X,CH1,Start,Increment`` above ``Sequence,Volt,-1.2E-02,1E-04``; MSO5000: ``CH1(V),t0 = -25s, tInc =
+2e-06s``.
 """
 
 from __future__ import annotations
