@@ -158,6 +158,25 @@ def test_what_functions_import_from_their_own_file_is_there(pair):
     assert "def f():\n\n    return KINDS + SIZES + angles.whole()" in text
 
 
+def test_a_helper_that_two_members_have_stays_once_and_another_of_its_name_gets_a_name(tmp_path):
+    helper = "def _half(x):\n    return x / 2\n"
+    repository(
+        tmp_path,
+        {
+            "torsionnet/__init__.py": "",
+            "torsionnet/first.py": f'"""First."""\n\n{helper}\n\ndef quarter(x):\n    return _half(_half(x))\n',
+            "torsionnet/second.py": f'"""Second."""\n\n{helper}\n\ndef eighth(x):\n    return _half(x) / 4\n',
+            "torsionnet/third.py": '"""Third."""\n\ndef _half(x):\n    return x // 2\n\n\ndef floor(x):\n    return _half(x)\n',
+        },
+    )
+    assert not planned("first = first second third", tmp_path)
+    text = (tmp_path / "torsionnet/first.py").read_text("utf-8")
+    assert text.count("def _half(x):\n    return x / 2\n") == 1
+    names = {}
+    exec(compile(text, "first", "exec"), names)
+    assert (names["quarter"](4), names["eighth"](8), names["floor"](5)) == (1.0, 1.0, 2)
+
+
 @pytest.mark.parametrize(
     ("plan", "why"),
     [
