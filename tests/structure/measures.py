@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import ast
+import re
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -48,11 +50,41 @@ def measures(package: Path) -> dict[str, str]:
     numbers = {
         "code lines": sum(module.code_lines for module in modules),
         "files": len(modules),
+        "files under 30 code lines, without __init__": sum(
+            module.code_lines < 30 and module.path.stem != "__init__" for module in modules
+        ),
         "files in import circles": sum(map(len, around)),
         "largest circle": max(map(len, around), default=0),
         "file names twice": len(doubled_files(modules)),
         "class names twice": len(doubled_classes(modules)),
+        "classes named Row, Record, Table": sum(
+            name.endswith(("Row", "Record", "Table")) for module in modules for name in module.public_classes
+        ),
         "noqa": sum(module.text.count("# noqa") for module in modules),
         "lines with Any": sum(module.lines_with_any for module in modules),
     }
-    return {name: f"{number:,}".replace(",", " ") for name, number in numbers.items()}
+    lines = sum(len(module.text.splitlines()) for module in modules)
+    once, private = private_functions(modules)
+    shares = {
+        "imports, % of lines": 100 * sum(module.import_lines for module in modules) / lines,
+        "comments per 100 code lines, inside functions": 100
+        * sum(module.comments_in_functions for module in modules)
+        / numbers["code lines"],
+        "private functions referenced once, %": 100 * once / max(private, 1),
+    }
+    counts = {name: f"{number:,}".replace(",", " ") for name, number in numbers.items()}
+    return counts | {name: f"{share:.1f}" for name, share in shares.items()}
+
+
+def private_functions(modules: Iterable[Module]) -> tuple[int, int]:
+    """Number of names of private functions that the package says once but for their definitions, and of all."""
+    defined: Counter[str] = Counter()
+    said: Counter[str] = Counter()
+    for module in modules:
+        defined.update(
+            node.name
+            for node in module.statements
+            if isinstance(node, ast.FunctionDef) and re.match("_[^_]", node.name)
+        )
+        said.update(re.findall(r"\w+", module.text))
+    return sum(said[name] - count == 1 for name, count in defined.items()), len(defined)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import io
+import re
 import tokenize
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -128,6 +129,21 @@ class Module:
             if is_text or isinstance(node, ast.Import | ast.ImportFrom):
                 lines -= set(range(node.lineno, (node.end_lineno or node.lineno) + 1))
         return len(lines)
+
+    @property
+    def import_lines(self) -> int:
+        nodes = [node for node in self.statements if isinstance(node, ast.Import | ast.ImportFrom)]
+        return sum((node.end_lineno or node.lineno) - node.lineno + 1 for node in nodes)
+
+    @property
+    def comments_in_functions(self) -> int:
+        """Number of comments inside functions, without those for linters and type checkers."""
+        functions = [node for node in self.statements if isinstance(node, ast.FunctionDef)]
+        inside = {line for node in functions for line in range(node.lineno, (node.end_lineno or 0) + 1)}
+        return sum(
+            token.type == tokenize.COMMENT and token.start[0] in inside and not re.match("# (noqa|type:)", token.string)
+            for token in tokenize.generate_tokens(io.StringIO(self.text).readline)
+        )
 
     @property
     def lines_with_any(self) -> int:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from fractions import Fraction
 from itertools import groupby
 from types import MappingProxyType
 from typing import TypeAlias, TypeVar
@@ -25,11 +26,26 @@ from torsionnet.linear.modes.modes import OSCILLATORY
 from torsionnet.linear.modes.natural_modes import modes
 from torsionnet.linear.responses.shared_response import shared_by_conditions
 from torsionnet.machinery.criticals.critical_speeds import CriticalSpeed
-from torsionnet.machinery.criticals.total_ratios import cached_total_ratio
 from torsionnet.model.definition import Definition
 from torsionnet.model.load.external_torques import reference_node
 from torsionnet.model.operating_values import OperatingPoints
 from torsionnet.model.parameters import VIBRATORY_TORQUE
+from torsionnet.model.speeds import total_ratio
+
+# Revolutions of one shaft per revolution of another, kept for all drivetrains with the same rows.
+
+
+def cached_total_ratio(drivetrain: AssembledModel, node: str, reference: str) -> Fraction:
+    """Mean speed of a node over that of the reference node, as a fraction, negative if it turns the other way.
+
+    See :func:`torsionnet.model.speeds.total_ratio`.
+    """
+    return drivetrain.assembly.system.memo.once(
+        Fraction,
+        ("total ratio", node, reference),
+        lambda: total_ratio(drivetrain.definition, drivetrain.exact_values, node, reference),
+    )
+
 
 IteratedValues: TypeAlias = Mapping[str, FloatArray]
 """Values (n_speeds,) by parameter, in SI units, that were iterated together with the vibration they depend on."""

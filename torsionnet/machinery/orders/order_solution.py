@@ -22,7 +22,6 @@ from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest
 from torsionnet.linear.frequency_response import Channel, FloatArray
 from torsionnet.linear.responses.shared_response import named, shared_by_conditions, shared_response
 from torsionnet.linear.responses.transfer import evaluate, warn_infinite
-from torsionnet.machinery.criticals.total_ratios import cached_total_ratio
 from torsionnet.machinery.excitations import OrderExcitation, OrderTorques
 from torsionnet.machinery.excitations.reciprocating_engine import unlocked_engines
 from torsionnet.machinery.orders.operating_groups import (
@@ -30,6 +29,7 @@ from torsionnet.machinery.orders.operating_groups import (
     IteratedValues,
     batch_over_speeds,
     blocks_of_speeds,
+    cached_total_ratio,
     drivetrains_at_speeds,
     values_by_vibration,
 )
