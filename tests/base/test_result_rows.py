@@ -6,7 +6,8 @@ import dataclasses
 import importlib
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Literal, get_args
+from functools import cached_property
+from typing import Annotated, ClassVar, Literal, get_args
 
 import numpy as np
 import pytest
@@ -58,6 +59,34 @@ def row(**changes):
         "curve": np.array([1.0, np.nan]), "matrix": np.eye(2), "parts": (Part(0.5),), "verdict": "pass",
     }  # fmt: skip
     return Row(**values | changes)
+
+
+@dataclass(frozen=True)
+class Peak:
+    """Result that holds more than it shows, with a value calculated once."""
+
+    points: tuple[float, ...]
+    place: Annotated[int, Out("place")]
+    SHOWN: ClassVar = ("largest", "place", "half")
+
+    @cached_property
+    def largest(self) -> Annotated[float, Out("amplitude", "rad", "largest_rad")]:
+        """Largest of the points."""
+        return max(self.points)
+
+    @property
+    def half(self) -> float:
+        """Half of it, declared by its type alone."""
+        return self.largest / 2
+
+
+def test_a_result_that_names_what_it_shows_has_no_other_keys():
+    peak = Peak((1.0, 3.0), 1)
+    assert to_json(peak) == {"largest_rad": 3.0, "place": 1, "half": 1.5}
+    assert list(json_schema(Peak)["properties"]) == ["largest_rad", "place", "half"]
+    table = result_table("peaks", [peak], Peak)
+    assert [column.heading for column in table.columns] == ["amplitude [rad]", "place"]
+    assert table.rows == ((3.0, 1),)
 
 
 def test_json_has_the_declared_keys_in_their_order():

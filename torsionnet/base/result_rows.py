@@ -90,17 +90,29 @@ class OutField(NamedTuple):
 
 @cache
 def out_fields(kind: type) -> tuple[OutField, ...]:
-    """Fields of a result class in the order of JSON; of its properties those that are declared."""
+    """Fields of a result class in the order of JSON; of its properties those that are declared.
+
+    A class that holds more than it shows names what it shows in ``SHOWN``: fields and properties, in this order.
+    """
     hints = get_type_hints(kind, include_extras=True)
+    if names := getattr(kind, "SHOWN", ()):
+        return tuple(_declared(name, hints[name] if name in hints else _returned(kind, name)) for name in names)
     found: list[OutField] = []
     for field in dataclasses.fields(kind):
         _insert(found, _declared(field.name, hints[field.name]), len(found))
     for name, member in ((name, member) for base in reversed(kind.__mro__) for name, member in vars(base).items()):
         if isinstance(member, property):
-            one = _declared(name, get_type_hints(member.fget, include_extras=True).get("return"))
+            one = _declared(name, _returned(kind, name))
             if one.out != Out():
                 _insert(found, one, 0)
     return tuple(found)
+
+
+def _returned(kind: type, name: str) -> Any:
+    """Type that a property, or a value kept once it is calculated, is declared to return."""
+    member: Any = getattr(kind, name)
+    getter = member.fget if isinstance(member, property) else member.func
+    return get_type_hints(getter, include_extras=True).get("return")
 
 
 def _insert(found: list[OutField], one: OutField, otherwise: int) -> None:
