@@ -23,7 +23,7 @@ from torsionnet.bench.plan import (
     Transducer,
 )
 from torsionnet.bench.turning_motion import coast_down, turning_inertia
-from torsionnet.bench.wheel_turning import true_places, with_wheel_speeds
+from torsionnet.bench.wheel_turning import counted_pulses, true_places, with_wheel_speeds
 from torsionnet.signals.recording import PulseChannel, Recording
 
 RPM = np.pi / 30
@@ -423,6 +423,29 @@ def test_warming_up_and_held_telemetry():
 
 # Plans and their faults
 
+
+class Doubling:
+    """Chance by which every pulse is followed by a second one, as late as may be."""
+
+    def random(self, count):
+        return np.zeros(count)
+
+    def uniform(self, *limits):
+        _, high, count = limits
+        return np.full(count, high)
+
+
+def test_a_second_pulse_stands_near_its_tooth_also_behind_the_gap():
+    """Evenly turning, 1 ms a tooth: the second pulse of a tooth comes before half of the time to the next."""
+    numbers = np.delete(np.arange(61), [58, 59])
+    counted = counted_pulses(
+        "b", 1e-3 * numbers, numbers, ToothedWheel(teeth=60, missing_teeth=2, double_pulses=0.1),
+        lambda _: Doubling(), lambda times: times,
+    )  # fmt: skip
+    assert counted.numbers[-2:].tolist() == [60, 60]
+    assert np.diff(counted.channel.times)[::2] == pytest.approx(0.4e-3)
+
+
 RIG = """\
 torsionnet: 1
 name: two rotors
@@ -465,6 +488,7 @@ WRONG = [
     ("teeth: 60, missing_teeth: 2", "index: true", 12, "a toothed wheel needs teeth: 60"),
     ("teeth: 60,", "teeth: 60, pitch_errors: {list: [0.1 deg]},", 12, "1 places do not fit a wheel of 60 teeth"),
     ("teeth: 60,", "teeth: 60, radial_vibration: {amplitude: 1 mm, order: 1},", 12, "give the radius"),
+    ("teeth: 60,", "teeth: 60, gearing: 5000,", 12, "2.9e+07 pulses are more than 2e+07"),
     ("wheel: b,", "wheel: T,", 13, 'no channel with a wheel of its own is named "T"'),
     ("wheel: b,", "wheel: b, teeth: 60,", 13, "a further pickup takes it from the wheel of b"),
     ("value: 1 kN*m", "value: 1 kN", 14, '"1 kN" is not a value of torque'),

@@ -11,7 +11,7 @@ from torsionnet.signals import (
     rotation_clocks,
     signal_clocks,
 )
-from torsionnet.signals.rotation.clock_drift import ClockDrift
+from torsionnet.signals.rotation.clock_drift import ClockDrift, clocks_of_delays, variance_factor
 from torsionnet.signals.rotation.pulse_channel import PulseChannel
 from torsionnet.signals.rotation.wheel import Wheel
 from torsionnet.signals.rotation.wheel_rotation import wheel_rotation
@@ -155,6 +155,19 @@ def test_intervals_of_clocks_from_a_signal_are_those_of_its_scatter():
         clocks = signal_clocks(first, second, "T", seconds=0.2)
         ratios.append((clocks.drift / clocks.drift_half_width, clocks.offset / clocks.offset_half_width))
     assert np.std(ratios, axis=0) == pytest.approx(1 / 1.96, rel=0.5)
+
+
+def test_windows_that_count_less_widen_the_interval_as_they_should():
+    """Windows of half the weight beyond the middle, against the weighted covariance of numpy's polynomial fit."""
+    chance = np.random.default_rng(3)
+    times, weights = np.arange(40.0), np.where(np.arange(40) < 20, 1.0, 0.05)
+    delays = 0.2 + 5e-5 * times + 1e-5 * chance.normal(size=40) / np.sqrt(weights)
+    clocks = clocks_of_delays(times, delays, weights, 0.0, "T")
+    (drift, offset), covariance = np.polyfit(times, delays, 1, w=np.sqrt(weights), cov=True)
+    assert (clocks.drift, clocks.offset) == pytest.approx((drift, offset), rel=1e-9)
+    following = variance_factor(delays - drift * times - offset)
+    half = 1.96 * np.sqrt(np.diag(covariance) * following)
+    assert (clocks.drift_half_width, clocks.offset_half_width) == pytest.approx(tuple(half), rel=1e-9)
 
 
 class TestRefused:

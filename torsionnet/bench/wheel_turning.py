@@ -257,9 +257,9 @@ def counted_pulses(
         chance = generator("double")
         doubled = (chance.random(len(times)) < pickup.double_pulses) & kept
         share = chance.uniform(NEAREST_DOUBLE, FARTHEST_DOUBLE, len(times))
-        # Time from tooth to tooth, also over the gap where several are missing.
-        gaps = np.diff(times, append=2 * times[-1] - times[-2]) / np.diff(numbers, append=numbers[-1] + 1)
-        second = (late + share * gaps)[doubled]
+        # Time from tooth to tooth, also over the gap where several are missing; behind the last one as before it.
+        pitches = np.diff(times) / np.diff(numbers)
+        second = (late + share * np.append(pitches, pitches[-1]))[doubled]
         faults += [TrueFault(name, "double pulse", time, float(tooth))
                    for time, tooth in zip(second.tolist(), numbers[doubled].tolist(), strict=True)]  # fmt: skip
         stamps, teeth = np.concatenate([stamps, second]), np.concatenate([teeth, numbers[doubled]])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
@@ -98,27 +99,30 @@ def _wheel_faults(
     if sensor is not None and GROUND in sensor.nodes:
         yield Fault("a wheel on the ground does not turn; name a node that does", place, on_key=not place)
     elif sensor is not None and sensor.quantity == "angle" and plan.motion is not None:
-        yield from (fault.under(*place) for fault in _still(sensor.row, plan.motion, definition, values))
-        length, teeth = motion_length(plan.motion), part.teeth or 0
-        pulses = teeth * plan.motion.extremes[1] * (length or 0.0)
-        if pulses > MOST_PULSES * 6.3:  # about 2 pi: rad, not turns
-            yield Fault(f"{pulses / 6.3:.3g} pulses are more than {MOST_PULSES:.0e}; shorten the test", ("teeth",))
+        try:
+            ratio = _mean_ratio(sensor.row, plan.motion, definition, values)
+        except UsageError as error:
+            yield Fault(str(error), on_key=True).under(*place)
+            return
+        if not ratio:
+            text = f"a wheel on {' against '.join(sensor.row)} does not turn; it gives no pulses"
+            yield Fault(text, on_key=True).under(*place)
+        # At most: at the highest speed during the whole test, as often as teeth pass in a turn of the wheel.
+        speed = abs(ratio) * part.gearing * plan.motion.extremes[1]
+        teeth = (part.teeth or 0) - part.missing_teeth
+        pulses = teeth * speed / (2 * math.pi) * (motion_length(plan.motion) or 0.0)
+        if pulses > MOST_PULSES:
+            yield Fault(f"{pulses:.3g} pulses are more than {MOST_PULSES:.0e}; shorten the test", ("teeth",))
 
 
-def _still(
+def _mean_ratio(
     row: Mapping[str, int], motion: BenchMotion, definition: Definition, values: Mapping[str, Any] | None
-) -> Iterator[Fault]:
-    """Fault of a wheel that stands still on average, or whose speed does not follow from that of the reference."""
+) -> float:
+    """Mean speed of the node of a wheel, or of two against each other, over that of the reference; 1 without values."""
     reference = motion.speed_of or (definition.speeds.of if definition.speeds else "")
     if values is None or not reference:
-        return
-    try:
-        turning = sum(float(total_ratio(definition, values, node, reference)) * weight for node, weight in row.items())
-    except UsageError as error:
-        yield Fault(str(error), on_key=True)
-        return
-    if not turning:
-        yield Fault(f"a wheel on {' against '.join(row)} does not turn; it gives no pulses", on_key=True)
+        return 1.0
+    return sum(float(total_ratio(definition, values, node, reference)) * weight for node, weight in row.items())
 
 
 def _system_faults(plan: Plan) -> Iterator[Fault]:

@@ -310,10 +310,10 @@ def _amplitudes(passage: _Passage, start: FloatArray) -> tuple[FloatArray, Float
     """Results as of the complex fit, for values without phases: complex amplitudes are unknowns of the search."""
     size = np.abs(np.concatenate(passage.windows.values))
     scale, count = np.linalg.norm(size), len(start)
-    first = passage.columns(_poles(start))
-    steady = np.linalg.lstsq(first, size.astype(complex), rcond=None)[0]
-    gains = np.max(np.abs(first), axis=0)
-    steady = np.where(np.arange(len(steady)) < len(passage.sweeps), size.max() / gains + 0j, 0.01 * size.max() / gains)
+    # Unknowns are the amplitudes over those at which a column alone is as large as the largest value. The first mode
+    # begins so in each order, further modes and the background at a hundredth, with a phase of 0.
+    gains = np.max(np.abs(passage.columns(_poles(start))), axis=0)
+    relative = np.where(np.arange(len(gains)) < len(passage.sweeps), 1.0, 0.01)
 
     def amplitudes(at: FloatArray) -> ComplexArray:
         real, imag = at[count:].reshape(2, -1)
@@ -323,8 +323,7 @@ def _amplitudes(passage: _Passage, start: FloatArray) -> tuple[FloatArray, Float
         fitted = passage.columns(_poles(at[:count])) @ amplitudes(at)
         return np.asarray((size - np.abs(fitted)) / scale)
 
-    begin = np.concatenate([start, (steady * gains).real / size.max(), (steady * gains).imag / size.max()])
-    found = _least_squares(residuals, begin, count)
+    found = _least_squares(residuals, np.concatenate([start, relative, np.zeros(len(gains))]), count)
     return np.asarray(found.x[:count]), np.asarray(found.jac), np.asarray(found.fun), amplitudes(found.x)
 
 

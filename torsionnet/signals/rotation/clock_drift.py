@@ -358,7 +358,7 @@ def signal_clocks(first: Recording, second: Recording, name: str, *, seconds: fl
             f"{name}: the two records correlate in {len(centres)} of {len(starts)} windows, less than "
             f"{LEAST_CORRELATION:g} in the others; they have too little in common to compare their clocks; {COMMON}"
         )
-    return _line(np.array(centres), np.array(delays), np.array(weights), period, name)
+    return clocks_of_delays(np.array(centres), np.array(delays), np.array(weights), period, name)
 
 
 def _delay(ours: FloatArray, there: FloatArray, margin: int, rate: float) -> tuple[float, float, float] | None:
@@ -389,16 +389,19 @@ def _delay(ours: FloatArray, there: FloatArray, margin: int, rate: float) -> tup
     return shift / rate, float(scores[best]), min(again) / rate if again else 0.0
 
 
-def _line(times: FloatArray, delays: FloatArray, weights: FloatArray, period: float, name: str) -> ClockDrift:
-    """Straight line through the delays in s over time in s: the slope is the drift."""
+def clocks_of_delays(
+    times: FloatArray, delays: FloatArray, weights: FloatArray, period: float, name: str
+) -> ClockDrift:
+    """Clocks by the straight line through delays in s over time in s, whose slope is the drift."""
     # delay = offset + drift t, each window weighted by its correlation.
     matrix = np.stack([np.ones(len(times)), times], axis=1)
     root = np.sqrt(weights)
     found = np.linalg.lstsq(matrix * root[:, None], delays * root, rcond=None)[0]
     left = delays - matrix @ found
-    deviation = float(np.sqrt(np.sum(weights * left**2) / np.sum(weights) * len(left) / (len(left) - 2)))
-    # Covariance of offset and slope; neighbouring windows err alike, which the variance factor counts.
-    inverse = np.linalg.inv(matrix.T @ matrix)
+    # Covariance s^2 (A^T W A)^-1 of offset and slope, s^2 the variance of a window of weight 1; neighbouring windows
+    # err alike, which the variance factor counts.
+    deviation = float(np.sqrt(np.sum(weights * left**2) / (len(left) - 2)))
+    inverse = np.linalg.inv(matrix.T @ (matrix * weights[:, None]))
     half = HALF_WIDTH_DEVIATIONS * deviation * np.sqrt(np.diag(inverse) * variance_factor(left))
     said = f"clocks from the delay of {name} in {len(times)} windows: {1e6 * found[1]:.4g} ppm, offset {found[0]:.6g} s"
     remarks: list[NoteOrText] = [said]
