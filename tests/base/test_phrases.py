@@ -6,8 +6,7 @@ import pickle
 
 import pytest
 
-from torsionnet.base.errors import ModelName, Worded
-from torsionnet.base.phrases import Phrase, extended, joined, phrase, with_values
+from torsionnet.base.phrases import ModelName, Phrase, extended, joined, phrase, with_values
 
 SENTENCE = phrase("{limit} not judged{where}", limit="tail", where=phrase(" in {count} of {all}", count=2, all=3))
 
@@ -38,7 +37,7 @@ def test_values_change_at_every_depth():
 
 def test_names_in_a_phrase_are_those_of_a_part_where_a_message_says_so():
     where = joined(", ", (phrase("in {element}", element=ModelName("left.hub")), "left.rim"))
-    text = Worded("{}; grows", phrase("strain {where}", where=where))
+    text = phrase("{}; grows", phrase("strain {where}", where=where))
     assert text.in_names(lambda name: name.removeprefix("left.")) == "strain in hub, left.rim; grows"
 
 

@@ -11,11 +11,13 @@ from __future__ import annotations
 
 import contextlib
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TypeAlias
+
+from torsionnet.base.phrases import ModelName, phrase
 
 EntryPath: TypeAlias = tuple[str | int, ...]
 """Path to an entry of a model: keys and indices from the outside in."""
@@ -25,53 +27,11 @@ LEAST_SIMILARITY = 0.6
 names that have nothing in common."""
 
 
-class ModelName(str):
-    """Name of the model in a message, which the author of a part knows without the prefix of a use."""
-
-    __slots__ = ()
-
-
-class Worded(str):
-    """Message that keeps the names and expressions in it, so that it can be told in the names of a part.
-
-    >>> text = Worded('no {} is named "{}"', "node", ModelName("left.hub"))
-    >>> print(text, text.in_names(lambda name: name.removeprefix("left.")), sep="; ")
-    no node is named "left.hub"; no node is named "hub"
-    """
-
-    template: str
-    values: tuple[object, ...]
-
-    def __new__(cls, template: str, *values: object) -> Worded:
-        self = super().__new__(cls, template.format(*values))
-        self.template, self.values = template, values
-        return self
-
-    def __getnewargs__(self) -> tuple[object, ...]:  # type: ignore[override]
-        return (self.template, *self.values)
-
-    def in_names(self, own: Callable[[str], str]) -> str:
-        """Text of the message with other names."""
-        return self.template.format(*(_in_names(value, own) for value in self.values))
-
-
-def _in_names(value: object, own: Callable[[str], str]) -> object:
-    if isinstance(value, ModelName):
-        return own(value)
-    return value.in_names(own) if hasattr(value, "in_names") else value
-
-
-def joined(texts: Iterable[str], between: str = ", ") -> Worded:
-    """Texts of messages one behind the other, with the names in them."""
-    texts = tuple(texts)
-    return Worded(between.join(["{}"] * len(texts)), *texts)
-
-
-def named_list(names: Iterable[str], most: int | None = None, between: str = ", ") -> Worded:
+def named_list(names: Iterable[str], most: int | None = None, between: str = ", ") -> str:
     """Text of names of the model with commas or other words between them, shortened where there are many."""
     names = tuple(map(ModelName, names))
     places = ["{}"] * len(names)
-    return Worded(between.join(places) if most is None else comma_list(places, most), *names[:most])
+    return phrase(between.join(places) if most is None else comma_list(places, most), *names[:most])
 
 
 @dataclass(frozen=True)
@@ -362,13 +322,13 @@ def suggestion_or(name: str, candidates: Iterable[str], rest: str) -> str:
     return f"{did_you_mean(name, candidates)}; {rest}".replace("?; ", "? ")
 
 
-def question(meant: str) -> Worded:
+def question(meant: str) -> str:
     """Question whether ``meant`` was meant, or the empty string where nothing is likely.
 
     >>> question("gearbox")
     '; did you mean "gearbox"?'
     """
-    return Worded('; did you mean "{}"?', ModelName(meant)) if meant else Worded("")
+    return phrase('; did you mean "{}"?', ModelName(meant)) if meant else phrase("")
 
 
 def unknown_key(key: object, known: Iterable[str], path: EntryPath, rest: str) -> Fault:
@@ -389,7 +349,7 @@ def unknown_name(
 
     ``no node is named "x"; did you mean "y"?``; ``rest`` says which there are.
     """
-    text = Worded('no {} is named "{}"', what, ModelName(name))
+    text = phrase('no {} is named "{}"', what, ModelName(name))
     return replace(unfit_word(text, name, known, path, rest, on_key=on_key), kind=UNKNOWN_NAME)
 
 
@@ -408,8 +368,8 @@ def unfit_word(
     ``rest`` follows the question, as which there are.
     """
     meant = meant or nearest(word, known)
-    rest = rest and Worded(" {}" if meant else "; {}", rest)
-    return Fault(Worded("{}{}{}", text, question(meant), rest), path, on_key=on_key, about=word, meant=meant)
+    rest = rest and phrase(" {}" if meant else "; {}", rest)
+    return Fault(phrase("{}{}{}", text, question(meant), rest), path, on_key=on_key, about=word, meant=meant)
 
 
 def comma_list(names: Iterable[object], most: int | None = None, more: str = " and {} more", none: str = "") -> str:

@@ -22,7 +22,8 @@ from functools import cached_property
 from typing import Any, ClassVar, Literal, TypeAlias
 
 import torsionnet.base.units as units
-from torsionnet.base.errors import Fault, FaultyValueError, UsageError, Worded, unknown_name
+from torsionnet.base.errors import Fault, FaultyValueError, UsageError, unknown_name
+from torsionnet.base.phrases import phrase
 from torsionnet.base.registers import settle
 from torsionnet.base.units import DIMENSIONS, Dimension
 
@@ -112,9 +113,9 @@ class Expression:
         except OverflowError:
             finite = False
         except ZeroDivisionError:  # an exact fraction that no float is small enough for
-            raise ExpressionError(Fault(Worded('division in "{}" by a value that is too small', self))) from None
+            raise ExpressionError(Fault(phrase('division in "{}" by a value that is too small', self))) from None
         if not finite:
-            raise ExpressionError(Fault(Worded('the value of "{}" is too large', self)))
+            raise ExpressionError(Fault(phrase('the value of "{}" is too large', self)))
         return result
 
     def dimension(self, dimensions: Mapping[str, Dimension | None]) -> Dimension | None:
@@ -294,7 +295,7 @@ def _power(compound: Compound, algebra: Algebra, base: Any, _: Any = None) -> An
         return float_if_long(base**exponent.numerator)
     if isinstance(base, int | float | Fraction) and base < 0:
         said = '"{}" is {:g}; a negative number has no square root here'
-        raise ExpressionError(Fault(Worded(said, source, float(base))))
+        raise ExpressionError(Fault(phrase(said, source, float(base))))
     # x^(n/2) = sqrt(x)^n.
     return algebra.sqrt(base) ** exponent.numerator
 
@@ -307,13 +308,13 @@ def _exponent(compound: Compound) -> Any:
 def _refuse_zero(value: Any, source: Expression) -> None:
     zero = value == 0
     if getattr(zero, "ndim", 0) == 0 and bool(zero):
-        raise ExpressionError(Fault(Worded('division by zero: "{}" is 0', source)))
+        raise ExpressionError(Fault(phrase('division by zero: "{}" is 0', source)))
 
 
 def _common_kind(compound: Compound, left: _Kind, right: _Kind) -> _Kind:
     if isinstance(left, Dimension) and isinstance(right, Dimension) and left != right:
         word = "add" if compound.sign == "+" else "subtract"
-        raise ExpressionError(Fault(Worded('"{}" would {} {} and {}', compound, word, left, right)))
+        raise ExpressionError(Fault(phrase('"{}" would {} {} and {}', compound, word, left, right)))
     return right if left == "bare" or (left == "unknown" and isinstance(right, Dimension)) else left
 
 

@@ -5,44 +5,74 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Mapping
 from functools import cache
-from typing import Any
-
-from torsionnet.base.errors import Worded
+from typing import Any, Protocol, TypeAlias, cast
 
 PLACEHOLDER = re.compile(r"\{(\w+)\}")
 """Regular expression of the place in a text at which something is inserted, such as ``{name}``."""
 
-FORMATTED = re.compile(r"\{(\w+)(?::([^{}]*))?\}")
-"""Regular expression of a place that may have a format, such as ``{share:.3g}``."""
+FORMATTED = re.compile(r"\{(\w*)(?::([^{}]*))?\}")
+"""Regular expression of a place that may have a format, such as ``{share:.3g}``, or no name."""
+
+
+class ModelName(str):
+    """Name of the model in a message, which the author of a part knows without the prefix of a use."""
+
+    __slots__ = ()
+
+    def in_names(self, own: Callable[[str], str]) -> str:
+        """Name as the author of the part knows it."""
+        return own(self)
+
+
+class WithNames(Protocol):
+    """Value with names of the model in it, such as an expression."""
+
+    def in_names(self, own: Callable[[str], str], /) -> str:
+        """Text of the value with other names."""
+
+
+Inserted: TypeAlias = str | WithNames
+"""What is inserted into a phrase: a text, or a value that can be told in other names."""
 
 
 class Phrase(str):
     """Text of a template with its values inserted, which keeps both; in all else it is a plain ``str``.
 
-    Values that are phrases themselves may be said in other words too; names and numbers, which are texts, stay.
+    So a report says it in other words, and a part in its own names. Values that are phrases themselves may be said in
+    other words too; names and numbers, which are texts, stay.
     """
 
     __slots__ = ("template", "values")
     template: str
-    values: Mapping[str, str]
+    values: Mapping[str, Inserted]
 
-    def __new__(cls, template: str, values: Mapping[str, str]) -> Phrase:
-        self = super().__new__(cls, PLACEHOLDER.sub(lambda place: values[place[1]], template))
+    def __new__(cls, template: str, values: Mapping[str, Inserted]) -> Phrase:
+        self = super().__new__(cls, PLACEHOLDER.sub(lambda place: str(values[place[1]]), template))
         self.template, self.values = template, values
         return self
 
     def __str__(self) -> str:
         return self  # so that it passes through what makes a text of any value
 
-    def __getnewargs__(self) -> tuple[str, Mapping[str, str]]:  # type: ignore[override]  # those of a plain str
+    def __getnewargs__(self) -> tuple[str, Mapping[str, Inserted]]:  # type: ignore[override]  # those of a plain str
         return self.template, self.values
 
     def in_names(self, own: Callable[[str], str]) -> str:
-        """Text with other names of the model."""
-        return Phrase(self.template, {place: Worded("{}", one).in_names(own) for place, one in self.values.items()})
+        """Text with other names of the model.
+
+        >>> text = phrase('no {} is named "{}"', "node", ModelName("left.hub"))
+        >>> print(text, text.in_names(lambda name: name.removeprefix("left.")), sep="; ")
+        no node is named "left.hub"; no node is named "hub"
+        """
+        return Phrase(self.template, {place: in_names(value, own) for place, value in self.values.items()})
 
 
-def phrase(template: str, /, **values: Any) -> str:
+def in_names(text: Inserted, own: Callable[[str], str]) -> str:
+    """Text with other names of the model, where it keeps those that are in it."""
+    return cast("WithNames", text).in_names(own) if hasattr(text, "in_names") else str(text)
+
+
+def phrase(template: str, /, *ordered: Any, **named: Any) -> str:
     """Phrase of a template and what is inserted at its places, which may have formats, as those of ``str.format``.
 
     >>> text = phrase("mode {mode}: {share:.0%} of the energy", mode=3, share=0.9)
@@ -50,16 +80,25 @@ def phrase(template: str, /, **values: Any) -> str:
     ('mode 3: 90% of the energy', 'mode {mode}: {share} of the energy', {'mode': '3', 'share': '90%'})
     """
     plain, formats = _without_formats(template)
-    inserted = ((place, values[place], form) for place, form in formats.items())
-    return Phrase(
-        plain, {place: value if isinstance(value, str) else format(value, form) for place, value, form in inserted}
-    )
+    values = {**{str(number): value for number, value in enumerate(ordered)}, **named}
+    return Phrase(plain, {place: _inserted(values[place], form) for place, form in formats.items()})
+
+
+def _inserted(value: Any, form: str) -> Inserted:
+    return value if isinstance(value, str) or hasattr(value, "in_names") else format(value, form)
 
 
 @cache
 def _without_formats(template: str) -> tuple[str, Mapping[str, str]]:
-    """Template without the formats of its places, and these by place."""
-    return FORMATTED.sub(r"{\1}", template), dict(FORMATTED.findall(template))
+    """Template without the formats of its places, and these by place; places without a name are counted from 0."""
+    formats: dict[str, str] = {}
+
+    def plain(place: re.Match[str]) -> str:
+        name = place[1] or str(len(formats))
+        formats[name] = place[2] or ""
+        return f"{{{name}}}"
+
+    return FORMATTED.sub(plain, template), formats
 
 
 def joined(separator: str, texts: Iterable[str]) -> str:
@@ -80,7 +119,7 @@ def with_values(text: str, changed: Callable[[str], str]) -> str:
     """
     if not isinstance(text, Phrase):
         return changed(text)
-    return Phrase(text.template, {place: with_values(value, changed) for place, value in text.values.items()})
+    return Phrase(text.template, {place: with_values(str(value), changed) for place, value in text.values.items()})
 
 
 def extended(text: str, end: str) -> str:

@@ -9,18 +9,8 @@ from typing import Any, ClassVar, TypeAlias, TypeVar, cast
 
 from torsionnet.base.entries.composite import Listed
 from torsionnet.base.entries.spec import EntryError, Json, Renaming, Schema, Spec, Text, reference
-from torsionnet.base.errors import (
-    LEAVE_OUT,
-    NO_NODE,
-    Fault,
-    ModelName,
-    Remedy,
-    UsageError,
-    Worded,
-    got,
-    unfit_word,
-    unknown_key,
-)
+from torsionnet.base.errors import LEAVE_OUT, NO_NODE, Fault, Remedy, UsageError, got, unfit_word, unknown_key
+from torsionnet.base.phrases import ModelName, phrase
 from torsionnet.base.registers import settle
 from torsionnet.model.element_base.element_entries import ElementName, NodeText, PlaceOnElement
 from torsionnet.model.elements import GROUND, Element
@@ -193,25 +183,25 @@ PAIR_COEFFICIENTS = (1, -1)
 """Coefficients of the first node and of the node that it is taken against, in the motion between them."""
 
 
-def channel_words(channel: Sensor | Input) -> Worded:
+def channel_words(channel: Sensor | Input) -> str:
     """Text of a sensor or input, which keeps the names in it."""
     if isinstance(channel, Input):
         nodes = map(ModelName, filter(None, (channel.of, channel.against)))
-        return Worded("{} on {} against {}" if channel.against else "{} on {}", channel.quantity, *nodes)
+        return phrase("{} on {} against {}" if channel.against else "{} on {}", channel.quantity, *nodes)
     names = list(map(ModelName, filter(None, (channel.of, channel.at or channel.against))))
-    text = Worded("{}({}, {})" if len(names) > 1 else "{}({})", channel.quantity, *names)
-    return Worded("{}{}{}", text, REFERRED, ModelName(channel.referred_to)) if channel.referred_to else text
+    text = phrase("{}({}, {})" if len(names) > 1 else "{}({})", channel.quantity, *names)
+    return phrase("{}{}{}", text, REFERRED, ModelName(channel.referred_to)) if channel.referred_to else text
 
 
-def named_nodes(channel: Sensor | Input) -> Worded:
+def named_nodes(channel: Sensor | Input) -> str:
     """Text that names the nodes of a sensor or input: ``"pulley" against "block"``."""
     nodes = [ModelName(node) for node in (channel.of, channel.against) if node is not None]
-    return Worded(" against ".join(['"{}"'] * len(nodes)), *nodes)
+    return phrase(" against ".join(['"{}"'] * len(nodes)), *nodes)
 
 
 def immobility_text(channel: Sensor | Input) -> str:
     """End of a sentence that says why the nodes of a sensor or input do not move."""
-    return "it is locked" if channel.against is None else Worded("{} is held rigidly", named_nodes(channel))
+    return "it is locked" if channel.against is None else phrase("{} is held rigidly", named_nodes(channel))
 
 
 def _plain(channel: Sensor | Input) -> str | list[str]:
@@ -434,13 +424,13 @@ def port_fault(element: Element, at: str) -> Fault | None:
         [index for index, pair in enumerate(element.ports.items()) if pair[side] == at] for side in (0, 1)
     )
     name, place = ModelName(element.name), ModelName(at)
-    pairs = [Worded("{} ({})", ModelName(node), port) for port, node in element.ports.items()]
-    ports = Worded(", ".join(["{}"] * len(pairs)), *pairs)
+    pairs = [phrase("{} ({})", ModelName(node), port) for port, node in element.ports.items()]
+    ports = phrase(", ".join(["{}"] * len(pairs)), *pairs)
     if not by_name and not by_node:
         known = [*element.ports.values(), *element.ports]
-        attached = Worded("it is attached to {}", ports)
-        return unfit_word(Worded('{} is not attached to "{}"', name, place), at, known, (), attached)
+        attached = phrase("it is attached to {}", ports)
+        return unfit_word(phrase('{} is not attached to "{}"', name, place), at, known, (), attached)
     if len({*by_name, *by_node}) > 1:
         said = '"{}" could be two ports of {}, which is attached to {}; rename the node'
-        return Fault(Worded(said, place, name, ports))
+        return Fault(phrase(said, place, name, ports))
     return None

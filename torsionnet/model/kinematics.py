@@ -12,7 +12,8 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
-from torsionnet.base.errors import Fault, ModelName, UsageError, Worded, did_you_mean, named_list
+from torsionnet.base.errors import Fault, UsageError, did_you_mean, named_list
+from torsionnet.base.phrases import ModelName, phrase
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.elements import Action, Constraint, Element, Law, Part, Row, Values
 from torsionnet.model.elimination import Reduction, exact, reduce_rows, rows_holding, smallest_failing_rows
@@ -323,9 +324,9 @@ def torques_are_determinate(kinematics: Kinematics) -> bool:
 
 def _indeterminate(element: str, loop: list[str]) -> str:
     if len(loop) < 2:
-        return Worded("torque through {} is statically indeterminate; give it a stiffness", ModelName(element))
+        return phrase("torque through {} is statically indeterminate; give it a stiffness", ModelName(element))
     said = "torque through {} is statically indeterminate: {} form a rigid loop; give one of them a stiffness"
-    return Worded(said, ModelName(element), named_list(loop))
+    return phrase(said, ModelName(element), named_list(loop))
 
 
 def free_motions(kinematics: Kinematics, answers: Callable[[Law], bool]) -> Reduction:
@@ -373,8 +374,8 @@ def twist_fault(element: Element, parts: Sequence[Part]) -> str | None:
     laws = [part for part in parts if isinstance(part, Law) and part.acts]
     if len(laws) < len(parts):
         said = "{} is rigid: an imposed twist needs something that gives way; give it a stiffness"
-        return Worded(said, ModelName(element.name))
+        return phrase(said, ModelName(element.name))
     if len(laws) == 1 and laws[0].inertia == 0:
         return None
     said = "{} has inertia or several springs; impose the twist in a spring or a compliant gear beside it"
-    return Worded(said, ModelName(element.name))
+    return phrase(said, ModelName(element.name))

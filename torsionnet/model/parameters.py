@@ -26,8 +26,9 @@ from torsionnet.base.entries.spec import (
     entry,
     reference,
 )
-from torsionnet.base.errors import Fault, ModelName, Worded, got, message_of, named_list
+from torsionnet.base.errors import Fault, got, message_of, named_list
 from torsionnet.base.expressions import Expression, ExpressionError, Number, Rows
+from torsionnet.base.phrases import ModelName, phrase
 from torsionnet.base.registers import settle
 from torsionnet.base.units import DIMENSIONS, Dimension
 from torsionnet.model.element_base.element_entries import ElementName, NodeText
@@ -288,7 +289,7 @@ def resolve(parameters: Mapping[str, Parameter]) -> tuple[dict[str, Fraction | f
     order, cycles = evaluation_order(parameters)
     faults = [
         Fault(
-            Worded(
+            phrase(
                 "parameters define each other in a circle: {}; give one of them a value",
                 named_list([*cycle, cycle[0]], between=" -> "),
             ),
@@ -305,7 +306,7 @@ def resolve(parameters: Mapping[str, Parameter]) -> tuple[dict[str, Fraction | f
             values[name] = expression.evaluate(values)
         except ExpressionError as error:
             causes = (name, *sorted(expression.names))
-            text = Worded("{} cannot be calculated: {}", ModelName(name), message_of(error))
+            text = phrase("{} cannot be calculated: {}", ModelName(name), message_of(error))
             faults.append(Fault(text, ("parameters", name), causes=causes))
     return values, faults
 

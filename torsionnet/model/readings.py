@@ -13,7 +13,8 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from torsionnet.base.errors import Fault, ModelName, UsageError, Worded
+from torsionnet.base.errors import Fault, UsageError
+from torsionnet.base.phrases import ModelName, phrase
 from torsionnet.model.channels import Sensor, channel_words, port_fault
 from torsionnet.model.element_base.laws import own_node
 from torsionnet.model.element_base.round_section import section_modulus
@@ -111,7 +112,7 @@ def referring_factor(sensor: Sensor, elements: Mapping[str, Element], value: Val
 
     path = SpeedPaths([one for one in elements.values() if one.enabled], value).between(own, shaft)
     if path is None:
-        text = Worded(
+        text = phrase(
             "{0}: no ratio leads from {1} to {2} in this configuration; close the clutch or gearbox in between, or "
             "measure at {1}",
             channel_words(sensor),

@@ -6,7 +6,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from torsionnet.base.entries.spec import not_none
-from torsionnet.base.errors import Fault, ModelName, TorsionnetError, Worded
+from torsionnet.base.errors import Fault, TorsionnetError
+from torsionnet.base.phrases import ModelName, phrase
 from torsionnet.model.element_base.laws import own_node
 from torsionnet.model.element_base.speed_path import LawsAtOwnShaft, SpeedPath, SpeedPaths, second_ratio
 from torsionnet.model.elements import Element, Law, Values
@@ -49,9 +50,9 @@ def referral_faults(elements: Sequence[Element], values: Mapping[str, Any]) -> I
         own = own_node(element.ports)
         tabled = any(isinstance(part, Law) and part.table for part in element.parts(Values(values)))
         said = "{} has a table over frequency; give it at its own shaft, {}"
-        reason = Worded(said, ModelName(element.name), ModelName(own)) if tabled else element.referral_fault
+        reason = phrase(said, ModelName(element.name), ModelName(own)) if tabled else element.referral_fault
         if reason is None and paths is not None and paths.between(own, not_none(element.referred_to)) is None:
-            reason = Worded(
+            reason = phrase(
                 "no ratio leads from {} to {}: in between is an open clutch or gearbox, or a "
                 "planetary set with two free members; give the values of {} at its own shaft",
                 *map(ModelName, (own, not_none(element.referred_to), element.name)),
@@ -74,7 +75,7 @@ def _two_ratios(element: Element, paths: SpeedPaths, own: str) -> str | None:
         return None
     if second is None:
         return None
-    return Worded(
+    return phrase(
         "two ways lead from {0} to {1}, and {1} turns {2:.6g} or {3:.6g} times as fast "
         "as {0} by them; give the values of {4} at its own shaft, {0}, without referred_to",
         ModelName(own), ModelName(end), float(first), float(second), ModelName(element.name),

@@ -11,7 +11,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import Any, TypeAlias
 
-from torsionnet.base.errors import Fault, ModelError, ModelName, UsageError, Worded, named_list, unknown_name
+from torsionnet.base.errors import Fault, ModelError, UsageError, named_list, unknown_name
+from torsionnet.base.phrases import ModelName, phrase
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.element_base.laws import AT_REST
 from torsionnet.model.elements import MotionLaw, Values
@@ -121,18 +122,18 @@ def total_ratio(definition: Definition, values: Mapping[str, Any], first: str, s
     # Both speeds by free ones, in proportion to each other if there is a ratio.
     row, other = (reduction.reduced({node: Fraction(1)}) for node in (first, second))
     if not other:
-        text = Worded("{} cannot turn, there is no ratio to it; name a node that turns", ModelName(second))
+        text = phrase("{} cannot turn, there is no ratio to it; name a node that turns", ModelName(second))
         raise UsageError(Fault(text))
     if row and row.keys() != other.keys():
         free = named_list(sorted(row.keys() | other.keys()))
-        text = Worded(
+        text = phrase(
             "no fixed ratio between {} and {}: {} turn independently", ModelName(first), ModelName(second), free
         )
         raise UsageError(Fault(text))
     ratios = {row.get(node, Fraction(0)) / other[node] for node in other}
     if len(ratios) > 1:
         said = "no fixed ratio between {} and {}: the speed splits in between"
-        raise UsageError(Fault(Worded(said, ModelName(first), ModelName(second))))
+        raise UsageError(Fault(phrase(said, ModelName(first), ModelName(second))))
     return Fraction(ratios.pop())
 
 

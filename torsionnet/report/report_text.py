@@ -106,7 +106,7 @@ def sentence(text: str, rig: Drivetrain, further: Sequence[str] = ()) -> Text:
 def _unbroken_percent(text: str) -> str:
     """Text, of a phrase its template too, in which no line ends before a percent sign."""
     if isinstance(text, Phrase):
-        values = {place: _unbroken_percent(value) for place, value in text.values.items()}
+        values = {place: _unbroken_percent(str(value)) for place, value in text.values.items()}
         return Phrase(text.template.replace(" %", UNBROKEN_PERCENT), values)
     return text.replace(" %", UNBROKEN_PERCENT)
 
@@ -132,7 +132,7 @@ def capital(text: str) -> str:
     if not isinstance(text, Phrase):
         return text[:1].upper() + text[1:]
     if place := PLACEHOLDER.match(text.template):
-        return Phrase(text.template, {**text.values, place[1]: capital(text.values[place[1]])})
+        return Phrase(text.template, {**text.values, place[1]: capital(str(text.values[place[1]]))})
     return Phrase(text.template[:1].upper() + text.template[1:], text.values)
 
 

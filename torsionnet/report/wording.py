@@ -103,8 +103,8 @@ class Wording:
         said = self.texts.get(text.template.replace(UNBROKEN_PERCENT, " %"), text.template)
         return PLACEHOLDER.sub(lambda place: self._inserted(text.values[place[1]]), said)
 
-    def _inserted(self, value: str) -> str:
-        return self(value) if isinstance(value, Phrase) else value
+    def _inserted(self, value: object) -> str:
+        return self(value) if isinstance(value, Phrase) else str(value)
 
 
 def _unknown(text: str) -> str | None:

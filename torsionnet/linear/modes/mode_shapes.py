@@ -16,8 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.base.conventions import mode_numbers
-from torsionnet.base.errors import ModelName
-from torsionnet.base.phrases import joined, phrase
+from torsionnet.base.phrases import ModelName, joined, phrase
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.linear.assembly.system import Assembly
 from torsionnet.linear.modes.eigen import RIGID, EigenSolution

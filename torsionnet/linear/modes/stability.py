@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 
-from torsionnet.base.errors import Fault, ModelName, SolveError, UsageError, Worded, message_of, named_list
+from torsionnet.base.errors import Fault, SolveError, UsageError, message_of, named_list
+from torsionnet.base.phrases import ModelName, phrase
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.modes.modes import Modes
 from torsionnet.linear.modes.natural_modes import natural_modes
@@ -34,7 +35,7 @@ def unstable_modes(drivetrain: AssembledModel) -> tuple[Fault, ...]:
         found, texts = natural_modes(drivetrain)
     except (UsageError, SolveError) as error:
         said = "whether {} leaves the drivetrain stable is not known: {}"
-        text = Worded(said, named_list(feeding), message_of(error))
+        text = phrase(said, named_list(feeding), message_of(error))
         return (Fault(text, ("elements", feeding[0]), "note", on_key=True),)
     warned = tuple(Fault(text, ("elements", feeding[0]), "warning", on_key=True) for text in texts)
     growing = np.flatnonzero(found.eigenvalues.real > 0)
@@ -48,12 +49,12 @@ def _growing(drivetrain: AssembledModel, modes: Modes, mode: int, feeding: list[
     value = complex(modes.eigenvalues[mode])
     words = modes.motions[mode]
     if value.imag == 0:
-        text = Worded("{} makes the drivetrain unstable: its motion grows {}", ModelName(worst), words)
+        text = phrase("{} makes the drivetrain unstable: its motion grows {}", ModelName(worst), words)
     else:
         ratio = 100 * float(modes.damping_ratios[mode])
         at = f"{abs(value) / (2 * math.pi):.4g} Hz"
         said = "{} makes the mode at {} unstable, it grows: damping ratio {:.3g} %; {}"
-        text = Worded(said, ModelName(worst), at, ratio, words)
+        text = phrase(said, ModelName(worst), at, ratio, words)
     acts = any(action.owner == worst for action in drivetrain.assembly.system.actions)
     instead = _CONTROLLER_ADVICE if acts else _NEGATIVE_DAMPING_ADVICE
-    return Fault(Worded("{}; {}", text, instead), ("elements", worst), "warning", on_key=True)
+    return Fault(phrase("{}; {}", text, instead), ("elements", worst), "warning", on_key=True)

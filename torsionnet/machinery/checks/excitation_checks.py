@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from torsionnet.base.entries.spec import not_none
-from torsionnet.base.errors import EntryPath, Fault, ModelName, UsageError, Worded, message_of, unknown_name
+from torsionnet.base.errors import EntryPath, Fault, UsageError, message_of, unknown_name
+from torsionnet.base.phrases import ModelName, phrase
 from torsionnet.machinery.excitations import OrderExcitation
 from torsionnet.machinery.excitations.propeller_torque import PropellerTorque
 from torsionnet.machinery.excitations.reciprocating_engine import unlocked_engines
@@ -129,7 +130,7 @@ def _between_engines(definition: Definition) -> Iterator[Fault]:
     first = next(iter(engines.values()), "")
     for name in dict.fromkeys(engines.values()):
         if name != first:
-            text = Worded(
+            text = phrase(
                 "no phase is given between {0} and {1}: the worst angle between their crankshafts counts; if they are "
                 "fixed to each other, give the crank angle by which {0} fires later, phase: 30 deg",
                 ModelName(name),
@@ -149,7 +150,7 @@ def _on_imposed(definition: Definition) -> Iterator[Fault]:
             by = imposed.get(frozenset(channel.nodes)) or _all_imposed(channel, imposed)
             if by is not None:
                 said = "the motion of {} is imposed by {}; a torque there does nothing"
-                text = Worded(said, named_nodes(channel), ModelName(by))
+                text = phrase(said, named_nodes(channel), ModelName(by))
                 yield Fault(text, ("excitations", name, *path))
 
 

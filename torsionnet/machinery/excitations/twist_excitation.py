@@ -13,7 +13,8 @@ from torsionnet.base.entries.composite import Nested, one_exactly
 from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.scalars import Value
 from torsionnet.base.entries.spec import Count, entry
-from torsionnet.base.errors import EntryPath, Fault, ModelName, Worded, named_list
+from torsionnet.base.errors import EntryPath, Fault, named_list
+from torsionnet.base.phrases import ModelName, phrase
 from torsionnet.machinery.excitations.harmonic_torque import PHASE, TableByOrder
 from torsionnet.machinery.excitations.order_excitation import (
     FloatArray,
@@ -113,12 +114,12 @@ class UniversalJoint(TwistExcitation):
         element = elements[self.joint]
         if element.glyph not in ("spring", "shaft"):
             said = "{} is a {}; a joint is in a spring between its two shafts"
-            return [Fault(Worded(said, ModelName(self.joint), element.kind), ("joint",))]
+            return [Fault(phrase(said, ModelName(self.joint), element.kind), ("joint",))]
         shafts = shafts_of(element)
         if self.speed_of in shafts:
             return []
         said = "the input of a joint is an end of its element; {} connects {}"
-        text = Worded(said, ModelName(self.joint), named_list(shafts, between=" and "))
+        text = phrase(said, ModelName(self.joint), named_list(shafts, between=" and "))
         return [Fault(text, ("speed_of",))]
 
     def torques(self, speeds: FloatArray) -> OrderTorques:
@@ -230,26 +231,26 @@ class GearMesh(TwistExcitation):
     def element_faults(self, elements: Mapping[str, Element]) -> list[Fault]:
         gear, mesh = elements[self.mesh], ModelName(self.mesh)
         if not isinstance(gear, Gear):
-            text = Worded("{} is a {}; mesh is the name of an element of type gear", mesh, gear.kind)
+            text = phrase("{} is a {}; mesh is the name of an element of type gear", mesh, gear.kind)
             if gear.kind in KINDS_WITH_SEVERAL_MESHES:
                 own = "write the pair in question as an element of its own, {type: gear, teeth: ..., stiffness: ...}"
-                text = Worded("{}; {}", text, own)
+                text = phrase("{}; {}", text, own)
             return [Fault(text, ("mesh",))]
         if self.speed_of not in gear.nodes:
             said = "{} connects {} and {}; speed_of is one of them"
-            return [Fault(Worded(said, mesh, *map(ModelName, gear.nodes)), ("speed_of",))]
+            return [Fault(phrase(said, mesh, *map(ModelName, gear.nodes)), ("speed_of",))]
         if gear.housing is not None:
             said = "{} is in a housing that turns; its tooth frequency is not known"
-            return [Fault(Worded(said, mesh), ("mesh",))]
+            return [Fault(phrase(said, mesh), ("mesh",))]
         given = [gear.teeth, gear.teeth and gear.teeth[::-1]][gear.nodes.index(self.speed_of)]
         faults = []
         for place, name in enumerate(("teeth", "mate_teeth")):
             count = getattr(self, name)
             needed = self.mate_run_out or (name == "teeth" and self.transmission_error)
             if count is None and needed:
-                faults.append(Fault(Worded("{} is given by its ratio; give {}: 23 too", mesh, name), on_key=True))
+                faults.append(Fault(phrase("{} is given by its ratio; give {}: 23 too", mesh, name), on_key=True))
             elif count is not None and given is not None and count != abs(given[place]):
-                text = Worded("{} has {} teeth there, not {}", mesh, abs(given[place]), count)
+                text = phrase("{} has {} teeth there, not {}", mesh, abs(given[place]), count)
                 faults.append(Fault(text, (name,)))
         return faults
 

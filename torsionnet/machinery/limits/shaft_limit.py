@@ -11,7 +11,8 @@ import numpy as np
 
 from torsionnet.base.entries.scalars import Value
 from torsionnet.base.entries.spec import OneOf, Text, entry, not_none
-from torsionnet.base.errors import EntryPath, Fault, ModelName, Worded
+from torsionnet.base.errors import EntryPath, Fault
+from torsionnet.base.phrases import ModelName, phrase
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.limits.evidence import Evidence, LimitSubject, torques_of
 from torsionnet.machinery.limits.limit import Limit, LimitLine, line_without_data, register_rule
@@ -70,15 +71,15 @@ class ShaftLimit(Limit):
         element, name = subject.elements[self.element], ModelName(self.element)
         if element.diameters is None and self.diameter is None:
             said = "{}, a {}, has no diameter, and so no stress; give the limit one, diameter: 300 mm, or make the "
-            yield Fault(Worded(f"{said}element a shaft", name, element.kind), ("element",))
+            yield Fault(phrase(f"{said}element a shaft", name, element.kind), ("element",))
         elif len(element.ports) != 2:
-            yield Fault(Worded("{}, a {}, is no shaft between two nodes", name, element.kind), ("element",))
+            yield Fault(phrase("{}, a {}, is no shaft between two nodes", name, element.kind), ("element",))
         else:
             section = self.section(subject)
             if section.inner >= section.outer:
                 key = "diameter" if self.diameter is not None else "bore"
                 said = "the bore of {}, {:g} mm, is no smaller than its diameter, {:g} mm"
-                yield Fault(Worded(said, name, 1000 * section.inner, 1000 * section.outer), (key,))
+                yield Fault(phrase(said, name, 1000 * section.inner, 1000 * section.outer), (key,))
 
     def order_sensors(self, subject: LimitSubject) -> list[Sensor]:
         return torques_of(subject.elements[self.element])

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from torsionnet.base.errors import Fault, Worded, unfit_word
+from torsionnet.base.errors import Fault, unfit_word
+from torsionnet.base.phrases import phrase
 from torsionnet.model.catalogues.catalogue_entries import SIZE
 from torsionnet.model.definition import Definition
 from torsionnet.model.sections import section_class
@@ -26,7 +27,7 @@ def unfit_columns(definition: Definition) -> list[Fault]:
         for one in others:
             if one not in limited:
                 said = 'the column "{}" of {} fits no entry of a {} and no limit'
-                text = Worded(said, one, element.catalogue.file, element.kind)
+                text = phrase(said, one, element.catalogue.file, element.kind)
                 place = ("elements", name, "catalogue")
                 faults.append(replace(unfit_word(text, one, [*known, *limited], place), severity="note"))
     return faults

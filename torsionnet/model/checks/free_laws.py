@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from torsionnet.base.errors import Fault, ModelName, Worded, named_list
+from torsionnet.base.errors import Fault, named_list
+from torsionnet.base.phrases import ModelName, phrase
 from torsionnet.model.definition import Definition
 from torsionnet.model.element_base.element import Element, OtherLaws
 from torsionnet.model.elements import Constraint, Law, MotionLaw, Part, Row, Values
@@ -26,7 +27,7 @@ def open_gaps(definition: Definition, values: Mapping[str, Any], kinematics: Kin
         "operating point with a torque through it, it has its stiffness in contact"
     )
     return [
-        Fault(Worded(text, ModelName(element.name)), ("elements", element.name), "note", on_key=True)
+        Fault(phrase(text, ModelName(element.name)), ("elements", element.name), "note", on_key=True)
         for element in definition.active
         if element.has_motion_laws and _is_open(element, value, kinematics)
     ]
@@ -55,7 +56,7 @@ def stuck_friction(
     text = "{} sticks in linear results, and is rigid there; {}"
     return [
         Fault(
-            Worded(text, ModelName(element.name), element.when_stuck), ("elements", element.name), "note", on_key=True
+            phrase(text, ModelName(element.name), element.when_stuck), ("elements", element.name), "note", on_key=True
         )
         for element in definition.active
         if element.when_stuck and element.has_motion_laws and _is_stuck(element, value, kinematics, operated)
@@ -95,7 +96,7 @@ def sticking_loops(definition: Definition, values: Mapping[str, Any], kinematics
     # A row that follows from others: their frictions may share the torque in any way.
     for last in reduction.redundant:
         names = dict.fromkeys(owners[number] for number in sorted({*reduction.origin_of_row(last), last}))
-        text = Worded(
+        text = phrase(
             "{} stick in a loop, so that a motion over time cannot tell how they share a torque; "
             "give one of them a stiffness",
             named_list(names, between=" and "),

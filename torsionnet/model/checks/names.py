@@ -9,20 +9,10 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.base.errors import (
-    UNUSED,
-    EntryPath,
-    Fault,
-    ModelError,
-    ModelName,
-    Worded,
-    comma_list,
-    nearest,
-    question,
-    unknown_name,
-)
+from torsionnet.base.errors import UNUSED, EntryPath, Fault, ModelError, comma_list, nearest, question, unknown_name
 from torsionnet.base.expressions import Expression
 from torsionnet.base.packages import imported
+from torsionnet.base.phrases import ModelName, phrase
 from torsionnet.model.channels import Input, Sensor, channel_words, parse_pair, parse_sensor, port_fault
 from torsionnet.model.configurations import Overlay
 from torsionnet.model.definition import (
@@ -137,10 +127,10 @@ def _wrong_values(definition: Definition, table: str, name: str, changes: Mappin
 def _moved(before: Element, after: Element, changes: Mapping[str, Any]) -> Iterator[Fault]:
     """Faults of elements that an alternative switches by an entry or moves to other nodes, which it may not."""
     if before.enabled != after.enabled:
-        text = Worded("write on: [{0}] or off: [{0}] to switch an element", ModelName(before.name))
+        text = phrase("write on: [{0}] or off: [{0}] to switch an element", ModelName(before.name))
         yield Fault(text, ("enabled",), on_key=True)
     if before.ports != after.ports:
-        text = Worded(
+        text = phrase(
             "a configuration does not move {} to other nodes; write two elements, and switch them with on: and off:",
             ModelName(before.name),
         )
@@ -211,7 +201,7 @@ def unused_parameters(definition: Definition) -> list[Fault]:
     faults = []
     for name in definition.parameters:
         if name not in used:
-            text = Worded('parameter "{}" is not used', ModelName(name))
+            text = phrase('parameter "{}" is not used', ModelName(name))
             faults.append(Fault(text, ("parameters", name), "warning", on_key=True, kind=UNUSED, about=name))
     return faults
 
@@ -297,7 +287,7 @@ def unknown_elements(definition: Definition) -> list[Fault]:
 
 def _no_element(name: str, definition: Definition, path: EntryPath) -> Fault:
     if name in _nodes(definition):
-        return Fault(Worded('"{}" is a node, no element; a torque is taken through an element', ModelName(name)), path)
+        return Fault(phrase('"{}" is a node, no element; a torque is taken through an element', ModelName(name)), path)
     return unknown_name("element", name, definition.elements, path)
 
 
@@ -317,7 +307,7 @@ def unknown_in_configurations(definition: Definition) -> list[Fault]:
                         faults.append(unknown_name("element", name, definition.elements, (*path, switch, index)))
             both = set(overlay.on) & set(overlay.off)
             text = "{} is switched on and off at once"
-            faults += [Fault(Worded(text, ModelName(name)), (*path, "off")) for name in sorted(both)]
+            faults += [Fault(phrase(text, ModelName(name)), (*path, "off")) for name in sorted(both)]
     return faults
 
 
@@ -329,7 +319,7 @@ def competing_axes(definition: Definition) -> list[Fault]:
         for label, overlay in alternatives.items():
             for name in (*overlay.parameters, *overlay.on, *overlay.off, *overlay.entries):
                 if homes.setdefault(name, axis) != axis:
-                    text = Worded(
+                    text = phrase(
                         "{} is set on axis {} too; different axes must change different things",
                         ModelName(name),
                         ModelName(homes[name]),
@@ -349,12 +339,12 @@ def hidden_names(definition: Definition) -> list[Fault]:
             if name in nodes and not same:
                 what = "a measured input" if table == "sensors" else channel_words(channel)
                 said = '"{}" is also a node; as input= it means {}, as output= {}, not the node'
-                text = Worded(said, ModelName(name), what, channel_words(channel))
+                text = phrase(said, ModelName(name), what, channel_words(channel))
                 faults.append(Fault(text, (table, name), "warning", on_key=True))
     for name in definition.sensors:
         if name in definition.inputs:
             said = '"{}" is a sensor and an input; as input= it means the excitation, as output= the sensor'
-            text = Worded(said, ModelName(name))
+            text = phrase(said, ModelName(name))
             faults.append(Fault(text, ("sensors", name), "warning", on_key=True))
     return faults
 
@@ -378,7 +368,7 @@ def dead_ends(definition: Definition) -> list[Fault]:
             others = (other for other in touching if other != node)
             meant = nearest(node, others) if len(faults) < MOST_HINTS else ""
             said = 'only {} is attached to node "{}"{}; it carries no torque there'
-            text = Worded(said, ModelName(names[0]), ModelName(node), question(meant))
+            text = phrase(said, ModelName(names[0]), ModelName(node), question(meant))
             place = ("elements", names[0])
             faults.append(Fault(text, place, "warning", on_key=True, about=node, meant=meant))
     return faults

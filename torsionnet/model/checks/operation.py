@@ -10,9 +10,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.base.errors import USELESS, EntryPath, Fault, ModelError, ModelName, UsageError, Worded, unknown_name
+from torsionnet.base.errors import USELESS, EntryPath, Fault, ModelError, UsageError, unknown_name
 from torsionnet.base.expressions import Expression
 from torsionnet.base.packages import imported
+from torsionnet.base.phrases import ModelName, phrase
 from torsionnet.base.units import RPM
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.element_base.element import Element
@@ -224,7 +225,7 @@ def _beyond_curves(external: ExternalTorques) -> list[Fault]:
     faults: dict[EntryPath, Fault] = {}
     for where, values in _working_points(external):
         for path, what in _beyond(external.definition, values):
-            faults.setdefault(path, Fault(Worded("{}{}", where, what), path))
+            faults.setdefault(path, Fault(phrase("{}{}", where, what), path))
     return list(faults.values())
 
 
@@ -240,14 +241,14 @@ def _working_points(external: ExternalTorques) -> Iterator[tuple[str, Mapping[st
         speeds += [definition.speeds.values[0], definition.speeds.values[-1]]
     for speed in speeds:
         values = resolve(with_operating_values(definition, points.at(speed)).parameters)[0]
-        yield Worded("with {} at {:.6g} rpm, ", ModelName(external.reference), speed * RPM), values
+        yield phrase("with {} at {:.6g} rpm, ", ModelName(external.reference), speed * RPM), values
 
 
 def _beyond(definition: Definition, values: Mapping[str, Any]) -> Iterator[tuple[EntryPath, str]]:
     for element in (one for one in definition.active if one.reads_off):
         for path, spec, expression, _ in element.expressions():
             if reason := spec.curve_fault(float(expression.evaluate(values))):
-                yield ("elements", element.name, *path), Worded("{} {}", expression, reason)
+                yield ("elements", element.name, *path), phrase("{} {}", expression, reason)
 
 
 def _unlike_working_speeds(external: ExternalTorques) -> Iterator[Fault]:
@@ -260,9 +261,9 @@ def _unlike_working_speeds(external: ExternalTorques) -> Iterator[Fault]:
         if expected and abs(own - expected) > SAME_SPEED_SHARE * expected:
             reference = external.reference
             said = "{} is calculated at {:.6g} rpm, but turns at {:.6g} rpm"
-            text = Worded(said, ModelName(element.name), own * RPM, expected * RPM)
+            text = phrase(said, ModelName(element.name), own * RPM, expected * RPM)
             if reference in turning:
-                text = Worded("{} with {} at {:.6g} rpm", text, ModelName(reference), abs(turning[reference]) * RPM)
+                text = phrase("{} with {} at {:.6g} rpm", text, ModelName(reference), abs(turning[reference]) * RPM)
             yield Fault(text, ("elements", element.name, SPEED_ENTRY), "warning")
 
 

@@ -13,15 +13,14 @@ from torsionnet.base.errors import (
     UNCONNECTED,
     USELESS,
     Fault,
-    ModelName,
     UsageError,
-    Worded,
     comma_list,
     message_of,
     named_list,
     nearest,
     question,
 )
+from torsionnet.base.phrases import ModelName, phrase
 from torsionnet.base.registers import Groups
 from torsionnet.model.channels import Input, Sensor, immobility_text, named_nodes
 from torsionnet.model.definition import Definition, all_nodes
@@ -56,7 +55,7 @@ def unreachable_shafts(definition: Definition, values: Mapping[str, Any]) -> lis
             try:
                 referring_factor(sensor, elements, Values(values))
             except UsageError as error:
-                text = Worded("{}: {}", ModelName(name), message_of(error))
+                text = phrase("{}: {}", ModelName(name), message_of(error))
                 faults.append(Fault(text, ("sensors", name, "referred_to")))
     return faults
 
@@ -97,7 +96,7 @@ def _unconnected(definition: Definition, names: Sequence[str], main: Sequence[st
     about, meant = next((pair for pair in likely if pair[1]), (order[0], ""))
     verb = "is" if len(order) == 1 else "are"
     said = "{} {} not connected to the rest of the drivetrain{}"
-    text = Worded(said, named_list(order, MOST_NAMES), verb, question(meant))
+    text = phrase(said, named_list(order, MOST_NAMES), verb, question(meant))
     return Fault(text, ("elements", owner), on_key=True, kind=UNCONNECTED, about=about, meant=meant)
 
 
@@ -113,8 +112,8 @@ def contradicting_gears(definition: Definition, kinematics: Kinematics) -> list[
         first, second = map(ModelName, mismatch.nodes)
         by_others = f"by the others {float(mismatch.others):.9g} times, {100 * abs(mismatch.deviation):.3g} % apart"
         turns = "by {} {} turns {:.9g} times as fast as {}, {}; "
-        both = Worded(turns, ModelName(mismatch.element), first, float(mismatch.own), second, by_others)
-    text = Worded(
+        both = phrase(turns, ModelName(mismatch.element), first, float(mismatch.own), second, by_others)
+    text = phrase(
         "the rigid ratios of {} contradict each other: the loop could not turn; {}"
         "correct a ratio or give one of them a stiffness",
         named_list(loop),
@@ -141,7 +140,7 @@ def massless_without_hold(definition: Definition, kinematics: Kinematics) -> lis
         verb = "moves" if len(nodes) == 1 else "move together"
         them = "it" if len(nodes) == 1 else "them"
         said = "{} {} freely, with no inertia, spring or damper to hold {}"
-        text = Worded(said, named_list(nodes, MOST_NAMES), verb, them)
+        text = phrase(said, named_list(nodes, MOST_NAMES), verb, them)
         faults.append(Fault(text, ("elements", owner) if owner else (), on_key=True))
     return faults
 
@@ -151,29 +150,29 @@ def locked_channels(definition: Definition, kinematics: Kinematics) -> list[Faul
     faults, nodes = [], set(kinematics.nodes)
     for name, channel in definition.inputs.items():
         if nodes.issuperset(channel.nodes) and kinematics.holds_row(channel.row):
-            text = Worded("input {} does nothing: {}", ModelName(name), _still(channel))
+            text = phrase("input {} does nothing: {}", ModelName(name), _still(channel))
             faults.append(Fault(text, ("inputs", name, channel.quantity), "warning", kind=USELESS))
     for name, excitation in definition.excitations.items():
         for path, node in excitation.node_entries if excitation.enabled else ():
             acting = excitation.channel(node)
             if nodes.issuperset(acting.nodes) and kinematics.holds_row(acting.row):
                 held = (
-                    Worded('"{}", which is locked', ModelName(node))
+                    phrase('"{}", which is locked', ModelName(node))
                     if acting.against is None
-                    else Worded("{}, held rigidly", named_nodes(acting))
+                    else phrase("{}, held rigidly", named_nodes(acting))
                 )
-                text = Worded("{} acts on {}, and has no effect; move it to a node that turns", ModelName(name), held)
+                text = phrase("{} acts on {}, and has no effect; move it to a node that turns", ModelName(name), held)
                 faults.append(Fault(text, ("excitations", name, *path), "warning", kind=USELESS))
     for name, sensor in definition.sensors.items():
         moves = not sensor.is_on_element and nodes.issuperset(sensor.nodes)
         if moves and kinematics.holds_row(sensor.row):
-            text = Worded("sensor {} reads zero: {}", ModelName(name), _still(sensor))
+            text = phrase("sensor {} reads zero: {}", ModelName(name), _still(sensor))
             faults.append(Fault(text, ("sensors", name, sensor.quantity), "warning"))
     return faults
 
 
 def _still(channel: Input | Sensor) -> str:
-    return Worded('"{}" is locked', ModelName(channel.of)) if channel.against is None else immobility_text(channel)
+    return phrase('"{}" is locked', ModelName(channel.of)) if channel.against is None else immobility_text(channel)
 
 
 def contradicting_inputs(definition: Definition, kinematics: Kinematics) -> list[Fault]:
@@ -184,12 +183,12 @@ def contradicting_inputs(definition: Definition, kinematics: Kinematics) -> list
         driven = imposed.get(frozenset(channel.nodes))
         if channel.quantity == "torque" and driven is not None:
             said = "the angle of {} is imposed by {}; a torque there does nothing"
-            text = Worded(said, named_nodes(channel), ModelName(driven))
+            text = phrase(said, named_nodes(channel), ModelName(driven))
             faults.append(Fault(text, ("inputs", name, channel.quantity)))
     fixed = [index for index in kinematics.reduction.blocked if index < len(kinematics.imposed)]
     for index in fixed:
         name = kinematics.imposed[index]
-        text = Worded(
+        text = phrase(
             "the angle imposed by {} contradicts a rigid connection to another imposed angle", ModelName(name)
         )
         faults.append(Fault(text, ("inputs", name)))
@@ -227,7 +226,7 @@ def idle_channels(definition: Definition, kinematics: Kinematics) -> list[Fault]
             named = (channel.of,) if channel.is_on_element else channel.nodes
             missing = [one for one in named if one not in (active if channel.is_on_element else nodes)]
             if missing:
-                text = Worded("{} has nothing to act on: {} is switched off", ModelName(name), ModelName(missing[0]))
+                text = phrase("{} has nothing to act on: {} is switched off", ModelName(name), ModelName(missing[0]))
                 faults.append(Fault(text, (table, name), "note", on_key=True, causes=("off",)))
     return faults
 
@@ -311,6 +310,6 @@ def _stuck_channels(stuck: Sequence[Fault], always: Sequence[Fault]) -> list[Fau
     paths = {fault.path for fault in always}
     text = "{}, in linear results at an operating point where friction sticks or a preload holds"
     return [
-        fault if fault.path in paths else replace(fault, message=Worded(text, fault.message), severity="note", kind="")
+        fault if fault.path in paths else replace(fault, message=phrase(text, fault.message), severity="note", kind="")
         for fault in stuck
     ]

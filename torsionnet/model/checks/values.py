@@ -11,18 +11,9 @@ from fractions import Fraction
 from typing import Any
 
 from torsionnet.base.entries.scalars import QuantityKind
-from torsionnet.base.errors import (
-    IN_UNIT,
-    WRITE,
-    EntryPath,
-    Fault,
-    ModelName,
-    Remedy,
-    TorsionnetError,
-    Worded,
-    message_of,
-)
+from torsionnet.base.errors import IN_UNIT, WRITE, EntryPath, Fault, Remedy, TorsionnetError, message_of
 from torsionnet.base.expressions import Compound, Expression, ExpressionError, Number, is_beyond_range
+from torsionnet.base.phrases import ModelName, phrase
 from torsionnet.base.units import DIMENSIONS, Dimension, expected_unit
 from torsionnet.model.damping import MEASURES, DampingMeasure, DampingQuantity, LossFactor
 from torsionnet.model.definition import ELEMENTS, SCENARIOS, Definition
@@ -72,16 +63,16 @@ def parameter_dimensions(definition: Definition) -> list[Fault]:
 def _other_dimension(expression: Expression, found: Dimension, wanted: str) -> Fault:
     inverse = _inverse(expression) if found * DIMENSIONS[wanted] == DIMENSIONS["1"] else ""
     expected = "a plain number" if wanted == "1" else f"{wanted} in {expected_unit(wanted)}"
-    text = Worded('"{}" has the dimension of {}; expected {}', expression, found, expected)
+    text = phrase('"{}" has the dimension of {}; expected {}', expression, found, expected)
     if inverse:
-        text = Worded("{}; write {}", text, inverse)
+        text = phrase("{}; write {}", text, inverse)
     return Fault(text, remedy=Remedy(WRITE, inverse, old=str(expression)) if inverse else None)
 
 
-def _inverse(expression: Expression) -> Worded:
+def _inverse(expression: Expression) -> str:
     if isinstance(expression, Compound) and expression.sign == "/" and str(expression.operands[0]) == "1":
-        return Worded("{}", expression.operands[1])
-    return Worded("1/{}" if str(expression) in expression.names else "1/({})", expression)
+        return phrase("{}", expression.operands[1])
+    return phrase("1/{}" if str(expression) in expression.names else "1/({})", expression)
 
 
 def _overlay_fault(value: Expression, base: Dimension | None, known: Mapping[str, Dimension | None]) -> Fault | None:
@@ -93,7 +84,7 @@ def _overlay_fault(value: Expression, base: Dimension | None, known: Mapping[str
         return error.fault
     if found is None or base is None or found == base:
         return None
-    text = Worded('"{}" has the dimension of {}; the parameter is in {}', value, found, base)
+    text = phrase('"{}" has the dimension of {}; the parameter is in {}', value, found, base)
     return Fault(text, remedy=Remedy(IN_UNIT, str(base), old=str(value)))
 
 
@@ -104,7 +95,7 @@ def impossible_sizes(definition: Definition, numbers: Numbers) -> list[Fault]:
         bounds = definition.parameters[name].bounds
         if bounds and not bounds[0] <= float(value) <= bounds[1]:  # as written: 0.05 is a bound, and 1/20 a value
             said = "{} = {:g} is outside its bounds {:g} to {:g}"
-            text = Worded(said, ModelName(name), float(value), *bounds)
+            text = phrase(said, ModelName(name), float(value), *bounds)
             faults.append(Fault(text, ("parameters", name), "warning", causes=(name,)))
     for element in definition.elements.values():
         of_entries = [
@@ -136,19 +127,19 @@ def _size_fault(spec: object, expression: Expression, numbers: Numbers, *, measu
     try:
         value = float(expression.evaluate(numbers))
     except (ExpressionError, OverflowError) as error:
-        return Fault(Worded("{} cannot be calculated: {}", expression, message_of(error)), causes=causes)
+        return Fault(phrase("{} cannot be calculated: {}", expression, message_of(error)), causes=causes)
     if not math.isfinite(value):
-        return Fault(Worded("{} is not a finite number", expression), causes=causes)
+        return Fault(phrase("{} is not a finite number", expression), causes=causes)
     if is_beyond_range(value):
         said = "{} = {:g} is far outside the sizes of drivetrains; check its unit"
-        return Fault(Worded(said, expression, value), causes=causes)
+        return Fault(phrase(said, expression, value), causes=causes)
     reason = wrong_size(spec, value, measure=measure, wanted=wanted)
     if reason is None:
         return None
-    shown = Worded("{} = {:g}", expression, value) if expression.names else f"{value:g}"
-    text = Worded("{}: {} {}", shown, spec.description if isinstance(spec, QuantityKind) else "", reason)
+    shown = phrase("{} = {:g}", expression, value) if expression.names else f"{value:g}"
+    text = phrase("{}: {} {}", shown, spec.description if isinstance(spec, QuantityKind) else "", reason)
     if measure:
-        text = Worded("{} {}: {}", "the frequency" if wanted == "frequency" else "the damping", shown, reason)
+        text = phrase("{} {}: {}", "the frequency" if wanted == "frequency" else "the damping", shown, reason)
     return Fault(text, causes=causes)
 
 
@@ -172,19 +163,19 @@ def _law_sizes(element: Element, numbers: Numbers) -> list[Fault]:
             return [fault.under("elements", element.name) for fault in faults]
         laws = [part for part in element.parts(Values(numbers)) if isinstance(part, Law)]
     except ZeroDivisionError:
-        text = Worded("{} cannot be calculated: something is divided by zero", ModelName(element.name))
+        text = phrase("{} cannot be calculated: something is divided by zero", ModelName(element.name))
         return [Fault(text, place)]
     except (TorsionnetError, ArithmeticError) as error:
         names = {name for _, _, expression, _ in element.expressions() for name in expression.names}
-        text = Worded("{} cannot be calculated: {}", ModelName(element.name), message_of(error))
+        text = phrase("{} cannot be calculated: {}", ModelName(element.name), message_of(error))
         return [Fault(text, place, causes=tuple(sorted(names)))]
     if negative_laws(element, laws):
-        text = Worded("the values of {} give it a negative inertia, damping or stiffness", ModelName(element.name))
+        text = phrase("the values of {} give it a negative inertia, damping or stiffness", ModelName(element.name))
         return [Fault(text, place)]
     damping = min((law.damping for law in laws), default=0)
     if damping < 0:
         said = "{} drives vibrations here: its damping is {:.4g} N*m*s/rad"
-        return [Fault(Worded(said, ModelName(element.name), float(damping)), place, "note")]
+        return [Fault(phrase(said, ModelName(element.name), float(damping)), place, "note")]
     return []
 
 
@@ -200,7 +191,7 @@ def passive_tables(definition: Definition) -> list[Fault]:
     """Warnings about tabulated damping below zero, which would feed energy into a vibration."""
     return [
         Fault(
-            Worded(
+            phrase(
                 "the damping of {} is negative at some frequency; it would drive the vibration there", ModelName(name)
             ),
             ("elements", name, "table"),

@@ -17,9 +17,10 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar, final
 from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.scalars import QuantityKind
 from torsionnet.base.entries.spec import Flag, Json, Renaming, Schema, Spec, Text, entry, name_fault
-from torsionnet.base.errors import EntryPath, Fault, ModelError, ModelName, Worded, fault_of, got
+from torsionnet.base.errors import EntryPath, Fault, ModelError, fault_of, got
 from torsionnet.base.expressions import Expression
 from torsionnet.base.packages import with_argument_hints
+from torsionnet.base.phrases import ModelName, phrase
 from torsionnet.base.registers import TypeRegister, settle
 from torsionnet.model.catalogues.catalogue_entries import CATALOGUE, SIZE, CatalogueEntry, SizeName
 from torsionnet.model.damping import DampingMeasure
@@ -326,10 +327,10 @@ class Element(Declared):
     def referral_fault(self) -> str | None:
         """Message if the values of the element cannot be quoted at another shaft, else None."""
         if self.diameters is not None:
-            return Worded("{} follows from its dimensions, which are those of its own shaft", ModelName(self.name))
+            return phrase("{} follows from its dimensions, which are those of its own shaft", ModelName(self.name))
         if not any(dimension in REFERRED for _, _, _, dimension in self.expressions()):
             said = "{} has no stiffness, damping or inertia that could be quoted at another shaft"
-            return Worded(said, ModelName(self.name))
+            return phrase(said, ModelName(self.name))
         return None
 
     @property

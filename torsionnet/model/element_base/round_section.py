@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.base.errors import Fault, ModelName, UsageError, Worded
+from torsionnet.base.errors import Fault, UsageError
 from torsionnet.base.expressions import Number
+from torsionnet.base.phrases import ModelName, phrase
 from torsionnet.model.element_base.laws import Values
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ def section_fault(element: Element) -> str | None:
     if element.diameters is not None:
         return None
     said = "{}, a {}, has no diameter, and so no stress; take a shaft, or measure its torque"
-    return Worded(said, ModelName(element.name), element.kind)
+    return phrase(said, ModelName(element.name), element.kind)
 
 
 def section_modulus(element: Element, value: Values) -> Any:

@@ -8,9 +8,10 @@ from typing import Any, ClassVar
 from torsionnet.base.entries.composite import one_exactly
 from torsionnet.base.entries.scalars import PhysicalQuantity
 from torsionnet.base.entries.spec import OneOf, Text, entry
-from torsionnet.base.errors import Fault, ModelName, Worded
+from torsionnet.base.errors import Fault
 from torsionnet.base.expression_reading import scalar
 from torsionnet.base.expressions import Expression
+from torsionnet.base.phrases import ModelName, phrase
 from torsionnet.model.damping import DampingMeasure, DampingQuantity
 from torsionnet.model.element_base.element import Element, register, viscous
 from torsionnet.model.element_base.element_entries import NodeName, Teeth
@@ -114,13 +115,13 @@ class Gearbox(Element):
             faults.append(Fault(text, on_key=True))
         elif self.engaged not in (*self.gears, NEUTRAL):
             known = f"it has {', '.join(self.gears)} and {NEUTRAL}"
-            text = Worded('no gear of {} is named "{}"; {}', ModelName(self.name), self.engaged, known)
+            text = phrase('no gear of {} is named "{}"; {}', ModelName(self.name), self.engaged, known)
             faults.append(Fault(text, ("engaged",)))
         for field in ("wheel_inertias", "stiffness"):
             for name, _ in getattr(self, field):
                 if name not in self.gears:
                     said = 'no gear of {} is named "{}"; it has {}'
-                    text = Worded(said, ModelName(self.name), name, ", ".join(self.gears))
+                    text = phrase(said, ModelName(self.name), name, ", ".join(self.gears))
                     faults.append(Fault(text, (field, name), on_key=True))
         if NEUTRAL in self.gears:
             faults.append(Fault(f"{NEUTRAL} is the state without a gear; give the gear another name", (self._field,)))

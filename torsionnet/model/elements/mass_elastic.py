@@ -8,8 +8,9 @@ from fractions import Fraction
 from typing import Any, ClassVar
 
 from torsionnet.base.entries.spec import EntryError, Plural, Renaming, Schema, entry
-from torsionnet.base.errors import Fault, ModelName, Worded, got, nearest, question
+from torsionnet.base.errors import Fault, got, nearest, question
 from torsionnet.base.expression_reading import scalar
+from torsionnet.base.phrases import ModelName, phrase
 from torsionnet.base.plain_names import free_name
 from torsionnet.model.damping import DampingMeasure
 from torsionnet.model.element_base.element import Element, register
@@ -103,7 +104,7 @@ class MassElastic(Element):
             elif found in taken:
                 faults.append(Fault(f'mass "{found}" is put on two nodes; keep one of them', ("at", mass), on_key=True))
             if sum(node == other for _, other in self.at) > 1:
-                text = Worded('two masses are on node "{}"; give each a node of its own', ModelName(node))
+                text = phrase('two masses are on node "{}"; give each a node of its own', ModelName(node))
                 faults.append(Fault(text, ("at", mass)))
             taken += [found] if found else []
         return faults

@@ -22,12 +22,12 @@ from torsionnet.base.errors import (
     Fault,
     ModelError,
     UsageError,
-    Worded,
     did_you_mean,
     nearest,
     question,
 )
 from torsionnet.base.packages import gc_paused
+from torsionnet.base.phrases import phrase
 from torsionnet.base.units import decimal_comma
 from torsionnet.model.checks import check_definition, has_errors, names, values
 from torsionnet.model.configurations import DEFAULT_AXIS
@@ -155,7 +155,7 @@ def check_partial_model(definition: Definition, document: LocatedDocument, fault
 def _with_hint(fault: Fault, lost: set[str]) -> Fault:
     """Fault with the question whether its name is that of an entry that could not be read, misspelt."""
     meant = "" if fault.kind != UNKNOWN_NAME or fault.meant else nearest(fault.about, sorted(lost))
-    return replace(fault, message=Worded("{}{}", fault.message, question(meant)), meant=meant) if meant else fault
+    return replace(fault, message=phrase("{}{}", fault.message, question(meant)), meant=meant) if meant else fault
 
 
 def _sound_checks(definition: Definition) -> Iterator[Fault]:

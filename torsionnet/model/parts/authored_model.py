@@ -7,7 +7,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
-from torsionnet.base.errors import EntryPath, Fault, Worded
+from torsionnet.base.errors import EntryPath, Fault
+from torsionnet.base.phrases import in_names
 from torsionnet.model.configurations import DEFAULT_AXIS
 from torsionnet.model.definition import Definition
 from torsionnet.model.parts.flattening import SECTIONS, flatten_parts
@@ -247,7 +248,11 @@ def _in_part(fault: Fault, place: PlaceInPart) -> Fault:
     def own(name: str) -> str:
         return name.removeprefix(place.prefix)
 
-    message = fault.message.in_names(own) if isinstance(fault.message, Worded) else fault.message
     return replace(
-        fault, path=place.path, message=message, about=own(fault.about), meant=own(fault.meant), uses=place.uses
+        fault,
+        path=place.path,
+        message=in_names(fault.message, own),
+        about=own(fault.about),
+        meant=own(fault.meant),
+        uses=place.uses,
     )
