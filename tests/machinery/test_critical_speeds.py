@@ -119,8 +119,8 @@ class TestTwoMasses:
     def test_speed_margin_and_force(self):
         found = two_mass(damping=0.0).critical_speeds(margin="api684").of(1, 2)
         omega = math.sqrt(self.K / self.J)
-        assert found.speed("undamped") == pytest.approx(omega / 2)
-        assert found.speed("natural") == pytest.approx(omega / 2)
+        assert found.undamped_speed == pytest.approx(omega / 2)
+        assert found.natural_speed == pytest.approx(omega / 2)
         assert (found.margin, found.passes) == (0, False)
         assert found.generalised_force == pytest.approx(10)  # b moves most, and there the torque acts
 
@@ -141,13 +141,13 @@ class TestTwoMasses:
         assert peak.speed == pytest.approx(omega * math.sqrt(1 - 2 * zeta**2) / 2, rel=2e-4)
         static = 10 * (2 / 3) / self.K
         assert peak.amplitude == pytest.approx(static / (2 * zeta * math.sqrt(1 - zeta**2)), rel=1e-5)
-        assert found.speed("damped") == pytest.approx(omega * math.sqrt(1 - zeta**2) / 2)
+        assert found.damped_speed == pytest.approx(omega * math.sqrt(1 - zeta**2) / 2)
 
     def test_too_much_damping_leaves_no_critical_speed(self):
         plant = two_mass(damping=3 * math.sqrt(self.K * self.J))
         found = plant.critical_speeds("twist(shaft)").of(1, 2)
-        assert math.isnan(found.speed("natural"))
-        assert found.speed("undamped") == pytest.approx(math.sqrt(self.K / self.J) / 2)
+        assert math.isnan(found.natural_speed)
+        assert found.undamped_speed == pytest.approx(math.sqrt(self.K / self.J) / 2)
         assert found.peaks == ()
         assert "overdamped" in found.remark
 
@@ -155,7 +155,7 @@ class TestTwoMasses:
         found = two_mass(damping=0.0).critical_speeds(line_frequency=18, margin="line_frequency", reach=0.5)
         first = next(one for one in found.crossings if one.fixed == 18)
         natural = math.sqrt(self.K / self.J) / (2 * np.pi)
-        assert math.isnan(first.speed())
+        assert math.isnan(first.undamped_speed)
         assert first.margin == pytest.approx(natural / 18 - 1)
         assert (first.required, first.passes, first.excited) == (0.1, False, None)
         assert found.of(1, 2).passes is None  # this rule is about the line only
@@ -165,7 +165,7 @@ class TestTwoMasses:
         line = {"frequency": f"{frequency} Hz", "multiples": {1: {"amplitude": 5}}}
         found = with_machine(line=line).critical_speeds(reach=0.3).of(1, 0)
         natural = math.sqrt(self.K / self.J) / (2 * np.pi)
-        assert math.isnan(found.speed())
+        assert math.isnan(found.undamped_speed)
         assert found.margin == pytest.approx(abs(natural / frequency - 1))
         assert found.generalised_force == pytest.approx(5)
         assert found.excited
@@ -177,12 +177,12 @@ class TestTwoMasses:
         plant = with_machine(slip=slip, pole_pairs=2)
         natural = math.sqrt(self.K / self.J) / (2 * np.pi)
         below = plant.critical_speeds(speeds=np.array([800, 1400]) * RPM).of(1, -4)
-        assert below.speed() / RPM == pytest.approx(1500 * (1 - natural / 100))
+        assert below.undamped_speed / RPM == pytest.approx(1500 * (1 - natural / 100))
         assert below.margin == 0
         both = plant.critical_speeds(speeds=np.array([1300, 1450]) * RPM)
         meant = [1500 * (1 + sign * natural / 100) for sign in (-1, 1)]
-        assert [one.speed() / RPM for one in both.crossings] == pytest.approx(meant)
-        assert both.of(1, -4, near=1800 * RPM).speed() / RPM == pytest.approx(meant[1])
+        assert [one.undamped_speed / RPM for one in both.crossings] == pytest.approx(meant)
+        assert both.of(1, -4, near=1800 * RPM).undamped_speed / RPM == pytest.approx(meant[1])
         with pytest.raises(
             tn.UsageError, match=r"mode 1 meets order -4 at 1207\.6 and 1792\.4 rpm; say which with near="
         ):
@@ -230,7 +230,7 @@ class TestTwoMasses:
         assert [one.excited for one in found.crossings] == [True]
         assert math.isnan(found.of(1, 2).generalised_force)
         # The node whose angle is given stands still in the vibration: 1 kg m^2 on 10 kN m/rad.
-        assert found.of(1, 2).speed() == pytest.approx(100 / 2)
+        assert found.of(1, 2).undamped_speed == pytest.approx(100 / 2)
         assert found.of(1, 2).peaks[0].speed == pytest.approx(50, rel=0.01)
         assert "-" in found.table().to_text()
 
@@ -244,8 +244,8 @@ class TestTwoMasses:
         )  # fmt: skip
         found = plant.critical_speeds().of(1, 5)
         natural = math.sqrt(2e3 * 2)  # two masses of 1 kg m^2, referred to the motor
-        assert found.own_speed() == pytest.approx(natural / 5)
-        assert found.speed() == pytest.approx(4 * natural / 5)
+        assert found.own_speed == pytest.approx(natural / 5)
+        assert found.undamped_speed == pytest.approx(4 * natural / 5)
         assert found.generalised_force == pytest.approx(8 / 4)  # the motor moves by 1, the mill by 1/4
 
 
@@ -256,8 +256,8 @@ class TestMarinePlant:
         critical = cylinders.critical_speeds(excitations=["cyl1"]).of(3, 3)
         assert critical.mode.undamped_frequency == pytest.approx(38.75, abs=0.005)
         assert critical.mode.natural_frequency == pytest.approx(26.49, abs=0.005)
-        assert critical.speed("undamped") / RPM == pytest.approx(775, abs=0.1)
-        assert critical.speed("natural") / RPM == pytest.approx(530, abs=0.2)
+        assert critical.undamped_speed / RPM == pytest.approx(775, abs=0.1)
+        assert critical.natural_speed / RPM == pytest.approx(530, abs=0.2)
 
     def test_peak_of_the_crankshaft_torque(self, cylinders):
         at = np.arange(480, 580, 0.25) * RPM
@@ -271,9 +271,9 @@ class TestMarinePlant:
     def test_lowest_modes(self, cylinders):
         found = cylinders.critical_speeds(excitations=["cyl1"])
         assert found.of(1, 0.5).mode.undamped_frequency == pytest.approx(3.52, abs=0.005)
-        assert found.of(1, 0.5).speed() / RPM == pytest.approx(423, abs=0.5)
+        assert found.of(1, 0.5).undamped_speed / RPM == pytest.approx(423, abs=0.5)
         assert found.of(2, 1.5).mode.undamped_frequency == pytest.approx(10.55, abs=0.005)
-        assert found.of(2, 1.5).speed() / RPM == pytest.approx(422, abs=0.5)
+        assert found.of(2, 1.5).undamped_speed / RPM == pytest.approx(422, abs=0.5)
 
     def test_the_mode_of_the_ring_is_overdamped(self, cylinders):
         modes = cylinders.critical_speeds(excitations=["cyl1"]).modes
@@ -329,7 +329,7 @@ class TestMarinePlant:
     def test_generalised_force_is_the_sum_over_the_cylinders(self):
         plant = marine({"engine": INLINE_SIX})
         found = plant.critical_speeds().of(3, 3)
-        acts = plant.definition.excitations["engine"].torques(np.array([found.speed("natural")]))
+        acts = plant.definition.excitations["engine"].torques(np.array([found.natural_speed]))
         place = acts.orders.tolist().index(3.0)
         shape = dict(zip(plant.assembly.nodes, found.mode.shape.real, strict=True))
         by_hand = sum(acts.amplitudes[0, place, n] * shape[node] for n, node in enumerate(acts.nodes))
@@ -351,8 +351,8 @@ class TestCar:
         critical = car().critical_speeds("tw_dmf").of(3, 2)
         assert critical.mode.natural_frequency == pytest.approx(23.59, abs=0.005)
         assert critical.mode.undamped_frequency == pytest.approx(20.86, abs=0.005)
-        assert critical.speed("natural") / RPM == pytest.approx(708, abs=0.5)
-        assert critical.speed("undamped") / RPM == pytest.approx(626, abs=0.5)
+        assert critical.natural_speed / RPM == pytest.approx(708, abs=0.5)
+        assert critical.undamped_speed / RPM == pytest.approx(626, abs=0.5)
         assert 704 <= critical.peaks[0].speed / RPM <= 706.5
 
     def test_half_shafts_against_each_other_take_up_nothing(self):
@@ -468,10 +468,6 @@ class TestQuestions:
         with pytest.raises(tn.UsageError, match="say which excitation"):
             marine({name: {"type": "harmonic", "node": name, "orders": {3: {"amplitude": 1}}} for name in ("c1", "c2")}
                    ).critical_speeds().of(3, 3)  # fmt: skip
-
-    def test_unknown_kind_of_speed(self):
-        with pytest.raises(tn.UsageError, match="choose undamped, natural, damped"):
-            two_mass(damping=1.0).critical_speeds().of(1, 2).speed("peak")
 
     def test_own_rule(self):
         rule = MarginRule("ours", "house rule 7", (MarginClause(2, 2, 0.2),))
@@ -681,6 +677,6 @@ def test_data_that_end_with_the_operating_range(outputs):
         excitations={"fan": fan},
     )
     found = plant.critical_speeds(outputs)
-    assert found.of(1, 2).speed("undamped") == pytest.approx(math.sqrt(1.5e4) / 2)
+    assert found.of(1, 2).undamped_speed == pytest.approx(math.sqrt(1.5e4) / 2)
     assert found.of(1, 2).generalised_force == pytest.approx(20, rel=1e-3)  # the mode is slightly damped
     assert "the data of fan do not go beyond the operating range" in found.notes[0]

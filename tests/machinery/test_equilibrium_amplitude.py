@@ -135,7 +135,7 @@ class TestDampingShares:
         )
         speed = omega * {"wheel": 1, "pinion": 3}[asked or given]
         critical = rig.critical_speeds(speed_of=asked, speeds=np.array([0.5, 1.5]) * speed).crossings[0]
-        assert critical.speed("natural") == pytest.approx(speed, rel=1e-6)
+        assert critical.natural_speed == pytest.approx(speed, rel=1e-6)
         share = (1 / omega) / (1 / omega + 0.01)
         found = damping_shares(rig, critical, reference=asked)
         assert found == pytest.approx({"water": share, "shaft": 1 - share}, rel=1e-6)

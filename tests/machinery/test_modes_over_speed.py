@@ -52,18 +52,18 @@ TWICE = [halved(lambda n: coupling_frequency(n) > n / 120, *ends) for ends in ((
 class TestProgressiveCoupling:
     def test_an_order_meets_the_mode_twice(self):
         found = propeller_coupling(HALF_ORDER).critical_speeds(margin="api684")
-        assert [one.speed("natural") / RPM for one in found.crossings] == pytest.approx(TWICE, rel=1e-9)
-        assert [one.speed("undamped") / RPM for one in found.crossings] == pytest.approx(TWICE, rel=1e-9)
+        assert [one.natural_speed / RPM for one in found.crossings] == pytest.approx(TWICE, rel=1e-9)
+        assert [one.undamped_speed / RPM for one in found.crossings] == pytest.approx(TWICE, rel=1e-9)
         assert [(one.margin, one.passes) for one in found.crossings] == [(0, False)] * 2
         assert [one.mode.natural_frequency for one in found.crossings] == pytest.approx(np.array(TWICE) / 120)
         with pytest.raises(tn.UsageError, match=r"at 662\.28 and 1305\.8 rpm; say which with near="):
             found.of(1, 0.5)
-        assert found.of(1, 0.5, near=140.0).speed("natural") == pytest.approx(TWICE[1] * RPM)
+        assert found.of(1, 0.5, near=140.0).natural_speed == pytest.approx(TWICE[1] * RPM)
 
     def test_beyond_the_table_nothing_is_made_up(self):
         """With the stiffness of 1500 r/min held it would be met at 1855 r/min, where the coupling is stiffer still."""
         found = propeller_coupling(HALF_ORDER).critical_speeds(reach=0.9)
-        assert [one.speed("natural") / RPM for one in found.crossings] == pytest.approx(TWICE)
+        assert [one.natural_speed / RPM for one in found.crossings] == pytest.approx(TWICE)
         assert "tables and laws give the modes from 60 to 1500 rpm; critical speeds beyond are unknown" in found.notes
 
     def test_a_line_at_a_fixed_frequency_meets_it(self):
@@ -71,7 +71,7 @@ class TestProgressiveCoupling:
             margin="api684"
         )
         (one,) = found.crossings
-        assert one.speed("natural") / RPM == pytest.approx(halved(lambda n: coupling_frequency(n) > 10, 600, 1500))
+        assert one.natural_speed / RPM == pytest.approx(halved(lambda n: coupling_frequency(n) > 10, 600, 1500))
         assert (one.margin, one.passes, one.line) == (0, False, "10 Hz")
 
     @pytest.mark.parametrize(("zeta", "step"), [(0.0005, 0.7), (0.0005, 10), (0.0005, 300), (0.01, 8), (0.01, 300)])
@@ -140,7 +140,7 @@ class TestNearAndTouching:
         # The table bends at 1000 r/min, where the line of half the speed is nearest.
         assert one.margin == pytest.approx(self.frequency(1e5) * 120 / 1000 - 1, rel=1e-7)
         assert one.nearest_speed == pytest.approx(1000 * RPM)
-        assert np.isnan(one.speeds).all()
+        assert np.isnan([one.undamped_speed, one.natural_speed, one.damped_speed]).all()
         assert one.remark == "no crossing: nearest at 1000 rpm"
         assert not one.passes
         assert not self.model(0.5).critical_speeds().crossings
@@ -152,14 +152,14 @@ class TestNearAndTouching:
         found = self.model(touching * (1 - aside)).critical_speeds().crossings
         assert len(found) == count
         for one in found:
-            assert one.speed() / RPM == pytest.approx(1000, rel=2e-3)
+            assert one.undamped_speed / RPM == pytest.approx(1000, rel=2e-3)
             assert one.margin == 0
 
     @pytest.mark.parametrize("rpm", [600.0, 1000.0, 1500.0, 1234.5])
     def test_a_crossing_on_a_row_or_an_end(self, rpm):
         k = np.interp(rpm, [600, 1000, 1500], list(self.TABLE.values()))
         found = self.model(float(self.frequency(k) * 60 / rpm)).critical_speeds(margin="api684").crossings
-        at = [one.speed() / RPM for one in found]
+        at = [one.undamped_speed / RPM for one in found]
         assert min(np.abs(np.array(at) / rpm - 1)) < 1e-6
         assert len(at) == len({round(one, 2) for one in at})
         assert {one.margin for one in found} == {0.0}
@@ -182,22 +182,22 @@ class TestNearAndTouching:
         meant = np.sort([one.real for one in roots if abs(one.imag) < 1e-9 and 480 < one.real < 1900])
         if aside < 0:
             (one,) = found
-            assert np.isnan(one.speeds).all()
+            assert np.isnan([one.undamped_speed, one.natural_speed, one.damped_speed]).all()
             assert one.margin == pytest.approx(1 / (1 + aside) - 1, rel=1e-4)
             assert one.nearest_speed / RPM == pytest.approx(turning, rel=1e-4)
         elif aside > 0:
-            assert [one.speed() / RPM for one in found] == pytest.approx(meant, rel=1e-7)
+            assert [one.undamped_speed / RPM for one in found] == pytest.approx(meant, rel=1e-7)
             assert len(meant) == 2
         else:
             (one,) = found
-            assert one.speed() / RPM == pytest.approx(turning, rel=1e-4)
+            assert one.undamped_speed / RPM == pytest.approx(turning, rel=1e-4)
             assert one.margin < 1e-6
 
     def test_two_crossings_between_neighbouring_speeds(self):
         """A notch of 0.02 r/min in the table, far narrower than any grid."""
         table = {"600 rpm": 9e4, "1000 rpm": 9e4, "1000.01 rpm": 2e4, "1000.02 rpm": 9e4, "1500 rpm": 9e4}
         rig = two_masses("k", {"k": {"by": "speed", "of": "a", "table": table}}, order(self.frequency(5e4) * 60 / 1000))
-        at = [one.speed() / RPM for one in rig.critical_speeds().crossings]
+        at = [one.undamped_speed / RPM for one in rig.critical_speeds().crossings]
         meant = [halved(lambda n: np.interp(n, [1e3, 1e3 + 0.01, 1e3 + 0.02], [9e4, 2e4, 9e4]) > 5e4 * (n / 1000) ** 2, *ends)
                  for ends in ((1000, 1000.01), (1000.01, 1000.02))]  # fmt: skip
         inside = [one for one in at if 600 <= one <= 1500 and abs(one - 1000) < 1]
@@ -230,7 +230,7 @@ class TestStages:
         corner = 1500 * math.sqrt(0.4)
         found = self.rig(0.5).critical_speeds(margin="api684").crossings
         low, high = (120 * TestNearAndTouching.frequency(k) for k in (5e4, 2e5))
-        assert [one.speed() / RPM for one in found] == pytest.approx([low, corner, high])
+        assert [one.undamped_speed / RPM for one in found] == pytest.approx([low, corner, high])
         assert [one.leaps for one in found] == [False, True, False]
         assert "the mode leaps over the line" in found[1].remark
 
@@ -265,7 +265,7 @@ class TestWhichMode:
         slope = (2.5e4 - 4e3) / 2000
         for line in (13, 20):
             (one,) = [each for each in found.crossings if each.fixed == line and each.mode.number == 1]
-            assert one.speed() / RPM == pytest.approx(500 + ((2 * np.pi * line) ** 2 - 4e3) / slope, rel=1e-6)
+            assert one.undamped_speed / RPM == pytest.approx(500 + ((2 * np.pi * line) ** 2 - 4e3) / slope, rel=1e-6)
             shape = dict(zip(found.nodes, np.abs(one.mode.shape), strict=True))
             assert shape["a"] == 1
             assert shape["b"] < 1e-3
@@ -407,7 +407,7 @@ def require_all_crossings(chain):
                 apart = np.abs(every[:, rank] - meant(chain.grid)) / meant(chain.grid)
             rows = [one for one in found.crossings if one.mode.number == rank + 1
                     and (one.excitation, one.order, one.fixed) == (line.excitation, line.order, line.fixed)]  # fmt: skip
-            at = np.array([one.speed("natural") / RPM for one in rows])
+            at = np.array([one.natural_speed / RPM for one in rows])
             own = at[(at > chain.low * (1 - 1e-9)) & (at < chain.high * (1 + 1e-9))]
             assert own == pytest.approx(roots, rel=1e-7), (str(line), rank)
             margin = 0.0 if roots else apart.min()

@@ -285,5 +285,5 @@ class TestCriticalSpeeds:
         c, top = 2e5 / 12, 1000 * RPM
         b = 0.75 * c / top
         expected = (b + np.sqrt(b**2 + 4 * c)) / 8
-        assert one.speed("natural") == pytest.approx(expected, rel=1e-6)
+        assert one.natural_speed == pytest.approx(expected, rel=1e-6)
         assert rig.modes().natural_frequencies[-1] * 2 * np.pi == pytest.approx(np.sqrt(c))

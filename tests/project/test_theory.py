@@ -268,7 +268,7 @@ class TestCriticalSpeedsAndLimits:
         )
         square = K * (1 / J1 + 1 / J2)
         crossing = plant.critical_speeds().of(1, 2)
-        assert crossing.speed("undamped") == pytest.approx(np.sqrt(square) / 2, rel=1e-10)
+        assert crossing.undamped_speed == pytest.approx(np.sqrt(square) / 2, rel=1e-10)
         shape = np.array([1, -J1 / J2])  # the lighter inertia moves most
         exact = 10 / (square * (np.array([J1, J2]) @ shape**2))
         assert crossing.equilibrium_amplitude == pytest.approx(exact, rel=1e-9)

@@ -86,7 +86,8 @@ def _natural(mode: VibrationMode) -> float:
 
 
 def _speed(one: CriticalSpeed) -> float:
-    return one.speed("undamped" if math.isnan(one.mode.natural_frequency) else "natural") * RPM
+    overdamped = math.isnan(one.mode.natural_frequency)
+    return (one.undamped_speed if overdamped else one.natural_speed) * RPM
 
 
 def _shade(axes: Axes, result: CriticalSpeeds, low: float, high: float) -> None:

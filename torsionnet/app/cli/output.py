@@ -203,7 +203,7 @@ OUTPUTS: dict[str, str] = {
     "check": "list[torsionnet.base.fault_rows:CheckRecord]",
     "compare": "torsionnet.app.cli.frf_output:ComparisonRecord",
     "clocks": "torsionnet.app.cli.commands.clocks:ClocksRecord",
-    "critical-speeds": "list[torsionnet.machinery.criticals.critical_speeds:CriticalSpeedsRecord]",
+    "critical-speeds": "list[torsionnet.machinery.criticals.critical_speeds:CriticalSpeeds]",
     "damper": "list[torsionnet.machinery.design.damper_optimum:DamperRecord]",
     "damping": "torsionnet.modal.operational.operational_modes:OperationalModesRecord",
     "equations": "list[torsionnet.app.cli.output:ConfiguredMotion|TransferFunctionRecord]",

@@ -287,7 +287,14 @@ class CrossingSearch:
                 undamped, natural, damped = (math.nan if one is None else one.speed for one in row)
                 there = self._mode_at(mode, main.speed)
                 count += 1
-                yield replace(nearest, mode=there, speeds=(undamped, natural, damped), leaps=math.isinf(main.slope))
+                yield replace(
+                    nearest,
+                    mode=there,
+                    undamped_speed=undamped,
+                    natural_speed=natural,
+                    damped_speed=damped,
+                    leaps=math.isinf(main.slope),
+                )
         if not count and (is_close or (not line.order and nearest.margin < self.reach)):
             yield replace(nearest, mode=self._mode_at(mode, nearest.nearest_speed))
 
@@ -364,8 +371,8 @@ class CrossingSearch:
     def _acting_speed(self, one: CriticalSpeed) -> float:
         """Critical speed in rad/s at which torques are taken, by natural frequency where that is in range."""
         low, high = self.limits
-        found = [*(one.speed(which) for which in ("natural", "undamped", "damped")), one.nearest_speed]
-        return next((speed for speed in found if low <= speed <= high), self.speed_range[1])
+        speeds = (one.natural_speed, one.undamped_speed, one.damped_speed, one.nearest_speed)
+        return next((speed for speed in speeds if low <= speed <= high), self.speed_range[1])
 
     def _largest(self, shape: Mapping[str, complex], shaft: str) -> float:
         """Largest magnitude of a mode shape's angles, each referred to a shaft by the ratio of mean speeds."""

@@ -32,8 +32,6 @@ UNDAMPED_ALONE = "damping leaves none of these a vibration; they are numbered as
 """Text of the note below tables of modes on how overdamped modes are counted."""
 EXCITED: Schema = {"type": ["boolean", "null"], "description": "null where nothing says what acts"}
 """JSON Schema of the flag whether a mode is excited, null where no torques are known."""
-FREQUENCY_FIELDS = {"undamped": "undamped_frequency", "natural": "natural_frequency", "damped": "damped_frequency"}
-"""Name of the :class:`VibrationMode` field that holds a mode's frequency in Hz, by kind of frequency such as damped."""
 
 
 @dataclass(frozen=True)
@@ -58,46 +56,10 @@ class StarVector:
 
 
 @dataclass(frozen=True, eq=False)
-class CriticalSpeedRow:
-    """Critical speed of a mode and an order or fixed frequency of an excitation as plain data, in rad/s."""
-
-    mode: int
-    excitation: str
-    order: float
-    fixed: Annotated[float, Out(json="fixed_Hz")]
-    of_reference: float
-    undamped: Annotated[float, Out(json="undamped_rad_per_s")]
-    natural: Annotated[float, Out(json="natural_rad_per_s")]
-    damped: Annotated[float, Out(json="damped_rad_per_s")]
-    margin: float
-    nearest_speed: Annotated[float, Out(json="margin_at_rad_per_s")]
-    required: float | None
-    generalised_force: Annotated[float, Out(json="generalised_force_Nm")]
-    relative_force: float
-    excited: Annotated[bool | None, Out(schema=EXCITED)]
-    excited_in: tuple[str, ...]
-    peaks: tuple[SpeedPeak, ...]
-    star: tuple[StarVector, ...]
-
-
-@dataclass(frozen=True, eq=False)
 class ModeWithShape(VibrationMode):
     """Vibration mode with its shape as complex angles by node, without unit, 1 at the node that moves most."""
 
     shape_by_node: Annotated[Mapping[str, complex], Out(json="shape")]
-
-
-@dataclass(frozen=True, eq=False)
-class CriticalSpeedsRecord:
-    """Critical speeds in rad/s of one configuration, as ``torsionnet critical-speeds --json`` prints them."""
-
-    title: str
-    configuration: str
-    reference: Annotated[str, Out(json="speed_of")]
-    speed_range: Annotated[tuple[float, float], Out(json="speed_range_rad_per_s")]
-    margin_rule: str | None
-    modes: tuple[ModeWithShape, ...]
-    crossings: tuple[CriticalSpeedRow, ...]
 
 
 @dataclass(frozen=True)
@@ -137,33 +99,59 @@ class CriticalSpeed:
     peaks : tuple of SpeedPeak
     modal_inertia : float
         ``sum_n J_n |phi_n|^2`` in kg m^2, for the shape with its largest angle 1; nan where no torque is given.
-    speeds : (float, float, float)
-        Speeds in rad/s of the reference shaft at which the line meets the undamped, the natural and the damped
-        frequency; nan where it does not.
+    undamped_speed, natural_speed, damped_speed : float
+        Speed in rad/s of the reference shaft at which the line meets the undamped frequency, ``|lambda|/2pi`` and
+        ``Im lambda/2pi``; nan where it does not.
     nearest_speed : float
         Speed in rad/s of the operating range that has the margin; nan where all have.
     leaps : bool
         Whether the mode leaps over the line there, as a stiffness that changes in steps makes it do.
     """
 
+    SHOWN: ClassVar = (
+        "mode_number", "excitation", "order", "fixed", "of_reference", "undamped_speed", "natural_speed",
+        "damped_speed", "margin", "nearest_speed", "required", "generalised_force", "relative_force", "excited",
+        "excited_in", "peaks", "star_vectors",
+    )  # fmt: skip
+
     mode: VibrationMode
     excitation: str
     order: float
     ratio: Fraction
-    fixed: float
+    fixed: Annotated[float, Out(json="fixed_Hz")]
     margin: float
     required: float | None = None
-    generalised_force: float = math.nan
+    generalised_force: Annotated[float, Out(json="generalised_force_Nm")] = math.nan
     relative_force: float = math.nan
     star: StarDiagram | None = None
-    excited: bool | None = None
+    excited: Annotated[bool | None, Out(schema=EXCITED)] = None
     excited_in: tuple[str, ...] = ()
     case: str = ""
     peaks: tuple[SpeedPeak, ...] = ()
     modal_inertia: float = math.nan
-    speeds: tuple[float, float, float] = (math.nan, math.nan, math.nan)
-    nearest_speed: float = math.nan
+    undamped_speed: Annotated[float, Out(json="undamped_rad_per_s")] = math.nan
+    natural_speed: Annotated[float, Out(json="natural_rad_per_s")] = math.nan
+    damped_speed: Annotated[float, Out(json="damped_rad_per_s")] = math.nan
+    nearest_speed: Annotated[float, Out(json="margin_at_rad_per_s")] = math.nan
     leaps: bool = False
+
+    @property
+    def mode_number(self) -> Annotated[int, Out(json="mode")]:
+        """Number of the mode of a critical speed, counted from 1 without rigid bodies."""
+        return self.mode.number
+
+    @property
+    def of_reference(self) -> float:
+        """Order of a critical speed in vibrations per revolution of the reference shaft."""
+        return self.order * float(self.ratio)
+
+    @property
+    def star_vectors(self) -> Annotated[tuple[StarVector, ...], Out(json="star")]:
+        """Vectors of the star diagram of a critical speed, one for each cylinder; none without a diagram."""
+        star = self.star
+        if star is None:
+            return ()
+        return tuple(map(StarVector, star.labels, star.nodes, star.vectors.tolist()))
 
     @property
     def equilibrium_amplitude(self) -> float:
@@ -204,36 +192,20 @@ class CriticalSpeed:
         """
         return self.equilibrium_amplitude * self.mode.amplification
 
-    def speed(self, which: str = "undamped") -> float:
-        """Critical speed of the reference shaft in rad/s, nan where there is none.
-
-        ``which`` is ``"undamped"``, ``"natural"`` (of ``|lambda|/2pi``) or ``"damped"`` (of ``Im lambda/2pi``).
-        """
-        if which not in FREQUENCY_FIELDS:
-            raise UsageError(f'no frequency of a mode is named "{which}"; choose {", ".join(FREQUENCY_FIELDS)}')
-        return self.speeds[list(FREQUENCY_FIELDS).index(which)]
-
     @property
     def first_speed(self) -> float:
         """Speed in rad/s at which the line meets the natural, else the undamped frequency, else is nearest to them."""
-        undamped, natural, _ = self.speeds
-        return next((one for one in (natural, undamped, self.nearest_speed) if math.isfinite(one)), math.inf)
+        speeds = (self.natural_speed, self.undamped_speed, self.nearest_speed)
+        return next((speed for speed in speeds if math.isfinite(speed)), math.inf)
 
-    def own_speed(self, which: str = "undamped") -> float:
-        """Critical speed in rad/s of the shaft that bears the excitation, nan where there is none."""
-        return self.speed(which) * float(self.ratio)
+    @property
+    def own_speed(self) -> float:
+        """Critical speed in rad/s of the shaft that bears the excitation, nan where there is none.
 
-    def row(self) -> CriticalSpeedRow:
-        """Critical speed with its mode, excitation and order as plain data for JSON, speeds in rad/s."""
-        star = self.star
-        vectors = [] if star is None else zip(star.labels, star.nodes, star.vectors.tolist(), strict=True)
-        return CriticalSpeedRow(
-            self.mode.number, self.excitation, self.order, self.fixed, self.order * float(self.ratio),
-            self.speed("undamped"), self.speed("natural"), self.speed("damped"), self.margin,
-            self.nearest_speed, self.required,
-            self.generalised_force, self.relative_force,
-            self.excited, self.excited_in, self.peaks, tuple(StarVector(*one) for one in vectors),
-        )  # fmt: skip
+        By the natural frequency, of a mode that damping leaves no vibration by the undamped one.
+        """
+        overdamped = math.isnan(self.mode.natural_frequency)
+        return (self.undamped_speed if overdamped else self.natural_speed) * float(self.ratio)
 
     @property
     def passes(self) -> bool | None:
@@ -254,7 +226,9 @@ class CriticalSpeed:
             said.append(self.case)
         if self.leaps:
             said.append("the mode leaps over the line")
-        elif math.isfinite(self.nearest_speed) and not any(map(math.isfinite, self.speeds)):
+        elif math.isfinite(self.nearest_speed) and not any(
+            map(math.isfinite, (self.undamped_speed, self.natural_speed, self.damped_speed))
+        ):
             said.append(f"no crossing: nearest at {screen_text(self.nearest_speed * RPM, 5)} rpm")
         return "; ".join(said)
 
@@ -297,14 +271,17 @@ class CriticalSpeeds(NotebookResult):
     >>> fan = tn.Drivetrain("fan", elements, speeds={"of": "a", "list": ["500 rpm", "700 rpm"]},
     ...     excitations={"blades": {"type": "harmonic", "node": "b", "orders": {2: {"amplitude": "10 N*m"}}}})
     >>> found = fan.critical_speeds(margin="api684").of(1, 2)
-    >>> round(found.speed() * 30 / 3.14159265), found.margin, found.passes  # 19.49 Hz at order 2
+    >>> round(found.undamped_speed * 30 / 3.14159265), found.margin, found.passes  # 19.49 Hz at order 2
     (585, 0.0, False)
     """
 
     picture: ClassVar[str] = "interference_diagram"
+    SHOWN: ClassVar = (
+        "title", "condition", "reference", "speed_range", "margin_rule", "modes_with_shapes", "crossings",
+    )  # fmt: skip
 
-    reference: str
-    speed_range: tuple[float, float]
+    reference: Annotated[str, Out(json="speed_of")]
+    speed_range: Annotated[tuple[float, float], Out(json="speed_range_rad_per_s")]
     modes: tuple[VibrationMode, ...]
     crossings: tuple[CriticalSpeed, ...]
     lines: tuple[OrderLine, ...]
@@ -312,7 +289,7 @@ class CriticalSpeeds(NotebookResult):
     outputs: tuple[Channel, ...] = ()
     rule: MarginRule | None = None
     title: str = ""
-    condition: str = ""
+    condition: Annotated[str, Out(json="configuration")] = ""
     notes: tuple[str, ...] = ()
 
     def of(self, mode: int, order: float, excitation: str | None = None, *, near: float | None = None) -> CriticalSpeed:
@@ -397,9 +374,8 @@ class CriticalSpeeds(NotebookResult):
 
     def _row(self, one: CriticalSpeed, *, geared: bool) -> tuple[object, ...]:
         cells: list[object] = [one.mode.number, one.excitation, one.line]
-        cells += [one.speed("undamped") * RPM, one.speed("natural") * RPM]
-        which = "undamped" if math.isnan(one.mode.natural_frequency) else "natural"
-        cells += [one.own_speed(which) * RPM] if geared else []
+        cells += [one.undamped_speed * RPM, one.natural_speed * RPM]
+        cells += [one.own_speed * RPM] if geared else []
         by_output = {peak.output: peak for peak in one.peaks}
         for channel in self.outputs:
             peak = by_output.get(channel.name)
@@ -430,13 +406,15 @@ class CriticalSpeeds(NotebookResult):
         notes = (first, *([OVERDAMPED_NOTE] if any(vibrating) and not all(vibrating) else []))
         return result_table(f"{self.title}: natural frequencies", self.modes, VibrationMode, notes=notes)
 
-    def record(self, configuration: str = "") -> CriticalSpeedsRecord:
-        """Critical speeds in rad/s of one configuration as plain data for JSON, with modes in Hz and crossings."""
-        modes = (ModeWithShape(**vars(mode), shape_by_node=self.shape(mode.number)) for mode in self.modes)
-        return CriticalSpeedsRecord(
-            self.title, configuration, self.reference, self.speed_range, str(self.rule) if self.rule else None,
-            tuple(modes), tuple(one.row() for one in self.crossings),
-        )  # fmt: skip
+    @property
+    def modes_with_shapes(self) -> Annotated[tuple[ModeWithShape, ...], Out(json="modes")]:
+        """Vibration modes, each with its shape by node."""
+        return tuple(ModeWithShape(**vars(mode), shape_by_node=self.shape(mode.number)) for mode in self.modes)
+
+    @property
+    def margin_rule(self) -> str | None:
+        """Text of the rule for separation margins, None without one."""
+        return str(self.rule) if self.rule else None
 
     def shape(self, mode: int) -> Mapping[str, complex]:
         """Complex angles by node of the mode of a number, without unit, 1 at the node that moves most."""

@@ -58,7 +58,7 @@ def with_speed_peaks(
     if swayed:
         text = f"{' and '.join(swayed)} follows the vibration of all excitations together"
         raise UsageError(f"{text}: no order has a peak of its own; leave out the outputs and see torsionnet orders")
-    sought = [one for one in crossings if one.excited and one.speed("natural") > 0]
+    sought = [one for one in crossings if one.excited and one.natural_speed > 0]
     found: dict[int, tuple[SpeedPeak, ...]] = {}
     channels: tuple[Channel, ...] = ()
     for name, group in groupby(sorted(sought, key=lambda one: one.excitation), key=lambda one: one.excitation):
@@ -108,7 +108,7 @@ class _Search:
     def _around(self, one: CriticalSpeed) -> FloatArray:
         # A peak is wider in proportion to zeta and further from the critical speed the more it is damped.
         width = min(max(WIDTHS * one.mode.damping_ratio, LEAST_WIDTH), MOST_WIDTH)
-        critical = one.speed("natural")
+        critical = one.natural_speed
         low, high = np.clip(critical * np.array([1 - width, 1 + width]), *self.limits)
         return _around(low, critical, high, POINTS) if high > low else np.zeros(0)
 
@@ -134,7 +134,7 @@ class _Search:
         if not inner:
             return None
         # Nearest by the ratio of speeds, as half and twice the critical speed are equally far.
-        best = min(inner, key=lambda place: abs(math.log(grid[place] / one.speed("natural"))))
+        best = min(inner, key=lambda place: abs(math.log(grid[place] / one.natural_speed)))
         return _around(grid[best - 1], grid[best], grid[best + 1], FINER_POINTS)
 
     def _refined(self, grids: dict[int, FloatArray], output: int) -> dict[int, tuple[float, float]]:
@@ -165,7 +165,7 @@ class _Search:
                 for rival, other in enumerate(self.crossings)
                 if rival in peaks and other.line == one.line and abs(peaks[rival][0] / speed - 1) < SAME_PEAK
             ]
-            nearest = min(rivals, key=lambda other: abs(math.log(speed / other.speed("natural"))))
+            nearest = min(rivals, key=lambda other: abs(math.log(speed / other.natural_speed)))
             if nearest is one:
                 kept[number] = (speed, size)
         return kept

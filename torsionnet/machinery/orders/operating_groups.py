@@ -303,7 +303,7 @@ def damping_shares(
         return {}
     given = drivetrain.definition.speeds
     node = reference or (given.of if given else None) or drivetrain.nodes[0]
-    speed = critical.speed("natural")
+    speed = critical.natural_speed
     rig = drivetrain
     if math.isfinite(speed):
         # Shares are those with the parameters at the critical speed, as its mode has them.

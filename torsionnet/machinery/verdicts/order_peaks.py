@@ -127,7 +127,7 @@ def _counts(one: LimitVerdict) -> FloatArray:
 
 
 def _peak(check: LimitCheck, found: CriticalSpeeds, critical: CriticalSpeed) -> OrderPeak | None:
-    speed = critical.speed("natural")
+    speed = critical.natural_speed
     low, high = float(check.speeds.min()), float(check.speeds.max())
     if not low * (1 - RANGE_REACH) <= speed <= high * (1 + RANGE_REACH):
         return None
@@ -142,7 +142,7 @@ def _peak(check: LimitCheck, found: CriticalSpeeds, critical: CriticalSpeed) -> 
 
 def _in_limits(check: LimitCheck, critical: CriticalSpeed, line: int, near: list[int]) -> Iterator[OrderPeak]:
     """Yield the peak of an order line in each limit, at one of the speeds with the indices ``near``."""
-    nearest = min(near, key=lambda place: abs(check.speeds[place] - critical.speed("natural")))
+    nearest = min(near, key=lambda place: abs(check.speeds[place] - critical.natural_speed))
     for one in vibratory_verdicts(check):
         assert one.orders is not None
         sizes = one.orders[:, line]
@@ -163,12 +163,12 @@ def _window(speeds: FloatArray, critical: CriticalSpeed, crossings: Sequence[Cri
     Of a critical speed further outside the range the nearer end; none that is nearer to another critical speed of the
     same order.
     """
-    speed = critical.speed("natural")
+    speed = critical.natural_speed
     low, high = 0.0, math.inf
     for other in crossings:
         if other is not critical and _is_of(other, critical):
             # Speeds beyond halfway to the next critical speed of this order belong to that.
-            middle = (speed + other.speed("natural")) / 2
+            middle = (speed + other.natural_speed) / 2
             low, high = (max(low, middle), high) if middle < speed else (low, min(high, middle))
     inside = (speeds >= low) & (speeds <= high)
     near = np.flatnonzero(inside & (np.abs(speeds - speed) <= PEAK_WINDOW * speed)).tolist()

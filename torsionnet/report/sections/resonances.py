@@ -321,7 +321,7 @@ def _distances(subject: ReportData, found: GoverningPeaks) -> list[tuple[str]]:
         return []
     nearest: dict[str, float] = {}
     for one in found.peaks:
-        off = one.critical.speed("natural") / speeds.rated - 1
+        off = one.critical.natural_speed / speeds.rated - 1
         name = line_name(one)
         if abs(off) < abs(nearest.get(name, math.inf)):
             nearest[name] = off
@@ -341,13 +341,13 @@ def _distances(subject: ReportData, found: GoverningPeaks) -> list[tuple[str]]:
 
 def _beyond(found: GoverningPeaks) -> bool:
     """Whether a critical speed lies outside the speeds examined."""
-    return any(not one.check.speeds[0] <= one.critical.speed("natural") <= one.check.speeds[-1] for one in found.peaks)
+    return any(not one.check.speeds[0] <= one.critical.natural_speed <= one.check.speeds[-1] for one in found.peaks)
 
 
 def _mode_cells(some: Sequence[CriticalSpeed], case: Case) -> Iterable[tuple[Cell, ...]]:
     """Cells on mode, order, speed, amplitude, force and damping of some critical speeds in one condition."""
     shares = [_damping(case, one) for one in some]
-    speeds = aligned_numbers([one.speed("natural") * RPM for one in some])
+    speeds = aligned_numbers([one.natural_speed * RPM for one in some])
     return (
         (
             str(one.mode.number),
@@ -390,7 +390,7 @@ def _without_limits(case: Case) -> tuple[list[CriticalSpeed], TableBlock]:
     found = case.drivetrain.critical_speeds(reach=0.2)
     acting = [one for one in found.crossings if one.excited and math.isfinite(one.resonant_amplitude)]
     largest = sorted(acting, key=lambda one: -one.resonant_amplitude)[:MOST_UNJUDGED]
-    kept = sorted(largest, key=lambda one: (one.mode.number, one.speed("natural")))
+    kept = sorted(largest, key=lambda one: (one.mode.number, one.natural_speed))
     low, high = (speed * RPM for speed in found.speed_range)
     more = len(found.crossings) - len(kept)
     which = phrase(

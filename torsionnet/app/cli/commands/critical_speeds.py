@@ -66,7 +66,7 @@ class CriticalSpeedsCommand(ModelCommand):
         pairs = list(zip(cases, found, strict=True))
         return Answer(
             screen=lambda: separated_by_lines(part for one in found for part in _shown(one)),
-            data=lambda: [speeds.record(case.configuration) for case, speeds in pairs],
+            data=lambda: found,
             csv=lambda: [("", self.combined_table(cases, [one.table() for one in found]))],
             figures=lambda plot: [(case.configuration, self._picture(plot, one)) for case, one in pairs],
         )
