@@ -359,10 +359,7 @@ def test_a_study_with_functions_runs_and_goes_on_only_with_the_same_code(tmp_pat
         tn.study.run_study(study(lambda model: 2 * model.parameters["k_2"]), tmp_path)
 
 
-def test_a_function_that_other_processes_cannot_have_is_refused_in_words() -> None:
-    function(module_level).require_picklable()
-    with pytest.raises(UsageError, match="top level of a module"):
-        function(lambda _: 1.0).require_picklable()
+def test_what_is_no_function_of_a_variant_is_refused() -> None:
     with pytest.raises(UsageError):
         function(3)
     with pytest.raises(UsageError):

@@ -6,7 +6,7 @@ import scipy
 from support import campaigns
 
 from torsionnet.base.errors import SolveError, UsageError
-from torsionnet.study.answers.sobol_indices import sobol_estimates
+from torsionnet.study.answers.sobol_indices import estimates_of, sobol_points
 
 FIRST, TOTAL = np.array([0.31390519, 0.44241114, 0.0]), np.array([0.55758886, 0.44241114, 0.24368366])
 
@@ -14,6 +14,10 @@ FIRST, TOTAL = np.array([0.31390519, 0.44241114, 0.0]), np.array([0.55758886, 0.
 def ishigami(unit):
     x = np.pi * (2 * unit - 1)
     return np.sin(x[:, 0]) + 7 * np.sin(x[:, 1]) ** 2 + 0.1 * x[:, 2] ** 4 * np.sin(x[:, 0])
+
+
+def sobol_estimates(function, n_parameters, base, seed):
+    return estimates_of(function(sobol_points(n_parameters, base, seed)), base, seed)
 
 
 def within(found):

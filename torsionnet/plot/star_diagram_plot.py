@@ -16,7 +16,6 @@ from torsionnet.machinery.phasors.vector_sums import StarDiagram, VectorSums, or
 
 PANELS_PER_ROW = 4
 """Number of star diagrams side by side; more would be too small for the numbers of the cylinders."""
-LEGEND = "numbers: cylinders; black: their sum; circle: one cylinder"
 LONGEST_TITLE = 80
 """Largest number of letters in a line of the title above star diagrams."""
 COVERING_COSINE = 0.95

@@ -87,31 +87,6 @@ class TextLines:
         return line, min(offset, len(self.text)) - self.starts[line]
 
 
-def utf16_offset(text: str, offset: int) -> int:
-    """Offset as browsers and most editors count it, where a character above U+FFFF counts two.
-
-    >>> utf16_offset("\\U0001d70bk", 1)
-    2
-    """
-    return offset if text.isascii() else offset + sum(char > "\uffff" for char in text[:offset])
-
-
-def character_offset(text: str, utf16: int) -> int:
-    """Offset in characters of one that a browser counted.
-
-    >>> character_offset("\\U0001d70bk", 2)
-    1
-    """
-    if text.isascii():
-        return min(utf16, len(text))
-    counted = 0
-    for index, char in enumerate(text):
-        if counted >= utf16:
-            return index
-        counted += 2 if char > "\uffff" else 1
-    return len(text)
-
-
 @dataclass(frozen=True)
 class TextFix:
     """Edits of a text that mend one fault of it, with a title that says what they do.
@@ -206,25 +181,21 @@ class WrittenText:
             span, blank = TextSpan(colon, span.end), " "
         return TextEdit(span, blank + self.written(value))
 
-    def insertion(self, parent: EntryPath, key: str, value: Json, after: str | int | None = None) -> TextEdit:
-        """Edit that writes a new entry into a mapping, behind one of its entries or as the last."""
+    def insertion(self, parent: EntryPath, key: str, value: Json) -> TextEdit:
+        """Edit that writes a new entry into a mapping as its last, in the style of the one before."""
         node, text = self.node(parent), self.entry_text(key, value)
         if not node.entries:
             return self._first(node, text, parent)
-        before = node.entries[after] if after is not None else list(node.entries.values())[-1]
-        is_last = before is list(node.entries.values())[-1]
-        end = self.end(before)
+        last = list(node.entries.values())[-1]
+        line, column = self.lines.place(self.key_start(last))
         if not self.is_flow(node):
-            indent = " " * (self.key_start(before) - self.lines.starts[self.lines.place(self.key_start(before))[0]])
-            place = self.line_end(self.last_line(before))
-            return TextEdit(TextSpan(place, place), f"{self.line_break}{indent}{text}")
-        line, _ = self.lines.place(self.key_start(before))
-        own_line = not self.text[self.lines.starts[line] : self.key_start(before)].strip()
-        if not own_line or self.is_shared(node):
+            place = self.line_end(self.last_line(last))
+            return TextEdit(TextSpan(place, place), f"{self.line_break}{' ' * column}{text}")
+        end = self.end(last)
+        indent = self.text[self.lines.starts[line] : self.key_start(last)]
+        if indent.strip() or self.is_shared(node):  # several entries on a line
             return TextEdit(TextSpan(end, end), f", {text}")
-        indent = self.text[self.lines.starts[line] : self.key_start(before)]
-        comma = _TO_COMMA.match(self.text, end)
-        if is_last and comma is None:
+        if _TO_COMMA.match(self.text, end) is None:
             return TextEdit(TextSpan(end, end), f",{self.line_break}{indent}{text}")
         place = self.line_end(self.lines.place(end)[0])
         return TextEdit(TextSpan(place, place), f"{self.line_break}{indent}{text},")

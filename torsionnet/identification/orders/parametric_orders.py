@@ -115,7 +115,7 @@ class ParametricOrders:
     --------
     >>> import torsionnet as tn
     >>> rig = tn.load("engine_generator_set").configured("normal")
-    >>> orders = parametric_orders(rig, "T_cpl", np.array([3.0]), np.array([90.0]), ["engine.misfire_share.4"])
+    >>> orders = ParametricOrders.of(rig, "T_cpl", np.array([3.0]), np.array([90.0]), ["engine.misfire_share.4"])
     >>> found = orders.at(orders.start)
     >>> bool(abs(found.values[0, 0, 0] - rig.order_response("T_cpl", speeds=[90.0]).values[0, 5, 0]) < 1e-6)
     True
@@ -142,7 +142,7 @@ class ParametricOrders:
         names: Sequence[str],
         speed_of: str = "",
     ) -> ParametricOrders:
-        """Orders of one output as by :func:`parametric_orders`, whose faults come out when they are first asked for."""
+        """Orders of one output at pairs of order and speed, whose faults come out when they are first asked for."""
         return cls(drivetrain, tuple(names), (output,), orders, speeds, np.zeros(len(orders), dtype=np.intp), speed_of)
 
     @property
@@ -258,40 +258,6 @@ class ParametricOrders:
         step = DIFFERENCE_STEP * (abs(numbers[name]) or USUAL_SIZES.get(number.dimension, 1.0))
         ends = [self._loads({**numbers, name: numbers[name] + sign * step}) for sign in (1, -1)]
         return np.asarray((ends[0] - ends[1]) / (2 * step))
-
-
-def parametric_orders(
-    drivetrain: AssembledModel,
-    output: str | Sensor,
-    orders: FloatArray,
-    speeds: FloatArray,
-    names: Sequence[str],
-    speed_of: str = "",
-) -> ParametricOrders:
-    """Amplitudes of an output at pairs of order and speed, ready to be evaluated with derivatives at any values.
-
-    Parameters
-    ----------
-    drivetrain : Drivetrain
-        In the configuration wanted, with excitations.
-    output : str or Sensor
-    orders : (n_lines,) array
-        Vibrations per revolution of the reference shaft.
-    speeds : (n_lines,) array
-        Speed of the reference shaft at each, rad/s.
-    names : sequence of str
-        Parameters, fields of elements (``damper.stiffness``), numbers of excitations (``engine.misfire_share.4``).
-    speed_of : str, optional
-        Node of the reference shaft; by default that of the model.
-
-    Raises
-    ------
-    UsageError
-        An unknown name, an order that the model does not excite, or excitations whose orders are no single condition.
-    """
-    found = ParametricOrders.of(drivetrain, output, orders, speeds, names, speed_of)
-    assert len(found.start) == len(names)
-    return found
 
 
 def excited_orders(drivetrain: AssembledModel, speed_of: str = "") -> tuple[float, ...]:

@@ -19,7 +19,6 @@ from torsionnet.study.answers.answer import (
     QUANTITY,
     AnswerCase,
     AskedStudy,
-    OfPoints,
     PlainConclusion,
     StudyAnswer,
     VariantValues,
@@ -58,38 +57,14 @@ class SobolEstimates:
     without_value: int
 
 
-def sobol_estimates(
-    function: OfPoints, n_parameters: int, base: int, seed: int, confidence: float = 0.95
-) -> SobolEstimates:
-    """Estimate first-order and total Sobol indices by the formulas of Saltelli (2010) and Jansen.
-
-    Two independent halves A and B of one scrambled Sobol sequence, and for every parameter A with that column from B:
-    base (d + 2) variants. Intervals are percentiles over resampled base points, which takes those for independent
-    and makes the intervals wider than needed. The estimates are those of :func:`scipy.stats.sobol_indices`, whose
-    bootstrap takes no seed; here the same seed gives the same bytes.
-
-    Parameters
-    ----------
-    function : callable
-        Points (n, d) of the unit cube -> values (n,) of the quantity.
-    n_parameters : int
-    base : int
-        Number of base points, a power of two.
-    seed : int
-    confidence : float
+def sobol_points(n_parameters: int, base: int, seed: int) -> FloatArray:
+    """Sampling points (base (d + 2), d) of the unit cube, A, B, and A with one column after another from B.
 
     Raises
     ------
     UsageError
         Too few base points, or no power of two.
-    SolveError
-        The quantity does not vary, or has hardly any values.
     """
-    return estimates_of(function(sobol_points(n_parameters, base, seed)), base, seed, confidence)
-
-
-def sobol_points(n_parameters: int, base: int, seed: int) -> FloatArray:
-    """Sampling points (base (d + 2), d) of the unit cube, A, B, and A with one column after another from B."""
     from scipy.stats import qmc
 
     if base < FEWEST_BASE_POINTS or base & (base - 1):
@@ -102,7 +77,25 @@ def sobol_points(n_parameters: int, base: int, seed: int) -> FloatArray:
 
 
 def estimates_of(at_points: FloatArray, base: int, seed: int, confidence: float = 0.95) -> SobolEstimates:
-    """Sobol indices from a quantity's values at :func:`sobol_points`, without base points where a value is missing."""
+    """First-order and total Sobol indices by the formulas of Saltelli (2010) and Jansen, with intervals.
+
+    Intervals are percentiles over resampled base points, which takes those for independent and makes the intervals
+    wider than needed. The estimates are those of :func:`scipy.stats.sobol_indices`, whose bootstrap takes no seed; here
+    the same seed gives the same bytes.
+
+    Parameters
+    ----------
+    at_points : (base * (d + 2),) array
+        Values of the quantity at :func:`sobol_points`; base points where one is missing are left out.
+    base, seed : int
+        Those of the points.
+    confidence : float
+
+    Raises
+    ------
+    SolveError
+        The quantity does not vary, or has hardly any values.
+    """
     values = at_points.reshape(-1, base)
     # A base point counts with all its d + 2 variants or not at all.
     whole = np.isfinite(values).all(axis=0)

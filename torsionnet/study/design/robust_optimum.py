@@ -201,7 +201,7 @@ def robust_optimum(
     problem : DesignProblem
         Problem with one objective, with targets (whose mean squared deviation is minimised), or with limits alone for
         :class:`~torsionnet.study.design.robust_problem.Rejects`.
-    tolerances : DesignTolerances or SpaceTolerances
+    tolerances : Tolerances
     measure : RobustMeasure
     samples : int
         Draws around every design, the same for all, rounded up to a power of two.

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import math
-import pickle
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from types import CodeType
@@ -217,20 +216,6 @@ class UserFunction(StudyQuantity):
     def function_name(self) -> str:
         """Name of the user's function in messages."""
         return str(getattr(self.of, "__qualname__", self.of))
-
-    def require_picklable(self) -> None:
-        """Refuse a function that cannot be handed to other processes.
-
-        Raises
-        ------
-        UsageError
-            The function is a lambda or is defined inside another function.
-        """
-        try:
-            pickle.loads(pickle.dumps(self.of))  # noqa: S301 - what was written here
-        except Exception as error:  # noqa: BLE001 - whatever a user's object raises
-            where = "define it with def at the top level of a module, or run the study in one process"
-            raise UsageError(f"{self.function_name} cannot be handed to other processes ({error}); {where}") from None
 
     def to_data(self) -> dict[str, Json]:
         """Identity of the user's function as JSON data, its name, a digest of its code and of its captured values.
