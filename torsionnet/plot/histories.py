@@ -15,7 +15,7 @@ from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.errors import UsageError
 from torsionnet.base.units import RPM
 from torsionnet.linear.frequency_response import Channel
-from torsionnet.machinery.passage.passage_response import PassageResponse, cycles_above, envelopes
+from torsionnet.machinery.passage.passage_response import PassageResponse, cycles_above
 from torsionnet.plot.drawing.labels import axis_unit
 from torsionnet.signals.recording import FloatArray, MotionEvent, Recording
 
@@ -191,8 +191,7 @@ def _draw(panel: Axes, one: _Passage, scale: float) -> None:
     if cycles_above(one.values, 0.0) <= MOST_CYCLES_DRAWN:
         panel.plot(*thin_out(run.times, one.values * scale), color=style.PALETTE[0], linewidth=0.6, label="vibration")
     else:
-        middle, low, high = envelopes(run.angles, one.values, run.cycle)
-        times = np.interp(middle, run.angles, run.times)
+        times, low, high = run.bounds(one.channel.name)
         panel.fill_between(
             times, low * scale, high * scale, color=style.PALETTE[0], alpha=BAND_ALPHA, linewidth=0, label="vibration"
         )

@@ -51,27 +51,6 @@ def crests(values: FloatArray) -> FloatArray:
     return found
 
 
-def half_ranges(angles: FloatArray, values: FloatArray, cycle: float) -> tuple[FloatArray, FloatArray]:
-    """Middle angles in rad of windows one cycle long, and half ranges in the unit of ``values`` in them, both (n,).
-
-    Parameters
-    ----------
-    angles, values : (n,) arrays
-        Angle of the shaft in rad, rising, and the vibration.
-    cycle : float
-        Length of a cycle in rad; a shorter record is one window.
-
-    Examples
-    --------
-    >>> angle = np.linspace(0, 20 * np.pi, 4001)
-    >>> middle, found = half_ranges(angle, angle / 100 * np.cos(angle), 2 * np.pi)
-    >>> round(float(np.interp(10 * np.pi, middle, found)), 3)  # (31.4 + 34.6)/200
-    0.33
-    """
-    middle, low, high = envelopes(angles, values, cycle)
-    return middle, (high - low) / 2
-
-
 def envelopes(angles: FloatArray, values: FloatArray, cycle: float) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Middle angles in rad of windows one cycle long, smallest and largest value in them, all (n,).
 
@@ -152,13 +131,17 @@ class PassageResponse(NotebookResult):
         SI units of the outputs.
     outputs : tuple of Channel
     cycle : float
-        Angle of the reference shaft in rad after which the slowest order repeats.
+        Angle of the reference shaft in rad after which all orders repeat; of several shafts whose common cycle is too
+        long for the passage, the longest cycle of one of them.
     error : float
         Estimated error of the values, over the largest of each output.
     title : str
         Name of the model with its configuration.
     notes : tuple of str
         What the values are based on.
+    window_angles : (n_t,) array, optional
+        Angle in rad that turns by a cycle while every line repeats; default: that of the shaft. Fixed frequencies and
+        slips that repeat more slowly than the orders hold it back.
     """
 
     picture: ClassVar[str] = "passage_response"
@@ -173,6 +156,7 @@ class PassageResponse(NotebookResult):
     error: float = 0.0
     title: str = ""
     notes: tuple[str, ...] = ()
+    window_angles: FloatArray | None = None
 
     @property
     def rpm(self) -> FloatArray:
@@ -204,8 +188,14 @@ class PassageResponse(NotebookResult):
 
         At constant speed this is the half range of the order response, which limits judge.
         """
-        middle, found = half_ranges(self.angles, self.of(output), self.cycle)
-        return np.interp(middle, self.angles, self.times), found
+        times, low, high = self.bounds(output)
+        return times, (high - low) / 2
+
+    def bounds(self, output: str | None = None) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Times in s, smallest and largest value in SI of an output within a cycle around each time, all (n,)."""
+        angles = self.angles if self.window_angles is None else self.window_angles
+        middle, low, high = envelopes(angles, self.of(output), self.cycle)
+        return np.interp(middle, angles, self.times), low, high
 
     def peak(self, output: str | None = None) -> PassagePeak:
         """Largest half range (SI) of an output along the speed, with its time in s and speed in r/min."""

@@ -8,9 +8,11 @@ added until the values no longer move, and the last movement is the error that t
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
+from fractions import Fraction
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,9 +25,10 @@ from torsionnet.linear.dynamic_stiffness.state_space import first_order, output_
 from torsionnet.linear.dynamic_stiffness.transfer_request import resolve_request
 from torsionnet.machinery.design.damper_design import viscous_equivalent
 from torsionnet.machinery.orders.operating_groups import drivetrains_at_speeds
-from torsionnet.machinery.orders.order_line import OrderLine
+from torsionnet.machinery.orders.order_line import OrderLine, greatest_common_divisor, near_fraction
 from torsionnet.machinery.orders.order_response import OrderResponse
 from torsionnet.machinery.orders.order_solution import OrderRequest, orders_at_speeds, settled_values
+from torsionnet.machinery.orders.synthesis import common_cycle
 from torsionnet.machinery.passage.exponential_steps import Matrices, SteppedForm, gauss_points
 from torsionnet.machinery.passage.passage_response import PassageResponse
 from torsionnet.machinery.passage.passage_torques import ExcitationCase, PassageTorques, highest_rate, lines_that_matter
@@ -58,6 +61,9 @@ MOST_STEPS = 2_000_000
 fifth of them."""
 MOST_SPEED_POINTS = 2000
 """Largest number of points of the speed over time, as each stretch between two takes a section of its own."""
+FEWEST_WINDOWS = 20
+"""Least number of windows in a passage if these are as long as a common cycle of several shafts or a period of a slip
+near synchronism: in longer ones the speed changes too much."""
 STEADY_SPEEDS = 61
 """Number of speeds of the steady response that shows the worst case and the resonance of laws over frequency."""
 
@@ -162,10 +168,11 @@ def passage_from(
     moments, angles, course = (
         np.concatenate([part[number][:-1] for part in grid_of] + [grid_of[-1][number][-1:]]) for number in range(3)
     )
+    cycle = _cycle(steady.lines, float(angles[-1] - angles[0]))
     return PassageResponse(
-        moments, course, angles, request.reference, found, steady.outputs, _cycle(steady.lines),
-        error,
+        moments, course, angles, request.reference, found, steady.outputs, cycle, error,
         drivetrain.title, (*notes, f"estimated error {100 * error:.1g} % of the largest value"),
+        _window_angles(steady.lines, cycle, moments, course, angles),
     )  # fmt: skip
 
 
@@ -312,6 +319,40 @@ def _resonance(steady: OrderResponse) -> float:
     return float(abs(steady.frequencies[speed, line]))
 
 
-def _cycle(lines: Sequence[OrderLine]) -> float:
-    """Angle of the reference shaft in rad after which the slowest order repeats, a revolution without orders."""
-    return 2 * math.pi / min((abs(float(line.relative)) for line in lines if line.relative), default=1.0)
+def _cycle(lines: Sequence[OrderLine], turned: float) -> float:
+    """Angle of the reference shaft in rad after which all orders repeat, a revolution without orders.
+
+    Where a passage that turns by an angle in rad holds few common cycles of several shafts, their longest own cycle.
+    """
+    orders: dict[Fraction, list[Fraction]] = {}
+    for line in lines:
+        if line.relative and not line.fixed:
+            orders.setdefault(line.ratio, []).append(abs(line.relative))
+    if not orders:
+        return 2 * math.pi
+    common = 2 * math.pi / float(greatest_common_divisor(itertools.chain(*orders.values())))
+    return common if FEWEST_WINDOWS * common <= turned else 2 * math.pi / min(map(_repetition_rate, orders.values()))
+
+
+def _repetition_rate(rates: Sequence[Fraction]) -> float:
+    """Rate at which a sum of lines with these rates repeats, or that of the slowest line where that takes too long."""
+    top = max(rates)
+    repeats = common_cycle([rate / top for rate in rates]) is not None
+    return float(greatest_common_divisor(rates) if repeats else min(rates))
+
+
+def _window_angles(
+    lines: Sequence[OrderLine], cycle: float, times: FloatArray, speeds: FloatArray, angles: FloatArray
+) -> FloatArray:
+    """Angle (n_t,) in rad that turns by a cycle while every line repeats, with the shaft where all lines follow it."""
+    # Windows per second: of orders, of fixed frequencies together, and of each slip, which falls to 0 at synchronism.
+    rates = [speeds / cycle]
+    if fixed := [abs(near_fraction(line.fixed)) for line in lines if line.fixed and not line.order]:
+        rates.append(np.full(len(times), _repetition_rate(fixed)))
+    longest = (times[-1] - times[0]) / FEWEST_WINDOWS
+    rates += [np.maximum(np.abs(line.frequency(speeds)), 1 / longest) for line in lines if line.fixed and line.order]
+    if len(rates) == 1:
+        return angles
+    slowest = np.min(rates, axis=0)
+    turned = np.cumsum(np.diff(times) * (slowest[1:] + slowest[:-1]) / 2)
+    return np.asarray(angles[0] + cycle * np.concatenate([[0.0], turned]))
