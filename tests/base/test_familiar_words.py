@@ -131,12 +131,3 @@ def test_no_word_hides_something_that_exists():
         assert not [word for word in table if there(word, getattr(tn, name))]
     assert not {*familiar_words.ELEMENT_TYPES} & {*ELEMENT_TYPES}
     assert {*familiar_words.ELEMENT_TYPES.values()} <= {*ELEMENT_TYPES}
-
-
-def test_a_class_that_is_registered_again_gives_one_hint():
-    from torsionnet.base.packages import with_argument_hints
-
-    assert with_argument_hints(with_argument_hints(tn.Shaft)) is tn.Shaft
-    with pytest.raises(TypeError) as caught:
-        tn.Shaft("s", ("a", "b"), length=1, diameter=0.1)
-    assert str(caught.value).count("did you mean") == 1

@@ -14,20 +14,16 @@ through all of them again and again as they become more, which takes a third of 
 
 from __future__ import annotations
 
-import functools
 import gc
 import importlib
-import re
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from types import FunctionType, MethodType, ModuleType
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol, Self, TypeVar
 
 from torsionnet.base.errors import TorsionnetError, did_you_mean
-
-AnyClass = TypeVar("AnyClass", bound=type[Any])
 
 
 def imported(place: str) -> Any:
@@ -38,9 +34,6 @@ def imported(place: str) -> Any:
     """
     module, _, name = place.partition(":")
     return getattr(importlib.import_module(module), name)
-
-
-_UNEXPECTED = re.compile(r"unexpected keyword argument '(\w+)'")
 
 
 class AttributeHints:
@@ -57,6 +50,33 @@ class AttributeHints:
             table = next((METHODS[one.__name__] for one in kind.__mro__ if one.__name__ in METHODS), {})
             hint = python_hint(table, name, (one for one in dir(kind) if not one.startswith("_")))
             raise AttributeError(f"{kind.__name__!r} object has no attribute {name!r}{hint}", name=name, obj=self)
+
+
+class ArgumentHints:
+    """Base class whose constructors say, for an argument that they do not know, what was meant.
+
+    >>> import torsionnet as tn
+    >>> tn.Shaft("s", ("a", "b"), length=1, diameter=0.1)
+    Traceback (most recent call last):
+    TypeError: Shaft.__init__() got an unexpected keyword argument 'diameter'; did you mean "outer_diameter"?
+    """
+
+    if not TYPE_CHECKING:  # for type checkers the constructor alone says which arguments there are
+
+        def __new__(cls, *_args: object, **entries: object) -> Self:
+            known = cls.__init__.__annotations__
+            for name in entries:
+                if name not in known:
+                    hint = _argument_hint(name, [one for one in known if one != "return"])
+                    raise TypeError(f"{cls.__name__}.__init__() got an unexpected keyword argument {name!r}{hint}")
+            return super().__new__(cls)
+
+
+def _argument_hint(name: str, known: list[str]) -> str:
+    from torsionnet.base.familiar_words import familiar_key
+
+    meant, advice = familiar_key(name, known)
+    return f"; {advice}" if advice else f'; did you mean "{meant}"?' if meant else did_you_mean(name, known)
 
 
 class LazyMethod:
@@ -80,38 +100,6 @@ class LazyMethod:
             module, _, name = self._place.rpartition(".")
             self._function = getattr(importlib.import_module(module), name)
         return self._function if instance is None else MethodType(self._function, instance)
-
-
-def with_argument_hints(cls: AnyClass) -> AnyClass:
-    """Class whose constructor says what was meant by an argument that it does not have.
-
-    >>> import torsionnet as tn
-    >>> tn.Shaft("s", ("a", "b"), length=1, diameter=0.1)
-    Traceback (most recent call last):
-    TypeError: Shaft.__init__() got an unexpected keyword argument 'diameter'; did you mean "outer_diameter"?
-    """
-    if "__init__" not in vars(cls) or hasattr(vars(cls)["__init__"], "gives_hints"):
-        return cls  # that of its base class says it, or it does already
-    initialise: Callable[..., None] = cls.__init__
-
-    @functools.wraps(initialise)
-    def initialised(self: Any, *args: Any, **entries: Any) -> None:
-        try:
-            initialise(self, *args, **entries)
-        except TypeError as error:
-            found = _UNEXPECTED.search(str(error))
-            if found is None or found[1] not in entries:
-                raise
-            from torsionnet.base.familiar_words import familiar_key
-
-            known = [name for name in initialise.__annotations__ if name != "return"]
-            meant, advice = familiar_key(found[1], known)
-            hint = f"; {advice}" if advice else f'; did you mean "{meant}"?' if meant else did_you_mean(found[1], known)
-            raise TypeError(f"{error}{hint}") from None
-
-    initialised.gives_hints = True  # type: ignore[attr-defined]
-    cls.__init__ = initialised
-    return cls
 
 
 def python_hint(table: Mapping[str, str], name: str, known: Iterable[str]) -> str:

@@ -32,7 +32,7 @@ class WithNames(Protocol):
 
 
 Inserted: TypeAlias = str | WithNames
-"""What is inserted into a phrase: a text, or a value that can be told in other names."""
+"""Value of a phrase: a text, or something that can be told in other names."""
 
 
 class Phrase(str):
@@ -81,11 +81,12 @@ def phrase(template: str, /, *ordered: Any, **named: Any) -> str:
     """
     plain, formats = _without_formats(template)
     values = {**{str(number): value for number, value in enumerate(ordered)}, **named}
-    return Phrase(plain, {place: _inserted(values[place], form) for place, form in formats.items()})
-
-
-def _inserted(value: Any, form: str) -> Inserted:
-    return value if isinstance(value, str) or hasattr(value, "in_names") else format(value, form)
+    # Texts stay as they are, so that phrases among them keep their templates.
+    inserted = {
+        place: value if isinstance(value := values[place], str) or hasattr(value, "in_names") else format(value, form)
+        for place, form in formats.items()
+    }
+    return Phrase(plain, inserted)
 
 
 @cache

@@ -39,6 +39,12 @@ from torsionnet.model.sections import EXCITATION_NUMBERS
 from torsionnet.model.speeds import mean_speeds, total_ratio
 
 
+class Shared:
+    """Latest assembly of a model and its changed copies, which another one takes equal rows from."""
+
+    assembly: Any = None
+
+
 @dataclass(frozen=True)
 class ModelState:
     """Definition of a model as it is used, and what it came from.
@@ -55,6 +61,8 @@ class ModelState:
         Other changes of the base.
     findings : tuple of Fault
         Warnings and notes of the checks.
+    shared : Shared
+        What the model has in common with its changed copies.
     """
 
     definition: Definition
@@ -62,6 +70,7 @@ class ModelState:
     choice: Mapping[str, str] = field(default_factory=dict)
     changes: Overlay = field(default_factory=Overlay)
     findings: tuple[Fault, ...] = ()
+    shared: Shared = field(default_factory=Shared, compare=False)
 
 
 class Model:
@@ -140,7 +149,8 @@ class Model:
         definition = definition.with_overlay(changes)
         faults = check_variant(definition)
         _refuse(faults, label(chosen, definition.configurations) or self.name)
-        return self._of(ModelState(at_operating_point(definition), self._state.base, chosen, changes, tuple(faults)))
+        used = at_operating_point(definition)
+        return self._of(replace(self._state, definition=used, choice=chosen, changes=changes, findings=tuple(faults)))
 
     @property
     def definition(self) -> Definition:

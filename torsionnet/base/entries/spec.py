@@ -177,11 +177,6 @@ class Spec(Generic[Stored_co]):
         return None
 
     @property
-    def label(self) -> str:
-        """Name of the entry in a sentence, which is its description up to a comma."""
-        return self.description.partition(",")[0]
-
-    @property
     def may_be_empty(self) -> bool:
         """Whether the entry may be written without a value."""
         return False

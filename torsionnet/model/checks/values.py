@@ -229,13 +229,13 @@ def unusual_sizes(definition: Definition, numbers: Numbers) -> list[Fault]:
             elif isinstance(spec, LossFactor):
                 text, meant = _percent(DampingMeasure("eta", value, None), numbers)
             else:
-                text, meant = _unusual(spec, value, numbers) if isinstance(spec, QuantityKind) else ("", "")
+                text, meant = _unusual(entry, spec, value, numbers) if isinstance(spec, QuantityKind) else ("", "")
             if text:
                 faults.append(Fault(text, path, "warning", meant=meant))
     return faults
 
 
-def _unusual(spec: QuantityKind[object], value: Expression, numbers: Numbers) -> tuple[str, str]:
+def _unusual(entry: str, spec: QuantityKind[object], value: Expression, numbers: Numbers) -> tuple[str, str]:
     """Message on a value of unusual size, and the value probably meant; both empty where it is usual."""
     usual = spec.usual or USUAL_SIZES.get(spec.dimension)
     size = _size(value, numbers) if usual else None
@@ -243,7 +243,7 @@ def _unusual(spec: QuantityKind[object], value: Expression, numbers: Numbers) ->
         return "", ""
     low, high = usual
     unit = expected_unit(spec.dimension)
-    text = f"{spec.label} of {size:g} {unit}: usual are {low:g} to {high:g} {unit}"
+    text = f"{entry.replace('_', ' ')} of {size:g} {unit}: usual are {low:g} to {high:g} {unit}"
     likely, factor = LIKELY_UNITS.get(spec.dimension, ("", 1.0))
     bare = isinstance(value, Number) and value.unit_dimension is None
     meant = f"{size:g} {likely}" if likely and bare and low <= size * factor <= high else ""

@@ -19,7 +19,7 @@ from torsionnet.base.entries.scalars import QuantityKind
 from torsionnet.base.entries.spec import Flag, Json, Renaming, Schema, Spec, Text, entry, name_fault
 from torsionnet.base.errors import EntryPath, Fault, ModelError, fault_of, got
 from torsionnet.base.expressions import Expression
-from torsionnet.base.packages import with_argument_hints
+from torsionnet.base.packages import ArgumentHints
 from torsionnet.base.phrases import ModelName, phrase
 from torsionnet.base.registers import TypeRegister, settle
 from torsionnet.model.catalogues.catalogue_entries import CATALOGUE, SIZE, CatalogueEntry, SizeName
@@ -73,7 +73,7 @@ E = TypeVar("E", bound="Element")
 
 def register(cls: type[E]) -> type[E]:
     """Class decorator that registers an element type under its ``kind``."""
-    ELEMENT_TYPES[cls.kind] = with_argument_hints(cls)
+    ELEMENT_TYPES[cls.kind] = cls
     return cls
 
 
@@ -90,7 +90,7 @@ def element_class(name: str) -> type[Element] | None:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Element(Declared):
+class Element(Declared, ArgumentHints):
     """Base class of a drivetrain element: an inertia, spring, gear, machine.
 
     Attributes

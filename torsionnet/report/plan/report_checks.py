@@ -38,7 +38,11 @@ def check_report(plan: ReportPlan, definition: Definition, path: EntryPath = ("r
     ]
     faults += _over_speed("orders", plan.orders, definition)
     faults += _over_speed("measure", plan.measure, definition)
-    faults += _configurations(plan, definition)
+    for index, name in enumerate(plan.configurations):
+        try:
+            parse_choice(name, definition.configurations)
+        except UsageError as error:
+            faults.append(replace(error.fault, path=("configurations", index)))
     faults += _idling(plan, definition)
     return [fault.under(*path) for fault in faults]
 
@@ -67,11 +71,3 @@ def _idling(plan: ReportPlan, definition: Definition) -> Iterator[Fault]:
         if not low * (1 - SPEED_ROUNDING) <= speed <= high * (1 + SPEED_ROUNDING):
             text = f"{speeds.of} idles at {speed * RPM:.6g} rpm, but speeds: go from {low * RPM:.6g} to"
             yield Fault(f"{text} {high * RPM:.6g} rpm; let them begin at the speed of idling", ("idling", index))
-
-
-def _configurations(plan: ReportPlan, definition: Definition) -> Iterator[Fault]:
-    for index, name in enumerate(plan.configurations):
-        try:
-            parse_choice(name, definition.configurations)
-        except UsageError as error:
-            yield replace(error.fault, path=("configurations", index))
