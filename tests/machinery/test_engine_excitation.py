@@ -636,6 +636,15 @@ class TestCompressor:
         expected = [force * 0.06 * 2 / 4096 * (rate * np.exp(-1j * order * phi)).sum() for order in (1, 2)]
         assert torque(one)[0, :, 0] == pytest.approx(expected, rel=1e-9, abs=1e-9)
 
+    def test_a_table_without_injection_says_nothing_of_the_lower_side(self):
+        """A trace without injection has the pressure below the piston added to it, a table by order had not."""
+        gas = {"fired": [9e5] * 360, "crank_end": [4e5] * 360, "motored_harmonics": {1: {"amplitude": 1e5, "phase": 0}}}
+        with pytest.raises(tn.ModelError, match="the pressure below the piston goes with motored:"):
+            ReciprocatingEngine(
+                speed_of="c", cycle=2, cylinders={1: "c"}, firing_order=[1], bore=0.2, stroke=0.12, rod_length=0.3,
+                gas=gas, misfire=[1],
+            )  # fmt: skip
+
 
 class TestWhereItShows:
     MORE = "sensors: {T: {torque: crank}}\nconfigurations: {firing: {normal: {}, misfire: {engine.misfire: each}}}\n"

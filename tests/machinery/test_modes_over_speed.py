@@ -11,6 +11,7 @@ from support.command_line import run
 
 import torsionnet as tn
 from torsionnet.machinery.criticals import modes_over_speed
+from torsionnet.machinery.criticals.critical_speed_search import order_margins
 from torsionnet.machinery.criticals.modes_over_speed import ModesOverSpeed
 
 RPM = np.pi / 30
@@ -58,7 +59,10 @@ class TestProgressiveCoupling:
         assert [one.mode.natural_frequency for one in found.crossings] == pytest.approx(np.array(TWICE) / 120)
         with pytest.raises(tn.UsageError, match=r"at 662\.28 and 1305\.8 rpm; say which with near="):
             found.of(1, 0.5)
-        assert found.of(1, 0.5, near=140.0).natural_speed == pytest.approx(TWICE[1] * RPM)
+
+    def test_a_single_speed_has_its_own_margin(self):
+        (one,) = order_margins(propeller_coupling(HALF_ORDER), speeds=[1000 * RPM])
+        assert one.margin == pytest.approx(1 - coupling_frequency(1000) * 120 / 1000, rel=1e-9)
 
     def test_beyond_the_table_nothing_is_made_up(self):
         """With the stiffness of 1500 r/min held it would be met at 1855 r/min, where the coupling is stiffer still."""

@@ -240,6 +240,8 @@ class ModesOverSpeed:
         """Yield ranges of speeds in rad/s, rising, in each of which the same rows of tables are in force."""
         first = np.union1d(np.linspace(*self.known, FIRST_SPEEDS), [*self.speed_range, self._anchor]).tolist()
         start = first[0]
+        if len(first) == 1:
+            yield start, start
         for (low, here), (high, there) in pairwise((speed, self._parts(speed)) for speed in first):
             for before, after in self._changes(low, high, here, there):
                 # Tangents leap, so that each side has its own modes; tables only bend.
@@ -278,7 +280,7 @@ class ModesOverSpeed:
     def _resolved(self, low: float, high: float, shortest: float) -> Iterator[_FollowedPiece]:
         """Yield pieces of the curves between two speeds in rad/s, each known or shorter than ``shortest``."""
         if high - low <= shortest:
-            yield self._followed(np.array([low, high]))
+            yield self._followed(np.unique([low, high]))
             return
         before = math.inf
         for count in CURVE_POINTS:

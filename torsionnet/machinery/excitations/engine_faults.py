@@ -260,6 +260,9 @@ def _gas(engine: EngineEntries) -> Iterator[Fault]:
         yield Fault(text, ("load",), on_key=True)
     if gas.crank_end and gas.harmonics:
         yield Fault("the pressure below the piston goes with fired: or traces:", ("gas", "crank_end"), on_key=True)
+    if gas.crank_end and gas.motored_harmonics:
+        text = "the pressure below the piston goes with motored:, as a table by order may have it already"
+        yield Fault(text, ("gas", "motored_harmonics"), on_key=True)
 
 
 def _traces(engine: EngineEntries) -> Iterator[Fault]:

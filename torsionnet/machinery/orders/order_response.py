@@ -319,7 +319,10 @@ class OrderResponse(NotebookResult):
 
     @cached_property
     def rms(self) -> FloatArray:
-        """Root mean square of the sum of all orders in SI units of the outputs, shape (n_speeds, n_out)."""
+        """Root mean square of the sum of all orders in SI units of the outputs, shape (n_speeds, n_out).
+
+        Of several cases, that of the case with the largest half range.
+        """
         # Parseval: x_rms^2 = sum |X_f|^2/2 over different frequencies, hence lines of one frequency are added first.
         return np.asarray(np.sqrt((np.abs(self.by_frequency()) ** 2).sum(axis=1) / 2))
 
