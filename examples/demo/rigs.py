@@ -11,7 +11,7 @@ import numpy as np
 
 import torsionnet.plot as plot
 from torsionnet import FrequencyResponse
-from torsionnet.app.cli.commands.modes import without_eigenvalues
+from torsionnet.app.cli.commands.responses_and_modes import without_eigenvalues
 from torsionnet.app.cli.terminal import print_table
 from torsionnet.base.conventions import Conventions
 from torsionnet.base.table import Column, Table

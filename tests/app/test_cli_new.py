@@ -9,7 +9,7 @@ from support import campaigns
 from support.command_line import process, run
 
 import torsionnet as tn
-from torsionnet.app.cli.commands.new import KINDS, starting_model
+from torsionnet.app.cli.commands.model_files import KINDS, starting_model
 
 FOLDER = Path(tn.__file__).parent / "app" / "cli" / "starting_models"
 VERDICTS = {"ship": "barred range", "genset": "pass", "train": "pass", "turbine": "pass"}

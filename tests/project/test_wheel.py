@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from torsionnet.app.cli.commands.new import KINDS
+from torsionnet.app.cli.commands.model_files import KINDS
 
 pytestmark = pytest.mark.slow
 

@@ -5,11 +5,10 @@ from __future__ import annotations
 import contextlib
 import importlib
 import io
-import keyword
 import os
 import sys
 import warnings
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, TextIO, cast
 
 import click
@@ -20,30 +19,6 @@ from torsionnet.base.version import __version__
 
 BUG, INPUT_OUTPUT, INTERRUPTED = 70, 74, 130  # exit codes: EX_SOFTWARE and EX_IOERR of sysexits.h, 128 + SIGINT
 DEBUG = "TORSIONNET_DEBUG"
-OPTIONS = {
-    "sampling_rate=": ("--rate", "reading: {rate: *}"), "resample=True": ("--resample", "reading: {resample: true}"),
-    "resampled()": ("--resample", "reading: {resample: true}"), "units=": ("--unit", "reading: {units: *}"),
-    "quantities=": ("--quantity", "reading: {quantities: *}"), "separator=": ("--separator", "reading: {separator: *}"),
-    "decimal=": ("--decimal", "reading: {decimal: *}"), "angle_from_pulses()": ("--pulses", "torsionnet angle"),
-    "align=True": ("--align", "torsionnet estimate --align"),
-}  # fmt: skip
-"""Options for arguments and functions of Python in messages, each with what a command that lacks it has instead:
-entries of the file that it is given."""
-WORDS = {
-    "unwrapped()": "counting the angle on",
-    "iter_blocks()": "torsionnet estimate",
-    "bridge_gaps=True": "a record without them",
-}
-"""Words for arguments and functions of Python in messages that no option stands for."""
-
-
-def remedy_words(options: Collection[str]) -> dict[str, str]:
-    """Words of a command with these options for arguments and functions of Python in messages.
-
-    >>> remedy_words(["--rate"])["sampling_rate="], remedy_words([])["sampling_rate="]
-    ('--rate', 'reading: {rate: *}')
-    """
-    return WORDS | {name: option if option in options else entry for name, (option, entry) in OPTIONS.items()}
 
 
 @contextlib.contextmanager
@@ -190,8 +165,20 @@ COMMANDS = {  # in the order of use; the texts stand here so that the list of co
 }
 
 
+FILES = {
+    **dict.fromkeys(("library", "new", "check", "show"), "model_files"),
+    **dict.fromkeys(("modes", "margins", "sensitivity", "frf"), "responses_and_modes"),
+    **dict.fromkeys(("orders", "critical-speeds", "holzer"), "orders"),
+    **dict.fromkeys(("static", "simulate"), "under_load"),
+    **dict.fromkeys(("limits", "damper"), "limits"),
+    **dict.fromkeys(("export", "import"), "exchange"),
+    **dict.fromkeys(("explore", "language-server"), "editing"),
+}
+"""File in ``commands`` of each command that shares one with others; the rest stand in a file of their name."""
+
+
 class LazyGroup(click.Group):
-    """Click group that imports the module of a command when the command is called."""
+    """Click group that imports the file of a command when the command is called, and makes it of its class there."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         del ctx
@@ -201,9 +188,11 @@ class LazyGroup(click.Group):
         del ctx
         if cmd_name not in COMMANDS:
             return None
-        module = f"{cmd_name}_" if keyword.iskeyword(cmd_name) else cmd_name.replace("-", "_")
-        command = importlib.import_module(f"torsionnet.app.cli.commands.{module}").command
-        return command if isinstance(command, click.Command) else None
+        from torsionnet.app.cli.command import click_command
+
+        file = FILES.get(cmd_name, cmd_name.replace("-", "_"))
+        module = importlib.import_module(f"torsionnet.app.cli.commands.{file}")
+        return click_command(cmd_name, getattr(module, f"{cmd_name.title().replace('-', '')}Command"))
 
     def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
         if args and not args[0].startswith("-") and args[0] not in COMMANDS:

@@ -7,7 +7,7 @@ leaves no files behind. Of an answer only the forms asked for are made.
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import click
 
-from torsionnet.app.cli.app import remedy_words
 from torsionnet.app.cli.options import Arguments, OutputFile, option, parameters, plot_option
 from torsionnet.app.cli.terminal import print_file_written, print_json, print_line, print_table
 from torsionnet.base.atomic import write_text
@@ -32,6 +31,31 @@ NUMBERS = (*JSON, "digits")
 TABLE = ("as_json", "csv_file", "digits")
 """Names of the output options of a command that prints one table; JSON and NUMBERS: of commands that print words, or
 numbers."""
+
+OPTIONS = {
+    "sampling_rate=": ("--rate", "reading: {rate: *}"), "resample=True": ("--resample", "reading: {resample: true}"),
+    "resampled()": ("--resample", "reading: {resample: true}"), "units=": ("--unit", "reading: {units: *}"),
+    "quantities=": ("--quantity", "reading: {quantities: *}"), "separator=": ("--separator", "reading: {separator: *}"),
+    "decimal=": ("--decimal", "reading: {decimal: *}"), "angle_from_pulses()": ("--pulses", "torsionnet angle"),
+    "align=True": ("--align", "torsionnet estimate --align"),
+}  # fmt: skip
+"""Options for arguments and functions of Python in messages, each with what a command that lacks it has instead:
+entries of the file that it is given."""
+WORDS = {
+    "unwrapped()": "counting the angle on",
+    "iter_blocks()": "torsionnet estimate",
+    "bridge_gaps=True": "a record without them",
+}
+"""Words for arguments and functions of Python in messages that no option stands for."""
+
+
+def remedy_words(options: Collection[str]) -> dict[str, str]:
+    """Words of a command with these options for arguments and functions of Python in messages.
+
+    >>> remedy_words(["--rate"])["sampling_rate="], remedy_words([])["sampling_rate="]
+    ('--rate', 'reading: {rate: *}')
+    """
+    return WORDS | {name: option if option in options else entry for name, (option, entry) in OPTIONS.items()}
 
 
 class Output(Arguments):

@@ -212,7 +212,7 @@ OUTPUTS: dict[str, str] = {
     "frf": "list[torsionnet.app.cli.frf_output:ResponsesRecord]",
     "holzer": "list[torsionnet.machinery.holzer.holzer_table:HolzerRecord]",
     "identify-modes": "torsionnet.modal.matching:IdentifiedModesRecord",
-    "library": "list[torsionnet.app.cli.commands.library:LibraryRow]",
+    "library": "list[torsionnet.app.cli.commands.model_files:LibraryFile]",
     "limits": "list[torsionnet.machinery.verdicts.limit_conclusion:LimitsRecord]",
     "margins": "list[torsionnet.linear.responses.loop_margins:MarginsRecord]",
     "modes": "list[torsionnet.linear.modes.modes:ModesRecord]",

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
-from torsionnet.app.cli.command import TABLE, Answer, Command, click_command
+from torsionnet.app.cli.command import TABLE, Answer, Command
 from torsionnet.app.cli.options import argument, file_option, option
 from torsionnet.app.cli.pulse_options import PulseOptions
 from torsionnet.app.cli.record_options import RecordSpan
@@ -174,6 +174,3 @@ def _screen(angles: Recording, rows: tuple[TurnedWheel, ...]) -> Iterator[Table 
         lines = tuple((row.name, one.order, one.deviation * DEGREES) for row in rows for one in row.orders)
         yield ""
         yield Table("Orders", columns, lines)
-
-
-command = click_command("angle", AngleCommand)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import click
 
-from torsionnet.app.cli.command import NUMBERS, Answer, Command, click_command, result_path
+from torsionnet.app.cli.command import NUMBERS, Answer, Command, result_path
 from torsionnet.app.cli.options import SETTINGS, argument, file_option, option
 from torsionnet.app.cli.terminal import print_warnings
 from torsionnet.base.notes import NoteOrText, is_warning
@@ -207,6 +207,3 @@ def _record(name: str, path: str, record: Recording, faults: tuple[TrueFault, ..
         record.title, name, path, record.sampling_rate, len(record), record.duration, record.notes, _channels(record),
         _pulses(record), faults,
     )  # fmt: skip
-
-
-command = click_command("bench", BenchCommand)

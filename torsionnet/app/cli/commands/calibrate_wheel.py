@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from torsionnet.app.cli.command import TABLE, Answer, Command, click_command
+from torsionnet.app.cli.command import TABLE, Answer, Command
 from torsionnet.app.cli.options import SETTINGS, EntryOption, argument, file_option, option
 from torsionnet.app.cli.pulse_options import PulseOptions
 from torsionnet.app.cli.record_options import RecordSpan
@@ -169,6 +169,3 @@ class CalibrateWheelCommand(Command):
             return [float(word) for word in self.constant.split(",")]
         except ValueError:
             raise UsageError(f'--constant-orders is a list as 3,6, or none; got "{self.constant}"') from None
-
-
-command = click_command("calibrate-wheel", CalibrateWheelCommand)

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from torsionnet.app.cli.command import TABLE, Answer, Command, click_command, separated_by_lines
+from torsionnet.app.cli.command import TABLE, Answer, Command, separated_by_lines
 from torsionnet.app.cli.options import ANGLE, OutputFolder, argument, file_option, option
 from torsionnet.app.cli.terminal import message
 
@@ -129,6 +129,3 @@ def _figures(plot: ModuleType, result: CampaignResult, conventions: Conventions)
             )
     if result.fit is not None:
         yield "fit", plot.fit(result.fit, conventions=conventions)
-
-
-command = click_command("campaign", CampaignCommand)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import click
 
-from torsionnet.app.cli.command import TABLE, Answer, Command, click_command
+from torsionnet.app.cli.command import TABLE, Answer, Command
 from torsionnet.app.cli.options import argument, file_option, option
 from torsionnet.app.cli.pulse_options import PulseOptions
 from torsionnet.base.notes import NoteOrText
@@ -105,6 +105,3 @@ class ClocksCommand(Command):
 
         record = read_recording(path, names=[name], **self.reading.arguments)
         return checked_record(record, self.reading, path)
-
-
-command = click_command("clocks", ClocksCommand)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from torsionnet.app.cli.cases import ModelCommand
-from torsionnet.app.cli.command import TABLE, Answer, click_command
+from torsionnet.app.cli.command import TABLE, Answer
 from torsionnet.app.cli.options import ALIGN, ANGLE, HIGHEST_FREQUENCY, LOWEST_FREQUENCY, option
 from torsionnet.app.cli.record_options import Averaging, Estimator, RecordCommand
 
@@ -109,6 +109,3 @@ def _full(test: FrequencyResponse, model: FrequencyResponse, conventions: Conven
     rows = tuple(tuple(map(float, row)) for row in zip(*data.values(), strict=True))
     notes = tuple(map(str, (*test.notes, *model.notes)))
     return Table(model.title, tuple(Column(*key) for key in data), rows, notes)
-
-
-command = click_command("compare", CompareCommand)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from torsionnet.app.cli.command import TABLE, Answer, click_command, separated_by_lines
+from torsionnet.app.cli.command import TABLE, Answer, separated_by_lines
 from torsionnet.app.cli.options import FiniteFloat, option
 from torsionnet.app.cli.pulse_options import NamedWheel, PulseOptions
 from torsionnet.app.cli.record_options import RecordCommand
@@ -243,6 +243,3 @@ def _compared(found: OperationalModes, model: str, configuration: str) -> Match:
     rig = load(model)
     rig = rig.configured(configuration) if configuration else rig
     return match(found, rig.modes())
-
-
-command = click_command("damping", DampingCommand)

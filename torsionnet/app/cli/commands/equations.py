@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from torsionnet.app.cli.cases import ConfiguredCase, ModelCommand
-from torsionnet.app.cli.command import JSON, Answer, click_command
+from torsionnet.app.cli.command import JSON, Answer
 from torsionnet.app.cli.options import SIMPLIFY, EntryOption, option
 from torsionnet.app.cli.output import (
     ConfiguredMotion,
@@ -180,6 +180,3 @@ def matrix_tables(rig: Drivetrain) -> list[Table]:
         )
         for symbol, unit, title in MATRICES
     ]
-
-
-command = click_command("equations", EquationsCommand)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.app.cli.command import TABLE, Answer, click_command
+from torsionnet.app.cli.command import TABLE, Answer
 from torsionnet.app.cli.options import ALIGN, ANGLE, HIGHEST_FREQUENCY, file_option
 from torsionnet.app.cli.record_options import Averaging, EstimateArguments, Estimator, RecordReading
 from torsionnet.app.cli.terminal import print_warnings
@@ -123,6 +123,3 @@ def _places(response: FrequencyResponse, o: int, i: int) -> list[tuple[str, int]
         return []
     found = significant_peaks(response.between(0, above_noise_up_to(response, o)).magnitude[:, o, i])
     return [("first line", 0), *((f"peak {number}", index) for number, index in enumerate(found, 1))]
-
-
-command = click_command("estimate", EstimateCommand)

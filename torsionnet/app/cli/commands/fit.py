@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.app.cli.command import TABLE, Answer, Command, click_command
+from torsionnet.app.cli.command import TABLE, Answer, Command
 from torsionnet.app.cli.options import OutputFile, argument, file_option, option
 from torsionnet.app.cli.terminal import message
 from torsionnet.base.errors import UsageError
@@ -121,6 +121,3 @@ def _announce(plan: FitPlan) -> None:
                 message("note", f"{one.label}: decimated by {settings.decimation} to {rate:g} Hz")
             demands.append(memory_demand(record, settings, one.band or (0.0, limit)))
     note_memory(total_memory(demands), "narrower bands, or shorter windows (seconds), take less")
-
-
-command = click_command("fit", FitCommand)

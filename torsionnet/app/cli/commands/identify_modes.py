@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from torsionnet.app.cli.command import TABLE, Answer, click_command, separated_by_lines
+from torsionnet.app.cli.command import TABLE, Answer, separated_by_lines
 from torsionnet.app.cli.options import option
 from torsionnet.app.cli.record_options import EstimateArguments
 from torsionnet.app.cli.terminal import print_warnings
@@ -95,6 +95,3 @@ def _compared(found: ModalEstimate, model: str, configuration: str, inputs: tupl
     rig = rig.configured(configuration) if configuration else rig
     measured = [name for name in inputs if name in rig.sensors]
     return match(found, rig.modes(measured_input=measured) if measured else rig.modes())
-
-
-command = click_command("identify-modes", IdentifyModesCommand)

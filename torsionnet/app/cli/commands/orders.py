@@ -1,4 +1,4 @@
-"""Command ``torsionnet orders``, which calculates the vibration over speed, order by order."""
+"""Commands on running machinery: ``orders``, ``critical-speeds`` and ``holzer``."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from torsionnet.app.cli.cases import ConfiguredCase, ModelCommand
-from torsionnet.app.cli.command import TABLE, Answer, click_command
-from torsionnet.app.cli.options import ANGLE, REFERRED_TO, option, referred_outputs
+from torsionnet.app.cli.command import TABLE, Answer, separated_by_lines
+from torsionnet.app.cli.options import ANGLE, REFERRED_TO, EntryOption, option, referred_outputs
 from torsionnet.base.errors import UsageError
 
 if TYPE_CHECKING:
@@ -19,11 +19,16 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from torsionnet.base.table import Table
+    from torsionnet.machinery.criticals.critical_speeds import CriticalSpeeds
+    from torsionnet.machinery.holzer.holzer_table import HolzerTable
     from torsionnet.machinery.orders.calculated_order import SweptComparison
     from torsionnet.machinery.orders.order_response import OrderResponse
     from torsionnet.signals.orders.tracked_orders import MeasuredOrder
 
     Tests: TypeAlias = dict[str, tuple[MeasuredOrder, ...]]
+
+
+# Command ``torsionnet orders``, which calculates the vibration over speed, order by order.
 
 PICTURES = ("orders", "waterfall", "waveform")
 
@@ -158,4 +163,135 @@ def _shown(found: list[OrderResponse], conventions: Any) -> Iterator[Table | str
         yield run.table(channel.name, conventions)
 
 
-command = click_command("orders", OrdersCommand)
+# Command ``torsionnet critical-speeds``, which finds the speeds at which orders meet natural frequencies.
+
+STATES = ("as_modelled", "free", "locked", "half")
+
+
+class CriticalSpeedsCommand(ModelCommand):
+    """Critical speeds, at which orders meet natural frequencies, their margin to the operating range, and excitation.
+
+    The model says what runs and at which speeds in its entries excitations: and speeds:. With several configurations
+    a crossing that one of them does not excite says which others do.
+
+    \b
+    torsionnet critical-speeds plant.yaml --margin api684 --plot campbell.png
+    torsionnet critical-speeds plant.yaml -c normal -c misfire --output "torque(crank)"
+    torsionnet critical-speeds plant.yaml --stars 1 --plot stars.png
+    """
+
+    forms = TABLE
+    picture = "the interference (Campbell) diagram, or star diagrams"
+
+    outputs: tuple[str, ...] = option(
+        "--output", metavar="NAME", help="Also the speed at which orders of this are largest. Repeatable."
+    )
+    excitations: tuple[str, ...] = option(
+        "--excitation", metavar="NAME", help="Only this one counts. Repeatable.  [default: all of the model]"
+    )
+    margin: str | None = option(
+        "--margin", metavar="RULE", help="api610, api617, api618, api684, line_frequency, or a share as 15%."
+    )
+    reach: float = option(
+        "--reach", default=0.25, show_default=True, help="How far outside the operating range, as a share of speed."
+    )
+    lowest: int | None = option("--lowest", type=click.IntRange(min=1), metavar="N", help="Only the N lowest modes.")
+    line_frequency: float | None = option("--line-frequency", metavar="HZ", help="Also once and twice this frequency.")
+    dampers: str = option(
+        "--dampers", type=click.Choice(STATES), default=STATES[0], show_default=True, help="Rings of viscous dampers."
+    )
+    damper_names: tuple[str, ...] = option(
+        "--damper", metavar="NAME", help="A damper, or a film.  [default: every viscous_damper]"
+    )
+    stars: int | None = option("--stars", type=click.IntRange(min=1), metavar="MODE", help="--plot draws these.")
+
+    def answer(self) -> Answer:
+        cases = self.cases()
+        each = self.each("critical speeds", cases, self._run)
+        found = [one.in_conditions([other for other in each if other is not one]) for one in each]
+        pairs = list(zip(cases, found, strict=True))
+        return Answer(
+            screen=lambda: separated_by_lines(part for one in found for part in _critical_speeds_shown(one)),
+            data=lambda: found,
+            csv=lambda: [("", self.combined_table(cases, [one.table() for one in found]))],
+            figures=lambda plot: [(case.configuration, self._picture(plot, one)) for case, one in pairs],
+        )
+
+    def _run(self, case: ConfiguredCase) -> CriticalSpeeds:
+        return case.drivetrain.critical_speeds(
+            list(self.outputs),
+            excitations=self.excitations or None,
+            margin=self.margin,
+            reach=self.reach,
+            lowest=self.lowest,
+            line_frequency=self.line_frequency,
+            dampers=self.dampers,
+            damper_names=self.damper_names or None,
+        )
+
+    def _picture(self, plot: ModuleType, found: CriticalSpeeds) -> Figure:
+        if self.stars is None:
+            return plot.interference_diagram(found)  # type: ignore[no-any-return]
+        found.mode(self.stars)
+        stars = [one.star for one in found.crossings if one.mode.number == self.stars and one.star is not None]
+        several = [star for star in stars if len(star.vectors) > 1]
+        return plot.star_diagrams(several or stars)  # type: ignore[no-any-return]
+
+
+def _critical_speeds_shown(found: CriticalSpeeds) -> Iterator[Table]:
+    yield found.mode_table()
+    yield found.table()
+
+
+# Command ``torsionnet holzer``, which prints the Holzer table of a mode or a trial frequency.
+
+
+class HolzerCommand(ModelCommand):
+    """Holzer table of a mode or of a trial frequency: amplitudes, torques, twists and stresses, station by station.
+
+    Without damping. Modes are numbered as in the table of torsionnet modes: 1 is the lowest vibration, rigid bodies and
+    real poles have no number. Quantities are those of the station's own shaft, with --referred those on the shaft of
+    the first station.
+
+    \b
+    torsionnet holzer plant.yaml --mode 2 --amplitude "1 mrad"
+    torsionnet holzer plant.yaml --at "12 Hz" --first ring
+    """
+
+    forms = TABLE
+
+    mode: int | None = option("--mode", type=click.IntRange(min=1), metavar="N", help="Number of the mode.")
+    at: float | None = option(
+        "--at",
+        type=EntryOption("FREQUENCY", "machinery.holzer.holzer_table:FREQUENCY"),
+        help="Instead, a trial frequency: 12 Hz.",
+    )
+    first: str | None = option("--first", metavar="NODE", help="Station to begin with.  [default: the first free end]")
+    amplitude: float = option(
+        "--amplitude",
+        type=EntryOption("ANGLE", "machinery.holzer.holzer_table:AMPLITUDE"),
+        default="1 rad",
+        show_default=True,
+        help="Angle of the first station.",
+    )
+    referred_to: str | None = option("--referred-to", metavar="NODE", help="Another shaft to refer to.")
+    referred: bool = option("--referred", help="Show amplitudes and torques referred to one shaft.")
+
+    def answer(self) -> Answer:
+        if (self.mode is None) == (self.at is None):
+            raise click.UsageError(
+                "a Holzer table needs a frequency: give a mode, as --mode 1, or --at HZ for a trial frequency"
+            )
+        cases = self.cases()
+        found = self.each("Holzer table", cases, self._run)
+        pairs = list(zip(cases, found, strict=True))
+        return Answer(
+            screen=lambda: separated_by_lines(table for one in found for table in one.tables(referred=self.referred)),
+            data=lambda: [table.record(case.configuration) for case, table in pairs],
+            csv=lambda: [("", self.combined_table(cases, [one.table(referred=self.referred) for one in found]))],
+        )
+
+    def _run(self, case: ConfiguredCase) -> HolzerTable:
+        return case.drivetrain.holzer_table(
+            self.mode, at=self.at, first=self.first, amplitude=self.amplitude, referred_to=self.referred_to
+        )

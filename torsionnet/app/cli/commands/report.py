@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from torsionnet.app.cli.cases import ModelCommand
-from torsionnet.app.cli.command import Answer, click_command
+from torsionnet.app.cli.command import Answer
 from torsionnet.app.cli.options import PRESETS, SIMPLIFY, STANDARD_INPUT, FiniteFloat, file_option, load_model, option
 from torsionnet.app.cli.record_options import Averaging, Estimator, RecordReading
 from torsionnet.app.cli.terminal import print_file_written
@@ -248,6 +248,3 @@ def _response(
     from torsionnet.app.cli.commands.estimate import estimate_record
 
     return estimate_record(file, reading, (str(output),), (str(into),), averaging, Estimator(), (0.0, None))
-
-
-command = click_command("report", ReportCommand)

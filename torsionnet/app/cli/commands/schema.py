@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from torsionnet.app.cli.command import Answer, Command, click_command, text_answer
+from torsionnet.app.cli.command import Answer, Command, text_answer
 from torsionnet.app.cli.options import file_option, option
 from torsionnet.app.cli.output import OUTPUTS, output_schema_text
 
@@ -61,6 +61,3 @@ def _entries(kind: str) -> type[Declared]:
     from torsionnet.study.study_file import StudyEntries
 
     return StudyEntries
-
-
-command = click_command("schema", SchemaCommand)

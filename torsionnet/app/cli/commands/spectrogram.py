@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from torsionnet.app.cli.command import TABLE, Answer, click_command
+from torsionnet.app.cli.command import TABLE, Answer
 from torsionnet.app.cli.options import ANGLE, FiniteFloat, option
 from torsionnet.app.cli.record_options import Averaging, RecordCommand
 
@@ -90,6 +90,3 @@ def _table(seen: Spectrogram, *, every: bool = False) -> Table:
     strongest = seen.amplitude.max(axis=0)
     rows = tuple(zip(*(values[::step].tolist() for values in (seen.times, seen.ridge, strongest)), strict=True))
     return Table(seen.name, columns, rows, tuple(map(str, seen.notes)))
-
-
-command = click_command("spectrogram", SpectrogramCommand)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from torsionnet.app.cli.command import TABLE, Answer, Command, click_command
+from torsionnet.app.cli.command import TABLE, Answer, Command
 from torsionnet.app.cli.options import OutputFile, OutputFolder, argument, option
 from torsionnet.app.cli.terminal import message, print_faults
 
@@ -203,6 +203,3 @@ def _write_variants(study: Study, result: StudyResult | None, file: str) -> None
     if result.kept.every > 1:
         message("note", f"{file} has {result.kept.words(result.study.count)}; beyond so many not all are kept")
     (result.to_parquet if file.endswith(".parquet") else result.to_csv)(file)
-
-
-command = click_command("study", StudyCommand)

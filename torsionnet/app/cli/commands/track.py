@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from torsionnet.app.cli.command import TABLE, Answer, Command, click_command
+from torsionnet.app.cli.command import TABLE, Answer, Command
 from torsionnet.app.cli.options import ANGLE, EntryOption, PairOption, argument, file_option, option
 from torsionnet.app.cli.pulse_options import NamedWheel, PulseOptions, TeethOption
 from torsionnet.app.cli.record_options import RecordSpan
@@ -287,6 +287,3 @@ def _shown(found: tuple[TrackedOrders, ...], shown: Conventions) -> Iterator[Tab
     for number, one in enumerate(found):
         yield from [""] if number else []
         yield one.table(shown)
-
-
-command = click_command("track", TrackCommand)

@@ -1,19 +1,23 @@
-"""Command ``torsionnet explore``, which opens a page in the browser to play with a model."""
+"""Commands that edit a model file: ``explore`` in a page, ``language-server`` in an editor."""
 
 from __future__ import annotations
 
+import sys
 import threading
 from typing import TYPE_CHECKING
 
 import click
 
 from torsionnet.app.cli.cases import ModelCommand
-from torsionnet.app.cli.command import Answer, click_command
+from torsionnet.app.cli.command import Answer, Command
 from torsionnet.app.cli.options import STANDARD_INPUT, argument, option, standard_input_text
 from torsionnet.app.cli.terminal import message, print_faults, print_line
 
 if TYPE_CHECKING:
     from torsionnet.app.explore import ExploreServer
+
+
+# Command ``torsionnet explore``, which opens a page in the browser to play with a model.
 
 TEMPLATE = "rig"
 """Kind of starting model that the page begins with where no model is named."""
@@ -96,7 +100,7 @@ class ExploreCommand(ModelCommand):
     def _text(self) -> str | None:
         """Text of a model without a file: the template, or standard input."""
         if not self.model:
-            from torsionnet.app.cli.commands.new import starting_model
+            from torsionnet.app.cli.commands.model_files import starting_model
 
             text = starting_model(TEMPLATE, TEMPLATE_NAME)
             return TEMPLATE_HEAD + text[text.index("torsionnet: 1") :]  # without its commands for a terminal
@@ -118,4 +122,27 @@ def _serve(server: ExploreServer, *, open_browser: bool) -> None:
         message("note", "ended")
 
 
-command = click_command("explore", ExploreCommand)
+# Command ``torsionnet language-server``, which answers an editor that model files are written in.
+
+LSP_NEEDED = 'the language server needs the package pygls: pip install "torsionnet[lsp]"'
+
+
+class LanguageServerCommand(Command):
+    """Answer an editor that writes model files, by the Language Server Protocol on standard input and output.
+
+    The editor starts it; docs/how_to/editors.md has the settings for several. Faults stand at their line while one
+    types; completion, explanations, renaming, outline and formatting come with it. It needs the extra lsp.
+    """
+
+    def answer(self) -> Answer:
+        from torsionnet.base.errors import MissingExtraError
+
+        try:
+            import pygls.lsp.server  # noqa: F401
+        except ImportError as error:
+            raise MissingExtraError(LSP_NEEDED) from error
+        if sys.stdin is not None and sys.stdin.isatty():
+            message("note", "an editor starts this command and talks with it; Ctrl-C ends it")
+        from torsionnet.app.language_server.standard_streams import serve_standard_streams
+
+        return Answer(exit_code=serve_standard_streams())
