@@ -31,6 +31,7 @@ from torsionnet.report.document_tree import (
 )
 from torsionnet.report.writers.docx_table import table_xml
 from torsionnet.report.writers.docx_text import FIGURE_SPACE, POINT_SPACE, omml
+from torsionnet.report.writers.table_layout import TableLayout
 
 docx = pytest.importorskip("docx")
 from torsionnet.report.writers.docx import docx_bytes  # noqa: E402
@@ -125,7 +126,7 @@ class TestBlocks:
         document = opened(of(wide))
         assert len(document.tables) > 1
         assert "(continued)" in [one.text for one in document.paragraphs]
-        text = table_xml(wide, "", "")
+        text = table_xml(TableLayout(wide), "", "")
         assert text.count('w:val="TableNote"') == text.count("<w:tbl>")  # two tables without one between would be one
         cells = {text for table in document.tables for row in rows(table) for text in row}
         assert all(f"cell{i:015d}" in cells for i in range(14))

@@ -15,13 +15,7 @@ from torsionnet.report.document_tree import Details, Heading, Math, NumberText, 
 from torsionnet.report.report_tables import merge_equal_rows, table
 from torsionnet.report.writers.html import html_page
 from torsionnet.report.writers.latex import latex_document, lines_needed, table_latex
-from torsionnet.report.writers.latex_columns import (
-    GAP_LETTERS,
-    PAGE_LETTERS,
-    heading_lines,
-    natural_width,
-    table_pieces,
-)
+from torsionnet.report.writers.table_layout import GAP_LETTERS, PAGE_LETTERS, TableColumn, TableLayout
 
 needs_latex = pytest.mark.skipif(
     shutil.which("pdflatex") is None or shutil.which("pdftotext") is None, reason="pdflatex is not installed"
@@ -141,30 +135,32 @@ class TestTooLong:
 
 class TestWidths:
     def test_a_table_that_fits_stays_in_one_piece(self):
-        (piece,) = table_pieces(table("Small", [Heading("A"), Heading("B", numeric=True)], [("a", NumberText(1.0))]))
-        assert piece.widths == (None, None)
+        small = table("Small", [Heading("A"), Heading("B", numeric=True)], [("a", NumberText(1.0))])
+        (piece,) = TableLayout(small).pieces
+        assert [placed.width for placed in piece] == [None, None]
 
     def test_a_table_too_wide_goes_on_below_with_its_first_column(self):
-        block = wide_table()
-        parts = table_pieces(block)
+        layout = TableLayout(wide_table())
+        parts = layout.pieces
         assert len(parts) > 1
-        assert all(part.indices[0] == 0 for part in parts)
-        assert [index for part in parts for index in part.indices[1:]] == list(range(1, 15))
-        assert table_latex(block).count(r"\caption*{(continued)}") == len(parts) - 1
-        assert table_latex(block).count(r"\caption{") == 1
+        assert all(part[0].index == 0 for part in parts)
+        assert [placed.index for part in parts for placed in part[1:]] == list(range(1, 15))
+        assert table_latex(layout).count(r"\caption*{(continued)}") == len(parts) - 1
+        assert table_latex(layout).count(r"\caption{") == 1
 
     def test_texts_share_the_page(self):
         block = table(
             "Texts", [Heading("A"), Heading("B"), Heading("C")], [("word " * 30, "word " * 60, NumberText(1.0))]
         )
-        (piece,) = table_pieces(block)
-        assert sum(width or natural_width(block, 2) for width in piece.widths) + 3 * GAP_LETTERS <= PAGE_LETTERS + 1e-9
-        assert piece.widths[0] < piece.widths[1]
+        (piece,) = TableLayout(block).pieces
+        widths = [placed.width or placed.column.natural_letters for placed in piece]
+        assert sum(widths) + 3 * GAP_LETTERS <= PAGE_LETTERS + 1e-9
+        assert widths[0] < widths[1]
 
     def test_headings_break_at_spaces_and_before_the_unit(self):
-        column = Heading("Largest relative difference", "%", numeric=True)
-        assert heading_lines(column, 10) == ("Largest", "relative", "difference", "[%]")
-        assert heading_lines(column, 17) == ("Largest relative", "difference [%]")
+        column = TableColumn(Heading("Largest relative difference", "%", numeric=True), ())
+        assert column.heading_lines(10) == ("Largest", "relative", "difference", "[%]")
+        assert column.heading_lines(17) == ("Largest relative", "difference [%]")
 
 
 class TestRoom:
@@ -188,7 +184,7 @@ class TestRoom:
         )
 
     def test_a_heading_of_one_line_is_no_table_of_its_own(self):
-        text = table_latex(table("T", [Heading("A")], [("x",)]))
+        text = table_latex(TableLayout(table("T", [Heading("A")], [("x",)])))
         assert r"\textbf{A} \\" in text
         assert r"\begin{tabular}" not in text
 

@@ -16,8 +16,7 @@ import torsionnet as tn
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import Facts, Heading, Math, NumberText, Report, Section
 from torsionnet.report.report_tables import table
-from torsionnet.report.writers import html_text as mathml
-from torsionnet.report.writers import markdown, pdf
+from torsionnet.report.writers import html, markdown, pdf
 from torsionnet.report.writers import pdf as browser
 from torsionnet.report.writers.html import html_page
 from torsionnet.report.writers.latex import escaped as latex_escaped
@@ -144,11 +143,11 @@ class TestHtml:
         assert '13300<span class="pad" aria-hidden="true">.000</span>' in html_page(report)
 
     def test_missing_package_is_named(self, monkeypatch):
-        mathml.mathml.cache_clear()
+        html.mathml.cache_clear()
         monkeypatch.setitem(sys.modules, "latex2mathml.converter", None)
         with pytest.raises(tn.MissingExtraError, match="pip install latex2mathml"):
             html_page(make_report("dmf_rig", sections=["equations"], date=None))
-        mathml.mathml.cache_clear()
+        html.mathml.cache_clear()
 
     def test_write_leaves_an_old_file_alone_if_it_fails(self, tmp_path):
         path = tmp_path / "r.html"
@@ -317,7 +316,8 @@ class TestMarkdown:
 
     def test_math_with_bars(self):
         assert (
-            markdown.inline(Math(r"\left|\lambda\right| a_{1} \\ b")) == r"$\left\vert \lambda\right\vert  a_{1} \cr b$"
+            markdown.MarkdownInline()(Math(r"\left|\lambda\right| a_{1} \\ b"))
+            == r"$\left\vert \lambda\right\vert  a_{1} \cr b$"
         )
 
 

@@ -10,6 +10,7 @@ from torsionnet.report import make_report
 from torsionnet.report.document_tree import Facts, Heading, NumberText, Report, Section, TableBlock, TableGroup
 from torsionnet.report.writers.docx_table import table_xml
 from torsionnet.report.writers.html import html_page
+from torsionnet.report.writers.table_layout import TableLayout
 
 CSS = (Path(writers.__file__).parent / "templates" / "style.css").read_text(encoding="utf-8")
 TWIPS_OF_A_LETTER = 0.56 * 8.5 * 20
@@ -32,7 +33,7 @@ def margins(text):
 
 def kept_in_word(block):
     """Texts of the rows in a Word table that stay on the page of the row below, the head left out."""
-    rows = re.findall(r"<w:tr>.*?</w:tr>", table_xml(block, "", "continued"), re.DOTALL)[1:]
+    rows = re.findall(r"<w:tr>.*?</w:tr>", table_xml(TableLayout(block), "", "continued"), re.DOTALL)[1:]
     return [re.findall(r"<w:t[^>]*>([^<]+)</w:t>", row)[0] for row in rows if "<w:keepNext/>" in row]
 
 
@@ -69,7 +70,7 @@ class TestWidthsInWord:
         columns = tuple(Heading(text, unit=unit, numeric=numeric) for text, unit, numeric in heads)
         columns += (Heading("What swings"),)
         row = (*(NumberText(float(i)) for i in range(8)), "flywheel and wheel against propeller " * 3)
-        text = table_xml(TableBlock(("Wide",), columns, (TableGroup((row,)),)), "", "continued")
+        text = table_xml(TableLayout(TableBlock(("Wide",), columns, (TableGroup((row,)),))), "", "continued")
         widths = [int(one) for one in re.findall(r'gridCol w:w="(\d+)"', text)]
         assert len(widths) == len(columns)
         assert sum(widths) <= 9864 + len(widths)
@@ -80,7 +81,7 @@ class TestWidthsInWord:
     def test_a_ship(self):
         report = make_report("two_stroke_ship")
         for block in [one for part in report.sections for one in part.blocks if isinstance(one, TableBlock)]:
-            for piece in table_xml(block, "", "").split("<w:tbl>")[1:]:
+            for piece in table_xml(TableLayout(block), "", "").split("<w:tbl>")[1:]:
                 widths = [int(one) for one in re.findall(r'gridCol w:w="(\d+)"', piece)]
                 cells = re.findall(r"<w:tc>.*?</w:tc>", piece.partition("</w:tr>")[0], re.DOTALL)
                 for width, cell in zip(widths, cells, strict=True):

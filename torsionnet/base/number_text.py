@@ -25,7 +25,8 @@ ZERO_ERROR_RATIO = 1e-6
 """Relative standard error below which an error is taken for zero: rounding of an exact fit leaves about as much."""
 USUAL_DIGITS, FEWEST_DIGITS, MOST_DIGITS = 5, 2, 9
 """Significant digits of a value whose error is not known, and fewest and most digits that an error allows."""
-_RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
+RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
+"""Raised digits and minus by the plain ones, for powers."""
 
 
 def is_missing(value: Any) -> bool:
@@ -130,7 +131,7 @@ class NumberText:
         ('−2.5·10⁻⁵', '–')
         """
         text = self.mantissa.replace("-", "−")
-        return text if self.exponent is None else f"{text}·10{str(self.exponent).translate(_RAISED)}"
+        return text if self.exponent is None else f"{text}·10{str(self.exponent).translate(RAISED)}"
 
 
 def _trimmed(text: str) -> str:

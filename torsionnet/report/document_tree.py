@@ -153,18 +153,6 @@ class TableBlock:
     notes: tuple[Text, ...] = ()
     more: int = 0
 
-    def column(self, index: int) -> list[Cell]:
-        """Cells of one column of the table, of all groups of rows."""
-        return [row[index] for group in self.groups for row in group.rows]
-
-    def numbers(self, index: int) -> list[NumberText]:
-        """Cells of one column of the table that are numbers."""
-        return [cell for cell in self.column(index) if isinstance(cell, NumberText)]
-
-    def decimals(self, index: int) -> int:
-        """Number of decimals that a column of the table needs for its points to stand below each other."""
-        return max((number.decimals_shown for number in self.numbers(index)), default=0)
-
     @property
     def foot_notes(self) -> tuple[Text, ...]:
         """Texts of the notes below the table: its notes, and how many rows are left out."""

@@ -6,27 +6,16 @@ import datetime as dt
 import io
 import itertools
 import zipfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from torsionnet.base.atomic import write_bytes
 from torsionnet.base.errors import MissingExtraError
-from torsionnet.report.document_tree import (
-    Details,
-    Equations,
-    Facts,
-    Formula,
-    Listing,
-    Paragraph,
-    Picture,
-    Remark,
-    Report,
-    Section,
-    TableBlock,
-)
+from torsionnet.report.document_tree import BreakableMath, Picture, Report, Section, Text, TitleTable
 from torsionnet.report.template_folder import TemplateFolder
 from torsionnet.report.wording import Wording
+from torsionnet.report.writers.blocks import BlockWriter, CountedLabel
 from torsionnet.report.writers.docx_table import (
     HEADINGS,
     TEXT_WIDTH,
@@ -37,9 +26,9 @@ from torsionnet.report.writers.docx_table import (
     title_block_xml,
     with_names,
 )
-from torsionnet.report.writers.docx_text import counted, inline, omml, paragraph, run
-from torsionnet.report.writers.html_text import without_controls
-from torsionnet.report.writers.numbering import NumberedBlock, number_blocks
+from torsionnet.report.writers.docx_text import bold, counted, inline, omml, paragraph, run
+from torsionnet.report.writers.html import without_controls
+from torsionnet.report.writers.table_layout import TableLayout
 
 if TYPE_CHECKING:
     from docx.document import Document
@@ -153,25 +142,23 @@ def docx_bytes(report: Report) -> bytes:
     document = empty_document(report)  # tells which package is missing, before anything of it is imported
     from docx.oxml.parser import parse_xml
 
-    numbers = itertools.count(1)
-    content = "".join(_content(report, lambda picture: _drawing(document, picture, next(numbers))))
+    content = "".join(_content(report, DocxWriter(report, document)))
     page = document.element.body[-1]
     for element in list(parse_xml(with_names(f"<w:body>{content}</w:body>"))):
         page.addprevious(element)
     return packed(document)
 
 
-def _content(report: Report, drawing: Callable[[Picture], str]) -> Iterator[str]:
-    word = (report.template or TemplateFolder()).wording
+def _content(report: Report, writer: DocxWriter) -> Iterator[str]:
     yield paragraph(run(report.subtitle), "Subtitle")
     yield paragraph(run(report.title), "Title")
     if report.title_block:
-        yield title_block_xml(report.title_block)
-    yield facts_xml(report.facts)
+        yield writer.title_block(report.title_block)
+    yield writer.facts(report.facts.rows)
     if any(report.notes):
-        yield paragraph(inline(report.notes))
-    yield from _contents(report.sections, word)
-    yield from _Body(word, drawing).blocks(number_blocks(report.sections))
+        yield writer.paragraph(report.notes)
+    yield from _contents(report.sections, writer.word)
+    yield writer.blocks(report.sections)
 
 
 def _contents(sections: Sequence[Section], word: Wording) -> Iterator[str]:
@@ -192,57 +179,55 @@ def _mark(number: str) -> str:
     return f"_Toc_{number.replace('.', '_')}"
 
 
-class _Body:
-    """Writer of the sections of a report, one block after the other."""
+class DocxWriter(BlockWriter):
+    """Writer of the blocks of a report as XML of a Word document, of which the figures become parts."""
 
-    def __init__(self, word: Wording, drawing: Callable[[Picture], str]) -> None:
-        self.word, self.drawing, self.marks = word, drawing, 0
+    inline = inline
 
-    def blocks(self, placed: Sequence[NumberedBlock]) -> Iterator[str]:
-        for one in placed:
-            yield from self.block(one)
+    def __init__(self, report: Report, document: Any) -> None:
+        super().__init__((report.template or TemplateFolder()).wording)
+        self.document, self.marks, self.drawings = document, itertools.count(1), itertools.count(1)
 
-    def block(self, one: NumberedBlock) -> Iterator[str]:
-        match one.block:
-            case Section(title=title):
-                yield self.heading(one, inline(title))
-                yield from self.blocks(one.inner)
-            case Paragraph(text):
-                yield paragraph(inline(text))
-            case Listing(items):
-                yield from (paragraph(inline(item), "ListBullet") for item in items)
-            case Facts():
-                yield facts_xml(one.block)
-            case Remark(kind, text):
-                yield paragraph(inline((f"{self.word(kind.capitalize())}: ",), bold=True) + inline(text), "Remark")
-            case Formula(latex):
-                yield self.formula(latex, one.number)
-            case Equations(rows):
-                yield from (paragraph(inline(row), "Equation") for row in rows)
-            case TableBlock(caption=caption):
-                label = counted(self.word("Table"), one.number, "Table")
-                yield table_xml(one.block, label + inline(caption), self.word("(continued)"))
-            case Picture(caption=caption):
-                yield paragraph(self.drawing(one.block), properties="<w:keepNext/>")
-                yield paragraph(counted(self.word("Figure"), one.number, "Figure") + inline(caption), "Caption")
-            case Details(instead=instead):
-                yield paragraph(inline(instead))
+    def joined(self, written: Sequence[str]) -> str:
+        return "".join(written)
 
-    def heading(self, one: NumberedBlock, title: str) -> str:
-        self.marks += 1
-        begin = f'<w:bookmarkStart w:id="{self.marks}" w:name="{_mark(one.number)}"/>'
-        level = min(one.level + 1, len(HEADINGS))
-        return paragraph(f'{begin}{title}<w:bookmarkEnd w:id="{self.marks}"/>', f"Heading{level}")
+    def heading(self, block: Section, number: str, level: int) -> str:
+        mark = next(self.marks)
+        begin = f'<w:bookmarkStart w:id="{mark}" w:name="{_mark(number)}"/>'
+        style = f"Heading{min(level + 1, len(HEADINGS))}"
+        return paragraph(f'{begin}{inline(block.title)}<w:bookmarkEnd w:id="{mark}"/>', style)
+
+    def paragraph(self, text: Text) -> str:
+        return paragraph(inline(text))
+
+    def listing(self, items: Sequence[Text]) -> str:
+        return "".join(paragraph(inline(item), "ListBullet") for item in items)
+
+    def facts(self, rows: Sequence[tuple[str, Text]]) -> str:
+        return facts_xml(rows)
+
+    def remark(self, _kind: str, word: str, text: Text) -> str:
+        return paragraph(bold(f"{word}: ") + inline(text), "Remark")
 
     def formula(self, latex: str, number: str) -> str:
-        stops = "".join(
-            f'<w:tab w:val="{side}" w:pos="{place}"/>'
-            for side, place in (("center", TEXT_WIDTH // 2), ("right", TEXT_WIDTH))
-        )
+        places = (("center", TEXT_WIDTH // 2), ("right", TEXT_WIDTH))
+        stops = "".join(f'<w:tab w:val="{side}" w:pos="{place}"/>' for side, place in places)
         tab = "<w:r><w:tab/></w:r>"
-        return paragraph(
-            f"{tab}{omml(latex)}{tab}{run(f'({number})')}", "Equation", properties=f"<w:tabs>{stops}</w:tabs>"
-        )
+        content = f"{tab}{omml(latex)}{tab}{run(f'({number})')}"
+        return paragraph(content, "Equation", properties=f"<w:tabs>{stops}</w:tabs>")
+
+    def equations(self, rows: Sequence[BreakableMath]) -> str:
+        return "".join(paragraph(inline(row), "Equation") for row in rows)
+
+    def table(self, layout: TableLayout, label: CountedLabel) -> str:
+        return table_xml(layout, counted(label) + inline(layout.block.caption), self.word("(continued)"))
+
+    def picture(self, block: Picture, label: CountedLabel) -> str:
+        drawing = paragraph(_drawing(self.document, block, next(self.drawings)), properties="<w:keepNext/>")
+        return drawing + paragraph(counted(label) + inline(block.caption), "Caption")
+
+    def title_block(self, block: TitleTable) -> str:
+        return title_block_xml(block)
 
 
 def _drawing(document: Any, picture: Picture, number: int) -> str:

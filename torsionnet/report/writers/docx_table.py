@@ -5,22 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from torsionnet.report.document_tree import Cell, Facts, NumberText, TableBlock, TableGroup, TitleTable, inlines
-from torsionnet.report.writers.docx_text import inline, number, paragraph, run
-from torsionnet.report.writers.latex_columns import (
-    GAP_LETTERS,
-    PAGE_LETTERS,
-    Columns,
-    content_width,
-    table_pieces,
-    visible_text,
-)
-from torsionnet.report.writers.numbering import rows_kept
+from torsionnet.report.document_tree import TableGroup, Text, TitleTable
+from torsionnet.report.writers.docx_text import SOFT, bold, breaking, inline, paragraph, run
+from torsionnet.report.writers.table_layout import PAGE_LETTERS, Piece, TableLayout, piece_letters
 
 TEXT_WIDTH = 9864
 """Width of the text on a page in twentieths of a point: 174 mm of A4."""
-BOLD_WIDTH = 1.15
-"""Width of a bold letter of a heading as a multiple of that of a plain one, so that no word is broken."""
 SIGNATURE_HEIGHT = 400
 """Height of a line to sign in twentieths of a point: 7 mm, enough for a signature."""
 RULES = (
@@ -34,97 +24,52 @@ GRID = "".join(f'<w:{side} w:val="single" w:sz="4" w:color="5B6470"/>' for side 
 _KEEP = "<w:keepNext/>"
 
 
-def table_xml(block: TableBlock, caption: str, continued: str) -> str:
+def table_xml(layout: TableLayout, caption: str, continued: str) -> str:
     """Table with caption above, head repeated on each page and notes below.
 
     One that is too wide for the page goes on below, where ``continued`` stands instead of the caption.
     """
     pieces = []
-    for place, columns in enumerate(table_pieces(block)):
+    for place, piece in enumerate(layout.pieces):
         above = paragraph(run(continued) if place else caption, "Caption", properties=_KEEP)
-        pieces.append(above + _piece(block, columns))
-        if place < len(table_pieces(block)) - 1:
-            pieces.append(paragraph("", "TableNote"))
-    notes = [paragraph(inline(note), "TableNote") for note in block.foot_notes]
-    return "".join([*pieces, *(notes or [paragraph("", "TableNote")])])
+        pieces.append(above + _piece(layout, piece))
+    notes = [paragraph(inline(note), "TableNote") for note in layout.block.foot_notes]
+    # Two tables without a paragraph between them would be one.
+    gap = paragraph("", "TableNote")
+    return gap.join(pieces) + ("".join(notes) or gap)
 
 
-def _piece(block: TableBlock, columns: Columns) -> str:
-    widths = _widths(block, columns)
-    numeric = [block.columns[index].numeric for index in columns.indices]
-    head = [
-        "".join(_line(inline(line, bold=True), right=right, keep=True) for line in lines)
-        for lines, right in zip(columns.headings, numeric, strict=True)
-    ]
-    decimals = [block.decimals(index) for index in columns.indices]
-    kept = rows_kept(block)
-    rows = [_row(head, widths, head=True)]
-    for group in block.groups:
-        rows += _group(group, columns.indices, decimals, widths, numeric, kept)
+def _piece(layout: TableLayout, piece: Piece) -> str:
+    letters = piece_letters(piece)
+    widths = [round(TEXT_WIDTH * width / max(sum(letters), PAGE_LETTERS)) for width in letters]
+    head = ["".join(_line(bold(line), right=placed.numeric, keep=True) for line in placed.lines) for placed in piece]
+    rows, kept = [_row(head, widths, head=True)], layout.rows_kept
+    for group in layout.block.groups:
+        rows += _group(group, piece, widths, kept)
     return _table(rows, widths, RULES)
 
 
-def _widths(block: TableBlock, columns: Columns) -> list[int]:
-    """List of the widths of a table's columns in twentieths of a point, together no wider than the text.
-
-    Where letters are too many for the page, columns give way whose words can stand on more lines.
-    """
-    wanted, least = [], []
-    for index, width, lines in zip(columns.indices, columns.widths, columns.headings, strict=True):
-        word = BOLD_WIDTH * _longest_word(lines)
-        content = content_width(block, index)
-        natural = max([content, *(len(visible_text(line)) for line in lines)]) if width is None else width
-        wanted.append(max(natural, word) + GAP_LETTERS)
-        breakable = max(map(_longest_word, ((cell,) for cell in block.column(index))), default=0)
-        least.append(min(wanted[-1], max(content if width is None else breakable, word) + GAP_LETTERS))
-    spare = sum(wanted) - sum(least)
-    share = min(1.0, max(sum(wanted) - PAGE_LETTERS, 0) / spare) if spare else 0.0
-    letters = [one - share * (one - low) for one, low in zip(wanted, least, strict=True)]
-    return [round(TEXT_WIDTH * one / max(sum(letters), PAGE_LETTERS)) for one in letters]
-
-
-def _longest_word(lines: Sequence[Cell]) -> int:
-    """Number of letters in the longest word of a column's heading or of a cell."""
-    texts = [part for line in lines for part in inlines(line) if isinstance(part, str)]
-    return max((len(word) for text in texts for word in text.split()), default=0)
-
-
-def _group(
-    group: TableGroup,
-    indices: Sequence[int],
-    decimals: Sequence[int],
-    widths: Sequence[int],
-    numeric: Sequence[bool],
-    kept: Iterator[bool],
-) -> list[str]:
+def _group(group: TableGroup, piece: Piece, widths: Sequence[int], kept: Iterator[bool]) -> list[str]:
     """Rows of a group, its title first; ``kept``: whether each of the rows stays with the next one."""
     rows = []
     if group.title:
-        title = _line(inline(group.title, bold=True), keep=True)
-        rows.append(_row([title], [sum(widths)], spans=[len(widths)]))
+        rows.append(_row([_line(bold(group.title), keep=True)], [sum(widths)], spans=[len(widths)]))
     for row, stays in zip(group.rows, kept, strict=False):
         cells = [
-            _line(_cell(row[index], places), right=right, keep=stays)
-            for index, places, right in zip(indices, decimals, numeric, strict=True)
+            _line(breaking.cell(row[placed.index], placed.column.decimals), right=placed.numeric, keep=stays)
+            for placed in piece
         ]
         rows.append(_row(cells, widths))
     return rows
 
 
-def _cell(cell: Cell, decimals: int) -> str:
-    return number(cell, decimals) if isinstance(cell, NumberText) else inline(cell, breaks=True)
-
-
-def facts_xml(facts: Facts) -> str:
+def facts_xml(facts: Sequence[tuple[str, Text]]) -> str:
     """List of terms with what is said on each, as a table without lines."""
-    if not facts.rows:
+    if not facts:
         return ""
     widths = [TEXT_WIDTH // 5, TEXT_WIDTH - TEXT_WIDTH // 5]
-    rows = [_row([_line(run(word, properties=_SOFT)), _line(inline(text))], widths) for word, text in facts.rows]
+    rows = [_row([_line(run(word, properties=SOFT)), _line(inline(text))], widths) for word, text in facts]
     return _table(rows, widths, "") + paragraph("", "TableNote")
-
-
-_SOFT = '<w:color w:val="5B6470"/>'
 
 
 def title_block_xml(block: TitleTable) -> str:
@@ -132,7 +77,7 @@ def title_block_xml(block: TitleTable) -> str:
     fields = _shares(17, 33, 17, 33)
     rows = []
     for row in block.rows:
-        cells = [_line(one) for label, text in row for one in (run(label, properties=_SOFT), inline(text, breaks=True))]
+        cells = [_line(one) for label, text in row for one in (run(label, properties=SOFT), breaking(text))]
         whole = len(row) == 1
         rows.append(_row(cells, [fields[0], sum(fields[1:])] if whole else fields, spans=[1, 3] if whole else ()))
     revisions, lines = _shares(10, 12, 33, 15, 15, 15), _shares(17, 33, 17, 33)
@@ -161,11 +106,11 @@ def _shares(*percent: int) -> list[int]:
 
 
 def _heads(texts: Sequence[str], widths: Sequence[int]) -> str:
-    return _row([_line(run(text, properties=_SOFT), keep=True) for text in texts], widths, head=True)
+    return _row([_line(run(text, properties=SOFT), keep=True) for text in texts], widths, head=True)
 
 
 def _texts(texts: Sequence[str], widths: Sequence[int], *, height: int = 0) -> str:
-    return _row([_line(inline(text, breaks=True)) for text in texts], widths, height=height)
+    return _row([_line(breaking(text)) for text in texts], widths, height=height)
 
 
 def _line(content: str, *, right: bool = False, keep: bool = False) -> str:

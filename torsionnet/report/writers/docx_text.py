@@ -1,17 +1,17 @@
 """XML of paragraphs, texts and numbers in a Word document.
 
-Every text passes :func:`~torsionnet.report.writers.html_text.escaped`; nothing else reaches the document.
+Every text passes :func:`~torsionnet.report.writers.html.escaped`; nothing else reaches the document.
 """
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from functools import lru_cache
 from xml.etree import ElementTree as ET
 
-from torsionnet.report.document_tree import BreakableMath, Cell, Code, Inline, Math, NumberText, Strong, inlines
-from torsionnet.report.writers.html_text import escaped, mathml
+from torsionnet.report.writers.blocks import CountedLabel
+from torsionnet.report.writers.html import escaped, mathml
+from torsionnet.report.writers.inline import LONGEST_WORD, InlineWriter, signed_pieces
 
 # Formulas of Word documents (OMML), from the MathML of formulas that are written in LaTeX.
 
@@ -119,8 +119,10 @@ def _text(text: str, style: str) -> str:
 
 FIGURE_SPACE, POINT_SPACE = "\u2007", "\u2008"
 """Blanks as wide as a digit and as a decimal point, which put the points of a column below each other."""
-LONGEST_WORD = 20
-"""Largest number of letters of a word that stays in one piece; a longer one may break after its signs."""
+BREAK = "\u200b"
+"""Place in a word at which a line may end."""
+BOLD, SOFT = "<w:b/>", '<w:color w:val="5B6470"/>'
+"""Properties of a run in bold, and in grey."""
 
 
 def run(text: str, *, properties: str = "") -> str:
@@ -133,44 +135,47 @@ def run(text: str, *, properties: str = "") -> str:
     return f'<w:r>{look}<w:t xml:space="preserve">{escaped(text)}</w:t></w:r>' if text else ""
 
 
-def inline(cell: Cell, *, bold: bool = False, breaks: bool = False) -> str:
-    """XML of a cell, caption or paragraph of a report; with ``breaks`` long words may break after their signs."""
-    return "".join(_part(part, bold=bold, breaks=breaks) for part in inlines(cell))
+class DocxInline(InlineWriter):
+    """Writer of the texts, formulas and numbers inside a line of a Word document.
+
+    With ``breaks`` long words may break after their signs.
+    """
+
+    def __init__(self, *, bold: bool = False, breaks: bool = False) -> None:
+        self.look, self.breaks = BOLD if bold else "", breaks
+
+    def text(self, text: str) -> str:
+        return run(self._breakable(text), properties=self.look)
+
+    def math(self, latex: str) -> str:
+        return omml(latex)
+
+    def terms(self, terms: tuple[str, ...]) -> str:
+        return omml(" ".join(terms))
+
+    def strong(self, text: str) -> str:
+        return run(text, properties=BOLD)
+
+    def code(self, text: str) -> str:
+        return run(self._breakable(text), properties='<w:rStyle w:val="CodeText"/>' + self.look)
+
+    def _breakable(self, text: str) -> str:
+        if not self.breaks:
+            return text
+        words = (BREAK.join(signed_pieces(word)) if len(word) > LONGEST_WORD else word for word in text.split(" "))
+        return " ".join(words)
+
+    def digits(self, digits: str, gap: str) -> str:
+        room = gap.replace(".", POINT_SPACE).replace("0", FIGURE_SPACE)
+        return run(digits.replace("-", "−") + room, properties=self.look)
+
+    def power(self, digits: str, exponent: str) -> str:
+        raised = run(exponent.replace("-", "−"), properties=self.look + '<w:vertAlign w:val="superscript"/>')
+        return run(f"{digits}·10".replace("-", "−"), properties=self.look) + raised
 
 
-def _part(part: Inline, *, bold: bool, breaks: bool) -> str:
-    look = "<w:b/>" if bold else ""
-    match part:
-        case Math(latex):
-            return omml(latex)
-        case BreakableMath(parts):
-            return omml(" ".join(parts))
-        case Strong(text):
-            return run(text, properties="<w:b/>")
-        case Code(text):
-            return run(_breakable(text) if breaks else text, properties='<w:rStyle w:val="CodeText"/>' + look)
-        case NumberText():
-            return number(part, bold=bold)
-    return run(_breakable(part) if breaks else part, properties=look)
-
-
-def _breakable(text: str) -> str:
-    words = (
-        re.sub(r"(?<=[=,/_+])(?=.)", "\u200b", word) if len(word) > LONGEST_WORD else word for word in text.split(" ")
-    )
-    return " ".join(words)
-
-
-def number(value: NumberText, decimals: int = 0, *, bold: bool = False) -> str:
-    """XML of a number; blanks make up for the decimals that others in its column have."""
-    text, look = value.mantissa.replace("-", "−"), "<w:b/>" if bold else ""
-    if value.exponent is not None:
-        power = str(value.exponent).replace("-", "−")
-        return run(f"{text}·10", properties=look) + run(power, properties=look + '<w:vertAlign w:val="superscript"/>')
-    missing = decimals - value.decimals_shown
-    if missing > 0 and text[-1:].isdigit():
-        text += ("" if value.decimals_shown else POINT_SPACE) + FIGURE_SPACE * missing
-    return run(text, properties=look)
+inline, bold, breaking = DocxInline(), DocxInline(bold=True), DocxInline(breaks=True)
+"""Writers of plain lines, of those in bold, and of lines in which long words may break."""
 
 
 def paragraph(content: str, style: str = "", *, properties: str = "") -> str:
@@ -179,7 +184,8 @@ def paragraph(content: str, style: str = "", *, properties: str = "") -> str:
     return f"<w:p><w:pPr>{look}</w:pPr>{content}</w:p>" if look else f"<w:p>{content}</w:p>"
 
 
-def counted(word: str, number_: str, name: str) -> str:
+def counted(label: CountedLabel) -> str:
     """Label such as ``Table 3`` in bold, whose number is a field that Word counts on if tables are added."""
-    field = f'<w:fldSimple w:instr=" SEQ {name} \\* ARABIC ">{run(number_, properties="<w:b/>")}</w:fldSimple>'
-    return run(f"{word} ", properties="<w:b/>") + field + run("  ")
+    number = run(label.number, properties=BOLD)
+    field = f'<w:fldSimple w:instr=" SEQ {label.kind} \\* ARABIC ">{number}</w:fldSimple>'
+    return run(f"{label.word} ", properties=BOLD) + field + run("  ")

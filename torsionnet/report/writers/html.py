@@ -1,17 +1,39 @@
-"""Writing of a report as one HTML page that holds all its pictures and formulas."""
+"""Writing of a report as one HTML page that holds all its pictures and formulas.
+
+Every text passes :func:`escaped`; nothing else reaches the page.
+"""
 
 from __future__ import annotations
 
 import base64
+import html
+import re
+import unicodedata
 from collections.abc import Sequence
-from functools import partial
+from functools import lru_cache
 from pathlib import Path
 
 from torsionnet.base.atomic import write_text
-from torsionnet.report.document_tree import Cell, Heading, NumberText, Picture, Report, TableBlock
-from torsionnet.report.writers.html_text import escaped, inline, mathml, number
-from torsionnet.report.writers.numbering import stays_whole
-from torsionnet.report.writers.templating import Illustrations, TextFormat, render
+from torsionnet.base.errors import MissingExtraError
+from torsionnet.report.document_tree import (
+    BreakableMath,
+    Cell,
+    Details,
+    Heading,
+    Picture,
+    Report,
+    Section,
+    TableGroup,
+    Text,
+    TitleTable,
+)
+from torsionnet.report.writers.blocks import CountedLabel
+from torsionnet.report.writers.inline import InlineWriter
+from torsionnet.report.writers.table_layout import TableLayout
+from torsionnet.report.writers.templating import PageWriter
+
+MEDIA_TYPES = {".svg": "image/svg+xml", ".png": "image/png", ".jpg": "image/jpeg", ".jpeg": "image/jpeg"}
+"""Media type of an image by the ending of its file."""
 
 
 def write(report: Report, path: Path) -> tuple[Path, ...]:
@@ -22,75 +44,196 @@ def write(report: Report, path: Path) -> tuple[Path, ...]:
 
 def html_page(report: Report, *, folds: bool = True) -> str:
     """Text of the HTML page of a report; a page for printing has ``folds=False``, so that nothing is folded away."""
-    return render(report, FORMAT, Illustrations(_drawing, _data), folds=folds)
+    return HtmlWriter(report, folds=folds).page()
 
 
-def _drawing(block: Picture, number: str) -> str:
-    from torsionnet.plot.drawing.save import inline_svg
+# MathML of formulas that are written in LaTeX.
 
-    svg = inline_svg(block.figure, f"f{number}-")
-    return svg.replace("<svg ", f'<svg role=img aria-label="{escaped(block.alt)}" ', 1)
+_MATHRM = re.compile(r"\\mathrm\{([^{}\\]{2,})\}")
 
 
-def _data(name: str, data: bytes) -> str:
-    """Address (``data:``) with which an image becomes part of the HTML page."""
-    return f"data:{MEDIA_TYPES[Path(name).suffix.lower()]};base64,{base64.b64encode(data).decode()}"
+@lru_cache(maxsize=4096)
+def mathml(latex: str, *, block: bool = False) -> str:
+    r"""MathML element ``<math>`` of a formula in LaTeX.
 
+    Raises
+    ------
+    MissingExtraError
+        latex2mathml is not installed.
 
-MEDIA_TYPES = {".svg": "image/svg+xml", ".png": "image/png", ".jpg": "image/jpeg", ".jpeg": "image/jpeg"}
-"""Media type of an image by the ending of its file."""
-FORMAT = TextFormat(
-    ".html",
-    inline,
-    {
-        "display": partial(mathml, block=True),
-        "table": lambda block, number, word: _table_html(block, f"{word} {number}", f"table-{number.lower()}"),
-    },
-    tuple(MEDIA_TYPES),
-)
-"""File format HTML with the functions that turn the parts of a report into it."""
-
-
-def _table_html(block: TableBlock, label: str, name: str) -> str:
-    """HTML of a table with caption, repeated head and notes; it scrolls where the screen is narrow.
-
-    ``label`` stands before the caption, ``name`` is the id of the caption.
+    Examples
+    --------
+    >>> mathml(r"k_{1}")
+    '<math><mrow><msub><mi>k</mi><mrow><mn>1</mn></mrow></msub></mrow></math>'
     """
-    decimals = [block.decimals(index) for index in range(len(block.columns))]
-    head = "".join(f"<th{_class(column)} scope=col>{_heading(column)}</th>" for column in block.columns)
-    body = "".join(_group(group.title, group.rows, block.columns, decimals) for group in block.groups)
-    foot = "".join(f"<p class=note>{inline(note)}</p>" for note in block.foot_notes)
-    keep = " keep" if stays_whole(block) else ""
-    caption = f"<p class=caption id={name}><b>{escaped(label)}</b> {inline(block.caption)}</p>"
-    return (
-        f"<div class='table{keep}'>{caption}<div class=scroll tabindex=0 role=region aria-labelledby={name}>"
-        f"<table aria-labelledby={name}><thead><tr>{head}</tr></thead>{body}</table></div>{foot}</div>"
-    )
+    try:
+        from latex2mathml.converter import convert
+    except ImportError:
+        raise MissingExtraError(
+            "formulas in HTML and PDF need latex2mathml: pip install latex2mathml (or write -o report.md, report.tex)"
+        ) from None
+    whole = _MATHRM.sub(lambda match: rf"\text{{{match[1].replace('~', ' ')}}}", latex)  # one word, not its letters
+    text = convert(whole, display="block" if block else "inline")
+    text = re.sub(r'<math xmlns="[^"]*" display="(\w+)">', r'<math display="\1">', text)
+    return text.replace(' display="inline"', "").replace(' stretchy="true" fence="true"', "")
 
 
-def _heading(column: Heading) -> str:
-    unit = f"<span class=unit>{escaped(column.unit)}</span>" if column.bracket else ""
-    return f"{inline(column.text)}{' ' if unit else ''}{unit}"
+def escaped(text: str) -> str:
+    """Text with the characters of HTML markup escaped, and control characters replaced.
+
+    >>> escaped('<b>A & "B"</b>')
+    '&lt;b&gt;A &amp; &quot;B&quot;&lt;/b&gt;'
+    """
+    return html.escape(without_controls(text))
+
+
+def without_controls(text: str) -> str:
+    """Text with its control characters replaced, which neither a page nor XML can hold."""
+    return "".join("\N{REPLACEMENT CHARACTER}" if _is_control(char) else char for char in text)
+
+
+def _is_control(char: str) -> bool:
+    return (unicodedata.category(char) in ("Cc", "Cs") and char not in "\n\t") or char in "\ufffe\uffff"
+
+
+class HtmlInline(InlineWriter):
+    """Writer of the texts, formulas and numbers inside a line of an HTML page."""
+
+    def text(self, text: str) -> str:
+        return escaped(text)
+
+    def math(self, latex: str) -> str:
+        return mathml(latex)
+
+    def terms(self, terms: tuple[str, ...]) -> str:
+        # A leading sign stands between two terms, and keeps its distance from both.
+        infix = (("<mo>", "<mo form=infix>", 1) if term[:1] in ("+", "-", "=") else ("", "", 0) for term in terms)
+        return " ".join(mathml(term).replace(*sign) for term, sign in zip(terms, infix, strict=True))
+
+    def strong(self, text: str) -> str:
+        return f"<strong>{escaped(text)}</strong>"
+
+    def code(self, text: str) -> str:
+        return f"<code>{escaped(text)}</code>"
+
+    def digits(self, digits: str, gap: str) -> str:
+        text = digits.replace("-", "−")
+        return f'{text}<span class="pad" aria-hidden="true">{gap}</span>' if gap else text
+
+    def power(self, digits: str, exponent: str) -> str:
+        return f"{digits}·10<sup>{exponent}</sup>".replace("-", "−")
+
+
+class HtmlWriter(PageWriter):
+    """Writer of a report as an HTML page."""
+
+    ending = ".html"
+    images = tuple(MEDIA_TYPES)
+    inline = HtmlInline()
+
+    def __init__(self, report: Report, *, folds: bool) -> None:
+        super().__init__(report)
+        self.folds = folds
+
+    def image(self, name: str, data: bytes) -> str:
+        return f"data:{MEDIA_TYPES[Path(name).suffix.lower()]};base64,{base64.b64encode(data).decode()}"
+
+    def joined(self, written: Sequence[str]) -> str:
+        return "".join(f"{block}\n" for block in written)
+
+    def section(self, block: Section, heading: str, inner: str) -> str:
+        return f'<section id="{escaped(block.name)}">\n{heading}{inner}</section>'
+
+    def heading(self, block: Section, number: str, level: int) -> str:
+        tag = f"h{min(level + 2, 6)}"
+        return f"<{tag}><span class=no>{number}</span> {self.inline(block.title)}</{tag}>\n"
+
+    def paragraph(self, text: Text) -> str:
+        return f"<p>{self.inline(text)}</p>"
+
+    def listing(self, items: Sequence[Text]) -> str:
+        return f"<ul>{''.join(f'<li>{self.inline(item)}</li>' for item in items)}</ul>"
+
+    def facts(self, rows: Sequence[tuple[str, Text]]) -> str:
+        return f"<dl>{''.join(f'<dt>{escaped(word)}</dt><dd>{self.inline(text)}</dd>' for word, text in rows)}</dl>"
+
+    def remark(self, kind: str, word: str, text: Text) -> str:
+        return f"<p class='remark {kind}'><b>{escaped(word)}:</b> {self.inline(text)}</p>"
+
+    def formula(self, latex: str, number: str) -> str:
+        return f"<div class=formula><div class=scroll>{mathml(latex, block=True)}</div><span>({number})</span></div>"
+
+    def equations(self, rows: Sequence[BreakableMath]) -> str:
+        return "".join(f"<p class=equation>{self.inline(row)}</p>" for row in rows)
+
+    def details(self, block: Details) -> str:
+        if not (self.folds and block.blocks):
+            return super().details(block)
+        return f"<details><summary>{self.inline(block.title)}</summary>\n{self.folded(block)}</details>"
+
+    def picture(self, block: Picture, label: CountedLabel) -> str:
+        from torsionnet.plot.drawing.save import inline_svg
+
+        svg = inline_svg(block.figure, f"f{label.number}-")
+        drawing = svg.replace("<svg ", f'<svg role=img aria-label="{escaped(block.alt)}" ', 1)
+        caption = f"<figcaption><b>{escaped(str(label))}</b> {self.inline(block.caption)}</figcaption>"
+        return f"<figure><div class=scroll>{drawing}</div>{caption}</figure>"
+
+    def table(self, layout: TableLayout, label: CountedLabel) -> str:
+        block, name = layout.block, f"table-{label.number.lower()}"
+        head = "".join(f"<th{_class(one)} scope=col>{self._heading(one)}</th>" for one in block.columns)
+        body = "".join(self._group(group, layout) for group in block.groups)
+        notes = "".join(f"<p class=note>{self.inline(note)}</p>" for note in block.foot_notes)
+        caption = f"<p class=caption id={name}><b>{escaped(str(label))}</b> {self.inline(block.caption)}</p>"
+        # A wide table scrolls where the screen is narrow; a short one is not split between printed pages.
+        return (
+            f"<div class='table{' keep' if layout.stays_whole else ''}'>{caption}"
+            f"<div class=scroll tabindex=0 role=region aria-labelledby={name}>"
+            f"<table aria-labelledby={name}><thead><tr>{head}</tr></thead>{body}</table></div>{notes}</div>"
+        )
+
+    def _heading(self, column: Heading) -> str:
+        unit = f" <span class=unit>{escaped(column.unit)}</span>" if column.bracket else ""
+        return f"{self.inline(column.text)}{unit}"
+
+    def _group(self, group: TableGroup, layout: TableLayout) -> str:
+        columns = layout.block.columns
+        title = f"<tr class=group><th colspan={len(columns)} scope=rowgroup>{self.inline(group.title)}</th></tr>"
+        return f"<tbody>{title if group.title else ''}{''.join(self._row(row, layout) for row in group.rows)}</tbody>\n"
+
+    def _row(self, row: tuple[Cell, ...], layout: TableLayout) -> str:
+        cells = "".join(
+            f"<td{_class(column)}>{self.inline.cell(cell, decimals)}</td>"
+            for cell, column, decimals in zip(row, layout.block.columns, layout.decimals, strict=True)
+        )
+        # A row that continues what the row above is about has no line over it.
+        return f"<tr{' class=on' if row and row[0] == '' else ''}>{cells}</tr>"
+
+    def title_block(self, block: TitleTable) -> str:
+        def cells(texts: Sequence[str], tag: str = "td") -> str:
+            return "".join(f"<{tag}>{escaped(text)}</{tag.partition(' ')[0]}>" for text in texts)
+
+        fields = "".join(
+            f"<tr>{''.join(cells([label], 'th scope=row') + cells([text], _wide(row)) for label, text in row)}</tr>\n"
+            for row in block.rows
+        )
+        revisions = "".join(f"<tr>{cells(row)}</tr>\n" for row in block.revisions)
+        lines = "".join(
+            f"<tr>{cells([done], 'th scope=row')}{cells([name, '', ''])}</tr>\n" for done, name in block.signatures
+        )
+        widths = "<colgroup><col class=label><col><col class=label><col></colgroup>"
+        heads = [cells(texts, "th scope=col") for texts in (block.revision_heads, block.signature_heads)]
+        return (
+            f"<div class=titleblock>\n<table>{widths}<tbody>\n{fields}</tbody></table>\n"
+            f"<table class=revisions><thead><tr>{heads[0]}</tr></thead><tbody>\n{revisions}</tbody></table>\n"
+            f"<table class=signatures><thead><tr>{heads[1]}</tr></thead><tbody>\n{lines}</tbody></table>\n</div>\n"
+        )
+
+
+def _wide(row: Sequence[object]) -> str:
+    """Tag of a field of the title block, which takes the whole row where it is the only one."""
+    return "td colspan=3" if len(row) == 1 else "td"
 
 
 def _class(column: Heading) -> str:
     return " class=num" if column.numeric else " class=wide" if column.wide else ""
-
-
-def _group(title: Cell, rows: Sequence[tuple[Cell, ...]], columns: Sequence[Heading], decimals: Sequence[int]) -> str:
-    lead = f"<tr class=group><th colspan={len(columns)} scope=rowgroup>{inline(title)}</th></tr>" if title else ""
-    body = "".join(f"<tr{_continued(row)}>{_cells(row, columns, decimals)}</tr>" for row in rows)
-    return f"<tbody>{lead}{body}</tbody>\n"
-
-
-def _continued(row: tuple[Cell, ...]) -> str:
-    """HTML attribute of a row that continues what the row above is about, and has no line over it."""
-    return " class=on" if row and row[0] == "" else ""
-
-
-def _cells(row: tuple[Cell, ...], columns: Sequence[Heading], decimals: Sequence[int]) -> str:
-    parts = []
-    for cell, column, places in zip(row, columns, decimals, strict=True):
-        content = number(cell, places) if isinstance(cell, NumberText) else inline(cell)
-        parts.append(f"<td{_class(column)}>{content}</td>")
-    return "".join(parts)

@@ -17,32 +17,35 @@ from torsionnet.report.document_tree import (
     Block,
     BreakableMath,
     Cell,
-    Code,
     Equations,
     Facts,
     Formula,
-    Inline,
     Math,
     NumberText,
     Paragraph,
     Picture,
     Report,
     Section,
-    Strong,
     TableBlock,
     Text,
-    inlines,
+    TitleTable,
 )
-from torsionnet.report.writers.latex_columns import (
-    MATRIX_LETTERS,
-    PAGE_LETTERS,
-    Columns,
-    is_matrix,
-    length_name,
-    table_pieces,
-)
-from torsionnet.report.writers.templating import TextFormat, figure_folder, figures_beside, render, write_beside
+from torsionnet.report.writers.blocks import CountedLabel
+from torsionnet.report.writers.inline import LONGEST_WORD, InlineWriter, signed_pieces
+from torsionnet.report.writers.table_layout import MATRIX_LETTERS, PAGE_LETTERS, Piece, TableLayout, is_matrix
+from torsionnet.report.writers.templating import BesideWriter
 from torsionnet.symbolic import symbol_names
+
+
+def write(report: Report, path: Path) -> tuple[Path, ...]:
+    """Write a report as a LaTeX document with its figures, and return the paths."""
+    return LatexWriter.write(report, path)
+
+
+def latex_document(report: Report, folder: str) -> str:
+    """Text of the LaTeX document of a report; ``folder`` holds the figures."""
+    return LatexWriter(report, folder).page()
+
 
 # LaTeX of the texts and numbers of a report.
 
@@ -61,8 +64,10 @@ GREEK = {
     for size in ("CAPITAL" if name[0].isupper() else "SMALL",)
 }
 """LaTeX of Greek letters by letter."""
-LONGEST_WORD, PIECE_LETTERS = 20, 10
-"""Largest number of letters of a word in one piece, and number of letters after which a longer one may break."""
+PIECE_LETTERS = 10
+"""Number of letters after which a long word in a narrow column may break."""
+LONG_WORD = 60
+"""Number of letters of a word from which on LaTeX sets it smaller, such as a check sum."""
 _BREAK = r"\allowbreak{}"
 FIRST_UNKNOWN_LETTER = 0x180
 """First code point of the letters that the LaTeX fonts (T1) may lack; those below they have, or compose."""
@@ -88,67 +93,58 @@ def _char(char: str) -> str:
     return rf"[U+{ord(char):04X}]"
 
 
-def inline(cell: Cell) -> str:
-    r"""LaTeX of a cell, caption or paragraph of a report; a long word may break after its signs.
+class LatexInline(InlineWriter):
+    r"""Writer of the texts, formulas and numbers inside a line of LaTeX; a long word may break after its signs.
 
-    >>> print(inline("in water=dry,coupling=warm"))
+    In a narrow column every word may break after its signs, and long ones anywhere.
+
+    Examples
+    --------
+    >>> print(LatexInline()("in water=dry,coupling=warm"))
     in water=\allowbreak{}dry,\allowbreak{}coupling=\allowbreak{}warm
-    """
-    return "".join(map(_part, inlines(cell)))
-
-
-def breakable(part: Inline) -> str:
-    r"""LaTeX of a part of a table's cell, which may break over lines in a narrow column.
-
-    Words may also break after signs, and long ones anywhere.
-
-    >>> print(breakable("gear=V,clutch=open"))
+    >>> print(LatexInline(narrow=True)("gear=V,clutch=open"))
     gear=\allowbreak{}V,\allowbreak{}clutch=\allowbreak{}open
     """
-    if not isinstance(part, str):
-        return _part(part)
-    return " ".join(_BREAK.join(map(escaped, _syllables(word))) for word in part.split(" "))
+
+    def __init__(self, *, narrow: bool = False) -> None:
+        self.narrow = narrow
+
+    def text(self, text: str) -> str:
+        return " ".join(_BREAK.join(map(escaped, self._pieces(word))) for word in text.split(" "))
+
+    def _pieces(self, word: str) -> list[str]:
+        if not self.narrow:
+            return [word] if len(word) <= LONGEST_WORD else signed_pieces(word)
+        pieces = []
+        for piece in signed_pieces(word):
+            size = PIECE_LETTERS if len(piece) > LONGEST_WORD else len(piece) or 1
+            pieces += [piece[start : start + size] for start in range(0, len(piece), size)]
+        return pieces
+
+    def math(self, latex: str) -> str:
+        return f"${latex}$"
+
+    def terms(self, terms: tuple[str, ...]) -> str:
+        return " ".join(f"${'{} ' if latex[:1] in ('+', '-', '=') else ''}{latex}$" for latex in terms)
+
+    def strong(self, text: str) -> str:
+        return rf"\textbf{{{escaped(text)}}}"
+
+    def code(self, text: str) -> str:
+        pieces = (escaped(piece).replace("--", "-{}-") for piece in re.split(r"(?<=[(,._/])", text))
+        return rf"\texttt{{{_BREAK.join(pieces)}}}"
+
+    def digits(self, digits: str, gap: str) -> str:
+        if not digits[-1:].isdigit():
+            return escaped(digits)
+        phantom = rf"\phantom{{{gap}}}" if gap else ""
+        return f"${digits}{phantom}$"
+
+    def power(self, digits: str, exponent: str) -> str:
+        return rf"${digits}\cdot10^{{{exponent}}}$"
 
 
-def _syllables(word: str) -> list[str]:
-    found = []
-    for piece in _signed(word):
-        size = PIECE_LETTERS if len(piece) > LONGEST_WORD else len(piece) or 1
-        found += [piece[start : start + size] for start in range(0, len(piece), size)]
-    return found
-
-
-def _signed(word: str) -> list[str]:
-    return re.split(r"(?<=[=,/_+])(?=.)", word)
-
-
-def _part(part: Inline) -> str:
-    match part:
-        case Math(latex):
-            return f"${latex}$"
-        case BreakableMath(parts):
-            return " ".join(f"${'{} ' if latex[:1] in ('+', '-', '=') else ''}{latex}$" for latex in parts)
-        case Strong(text):
-            return rf"\textbf{{{escaped(text)}}}"
-        case Code(text):
-            pieces = (escaped(piece).replace("--", "-{}-") for piece in re.split(r"(?<=[(,._/])", text))
-            return rf"\texttt{{{_BREAK.join(pieces)}}}"
-        case NumberText():
-            return number(part)
-    words = ([word] if len(word) <= LONGEST_WORD else _signed(word) for word in part.split(" "))
-    return " ".join(_BREAK.join(map(escaped, word)) for word in words)
-
-
-def number(value: NumberText, decimals: int = 0) -> str:
-    """LaTeX of a number in a report; a gap makes up for the decimals that others in its column have."""
-    text = value.mantissa
-    if not text[-1:].isdigit():
-        return escaped(text)
-    if value.exponent is not None:
-        return rf"${text}\cdot10^{{{value.exponent}}}$"
-    missing = decimals - value.decimals_shown
-    gap = rf"\phantom{{{'' if value.decimals_shown else '.'}{'0' * missing}}}" if missing > 0 else ""
-    return f"${text}{gap}$"
+inline, _narrow = LatexInline(), LatexInline(narrow=True)
 
 
 def display_math(latex: str) -> str:
@@ -160,49 +156,70 @@ def display_math(latex: str) -> str:
 # Tables in LaTeX as ``longtable``, so that long ones break over pages with their head repeated.
 
 
-def table_latex(block: TableBlock, continued: str = "(continued)") -> str:
+def table_latex(layout: TableLayout, continued: str = "(continued)") -> str:
     """LaTeX of a table with caption, head and notes; one that is too wide for the page goes on below."""
-    decimals = [block.decimals(index) for index in range(len(block.columns))]
-    lines = []
-    for place, columns in enumerate(table_pieces(block)):
+    block, lines = layout.block, []
+    for place, piece in enumerate(layout.pieces):
         caption = rf"\caption*{{{escaped(continued)}}}" if place else rf"\caption{{{inline(block.caption)}}}"
-        lines += _piece(block, columns, caption, decimals)
+        lines += _piece(block, piece, caption)
     return "\n".join([*lines, *(rf"{{\footnotesize {inline(note)}\par}}" for note in block.foot_notes)])
 
 
-def _piece(block: TableBlock, columns: Columns, caption: str, decimals: Sequence[int]) -> list[str]:
-    head = " & ".join(
-        _heading(lines, numeric=block.columns[index].numeric)
-        for index, lines in zip(columns.indices, columns.headings, strict=True)
-    )
-    lines = [rf"\begin{{longtable}}{{{columns.spec(block)}}}"]
-    lines[:0] = _measured(block, columns, decimals)
+def _piece(block: TableBlock, piece: Piece, caption: str) -> list[str]:
+    head = " & ".join(_heading(placed.lines, numeric=placed.numeric) for placed in piece)
+    lines = [*_measured(piece), rf"\begin{{longtable}}{{{_specification(piece)}}}"]
     lines += [rf"{caption}\\", r"\toprule", rf"{head} \\", r"\midrule", r"\endfirsthead"]
     lines += [r"\toprule", rf"{head} \\", r"\midrule", r"\endhead", r"\bottomrule", r"\endlastfoot"]
-    for number_, group in enumerate(block.groups):
+    for number, group in enumerate(block.groups):
         if group.title:
-            lines += [r"\addlinespace"] if number_ else []
-            lines.append(rf"\multicolumn{{{len(columns.indices)}}}{{@{{}}l}}{{\textbf{{{inline(group.title)}}}}} \\*")
-        lines += [f"{_row(row, columns, decimals)} \\\\{_gap(row)}" for row in group.rows]
+            lines += [r"\addlinespace"] if number else []
+            lines.append(rf"\multicolumn{{{len(piece)}}}{{@{{}}l}}{{\textbf{{{inline(group.title)}}}}} \\*")
+        for row in group.rows:
+            cells = (_cell(row[placed.index], placed.column.decimals, placed.width) for placed in piece)
+            # A row with a matrix needs some room below it.
+            gap = "[9pt]" if any(map(is_matrix, row)) else ""
+            lines.append(rf"{' & '.join(cells)} \\{gap}")
     return [*lines, r"\end{longtable}"]
 
 
-def _measured(block: TableBlock, columns: Columns, decimals: Sequence[int]) -> list[str]:
+def _specification(piece: Piece) -> str:
+    """LaTeX of the widths of a ``longtable``'s columns.
+
+    Each as measured before in its length, or as a share of the room that those leave.
+    """
+    broken = sum(placed.width for placed in piece if placed.width is not None)
+    parts = []
+    for place, placed in enumerate(piece):
+        side = "left" if placed.numeric else "right"
+        wide = length_name(place) if placed.width is None else rf"{placed.width / broken:.3f}\textroom"
+        parts.append(rf">{{\ragged{side}\arraybackslash}}p{{{wide}}}")
+    return "@{}" + "".join(parts) + "@{}"
+
+
+def length_name(place: int) -> str:
+    r"""Name of the LaTeX length that holds the width of a column.
+
+    >>> length_name(0), length_name(27)
+    ('\\widthA', '\\widthAB')
+    """
+    letters = chr(ord("A") + place % 26)
+    return rf"\width{'A' * (place // 26)}{letters}"
+
+
+def _measured(piece: Piece) -> list[str]:
     """LaTeX lines that measure the columns that do not break, so that one run of pdfTeX is enough.
 
     What they leave of the line is the room of the columns whose texts break: letters counted are not quite their width.
     """
     lines = []
-    left = [r"\linewidth", rf"{2 * (1 - len(columns.indices))}\tabcolsep"]
-    for place, (index, width, heading) in enumerate(
-        zip(columns.indices, columns.widths, columns.headings, strict=True)
-    ):
-        if width is None:
-            cells = (_cell(cell, decimals[index], None) for cell in block.column(index))
-            texts = dict.fromkeys([_heading(heading, numeric=block.columns[index].numeric), *filter(None, cells)])
+    left = [r"\linewidth", rf"{2 * (1 - len(piece))}\tabcolsep"]
+    for place, placed in enumerate(piece):
+        if placed.width is None:
+            cells = (_cell(cell, placed.column.decimals, None) for cell in placed.column.cells)
+            texts = dict.fromkeys([_heading(placed.lines, numeric=placed.numeric), *filter(None, cells)])
             lines.append(rf"\measured{{{length_name(place)}}}" + "".join(rf"\widen{{{text}}}" for text in texts))
             left.append(f"-{length_name(place)}")
-    if broken := sum(width for width in columns.widths if width is not None):
+    if broken := sum(placed.width for placed in piece if placed.width is not None):
         most = rf"{broken / PAGE_LETTERS:.3f}\linewidth"
         room = "".join(rf"\addtolength{{\textroom}}{{{length}}}" for length in left)
         lines.append(rf"\setlength{{\textroom}}{{0pt}}{room}\ifdim\textroom>{most}\setlength{{\textroom}}{{{most}}}\fi")
@@ -218,23 +235,11 @@ def _heading(lines: tuple[Cell, ...], *, numeric: bool) -> str:
     return rf"\begin{{tabular}}[b]{{@{{}}{side}@{{}}}}{stacked}\end{{tabular}}"
 
 
-def _gap(row: tuple[Cell, ...]) -> str:
-    """LaTeX of the vertical room below a table row; a row with a matrix needs some."""
-    return "[9pt]" if any(is_matrix(cell) for cell in row) else ""
-
-
-def _row(row: tuple[Cell, ...], columns: Columns, decimals: Sequence[int]) -> str:
-    cells = zip(columns.indices, columns.widths, strict=True)
-    return " & ".join(_cell(row[index], decimals[index], width) for index, width in cells)
-
-
 def _cell(cell: Cell, decimals: int, width: float | None) -> str:
-    if isinstance(cell, NumberText):
-        return number(cell, decimals)
     if is_matrix(cell):
         return rf"\fitted{{{MATRIX_LETTERS / PAGE_LETTERS:.2f}\linewidth}}{{{display_math(inline(cell)[1:-1])}}}"
-    text = inline(cell) if width is None else "".join(map(breakable, inlines(cell)))
-    return display_math(text)
+    text = (inline if width is None else _narrow).cell(cell, decimals)
+    return text if isinstance(cell, NumberText) else display_math(text)
 
 
 # Space on a page that a block needs at least in LaTeX, so that no heading stands alone at the end of a page.
@@ -249,31 +254,24 @@ LINE_POINTS, PAGE_POINTS, MOST_LINES = 12.0, 483.0, 48.0
 """Height of a line and width of a page in points, and number of lines that a figure fills at most."""
 
 
-def room_command(block: Block) -> str:
-    """LaTeX command that begins a new page if less is left of the page than the block needs."""
-    return rf"\room{{{lines_needed(block):.0f}\baselineskip}}" + "\n"
-
-
 def lines_needed(block: Block) -> float:
     """Height, in lines, that a block needs at least on the page on which it begins."""
-    if isinstance(block, Section):
-        return HEADING_LINES + (_beginning(block.blocks) if block.blocks else 0)
-    if isinstance(block, TableBlock):
-        rows = [row for group in block.groups for row in group.rows]
-        lines = sum(
-            max(map(_lines, row), default=1)
-            for row in (rows if len(rows) <= MOST_UNBROKEN_ROWS else rows[:ROWS_BELOW_HEADING])
-        )
-        parts = table_pieces(block)
-        head = TABLE_HEAD_LINES + max((len(heading) for heading in parts[0].headings), default=1)
-        return min(CAPTION_LINES + head + lines, MOST_LINES)
-    if isinstance(block, Picture):
-        width, height = (72 * float(size) for size in block.figure.get_size_inches())
-        return min(height * min(1.0, PAGE_POINTS / width) / LINE_POINTS, MOST_LINES) + CAPTION_LINES
-    if isinstance(block, Paragraph):
-        return PARAGRAPH_LINES
-    if isinstance(block, (Formula, Equations, Facts)):
-        return 2 * PARAGRAPH_LINES
+    match block:
+        case Section(blocks=blocks):
+            return HEADING_LINES + (_beginning(blocks) if blocks else 0)
+        case TableBlock(groups=groups):
+            rows = [row for group in groups for row in group.rows]
+            shown = rows if len(rows) <= MOST_UNBROKEN_ROWS else rows[:ROWS_BELOW_HEADING]
+            lines = sum(max(map(_lines, row), default=1) for row in shown)
+            heading = max((len(placed.lines) for placed in TableLayout(block).pieces[0]), default=1)
+            return min(CAPTION_LINES + TABLE_HEAD_LINES + heading + lines, MOST_LINES)
+        case Picture(figure=figure):
+            width, height = (72 * float(size) for size in figure.get_size_inches())
+            return min(height * min(1.0, PAGE_POINTS / width) / LINE_POINTS, MOST_LINES) + CAPTION_LINES
+        case Paragraph():
+            return PARAGRAPH_LINES
+        case Formula() | Equations() | Facts():
+            return 2 * PARAGRAPH_LINES
     return OTHER_LINES
 
 
@@ -293,39 +291,102 @@ def _lines(cell: object) -> float:
     return 1.15 * (1 + len(text) // (LETTERS_PER_LINE // 2)) if isinstance(text, str) else 1.15
 
 
-LONG_WORD = 60
-"""Number of letters of a word from which on LaTeX sets it smaller, such as a check sum."""
+LEVELS = ("section", "subsection", "subsubsection", "paragraph")
+"""LaTeX commands of headings, from the highest level down."""
+_RAGGED = r">{\raggedright\arraybackslash}"
+FIELD_COLUMNS = r"|*{2}{" + _RAGGED + r"p{\cellof{0.17}}|" + _RAGGED + r"p{\cellof{0.329}}|}"
+REVISION_COLUMNS = (
+    r"|p{\cellof{0.11}}|p{\cellof{0.12}}|" + _RAGGED + r"p{\cellof{0.318}}|*{3}{" + _RAGGED + r"p{\cellof{0.15}}|}"
+)
+SIGNATURE_COLUMNS = r"|p{\cellof{0.17}}|" + _RAGGED + r"p{\cellof{0.329}}|p{\cellof{0.15}}|p{\cellof{0.349}}|"
+"""Columns of the three tables of the title block, whose cells have their rule and gaps inside their share of a line."""
 
 
-def write(report: Report, path: Path) -> tuple[Path, ...]:
-    """Write a report as a LaTeX document with its figures, and return the paths."""
-    return write_beside(report, path, "pdf", latex_document(report, figure_folder(path).name))
+class LatexWriter(BesideWriter):
+    """Writer of a report as a LaTeX document, which counts sections, tables, figures and formulas itself."""
+
+    ending = ".tex"
+    form = "pdf"
+    images = (".pdf", ".png", ".jpg", ".jpeg")
+    inline = inline
+
+    def heading(self, block: Section, _number: str, level: int) -> str:
+        title = inline(block.title)
+        # The bookmark of a title with a formula is the section's name.
+        shown = rf"\texorpdfstring{{{title}}}{{{escaped(block.name)}}}" if "$" in title else title
+        return _room(block) + rf"\{LEVELS[min(level, 3)]}{{{shown}}}" + "\n\n"
+
+    def paragraph(self, text: Text) -> str:
+        return inline(text)
+
+    def listing(self, items: Sequence[Text]) -> str:
+        return _joined(r"\begin{itemize}", *(rf"\item {inline(item)}" for item in items), r"\end{itemize}")
+
+    def facts(self, rows: Sequence[tuple[str, Text]]) -> str:
+        begin = r"\begin{tabular}{@{}l" + _RAGGED + r"p{0.78\linewidth}@{}}"
+        return _joined(begin, *(rf"{inline(word)} & {_shrunk(text)} \\" for word, text in rows), r"\end{tabular}")
+
+    def remark(self, _kind: str, word: str, text: Text) -> str:
+        return rf"\textbf{{{inline(word)}:}} {inline(text)}"
+
+    def formula(self, latex: str, _number: str) -> str:
+        shown = rf"\fitted{{0.93\linewidth}}{{{display_math(latex)}}}"
+        return _joined(r"\begin{equation}", shown, r"\end{equation}")
+
+    def equations(self, rows: Sequence[BreakableMath]) -> str:
+        lines = (rf"\hangindent=2.5em\hangafter=1\noindent {display_math(inline(row))}" for row in rows)
+        return _joined(r"{\raggedright", "\n\n".join(lines), r"\par}")
+
+    def table(self, layout: TableLayout, _label: CountedLabel) -> str:
+        return _room(layout.block) + _joined(r"{\small", table_latex(layout, self.word("(continued)")), "}")
+
+    def picture(self, block: Picture, _label: CountedLabel) -> str:
+        caption = rf"\captionof{{figure}}{{{inline(block.caption)}}}"
+        return _joined(r"\begin{center}", rf"\drawing{{{self.drawing(block)}}}", caption, r"\end{center}")
+
+    def title_block(self, block: TitleTable) -> str:
+        begin = r"{\small\setlength{\tabcolsep}{4pt}"
+        begin += r"\newcommand{\cellof}[1]{\dimexpr#1\linewidth-2\tabcolsep-\arrayrulewidth\relax}%"
+        whole = rf"\multicolumn{{3}}{{{_RAGGED}p{{\dimexpr0.828\linewidth-2\tabcolsep-2\arrayrulewidth\relax}}|}}"
+        fields = []
+        for row in block.rows:
+            texts = [_shrunk(text) if len(row) > 1 else f"{whole}{{{_shrunk(text)}}}" for _, text in row]
+            cells = [f"{inline(label)} & {text} " for (label, _), text in zip(row, texts, strict=True)]
+            fields += ["&\n".join(cells), r"\\\hline"]
+        revisions = [rf"{' & '.join(map(_shrunk, row))} \\\hline" for row in block.revisions]
+        signatures = [
+            rf"\rule[-2mm]{{0pt}}{{6.5mm}}{inline(done)} & {_shrunk(name)} & & \\\hline"
+            for done, name in block.signatures
+        ]
+        return _joined(
+            begin,
+            *_ruled(FIELD_COLUMNS, fields),
+            *_ruled(REVISION_COLUMNS, [_heads(block.revision_heads), *revisions]),
+            *_ruled(SIGNATURE_COLUMNS, [_heads(block.signature_heads), *signatures]),
+        ).removesuffix(r"\medskip") + "}"  # fmt: skip
 
 
-def latex_document(report: Report, folder: str) -> str:
-    """Text of the LaTeX document of a report; ``folder`` holds the figures."""
-    return render(report, FORMAT, figures_beside(folder, "pdf"))
+def _joined(*lines: str) -> str:
+    return "\n".join(lines)
 
 
-def _breakable(text: Text) -> str:
+def _ruled(columns: str, lines: Sequence[str]) -> list[str]:
+    """Lines of a table of the title block."""
+    return [rf"\begin{{tabular}}{{{columns}}}", r"\hline", *lines, r"\end{tabular}\par\medskip"]
+
+
+def _heads(texts: Sequence[str]) -> str:
+    return " & ".join(rf"\textbf{{{inline(text)}}}" for text in texts) + r" \\\hline"
+
+
+def _room(block: Block) -> str:
+    """LaTeX command that begins a new page if less is left of the page than the block needs."""
+    return rf"\room{{{lines_needed(block):.0f}\baselineskip}}" + "\n"
+
+
+def _shrunk(text: Cell) -> str:
     """LaTeX of a text with its long words in a smaller size."""
     return " ".join(
         rf"{{\footnotesize\texttt{{{word}}}}}" if len(word) > LONG_WORD and word.isalnum() else word
         for word in inline(text).split(" ")
     )
-
-
-FORMAT = TextFormat(
-    ".tex",
-    inline,
-    {
-        "display": display_math,
-        "equation": lambda row: display_math(inline(row)),
-        "breakable": _breakable,
-        "text": inline,
-        "room": room_command,
-        "table": table_latex,
-    },
-    (".pdf", ".png", ".jpg", ".jpeg"),
-)
-"""File format LaTeX with the functions that turn the parts of a report into it."""

@@ -3,34 +3,35 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from torsionnet.base.number_text import RAISED
 from torsionnet.report.document_tree import (
     BreakableMath,
-    Cell,
-    Code,
     Heading,
-    Inline,
-    Math,
-    NumberText,
+    Picture,
     Report,
-    Strong,
-    TableBlock,
-    inlines,
+    Section,
+    Text,
+    TitleTable,
 )
-from torsionnet.report.writers.templating import TextFormat, figure_folder, figures_beside, render, write_beside
+from torsionnet.report.writers.blocks import CountedLabel
+from torsionnet.report.writers.inline import InlineWriter
+from torsionnet.report.writers.table_layout import TableLayout
+from torsionnet.report.writers.templating import BesideWriter
 
 _MARKS = re.compile(r"([\\`*_{}\[\]<>#|$~&])")
 
 
 def write(report: Report, path: Path) -> tuple[Path, ...]:
     """Write a report as Markdown with its figures, and return the paths."""
-    return write_beside(report, path, "svg", markdown_text(report, figure_folder(path).name))
+    return MarkdownWriter.write(report, path)
 
 
 def markdown_text(report: Report, folder: str) -> str:
     """Text of the Markdown file of a report; ``folder`` holds the figures."""
-    return render(report, FORMAT, figures_beside(folder, "svg"))
+    return MarkdownWriter(report, folder).page()
 
 
 def escaped(text: str) -> str:
@@ -42,55 +43,99 @@ def escaped(text: str) -> str:
     return _MARKS.sub(r"\\\1", " ".join(text.split("\n")))
 
 
-def inline(cell: Cell) -> str:
-    """Markdown of a cell, caption or paragraph of a report."""
-    return "".join(map(_part, inlines(cell)))
-
-
-def _part(part: Inline) -> str:
-    match part:
-        case Math(latex):
-            return f"${_safe(latex)}$"
-        case BreakableMath(parts):
-            return f"${_safe(' '.join(parts))}$"
-        case Strong(text):
-            return f"**{escaped(text.strip())}**{' ' * (text != text.rstrip())}"
-        case Code(text):
-            return f"`{text}`"
-        case NumberText():
-            return str(part)
-    return escaped(part)
-
-
 def _safe(latex: str) -> str:
     r"""LaTeX without double backslashes, thin spaces and bars, which Markdown takes for escapes or ends of cells."""
     text = latex.replace(r" \\ ", r" \cr ").replace(r"\\", r"\cr ").replace(r"\,", r"\thinspace ")
     return text.replace(r"\left|", r"\left\vert ").replace(r"\right|", r"\right\vert ").replace("|", r"\vert ")
 
 
-def _display(latex: str) -> str:
-    return f"$$\n{_safe(latex)}\n$$"
+class MarkdownInline(InlineWriter):
+    """Writer of the texts, formulas and numbers inside a line of Markdown."""
+
+    def text(self, text: str) -> str:
+        return escaped(text)
+
+    def math(self, latex: str) -> str:
+        return f"${_safe(latex)}$"
+
+    def terms(self, terms: tuple[str, ...]) -> str:
+        return self.math(" ".join(terms))
+
+    def strong(self, text: str) -> str:
+        return f"**{escaped(text.strip())}**{' ' * (text != text.rstrip())}"
+
+    def code(self, text: str) -> str:
+        return f"`{text}`"
+
+    def digits(self, digits: str, _gap: str) -> str:
+        return digits.replace("-", "−")
+
+    def power(self, digits: str, exponent: str) -> str:
+        return f"{self.digits(digits, '')}·10{exponent.translate(RAISED)}"
 
 
-def _table(block: TableBlock) -> str:
-    head = " | ".join(_heading(column) for column in block.columns)
-    rule = "|".join("---:" if column.numeric else "---" for column in block.columns)
-    lines = [f"| {head} |", f"|{rule}|"]
-    for group in block.groups:
-        if group.title:
-            lines.append(f"| **{inline(group.title)}** |" + " |" * (len(block.columns) - 1))
-        lines += [f"| {' | '.join(map(inline, row))} |" for row in group.rows]
-    return "\n".join(lines) + "".join(f"\n\n{inline(note)}" for note in block.foot_notes)
+class MarkdownWriter(BesideWriter):
+    """Writer of a report as Markdown."""
+
+    ending = ".md"
+    form = "svg"
+    images = (".svg", ".png", ".jpg", ".jpeg")
+    inline = MarkdownInline()
+
+    def heading(self, block: Section, number: str, level: int) -> str:
+        return f"{'#' * (min(level + 1, 5) + 1)} {number} {self.inline(block.title)}\n\n"
+
+    def paragraph(self, text: Text) -> str:
+        return self.inline(text)
+
+    def listing(self, items: Sequence[Text]) -> str:
+        return "\n".join(f"- {self.inline(item)}" for item in items)
+
+    def facts(self, rows: Sequence[tuple[str, Text]]) -> str:
+        return "| | |\n|---|---|\n" + "".join(f"| {escaped(word)} | {self.inline(text)} |\n" for word, text in rows)
+
+    def remark(self, _kind: str, word: str, text: Text) -> str:
+        return f"> **{escaped(word)}:** {self.inline(text)}"
+
+    def formula(self, latex: str, _number: str) -> str:
+        return f"$$\n{_safe(latex)}\n$$"
+
+    def equations(self, rows: Sequence[BreakableMath]) -> str:
+        return "\n\n".join(self.formula(" ".join(row.parts), "") for row in rows)
+
+    def picture(self, block: Picture, label: CountedLabel) -> str:
+        return f"![{escaped(block.alt)}]({self.drawing(block)})\n\n{self._caption(label, block.caption)}"
+
+    def table(self, layout: TableLayout, label: CountedLabel) -> str:
+        block = layout.block
+        head = " | ".join(self._heading(column) for column in block.columns)
+        rule = "|".join("---:" if column.numeric else "---" for column in block.columns)
+        lines = [f"{self._caption(label, block.caption)}\n", f"| {head} |", f"|{rule}|"]
+        for group in block.groups:
+            if group.title:
+                lines.append(f"| **{self.inline(group.title)}** |" + " |" * (len(block.columns) - 1))
+            lines += [f"| {' | '.join(map(self.inline, row))} |" for row in group.rows]
+        return "\n".join(lines) + "".join(f"\n\n{self.inline(note)}" for note in block.foot_notes)
+
+    def _caption(self, label: CountedLabel, caption: Text) -> str:
+        return f"**{escaped(label.word)} {label.number}** {self.inline(caption)}"
+
+    def _heading(self, column: Heading) -> str:
+        return self.inline(column.text) + escaped(f" {column.bracket}" if column.bracket else "")
+
+    def title_block(self, block: TitleTable) -> str:
+        # A field that is alone in its row leaves the other two cells empty, as a signature its date and name.
+        rows = [_line(text for field in row for text in field) + " | |" * (len(row) == 1) for row in block.rows]
+        tables = [["| | | | |", "|---|---|---|---|", *rows]]
+        tables.append([*_head(block.revision_heads), *map(_line, block.revisions)])
+        tables.append([*_head(block.signature_heads), *(f"{_line(signed)} | |" for signed in block.signatures)])
+        return "\n\n".join(map("\n".join, tables)) + "\n"
 
 
-def _heading(column: Heading) -> str:
-    return inline(column.text) + escaped(f" {column.bracket}" if column.bracket else "")
+def _line(texts: Iterable[str]) -> str:
+    """Row of the title block."""
+    return "|" + "".join(f" {escaped(text)} |" for text in texts)
 
 
-FORMAT = TextFormat(
-    ".md",
-    inline,
-    {"display": _display, "equation": lambda row: _display(" ".join(row.parts)), "table": _table},
-    (".svg", ".png", ".jpg", ".jpeg"),
-)
-"""File format Markdown with the functions that turn the parts of a report into it."""
+def _head(texts: Sequence[str]) -> list[str]:
+    return [_line(texts), "|" + "---|" * len(texts)]

@@ -9,12 +9,12 @@ from __future__ import annotations
 import contextlib
 import re
 import traceback
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from abc import abstractmethod
+from collections.abc import Callable, Iterable, Iterator
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from jinja2 import Environment, FunctionLoader, StrictUndefined, TemplateError, TemplateRuntimeError
 from jinja2.sandbox import ImmutableSandboxedEnvironment
@@ -23,9 +23,9 @@ from markupsafe import Markup
 
 from torsionnet.base.atomic import write_bytes, write_text
 from torsionnet.base.errors import Fault, suggestion_or
-from torsionnet.report.document_tree import Cell, Inline, Picture, Report
+from torsionnet.report.document_tree import Inline, Picture, Report
 from torsionnet.report.template_folder import STYLE, TemplateFolder, TemplateFolderError
-from torsionnet.report.writers.numbering import number_blocks
+from torsionnet.report.writers.blocks import BlockWriter
 
 SHIPPED = files("torsionnet.report.writers") / "templates"
 """Folder of the report templates that come with this package."""
@@ -70,78 +70,91 @@ _WRONG = (TemplateError, ArithmeticError, LookupError, TypeError, ValueError, At
 """Classes of exceptions that an expression in a template can cause."""
 
 
-@dataclass(frozen=True)
-class TextFormat:
-    """File format of a report, with the functions that turn its parts into text.
+class PageWriter(BlockWriter):
+    """Writer of a format whose page is a template, into which the blocks are put.
 
     Attributes
     ----------
     ending : str
-        Of the templates ``page`` and ``blocks``.
-    inline : function
-        A cell, caption or paragraph as text of the format; nothing else reaches the file.
-    tools : mapping
-        Functions that the templates of blocks call, each of which gives text of the format.
+        Of the template ``page``.
     images : tuple of str
-        Endings of the images that it can show.
+        Endings of the images that the format can show.
     """
 
-    ending: str
-    inline: Callable[[Cell], str]
-    tools: Mapping[str, Callable[..., str]]
-    images: tuple[str, ...]
+    ending: ClassVar[str]
+    images: ClassVar[tuple[str, ...]]
+
+    def __init__(self, report: Report) -> None:
+        self.report, self.template = report, report.template or TemplateFolder()
+        super().__init__(self.template.wording)
+
+    @abstractmethod
+    def image(self, name: str, data: bytes, /) -> str:
+        """Image of the template folder, as what follows ``src=`` or stands in ``\\includegraphics``."""
 
     def shown(self, value: Any) -> Markup:
-        """Text, in the report's file format, of a value that a template inserts.
-
-        What a template has rendered is that already.
-        """
+        """Text of a value that a template inserts; what a writer has made is text of the format already."""
         if isinstance(value, Markup):
             return value
         return Markup(self.inline(value if isinstance(value, Inline | tuple) else str(value)))
 
+    def page(self) -> str:
+        """Text of the whole report."""
+        report, template = self.report, self.template
+        environment = environment_of(self.ending, template, self.shown)
+        given = {
+            "title": report.title,
+            "subtitle": report.subtitle,
+            "author": report.author,
+            "date": report.date,
+            "notes": self.shown(report.notes) if any(report.notes) else "",
+            "title_block": Markup(self.title_block(report.title_block)) if report.title_block else "",
+            "facts": Markup(self.facts(report.facts.rows)),
+            "contents": [{"name": section.name, "title": self.shown(section.title)} for section in report.sections],
+            "sections": Markup(self.blocks(report.sections)),
+            "language": template.language,
+            "word": template.wording,
+            "image": lambda name: Markup(self.image(name, _image(template, name, self.images))),
+            "style": Markup((SHIPPED / STYLE).read_text(encoding="utf-8") + template.texts.get(STYLE, "")),
+        }
+        try:
+            return environment.get_template(f"page{self.ending}").render(given)
+        except _WRONG as error:
+            raise _located(error, template, f"page{self.ending}") from None
 
-@dataclass(frozen=True)
-class Illustrations:
-    """Functions that return the markup by which a report's file shows a figure, or an image of the template folder.
 
-    Attributes
-    ----------
-    drawing : function
-        A figure and its number.
-    image : function
-        Name and bytes of an image of the template folder, as what follows ``src=`` or stands in ``\\includegraphics``.
-    """
+class BesideWriter(PageWriter):
+    """Writer of a format whose figures and images are files in a folder beside it, figures in the format ``form``."""
 
-    drawing: Callable[[Picture, str], str]
-    image: Callable[[str, bytes], str]
+    form: ClassVar[str]
 
+    def __init__(self, report: Report, folder: str) -> None:
+        super().__init__(report)
+        self.folder = folder
 
-def render(report: Report, target: TextFormat, figures: Illustrations, *, folds: bool = False) -> str:
-    """Text of a whole report in a file format."""
-    template = report.template or TemplateFolder()
-    environment = environment_of(target.ending, template, target.shown)
-    tools = {name: _marked(tool) for name, tool in {**target.tools, "drawing": figures.drawing}.items()}
-    blocks: Any = environment.get_template(f"blocks{target.ending}").make_module({**tools, "word": template.wording})
-    given = {
-        "title": report.title,
-        "subtitle": report.subtitle,
-        "author": report.author,
-        "date": report.date,
-        "notes": target.shown(report.notes) if any(report.notes) else "",
-        "title_block": blocks.title_block(report.title_block) if report.title_block else "",
-        "facts": blocks.facts(report.facts.rows),
-        "contents": [{"name": section.name, "title": target.shown(section.title)} for section in report.sections],
-        "sections": blocks.all(number_blocks(report.sections, folds=folds)),
-        "language": template.language,
-        "word": template.wording,
-        "image": lambda name: Markup(figures.image(name, _image(template, name, target.images))),
-        "style": Markup((SHIPPED / STYLE).read_text(encoding="utf-8") + template.texts.get(STYLE, "")),
-    }
-    try:
-        return environment.get_template(f"page{target.ending}").render(given)
-    except _WRONG as error:
-        raise _located(error, template, f"page{target.ending}") from None
+    def drawing(self, picture: Picture) -> str:
+        """Path of a figure."""
+        return f"{self.folder}/{picture.name}.{self.form}"
+
+    def image(self, name: str, _data: bytes) -> str:
+        return f"{self.folder}/{_file(name)}"
+
+    @classmethod
+    def write(cls, report: Report, path: Path) -> tuple[Path, ...]:
+        """Write a report with every figure and the template's images in use, and return the paths of the files."""
+        from torsionnet.plot.drawing.save import figure_bytes
+
+        folder = figure_folder(path)
+        text = cls(report, folder.name).page()
+        images = report.template.images if report.template else {}
+        files = {_file(name): data for name, data in images.items() if f"{folder.name}/{_file(name)}" in text}
+        files |= {f"{one.name}.{cls.form}": figure_bytes(one.figure, cls.form) for one in report.pictures}
+        with _all_or_none(folder, files):
+            for name, data in files.items():
+                folder.mkdir(exist_ok=True)
+                write_bytes(folder / name, data)
+            write_text(path, text)
+        return (path, *(folder / name for name in files))
 
 
 def environment_of(ending: str, template: TemplateFolder, shown: Callable[[Any], Markup] | None = None) -> Environment:
@@ -177,10 +190,6 @@ def shipped_blocks(name: str) -> tuple[str, ...]:
 @cache
 def _shipped(name: str) -> str:
     return (SHIPPED / name).read_text(encoding="utf-8")
-
-
-def _marked(tool: Callable[..., str]) -> Callable[..., Markup]:
-    return lambda *given: Markup(tool(*given))
 
 
 def _image(template: TemplateFolder, name: Any, endings: tuple[str, ...]) -> bytes:
@@ -247,32 +256,9 @@ def figure_folder(path: Path) -> Path:
     return path.with_name(re.sub(r"[^A-Za-z0-9.-]", "_", path.stem) + "_figures")
 
 
-def figures_beside(folder: str, form: str) -> Illustrations:
-    """References of a text to the figures and images in a folder beside it."""
-    return Illustrations(
-        lambda picture, _: f"{folder}/{picture.name}.{form}", lambda name, _: f"{folder}/{_file(name)}"
-    )
-
-
 def _file(image: str) -> str:
     """File name of an image of the template folder beside the figures, none of which has such a name."""
     return f"template_{image}"
-
-
-def write_beside(report: Report, path: Path, form: str, text: str) -> tuple[Path, ...]:
-    """Write a text, every figure and the template's images in use, and return the paths of the files."""
-    from torsionnet.plot.drawing.save import figure_bytes
-
-    folder = figure_folder(path)
-    images = report.template.images if report.template else {}
-    files = {_file(name): data for name, data in images.items() if f"{folder.name}/{_file(name)}" in text}
-    files |= {f"{picture.name}.{form}": figure_bytes(picture.figure, form) for picture in report.pictures}
-    with _all_or_none(folder, files):
-        for name, data in files.items():
-            folder.mkdir(exist_ok=True)
-            write_bytes(folder / name, data)
-        write_text(path, text)
-    return (path, *(folder / name for name in files))
 
 
 @contextlib.contextmanager

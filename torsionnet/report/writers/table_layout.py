@@ -1,0 +1,244 @@
+r"""Layout of the tables of a report, decided before any format writes them: decimals, pieces, widths, breaks of pages.
+
+Widths are counted in letters of the size of tables. A table that is too wide for a page of paper first breaks its
+headings and its texts; if that is not enough it goes on below, its first column repeated.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from torsionnet.report.document_tree import BreakableMath, Cell, Heading, Math, NumberText, TableBlock, inlines
+from torsionnet.report.writers.inline import LONGEST_WORD, visible_text
+
+PAGE_LETTERS, GAP_LETTERS, FEWEST_LETTERS = 98, 2, 10
+"""Width in letters of the page, of the gap between two columns, and of the narrowest column of text."""
+MATRIX_LETTERS = 48
+"""Width in letters of a matrix in a table above which the matrix is made smaller."""
+BOLD_WIDTH = 1.15
+"""Width of a bold letter of a heading as a multiple of that of a plain one, so that no word is broken."""
+MOST_UNBROKEN_ROWS = 6
+"""Number of rows of a table, titles of groups too, up to which it is not split between two printed pages: with head and
+notes a fifth of a page, which may stay empty. Of longer ones two rows stay together at either end."""
+_BREAKS = re.compile(r"(?<=[=,/_+])|(?<=\S)[ \n\t]+")
+
+
+def is_matrix(cell: Cell) -> bool:
+    """Whether a cell of a table is a matrix."""
+    return isinstance(cell, Math) and "matrix" in cell.latex
+
+
+def longest_word(cells: Sequence[Cell]) -> int:
+    """Number of letters in the longest word of the lines of a column's heading, or of cells."""
+    texts = [part for cell in cells for part in inlines(cell) if isinstance(part, str)]
+    return max((len(word) for text in texts for word in text.split()), default=0)
+
+
+@dataclass(frozen=True)
+class TableColumn:
+    """Column of a report's table with its heading and the cells of all rows, and how wide they are."""
+
+    heading: Heading
+    cells: tuple[Cell, ...]
+
+    @cached_property
+    def decimals(self) -> int:
+        """Number of decimals that the column needs for its points to stand below each other."""
+        return max((cell.decimals_shown for cell in self.cells if isinstance(cell, NumberText)), default=0)
+
+    @cached_property
+    def content_letters(self) -> int:
+        """Width in letters of the widest cell, the heading left out."""
+        numbers = (cell.mantissa.partition(".")[0] for cell in self.cells if isinstance(cell, NumberText))
+        # Numbers stand with their points below each other: the longest whole part, and all decimals.
+        aligned = max(map(len, numbers), default=0) + self.decimals + (self.decimals > 0)
+        widths = ((len(visible_text(cell)), is_matrix(cell)) for cell in self.cells)
+        return max([aligned, *(min(width, MATRIX_LETTERS) if matrix else width for width, matrix in widths)])
+
+    @cached_property
+    def natural_letters(self) -> int:
+        """Width in letters of the widest cell, or of the heading."""
+        return max(len(visible_text(self.title)), self.content_letters)
+
+    @cached_property
+    def least_letters(self) -> int:
+        """Least width in letters that the column needs."""
+        heading = self.heading
+        words = [len(word) for word in visible_text(heading.text).split()]
+        words += [len(heading.unit) + 2] if heading.unit else []
+        if any(map(is_matrix, self.cells)):
+            return min(self.content_letters, MATRIX_LETTERS)
+        if not self.can_break:
+            return min(max([self.content_letters, *words]), PAGE_LETTERS - 2 * GAP_LETTERS)
+        longest = max(map(_longest, self.cells), default=0)
+        return min(self.natural_letters, max(FEWEST_LETTERS, longest, *words))
+
+    @property
+    def can_break(self) -> bool:
+        """Whether lines may break in the column: in texts, not in numbers and matrices."""
+        return not self.heading.numeric and not any(map(is_matrix, self.cells))
+
+    @property
+    def title(self) -> Cell:
+        """Heading of the column in one line, its unit in brackets behind it."""
+        text, bracket = self.heading.text, self.heading.bracket
+        return (*inlines(text), f" {bracket}") if bracket else text
+
+    def heading_lines(self, width: float) -> tuple[Cell, ...]:
+        """Lines of the column's heading no wider than ``width``, as far as the heading has spaces.
+
+        The unit has a line of its own.
+        """
+        text = self.heading.text
+        unit = [self.heading.bracket] if self.heading.bracket else []
+        if not isinstance(text, str):
+            return (self.title,) if len(visible_text(self.title)) <= width else (text, *unit)
+        lines: list[str] = []
+        for word in [*text.split(), *unit]:
+            if lines and len(lines[-1]) + 1 + len(word) <= width:
+                lines[-1] += f" {word}"
+            else:
+                lines.append(word)
+        return tuple(lines)
+
+
+def _longest(cell: Cell) -> int:
+    """Number of letters in the longest part of a cell that cannot be broken over lines."""
+    letters = [0]
+    for part in inlines(cell):
+        if isinstance(part, str):
+            letters += [min(len(word), LONGEST_WORD) for word in _BREAKS.split(part)]
+        elif isinstance(part, BreakableMath):
+            letters += [len(visible_text(Math(term))) + 2 for term in part.parts]
+        else:
+            letters.append(len(visible_text(part)))
+    return max(letters)
+
+
+@dataclass(frozen=True)
+class PlacedColumn:
+    """Column at its place in a piece of a table.
+
+    Attributes
+    ----------
+    index : int
+        Its number in the rows of the whole table.
+    column : TableColumn
+    width : float or None
+        Letters of a line, where its texts break; None where it is as wide as its widest cell.
+    lines : tuple
+        Lines of its heading.
+    """
+
+    index: int
+    column: TableColumn
+    width: float | None
+    lines: tuple[Cell, ...]
+
+    @property
+    def numeric(self) -> bool:
+        """Whether the cells of the column are numbers, which stand at its right side."""
+        return self.column.heading.numeric
+
+
+Piece = tuple[PlacedColumn, ...]
+
+
+@dataclass(frozen=True)
+class TableLayout:
+    """Table of a report with all that is decided on it before it is written."""
+
+    block: TableBlock
+
+    @cached_property
+    def columns(self) -> tuple[TableColumn, ...]:
+        """Columns of the table with their cells."""
+        rows = [row for group in self.block.groups for row in group.rows]
+        return tuple(
+            TableColumn(heading, tuple(row[index] for row in rows)) for index, heading in enumerate(self.block.columns)
+        )
+
+    @cached_property
+    def decimals(self) -> tuple[int, ...]:
+        """Number of decimals of each column."""
+        return tuple(column.decimals for column in self.columns)
+
+    @cached_property
+    def pieces(self) -> tuple[Piece, ...]:
+        """Pieces into which the table is split on paper, one below the other.
+
+        The whole table if it fits, if need be with broken texts.
+        """
+        columns = self.columns
+        if sum(column.natural_letters + GAP_LETTERS for column in columns) <= PAGE_LETTERS:
+            return (tuple(PlacedColumn(i, column, None, (column.title,)) for i, column in enumerate(columns)),)
+        groups: list[list[int]] = [[0]]
+        for index in range(1, len(columns)):
+            letters = sum(columns[i].least_letters + GAP_LETTERS for i in (*groups[-1], index))
+            if len(groups[-1]) > 1 and letters > PAGE_LETTERS:
+                groups.append([0])
+            groups[-1].append(index)
+        return tuple(map(self._fitted, groups))
+
+    def _fitted(self, indices: Sequence[int]) -> Piece:
+        """Columns of one piece; those with text share the room that is left, by how much text they have."""
+        columns = [self.columns[index] for index in indices]
+        room = PAGE_LETTERS - sum(column.least_letters + GAP_LETTERS for column in columns)
+        wanted = [max(column.natural_letters - column.least_letters, 0) for column in columns]
+        share = min(1.0, max(room, 0) / sum(wanted)) if any(wanted) else 0.0
+        placed = []
+        for index, column, more in zip(indices, columns, wanted, strict=True):
+            width = column.least_letters + share * more
+            if more and column.can_break:
+                placed.append(PlacedColumn(index, column, width, (column.title,)))
+            else:
+                placed.append(PlacedColumn(index, column, None, column.heading_lines(width)))
+        return tuple(placed)
+
+    @cached_property
+    def stays_whole(self) -> bool:
+        """Whether the table is short enough to stay on one page: up to six rows, titles of groups counted."""
+        return sum(len(group.rows) + bool(group.title) for group in self.block.groups) <= MOST_UNBROKEN_ROWS
+
+    @property
+    def rows_kept(self) -> Iterator[bool]:
+        """Whether each row, without titles of groups, stays on the page of the row below; the last one does not.
+
+        In a table that may be split those are its first row, the last but one, and the first below the title of a
+        group.
+
+        Examples
+        --------
+        >>> from torsionnet.report.document_tree import TableGroup
+        >>> rows = tuple((str(number),) for number in range(4))
+        >>> block = TableBlock(("Two groups",), (Heading("No."),), (TableGroup(rows), TableGroup(rows, "Below")))
+        >>> list(TableLayout(block).rows_kept)
+        [True, False, False, False, True, False, True, False]
+        """
+        titled = [row == 0 and bool(group.title) for group in self.block.groups for row in range(len(group.rows))]
+        for number, first_below_title in enumerate(titled):
+            last = number == len(titled) - 1
+            yield not last and (self.stays_whole or first_below_title or number in (0, len(titled) - 2))
+
+
+def piece_letters(piece: Piece) -> list[float]:
+    """Width in letters of each column of a piece with its gap, for a format that cannot measure texts.
+
+    Where letters are too many for the page, columns give way whose words can stand on more lines.
+    """
+    wanted, least = [], []
+    for placed in piece:
+        word = BOLD_WIDTH * longest_word(placed.lines)
+        content = placed.column.content_letters
+        natural = placed.width
+        if natural is None:
+            natural = max([content, *(len(visible_text(line)) for line in placed.lines)])
+        wanted.append(max(natural, word) + GAP_LETTERS)
+        unbroken = content if placed.width is None else longest_word(placed.column.cells)
+        least.append(min(wanted[-1], max(unbroken, word) + GAP_LETTERS))
+    spare = sum(wanted) - sum(least)
+    share = min(1.0, max(sum(wanted) - PAGE_LETTERS, 0) / spare) if spare else 0.0
+    return [most - share * (most - low) for most, low in zip(wanted, least, strict=True)]
