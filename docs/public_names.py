@@ -38,7 +38,6 @@ INNER_MEMBERS: dict[type, set[str]] = {
     tn.machinery.OrderResponse: {"engine_notes", "no_cycle"},
     tn.machinery.LimitCheck: {"findings", "highest", "passed"},
     tn.machinery.LimitConclusion: {"findings", "records", "worst_table"},
-    tn.study.Space: {"read"},
     tn.study.Study: {"entries", "evaluator", "model_in", "model_text"},
     tn.study.Workers: {"executor"},
     tn.study.Samples: {"points"},

@@ -238,10 +238,10 @@ def test_slices_and_stress():
     sliced = order_slices(tracked(), 100.0)
     assert sliced.along(3) == pytest.approx([2 + 2.5j])
     assert sliced.half_range == pytest.approx([6.0])
-    stress = stress_orders(tracked(), 0.2, 0.1)
-    assert stress.along(3) == pytest.approx(tracked().along(3) * 16 * 0.2 / (np.pi * (0.2**4 - 0.1**4)))
-    with pytest.raises(UsageError, match="inner diameter"):
-        stress_orders(tracked(), 0.1, 0.2)
+    stress = stress_orders(tracked(), 0.2)
+    assert stress.along(3) == pytest.approx(tracked().along(3) * 16 / (np.pi * 0.2**3))
+    with pytest.raises(UsageError, match="the diameter of a shaft is positive"):
+        stress_orders(tracked(), 0.0)
 
 
 def test_entries():

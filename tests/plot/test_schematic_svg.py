@@ -113,12 +113,6 @@ class TestGroups:
         found = {name: set(schematic_svg(rig.configured(name)).elements) for name in rig.configurations}
         assert found == {name: set(rig.configured(name).elements) for name in rig.configurations}
 
-    def test_a_title_stands_above(self):
-        _, root = examined(tn.load("dmf_rig"), title="A rig <b>")
-        (title,) = (each for each in root.iter(f"{SVG}text") if each.get("class") == "text-title")
-        assert title.text == "A rig <b>"
-        assert float(title.get("y")) == min(float(each.get("y")) for each in root.iter(f"{SVG}text"))
-
     def test_a_page_too_narrow_is_refused(self):
         with pytest.raises(UsageError, match="at least 100 mm"):
             schematic_svg(tn.load("dmf_rig"), width=50)

@@ -17,7 +17,7 @@ def ishigami(unit):
 
 
 def sobol_estimates(function, n_parameters, base, seed):
-    return estimates_of(function(sobol_points(n_parameters, base, seed)), base, seed)
+    return estimates_of(function(sobol_points(n_parameters, base, seed)), base, seed, 0.95)
 
 
 def within(found):

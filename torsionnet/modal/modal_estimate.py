@@ -229,7 +229,6 @@ def estimate_from_expansion(
     lines: Lines,
     expansion: Expansion,
     notes: tuple[NoteOrText, ...],
-    errors: tuple[FloatArray, FloatArray] | None = None,
     method: str = "",
 ) -> ModalEstimate:
     """Modal estimate from an expansion fitted to the lines of a response, with contributions and misfit."""
@@ -238,7 +237,6 @@ def estimate_from_expansion(
     shares = [np.sqrt(np.mean(np.abs(expansion.term(mode, lines.s) * factor) ** 2)) for mode in modes]
     left = lines.values - expansion.values(lines.s, lines.powers)
     unknown = np.full(len(modes), np.nan)
-    frequency_errors, damping_errors = errors or (unknown, unknown)
     return ModalEstimate(
         expansion.poles,
         expansion.residues,
@@ -249,8 +247,8 @@ def estimate_from_expansion(
         np.asarray(np.abs(lines.s) / (2 * np.pi)),
         np.array(shares),
         np.sqrt(np.mean(np.abs(left) ** 2, axis=0)) * lines.balance,
-        frequency_errors,
-        damping_errors,
+        unknown,
+        unknown,
         method,
         response.title,
         notes,

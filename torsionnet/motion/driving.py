@@ -61,13 +61,6 @@ class Stretch:
             slopes[one.entry] += (one.exponent * wave).real
         return values, slopes
 
-    def at_once(self, time: float) -> FloatArray:
-        """Values (n_u,) at a time in s."""
-        values = self.values + self.slopes * (time - self.start)
-        for one in self.waves:
-            values[one.entry] += (one.amplitude * np.exp(one.exponent * (time - self.start))).real
-        return values
-
 
 @dataclass(frozen=True, eq=False)
 class Driving:

@@ -109,11 +109,11 @@ def peak_table(recording: Recording, title: str, words: str = "") -> Table:
     return result_table(title, signal_peaks(recording), SignalPeaks, notes=notes)
 
 
-def event_table(events: tuple[MotionEvent, ...], title: str = "Events") -> Table:
+def event_table(events: tuple[MotionEvent, ...]) -> Table:
     """Table of the events of a motion in their order, the first of them where there are many."""
     rows = [EventRecord(one.time, one.element, one.what) for one in events[:MOST_EVENTS_SHOWN]]
     more = len(events) - len(rows)
-    return result_table(title, rows, EventRecord, notes=[f"and {more} more"] if more else [])
+    return result_table("Events", rows, EventRecord, notes=[f"and {more} more"] if more else [])
 
 
 def energy_table(recording: Recording, title: str = "Energy") -> Table | None:

@@ -320,7 +320,7 @@ class _Line:
     rigid: list[bool] = field(default_factory=list)
 
 
-def relative_amplitudes(tables: Sequence[HolzerTable], *, title: str = "") -> Figure:
+def relative_amplitudes(tables: Sequence[HolzerTable]) -> Figure:
     """Figure of relative amplitudes of the masses, a panel per mode, the first mass at 1, nodes of vibration marked.
 
     Lines follow each other as in the Holzer table; a branch ends with the mass it joins, in brackets. Amplitudes are
@@ -331,7 +331,6 @@ def relative_amplitudes(tables: Sequence[HolzerTable], *, title: str = "") -> Fi
     ----------
     tables : sequence of HolzerTable
         Of one drivetrain.
-    title : str, optional
 
     Raises
     ------
@@ -357,8 +356,6 @@ def relative_amplitudes(tables: Sequence[HolzerTable], *, title: str = "") -> Fi
     panels[-1].tick_params(axis="x", labelrotation=45)
     for label in panels[-1].get_xticklabels():
         label.set(ha="right", rotation_mode="anchor", fontsize=style.SMALL - 1)
-    if title:
-        style.set_title(figure, title)
     return figure
 
 

@@ -7,7 +7,6 @@ correlation with itself, 1 - tau/T for a plain one, and the coherence by its squ
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias, get_args
 
@@ -20,33 +19,6 @@ from torsionnet.signals.recording import FloatArray, Recording, Signal
 # Removal of the mean or of a straight line from signals.
 
 Trend: TypeAlias = Literal["none", "mean", "linear"]
-
-
-def detrend(recording: Recording, trend: Trend = "mean", names: Iterable[str] | None = None) -> Recording:
-    """Recording with the mean, or the straight line of least squares, removed from its signals.
-
-    Parameters
-    ----------
-    recording : Recording
-    trend : {"mean", "linear", "none"}
-    names : iterable of str, optional
-        Signals to treat; all by default.
-
-    Examples
-    --------
-    >>> from torsionnet.signals.recording import Signal
-    >>> record = Recording((Signal("theta", "angle", np.array([1.0, 2.0, 6.0])),), sampling_rate=100)
-    >>> detrend(record)["theta"].values.tolist()
-    [-2.0, -1.0, 3.0]
-    """
-    treated = recording.names if names is None else tuple(names)
-    if check_trend(trend) == "none":
-        return recording
-    signals = [recording[name] for name in treated]
-    note = f"{'mean' if trend == 'mean' else 'straight line'} taken out"
-    return recording.with_signals(
-        *(replace(s, values=without_trend(s.values, trend), notes=(*s.notes, note)) for s in signals)
-    )
 
 
 def without_trend(values: FloatArray, trend: Trend) -> FloatArray:

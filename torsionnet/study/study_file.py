@@ -17,7 +17,7 @@ from torsionnet.study.answers.answer import ANSWERS, StudyAnswer
 from torsionnet.study.quantities.quantity import QUANTITIES, QuantityLimit, StudyQuantity
 from torsionnet.study.space.correlation import Correlation
 from torsionnet.study.space.samples import Samples
-from torsionnet.study.space.space_entries import CORRELATION, SAMPLING, VARY, SpaceEntries
+from torsionnet.study.space.space_entries import CORRELATION, SAMPLING, VARY
 from torsionnet.study.space.variations.variation import Variation
 
 ALL = "all"
@@ -91,11 +91,6 @@ class StudyEntries(Declared):
         None,
     )
     answers: Mapping[str, StudyAnswer] = entry(Named("what is concluded, by name", _ANSWER), None)
-
-    @property
-    def space(self) -> SpaceEntries:
-        """Entries of the study file on the varied parameters, their correlation and their sampling."""
-        return SpaceEntries(vary=self.vary, correlation=self.correlation, sampling=self.sampling)
 
     def chosen(self, model: Model) -> tuple[tuple[str, ...], list[Fault]]:
         """Configurations of the model that the study names, and faults of names that the model does not have."""

@@ -94,11 +94,6 @@ class EditorText:
         """Edits as the editor takes them."""
         return [EditorEdit(self.range(edit.span), edit.text) for edit in edits]
 
-    @property
-    def whole(self) -> TextSpan:
-        """Stretch of the whole text."""
-        return TextSpan(0, len(self.text))
-
 
 _KEY = re.compile(r"""^["']?torsionnet["']?[ \t]*:""", re.MULTILINE)
 _KEY_IN_BRACES = re.compile(r"""[{,\s]["']?torsionnet["']?\s*:""")

@@ -153,9 +153,7 @@ def unfit_bench(definition: Definition) -> list[Fault]:
     return [] if definition.bench is None else check_plan(definition.bench, definition)
 
 
-def check_plan(
-    plan: Plan, definition: Definition, path: EntryPath = ("bench",), values: Mapping[str, Any] | None = None
-) -> list[Fault]:
+def check_plan(plan: Plan, definition: Definition, values: Mapping[str, Any] | None = None) -> list[Fault]:
     """Faults of a bench plan for this model; sensors written out in full are left to the solver.
 
     With the ``values`` of its parameters ratios are checked, too.
@@ -166,7 +164,7 @@ def check_plan(
         faults = [*turning_faults(plan, definition, values), *_size(plan, motion_length(plan.motion))]
     for name, part in plan.channels.items():
         faults += [fault.under("channels", name) for fault in _channel(name, part, plan, definition)]
-    return [fault.under(*path) for fault in faults]
+    return [fault.under("bench") for fault in faults]
 
 
 def sensor_of(name: str, plan: Plan, definition: Definition) -> Sensor | None:

@@ -65,8 +65,8 @@ class PlannedAmplitude:
         return self.speed * RPM
 
 
-def critical_peaks(run: OrderResponse, output: str | None = None) -> tuple[PlannedSpeed, ...]:
-    """Speeds in rad/s of the largest peaks of single orders of an output inside the speed range, by rising speed.
+def critical_peaks(run: OrderResponse) -> tuple[PlannedSpeed, ...]:
+    """Speeds in rad/s of the largest peaks of single orders of the output inside the speed range, by rising speed.
 
     Examples
     --------
@@ -76,7 +76,7 @@ def critical_peaks(run: OrderResponse, output: str | None = None) -> tuple[Plann
     >>> [(round(one.speed * 30 / np.pi), one.reason) for one in found][:1]
     [(52, 'peak of order 6')]
     """
-    place, peaks = run.output(output), []
+    place, peaks = run.output(None), []
     largest = float(run.half_range[:, place].max())
     sizes = np.abs(run.by_frequency()[:, :, place])
     for number, lines in enumerate(lines_of_one_frequency(run.lines)):

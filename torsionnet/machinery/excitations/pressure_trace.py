@@ -53,7 +53,7 @@ def piston_curvature(angle: FloatArray, ratio: float) -> FloatArray:
     return np.asarray(cosine + ratio * (cosine**2 - sine**2) / root + ratio**3 * (sine * cosine) ** 2 / root**3)
 
 
-def inertia_harmonics(ratio: float, orders: FloatArray, samples: int = 4096) -> ComplexArray:
+def inertia_harmonics(ratio: float, orders: FloatArray) -> ComplexArray:
     """Torque -x' x'' of a reciprocating mass over m r^2 Omega^2, complex, at whole orders, shape (n_orders,).
 
     0 at others.
@@ -64,7 +64,7 @@ def inertia_harmonics(ratio: float, orders: FloatArray, samples: int = 4096) -> 
     [0.063506, -0.50013, -0.192056, -0.016129]
     """
     # One revolution of -x' x'': orders above half the samples are far below rounding for any rod that is built.
-    angle = 2 * np.pi * np.arange(samples) / samples
+    angle = 2 * np.pi * np.arange(4096) / 4096
     return harmonics(-piston_rate(angle, ratio) * piston_curvature(angle, ratio), 1, orders)
 
 

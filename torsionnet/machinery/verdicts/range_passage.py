@@ -147,7 +147,7 @@ class RangePassage:
         )  # fmt: skip
 
 
-def passage_table(passages: Sequence[RangePassage], conventions: Conventions = SI, title: str = "") -> Table:
+def passage_table(passages: Sequence[RangePassage], conventions: Conventions = SI) -> Table:
     """Table of passages of one barred range with a row for each time and direction, in the units shown."""
     rows = []
     for one in passages:
@@ -157,7 +157,7 @@ def passage_table(passages: Sequence[RangePassage], conventions: Conventions = S
         peak, steady, allowed = row.peak * scale, row.steady * scale, row.allowed * scale
         shown = conventions.unit(row.unit)
         rows.append(replace(row, peak=peak, steady=steady, allowed=allowed, in_passing=passing, unit=shown))
-    return result_table(title or "passage of a barred range", rows, PassageRow)
+    return result_table("passage of a barred range", rows, PassageRow)
 
 
 # Passages of a barred range of speeds, from the response to all orders along speeds that run evenly through it.

@@ -117,20 +117,6 @@ class TimeHistory:
         """Piece that holds from a time in s on."""
         return self.pieces[max(0, bisect_right(self.pieces, time, key=lambda piece: piece.start) - 1)]
 
-    def times(self, factor: float) -> TimeHistory:
-        """History of ``factor`` times the values."""
-        return TimeHistory(
-            tuple(
-                HistoryPiece(
-                    one.start,
-                    factor * one.value,
-                    factor * one.slope,
-                    tuple(Wave(factor * wave.amplitude, wave.exponent) for wave in one.waves),
-                )
-                for one in self.pieces
-            )
-        )
-
     def __add__(self, other: TimeHistory) -> TimeHistory:
         starts = sorted({piece.start for one in (self, other) for piece in one.pieces})
         pieces = []

@@ -223,7 +223,7 @@ def schematic(
     return figure_of_drawing(whole, framed(titled(whole, drivetrain.title if title is None else title, page)))
 
 
-def schematic_parts(drivetrain: Drivetrain, tallest: float, *, width: float = PAPER_WIDTH) -> tuple[Figure, ...]:
+def schematic_parts(drivetrain: Drivetrain, tallest: float) -> tuple[Figure, ...]:
     """Figures of the parts of a drivetrain's schematic, from top to bottom, each at most ``tallest`` mm high in print.
 
     Parameters
@@ -231,8 +231,6 @@ def schematic_parts(drivetrain: Drivetrain, tallest: float, *, width: float = PA
     drivetrain : Drivetrain
     tallest : float
         mm, at the size in which a part as wide as the page is printed.
-    width : float, optional
-        Width of the page in mm.
 
     Examples
     --------
@@ -240,9 +238,9 @@ def schematic_parts(drivetrain: Drivetrain, tallest: float, *, width: float = PA
     >>> len(schematic_parts(tn.load("wind_turbine_3mw").configured("free"), 235))
     2
     """
-    whole = arranged(drivetrain, page_width(width))
+    whole = arranged(drivetrain, page_width(PAPER_WIDTH))
     x0, x1, y0, y1 = framed(whole.extent)
-    printed = min(1.0, width / MILLIMETRES_PER_INCH * POINTS_PER_INCH / (x1 - x0))
+    printed = min(1.0, PAPER_WIDTH / MILLIMETRES_PER_INCH * POINTS_PER_INCH / (x1 - x0))
     most = tallest / MILLIMETRES_PER_INCH * POINTS_PER_INCH / printed
     edges = [y1, *cut_heights(whole, (x0, x1, y0, y1), most), y0]
     return tuple(

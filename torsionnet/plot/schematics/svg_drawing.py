@@ -23,7 +23,7 @@ from torsionnet.plot.drawing.pieces import (
     is_math,
     symbol_runs,
 )
-from torsionnet.plot.schematics.arrangement import PAPER_WIDTH, arranged, framed, page_width, titled
+from torsionnet.plot.schematics.arrangement import PAPER_WIDTH, arranged, framed, page_width
 from torsionnet.plot.schematics.outlines import BODY, BOX, DASHES, PENS, WHEEL, is_behind
 from torsionnet.plot.schematics.topology import epicyclic_sets
 
@@ -271,7 +271,7 @@ class SchematicDrawing:
     size: tuple[float, float]
 
 
-def schematic_svg(model: Drivetrain, *, title: str = "", width: float = PAPER_WIDTH) -> SchematicDrawing:
+def schematic_svg(model: Drivetrain, *, width: float = PAPER_WIDTH) -> SchematicDrawing:
     """Schematic of a drivetrain as SVG text, as a page shows it, in the layout of :func:`torsionnet.plot.schematic`.
 
     Texts are texts. Each element and each node is a group with an id and a title for screen readers, which says its
@@ -282,8 +282,6 @@ def schematic_svg(model: Drivetrain, *, title: str = "", width: float = PAPER_WI
     ----------
     model : Drivetrain
         Only elements that are switched on are drawn.
-    title : str, optional
-        Written above the drawing; the name of the model for screen readers is there in any case.
     width : float, optional
         Width of a page in mm for which lines are broken, at least 100.
 
@@ -299,9 +297,8 @@ def schematic_svg(model: Drivetrain, *, title: str = "", width: float = PAPER_WI
     >>> drawing.nodes["hub"], 'data-node="hub"' in drawing.svg
     ('node-hub', True)
     """
-    page = page_width(width)
-    whole = arranged(model, page)
-    x0, x1, y0, y1 = framed(titled(whole, title, page) if title else whole.extent)
+    whole = arranged(model, page_width(width))
+    x0, x1, y0, y1 = framed(whole.extent)
     groups = drawn_groups(model, whole)
     body = [_loose(whole), *(_written(group, groups) for group in groups.values() if not group.within)]
     box = " ".join(map(number, (x0, -y1, x1 - x0, y1 - y0)))

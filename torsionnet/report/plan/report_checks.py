@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from torsionnet.base.errors import EntryPath, Fault, UsageError, unknown_name
+from torsionnet.base.errors import Fault, UsageError, unknown_name
 from torsionnet.base.units import RPM
 from torsionnet.model.channels import parse_sensor
 from torsionnet.model.checks.names import declared, pair_faults
@@ -29,7 +29,7 @@ def unfit_report(definition: Definition) -> list[Fault]:
     return [] if definition.report is None else check_report(definition.report, definition)
 
 
-def check_report(plan: ReportPlan, definition: Definition, path: EntryPath = ("report",)) -> list[Fault]:
+def check_report(plan: ReportPlan, definition: Definition) -> list[Fault]:
     """Faults of a report plan for this model; sensors written out in full are left to the solver."""
     faults = [
         fault.under("transfer_functions", index)
@@ -44,7 +44,7 @@ def check_report(plan: ReportPlan, definition: Definition, path: EntryPath = ("r
         except UsageError as error:
             faults.append(replace(error.fault, path=("configurations", index)))
     faults += _idling(plan, definition)
-    return [fault.under(*path) for fault in faults]
+    return [fault.under("report") for fault in faults]
 
 
 def _over_speed(key: str, names: tuple[str, ...], definition: Definition) -> Iterator[Fault]:

@@ -18,20 +18,20 @@ LEVEL = 0.975
 """Quantile of Student's distribution for the half width of a 95 % interval."""
 
 
-def stress_orders(torque: TrackedOrders, diameter: float, inner: float = 0.0) -> TrackedOrders:
-    """Orders of the shear stress in Pa at the surface of a round shaft, 16 T d/(pi (d^4 - d_i^4)), from its torque.
+def stress_orders(torque: TrackedOrders, diameter: float) -> TrackedOrders:
+    """Orders of the shear stress in Pa at the surface of a round shaft, 16 T/(pi d^3), from its torque.
 
     Parameters
     ----------
     torque : TrackedOrders
         Orders of a torque, N m.
-    diameter, inner : float
-        Outer and inner diameter, m.
+    diameter : float
+        m.
 
     Raises
     ------
     UsageError
-        The channel is no torque, or the diameters are not those of a shaft.
+        The channel is no torque, or the diameter is not positive.
 
     Examples
     --------
@@ -43,9 +43,9 @@ def stress_orders(torque: TrackedOrders, diameter: float, inner: float = 0.0) ->
     """
     if torque.quantity != "torque":
         raise UsageError(f"{torque.name} is {torque.quantity or 'of no known quantity'}: a stress needs a torque")
-    if not 0 <= inner < diameter:
-        raise UsageError(f"a shaft's inner diameter lies between 0 and the outer one, got {inner:g} and {diameter:g} m")
-    factor = 16 * diameter / (np.pi * (diameter**4 - inner**4))
+    if not diameter > 0:
+        raise UsageError(f"the diameter of a shaft is positive, got {diameter:g} m")
+    factor = 16 / (np.pi * diameter**3)
     return replace(
         torque,
         name=f"stress({torque.name})",

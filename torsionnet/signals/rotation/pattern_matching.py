@@ -17,9 +17,7 @@ LEAST_CORRELATION, LEAST_LEAD = 0.7, 0.2
 the best wrong one correlates by about 0.4."""
 
 
-def first_tooth(
-    name: str, times: FloatArray, numbers: NDArray[np.intp], wheel: Wheel, pattern: WheelPattern, cycle: int = 2
-) -> int:
+def first_tooth(name: str, times: FloatArray, numbers: NDArray[np.intp], wheel: Wheel, pattern: WheelPattern) -> int:
     """Tooth of a pattern that the tooth numbered 0 in a record is, found by the shape that the pulses show.
 
     For records without gap or index pulse. What is compared are orders above those of vibration.
@@ -32,15 +30,13 @@ def first_tooth(
         Times of the pulses in s, and their teeth counted on from turn to turn.
     wheel : Wheel
     pattern : WheelPattern
-    cycle : int
-        Revolutions of the reference shaft after which its vibration repeats.
 
     Raises
     ------
     UsageError
         No tooth fits, or two fit about as well.
     """
-    test = windows_of_test(name, times, numbers, None, wheel, order_set(wheel, cycle), 0.0, np.zeros(wheel.teeth))
+    test = windows_of_test(name, times, numbers, None, wheel, order_set(wheel, 2), 0.0, np.zeros(wheel.teeth))
     seen = np.mean([window.first.mean_of_tooth for window in test.windows], axis=0)
     return best_shift(name, pattern.positions, -np.nan_to_num(seen))
 

@@ -49,11 +49,6 @@ class DesignPoints:
     points: FloatArray
     evaluations: int
 
-    @property
-    def distances(self) -> FloatArray:
-        """Reliability indices (m,), the distances of the design points from the origin in standard deviations."""
-        return np.asarray(np.linalg.norm(self.points, axis=1))
-
 
 def design_points(margin: OfPoints, starts: FloatArray) -> DesignPoints:
     """Search design points by the method of Hasofer, Lind, Rackwitz and Fiessler from ``starts`` (m, d).

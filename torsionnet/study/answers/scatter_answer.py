@@ -51,10 +51,10 @@ class RankCorrelations:
     count: int
 
 
-def rank_correlations(parameters: FloatArray, values: FloatArray, confidence: float = 0.95) -> RankCorrelations:
-    """Spearman's rank correlations (d,) of parameters (n, d) with values (n,), with the intervals of Bonett and Wright.
+def rank_correlations(parameters: FloatArray, values: FloatArray) -> RankCorrelations:
+    """Spearman's rank correlations (d,) of parameters (n, d) with values (n,), with intervals of 95 %.
 
-    These are Fisher's with a standard error of sqrt((1 + r^2/2)/(n - 3)).
+    These are those of Bonett and Wright, Fisher's with a standard error of sqrt((1 + r^2/2)/(n - 3)).
 
     Examples
     --------
@@ -79,7 +79,7 @@ def rank_correlations(parameters: FloatArray, values: FloatArray, confidence: fl
     np.divide(products, sizes[:-1] * sizes[-1], out=found, where=sizes[:-1] * sizes[-1] > 0)
     found = np.clip(found, -1, 1)
     # Fisher's z = artanh r is about normal; Bonett and Wright: its standard error is sqrt((1 + r^2/2)/(n - 3)).
-    half = float(ndtri((1 + confidence) / 2)) * np.sqrt((1 + found**2 / 2) / (count - 3))
+    half = float(ndtri(0.975)) * np.sqrt((1 + found**2 / 2) / (count - 3))
     with np.errstate(divide="ignore"):
         middle = np.arctanh(found)
     return RankCorrelations(found, np.tanh(middle - half), np.tanh(middle + half), count)

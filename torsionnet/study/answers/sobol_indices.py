@@ -76,7 +76,7 @@ def sobol_points(n_parameters: int, base: int, seed: int) -> FloatArray:
     return np.concatenate([first, second, *exchanged])
 
 
-def estimates_of(at_points: FloatArray, base: int, seed: int, confidence: float = 0.95) -> SobolEstimates:
+def estimates_of(at_points: FloatArray, base: int, seed: int, confidence: float) -> SobolEstimates:
     """First-order and total Sobol indices by the formulas of Saltelli (2010) and Jansen, with intervals.
 
     Intervals are percentiles over resampled base points, which takes those for independent and makes the intervals

@@ -88,10 +88,6 @@ class ParetoFront:
     def _sizes(self) -> FloatArray:
         return np.asarray(self.values * np.array([one.sign for one in self.objectives]))
 
-    def design(self, index: int) -> Mapping[str, float]:
-        """Value in SI of each parameter of one design, by its name, for :meth:`torsionnet.Drivetrain.configured`."""
-        return {one.name: float(value) for one, value in zip(self.parameters, self.designs[index], strict=True)}
-
     @property
     def sentences(self) -> tuple[str, ...]:
         """Result of the search in sentences, on the size of the front, best designs, compromise and verification."""

@@ -74,18 +74,6 @@ class Space:
         """Entries of the space, distributions and axes in SI, and warnings about the entries."""
 
     @classmethod
-    def read(cls, raw: object, model: Model) -> tuple[Self | None, list[Fault]]:
-        """Read the space of variants from the entries of a study file, None with an error, and all faults found."""
-        if not isinstance(raw, Mapping):
-            return None, SpaceEntries.read(raw)[1]
-        values, faults = SpaceEntries.read_entries(raw)
-        if not faults:
-            return cls.of(SpaceEntries(**values), model)
-        # What could be read may have faults of its own; what names an entry that could not be read cannot be judged.
-        more = bound_space(values.get("vary", {}), (), None, model)[1]
-        return None, [*faults, *more]
-
-    @classmethod
     def of(cls, entries: SpaceEntries, model: Model) -> tuple[Self | None, list[Fault]]:
         """Space of variants made from entries that were read, None with an error, and all faults found."""
         try:

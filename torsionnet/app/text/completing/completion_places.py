@@ -428,9 +428,9 @@ class Writing:
     def is_flow(self) -> bool:
         return self.context.is_flow
 
-    def entries_around(self, levels: int = 1) -> Mapping[str, Any]:
-        """Data of the table in which the entry stands, or of one further out."""
-        found = self.place.around[-levels] if len(self.place.around) >= levels else None
+    def entries_around(self) -> Mapping[str, Any]:
+        """Data of the table in which the entry stands."""
+        found = self.place.around[-1] if self.place.around else None
         return found if isinstance(found, Mapping) else {}
 
 

@@ -92,9 +92,9 @@ def dialect_of(lines: Iterable[str], file: str, separator: str | None, decimal: 
     return Dialect(chosen, sign)
 
 
-def line_error(text: str, file: str, line: int, source: str = "", column: int = 1) -> ModelError:
+def line_error(text: str, file: str, line: int, source: str = "") -> ModelError:
     """Error on a line of a text file, with the position of that line."""
-    position = Position(file, line, column, column + 1, source.rstrip()[:200].replace("\t", " "))
+    position = Position(file, line, 1, 2, source.rstrip()[:200].replace("\t", " "))
     return ModelError([Fault(text, position=position)], file)
 
 
