@@ -83,15 +83,14 @@ def _draw_effect(axes: Axes, result: DamperOptimum, number: int, scale: float) -
     """Draw the largest vibration level over one damper value, with a line at the value given, and return the axes."""
     style.style_axes(axes)
     one = result.parameters[number]
-    values, sizes = result.effects[one.name].T
-    axes.plot(values, sizes * scale, color=style.INK, linewidth=1.6)
+    axes.plot(one.values, one.largest * scale, color=style.INK, linewidth=1.6)
     axes.plot([one.value], [result.after.level * scale], "o", color=style.INK, **MARK)
     if one.lower <= one.start <= one.upper:
         axes.axvline(one.start, label="as given", **style.line_style(0))
     if one.lower > 0 and one.upper > WIDE_RANGE * one.lower:
         axes.set_xscale("log")
         style.log_ticks(axes.xaxis, one.lower, one.upper)
-    every = np.concatenate([effect[:, 1] for effect in result.effects.values()]) * scale
+    every = np.concatenate([each.largest for each in result.parameters]) * scale
     lowest, highest = every.min(), every.max()
     if highest > WIDE_RANGE * lowest:
         axes.set_yscale("log")

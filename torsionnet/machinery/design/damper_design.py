@@ -135,15 +135,19 @@ def damper_design(
     return DamperOptimum(
         levels.channel,
         levels.of,
-        sought,
+        tuple(
+            replace(one, values=values, largest=sizes)
+            for place, one in enumerate(sought)
+            for values, sizes in [_effect(levels, box, best, place).T]
+        ),
         highest_peaks(levels, start)[0],
         highest_peaks(levels, best)[0],
         highest_peaks(levels, best),
-        {name: _effect(levels, box, best, place) for place, name in enumerate(names)},
         tuple(_curve(levels, label, values) for label, values in cases.items()),
         _fixed_points(levels, free, locked, films) if damping.any() and input is not None else (),
         drivetrain.title,
         range_notes(drivetrain.assembly, levels.frequencies),
+        drivetrain.configuration,
     )
 
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Annotated, ClassVar
 
 import numpy as np
@@ -27,7 +26,18 @@ matters."""
 
 @dataclass(frozen=True)
 class DesignParameter:
-    """Design parameter of a damper with start value, bounds and optimal value, in SI units."""
+    """Design parameter of a damper with start value, bounds and optimal value, in SI units.
+
+    Attributes
+    ----------
+    name, unit : str
+    start, lower, upper, value : float
+        As given, bounds, and the optimum.
+    values, largest : (n,) arrays
+        Values over the range, and the largest vibration level for each, the other parameters at their optimum.
+    """
+
+    SHOWN: ClassVar = ("name", "unit", "start", "lower", "upper", "value", "bound", "values", "largest")
 
     name: str
     unit: str
@@ -35,6 +45,8 @@ class DesignParameter:
     lower: float
     upper: float
     value: float
+    values: FloatArray = field(default_factory=lambda: np.empty(0), compare=False)
+    largest: FloatArray = field(default_factory=lambda: np.empty(0), compare=False)
 
     @property
     def is_damping(self) -> bool:
@@ -42,12 +54,12 @@ class DesignParameter:
         return self.unit == expected_unit("damping")
 
     @property
-    def bound(self) -> str:
-        """Name of the bound that an optimal design value is at, ``lower`` or ``upper``; empty inside the bounds."""
+    def bound(self) -> Annotated[str | None, Out(json="at_bound")]:
+        """Name of the bound that an optimal design value is at, ``lower`` or ``upper``; None inside the bounds."""
         near = AT_BOUND_SHARE * (self.upper - self.lower)
         if self.value - self.lower <= min(near, AT_BOUND_SHARE * max(abs(self.value), abs(self.lower))):
             return "lower"
-        return "upper" if self.upper - self.value <= near else ""
+        return "upper" if self.upper - self.value <= near else None
 
 
 @dataclass(frozen=True)
@@ -79,38 +91,6 @@ class LevelCurve:
     levels: FloatArray
 
 
-@dataclass(frozen=True, eq=False)
-class DesignParameterRow:
-    """Design parameter of a damper, and the largest vibration level (SI) over its range, other parameters optimal."""
-
-    name: str
-    unit: str
-    start: float
-    lower: float
-    upper: float
-    value: float
-    at_bound: str | None
-    values: FloatArray
-    largest: FloatArray
-
-
-@dataclass(frozen=True, eq=False)
-class DamperRecord:
-    """Optimal damper of one configuration in SI, as ``torsionnet damper --json`` prints it."""
-
-    title: str
-    configuration: str
-    output: str
-    unit: str
-    over: str
-    parameters: tuple[DesignParameterRow, ...]
-    before: LevelPeak
-    after: LevelPeak
-    peaks: tuple[LevelPeak, ...]
-    fixed_points: tuple[FixedPoint, ...]
-    words: tuple[str, ...]
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class DamperOptimum(NotebookResult):
     """Optimal damper, the values for which the largest vibration level is smallest.
@@ -126,17 +106,20 @@ class DamperOptimum(NotebookResult):
         Largest level with the values as given, and with the optimal values.
     peaks : tuple of LevelPeak
         Maxima that determine the optimum, equal within 0.1 %.
-    effects : mapping
-        By parameter, values over its range and the largest level for each, others at their optimum, (n, 2).
     curves : tuple of LevelCurve
         Curves with the values as given, with the optimum, and with zero and infinite damping if that is optimised.
     fixed_points : tuple of FixedPoint
         Points common to the curves of all dampings; none if the rest of the drivetrain is damped, or over speed.
     notes : tuple of str
         Where tables over frequency are read beyond their rows.
+    configuration : str
     """
 
     picture: ClassVar[str] = "damper_design"
+    SHOWN: ClassVar = (
+        "title", "configuration", "output", "unit", "over", "parameters", "before", "after", "peaks", "fixed_points",
+        "words",
+    )  # fmt: skip
 
     channel: Channel
     of: tuple[str, str]
@@ -144,31 +127,33 @@ class DamperOptimum(NotebookResult):
     before: LevelPeak
     after: LevelPeak
     peaks: tuple[LevelPeak, ...]
-    effects: Mapping[str, FloatArray]
     curves: tuple[LevelCurve, ...]
     fixed_points: tuple[FixedPoint, ...]
     title: str = ""
     notes: tuple[str, ...] = ()
+    configuration: str = ""
+
+    @property
+    def output(self) -> str:
+        """Name of the output whose vibration level is smallest."""
+        return self.channel.name
+
+    @property
+    def unit(self) -> str:
+        """SI unit of the vibration level."""
+        return self.channel.unit
+
+    @property
+    def over(self) -> str:
+        """Axis of the vibration level with its unit, such as 'frequency Hz'."""
+        return " ".join(self.of)
 
     @property
     def values(self) -> dict[str, float]:
         """Optimal values in SI by design parameter, as :meth:`torsionnet.Drivetrain.configured` takes them."""
         return {one.name: one.value for one in self.parameters}
 
-    def record(self, configuration: str = "") -> DamperRecord:
-        """Optimal damper of one configuration as plain data for JSON, in SI units."""
-        rows = tuple(
-            DesignParameterRow(
-                one.name, one.unit, one.start, one.lower, one.upper, one.value, one.bound or None,
-                *self.effects[one.name].T,
-            )
-            for one in self.parameters
-        )  # fmt: skip
-        return DamperRecord(
-            self.title, configuration, self.channel.name, self.channel.unit, " ".join(self.of), rows, self.before,
-            self.after, self.peaks, self.fixed_points, self.words(),
-        )  # fmt: skip
-
+    @property
     def words(self) -> tuple[str, ...]:
         """Sentences on how far to trust the optimal damper, on parameters at bounds or without effect, and on peaks."""
         found = [*(self._about(one) for one in self.parameters), self._held_by()]
@@ -181,7 +166,7 @@ class DamperOptimum(NotebookResult):
         return (*found, *self.notes)
 
     def _about(self, one: DesignParameter) -> str:
-        levels = self.effects[one.name][:, 1]
+        levels = one.largest
         if levels.max() < INDIFFERENT_LEVEL_RATIO * levels.min():
             return f"the maximum hardly depends on {one.name}: by {levels.max() / levels.min() - 1:.2g} of itself"
         if one.bound:
@@ -205,7 +190,7 @@ class DamperOptimum(NotebookResult):
         )
         rows.append((f"at {self.of[0]}", self.of[1], self.before.point, self.after.point, None, None))
         names = ("", "unit", "as given", "optimum", "lower bound", "upper bound")
-        return Table(f"{self.title}: best damper", tuple(map(Column, names)), tuple(rows), self.words())
+        return Table(f"{self.title}: best damper", tuple(map(Column, names)), tuple(rows), self.words)
 
     def effect_table(self, conventions: Conventions = SI) -> Table:
         """Table of the largest vibration level over each design parameter of a damper, the others at their optimum."""
@@ -216,9 +201,11 @@ class DamperOptimum(NotebookResult):
             Column(f"largest {self.channel.name}", conventions.unit(self.channel.unit)),
         )
         rows = tuple(
-            (name, value, level * scale) for name, effect in self.effects.items() for value, level in effect.tolist()
+            (one.name, value, level * scale)
+            for one in self.parameters
+            for value, level in zip(one.values.tolist(), one.largest.tolist(), strict=True)
         )
-        return Table(f"{self.title}: best damper", columns, rows, self.words())
+        return Table(f"{self.title}: best damper", columns, rows, self.words)
 
 
 def _inner_minima(levels: FloatArray) -> list[int]:

@@ -98,7 +98,7 @@ def holzer_table(
     branches = tuple(walk.branches(order))
     hertz = omega / (2 * math.pi)
     notes = (*notes, *law_notes(drivetrain.definition), *range_notes(drivetrain.assembly, [hertz]))
-    return HolzerTable(hertz, mode, shaft, branches, drivetrain.title, notes, bool(rests))
+    return HolzerTable(hertz, mode, shaft, branches, drivetrain.title, notes, bool(rests), drivetrain.configuration)
 
 
 def _trial_rate(at: float | None) -> float:

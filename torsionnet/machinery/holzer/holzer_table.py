@@ -6,7 +6,7 @@ import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 from torsionnet.base.entries.scalars import Value
 from torsionnet.base.entries.spec import Schema
@@ -106,21 +106,6 @@ class HolzerBranch:
         return f"{first} to {last}, which it joins" if self.joins else f"{first} to {last}"
 
 
-@dataclass(frozen=True, eq=False)
-class HolzerRecord:
-    """Holzer table of one configuration in SI units and Hz, as ``torsionnet holzer --json`` prints it."""
-
-    title: str
-    configuration: str
-    mode: Annotated[int | None, Out(schema=TRIAL_OR_MODE)]
-    frequency: Annotated[float, Out(json="frequency_Hz")]
-    referred_to: str
-    remainder: Annotated[float, Out(json="remainder_Nm")]
-    relative_remainder: float
-    notes: tuple[str, ...]
-    branches: tuple[HolzerBranch, ...]
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class HolzerTable(NotebookResult):
     """Holzer table of a drivetrain at one frequency in Hz, a list of branches, those that join no other branch first.
@@ -138,6 +123,7 @@ class HolzerTable(NotebookResult):
     notes : tuple of str
     first_rests : bool
         Whether the first station stands still, so that the amplitude is that of the station that moves most.
+    configuration : str
 
     Examples
     --------
@@ -149,16 +135,22 @@ class HolzerTable(NotebookResult):
     [('a', 1.0, 30000.0), ('b', -2.0, 0.0)]
     """
 
-    frequency: float
-    mode: int | None
+    SHOWN: ClassVar = (
+        "title", "configuration", "mode", "frequency", "referred_to", "remainder", "relative_remainder", "notes",
+        "branches",
+    )  # fmt: skip
+
+    frequency: Annotated[float, Out(json="frequency_Hz")]
+    mode: Annotated[int | None, Out(schema=TRIAL_OR_MODE)]
     referred_to: str
     branches: tuple[HolzerBranch, ...]
     title: str = ""
     notes: tuple[str, ...] = ()
     first_rests: bool = False
+    configuration: str = ""
 
     @property
-    def remainder(self) -> float:
+    def remainder(self) -> Annotated[float, Out(json="remainder_Nm")]:
         """Torque in N m left over at the last station of the first branch of a Holzer table.
 
         0 at a natural frequency.
@@ -196,13 +188,6 @@ class HolzerTable(NotebookResult):
         tables = self.tables(referred=referred)
         rows = tuple((number, *row) for number, table in enumerate(tables, 1) for row in table.rows)
         return Table(self.heading, (Column("branch"), *tables[0].columns), rows, self._notes())
-
-    def record(self, configuration: str = "") -> HolzerRecord:
-        """Holzer table of one configuration as plain data for JSON, in SI units and Hz."""
-        return HolzerRecord(
-            self.title, configuration, self.mode, self.frequency, self.referred_to, self.remainder,
-            self.relative_remainder, self.notes, self.branches,
-        )  # fmt: skip
 
     @property
     def heading(self) -> str:

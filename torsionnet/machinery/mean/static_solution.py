@@ -53,7 +53,7 @@ def static_state(drivetrain: AssembledModel, speed: float | None = None) -> Stat
     loads = [_load(element, node, known, external.ratios.get(node), float(at[0])) for element, node in ports]
     acting = {node: float(one[0]) for node, one in torques.items()}
     said = tuple(dict.fromkeys((*found.notes, *law_notes(drivetrain.definition), *notes)))
-    return StaticState(reference, float(at[0]), acting, tuple(loads), drivetrain.title, said)
+    return StaticState(reference, float(at[0]), acting, tuple(loads), drivetrain.title, said, drivetrain.configuration)
 
 
 def _ports(element: Element, values: Mapping[str, Any]) -> list[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.packages import NotebookResult
@@ -52,19 +52,6 @@ class ExternalTorque:
     torque: float
 
 
-@dataclass(frozen=True)
-class StaticRecord:
-    """Mean torques of one configuration in SI, speed in rpm, as ``torsionnet static --json`` prints them."""
-
-    configuration: str
-    title: str
-    reference: Annotated[str, Out(json="speed_of")]
-    speed: Annotated[float, Out(json="speed_rpm")]
-    external: tuple[ExternalTorque, ...]
-    elements: tuple[ElementLoad, ...]
-    notes: tuple[str, ...]
-
-
 @dataclass(frozen=True, repr=False)
 class StaticState(NotebookResult):
     """Static state of a drivetrain, mean torque, twist, stress and power (SI) of every element at one speed.
@@ -80,14 +67,28 @@ class StaticState(NotebookResult):
     loads : tuple of ElementLoad
     title : str
     notes : tuple of str
+    configuration : str
     """
 
-    reference: str
+    SHOWN: ClassVar = ("configuration", "title", "reference", "rpm", "external_torques", "loads", "notes")
+
+    reference: Annotated[str, Out(json="speed_of")]
     speed: float
     external: Mapping[str, float]
-    loads: tuple[ElementLoad, ...]
+    loads: Annotated[tuple[ElementLoad, ...], Out(json="elements")]
     title: str = ""
     notes: tuple[str, ...] = ()
+    configuration: str = ""
+
+    @property
+    def rpm(self) -> Annotated[float, Out(json="speed_rpm")]:
+        """Speed of the reference node in r/min."""
+        return self.speed * RPM
+
+    @property
+    def external_torques(self) -> Annotated[tuple[ExternalTorque, ...], Out(json="external")]:
+        """Mean torques in N m from outside, each with its node."""
+        return tuple(ExternalTorque(node, torque) for node, torque in self.external.items())
 
     def of(self, element: str) -> ElementLoad:
         """Mean speed, torque, twist and stress (SI) of an element, by its name, at its first port."""
@@ -97,19 +98,12 @@ class StaticState(NotebookResult):
         """Table of mean speed, torque, twist, stress and power with a row for each element and port."""
         acting = ", ".join(f"{node} {torque:.6g} N*m" for node, torque in self.external.items())
         notes = (
-            f"{self.reference} at {self.speed * RPM:.6g} rpm; from outside: {acting}",
+            f"{self.reference} at {self.rpm:.6g} rpm; from outside: {acting}",
             "torque: into the element at its first node, out of it at the others, signs of the nodes; power likewise",
             *self.notes,
         )
         return result_table(
             f"{self.title}: mean torques", self.loads, ElementLoad, conventions=conventions, notes=notes
-        )
-
-    def record(self, configuration: str = "") -> StaticRecord:
-        """Mean torques of a drivetrain at one speed as plain data for JSON, in SI units, speed in rpm."""
-        external = tuple(ExternalTorque(node, torque) for node, torque in self.external.items())
-        return StaticRecord(
-            configuration, self.title, self.reference, self.speed * RPM, external, self.loads, self.notes
         )
 
 

@@ -220,8 +220,8 @@ def damper_over_conditions(
         parts[0].channel,
         parts[0].of,
         tuple(
-            DesignParameter(name, unit, *map(float, numbers))
-            for name, unit, *numbers in zip(names, units, start, box.lower, box.upper, best, strict=True)
+            DesignParameter(name, unit, float(first), float(low), float(high), float(value))
+            for name, unit, first, low, high, value in zip(names, units, start, box.lower, box.upper, best, strict=True)
         ),
         tuple(_in_condition(*one, names, start, best) for one in zip(labels, parts, alone, strict=True)),
         drivetrain.name,

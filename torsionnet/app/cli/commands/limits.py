@@ -201,7 +201,7 @@ class DamperCommand(ModelCommand):
         pairs = list(zip(cases, found, strict=True))
         return Answer(
             screen=lambda: separated_by_lines([one.table(conventions) for one in found]),
-            data=lambda: [optimum.record(case.configuration) for case, optimum in pairs],
+            data=lambda: found,
             csv=lambda: [("", self.combined_table(cases, [one.effect_table() for one in found]))],
             figures=lambda plot: [
                 (case.configuration, plot.damper_design(one, conventions=conventions)) for case, one in pairs

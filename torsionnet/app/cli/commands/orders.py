@@ -284,10 +284,9 @@ class HolzerCommand(ModelCommand):
             )
         cases = self.cases()
         found = self.each("Holzer table", cases, self._run)
-        pairs = list(zip(cases, found, strict=True))
         return Answer(
             screen=lambda: separated_by_lines(table for one in found for table in one.tables(referred=self.referred)),
-            data=lambda: [table.record(case.configuration) for case, table in pairs],
+            data=lambda: found,
             csv=lambda: [("", self.combined_table(cases, [one.table(referred=self.referred) for one in found]))],
         )
 

@@ -48,7 +48,7 @@ class StaticCommand(ModelCommand):
         cases, found = self._found()
         return Answer(
             screen=lambda: separated_by_lines(state.table(conventions) for state in found),
-            data=lambda: [state.record(case.configuration) for case, state in zip(cases, found, strict=True)],
+            data=lambda: found,
             csv=lambda: [("", self.combined_table(cases, [state.table(conventions) for state in found]))],
         )
 
