@@ -89,6 +89,23 @@ def test_a_result_that_names_what_it_shows_has_no_other_keys():
     assert table.rows == ((3.0, 1),)
 
 
+@dataclass(frozen=True)
+class Place:
+    """Result that shows fields of its parts."""
+
+    peak: Peak
+    other: Peak | None = None
+    SHOWN: ClassVar = ("peak.largest", "peak.half", "other.place")
+
+
+def test_a_result_shows_fields_of_its_parts():
+    peak = Peak((1.0, 3.0), 1)
+    assert to_json(Place(peak)) == {"largest_rad": 3.0, "half": 1.5, "place": None}
+    assert to_json(Place(peak, peak))["place"] == 1
+    assert json_schema(Place)["properties"]["half"] == json_schema(float)
+    assert result_table("places", [Place(peak, peak)], Place).rows == ((3.0, 1),)
+
+
 def test_json_has_the_declared_keys_in_their_order():
     data = to_json(row())
     assert list(data) == [

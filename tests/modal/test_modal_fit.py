@@ -549,7 +549,7 @@ class TestRemarks:
         assert (
             found.notes[0] == "1 pole outside the band of 0.5 to 30 Hz stands for what is beyond it and is not listed"
         )
-        assert len(found) == len(found.rows()) == len(found.shapes.T) == 1
+        assert len(found) == len(found.modes) == len(found.shapes.T) == 1
         assert found.outside_poles[0].imag == 0
         np.testing.assert_allclose(found.synthesised.values, response.values, rtol=1e-6)
         given = fit_poles(response, [*found.poles, *found.outside_poles])

@@ -78,7 +78,7 @@ class OutField(NamedTuple):
     @property
     def key(self) -> str | None:
         """Key of the result field in JSON, None where JSON leaves it out."""
-        return None if self.out.json is None else self.out.json or self.name
+        return None if self.out.json is None else self.out.json or self.name.rpartition(".")[2]
 
     @property
     def schema(self) -> Schema:
@@ -92,11 +92,12 @@ class OutField(NamedTuple):
 def out_fields(kind: type) -> tuple[OutField, ...]:
     """Fields of a result class in the order of JSON; of its properties those that are declared.
 
-    A class that holds more than it shows names what it shows in ``SHOWN``: fields and properties, in this order.
+    A class that holds more than it shows names what it shows in ``SHOWN``: fields and properties, in this order, and
+    with a dot those of a part, as ``"pattern.teeth"``, which are None where there is no part.
     """
-    hints = get_type_hints(kind, include_extras=True)
     if names := getattr(kind, "SHOWN", ()):
-        return tuple(_declared(name, hints[name] if name in hints else _returned(kind, name)) for name in names)
+        return tuple(_declared(name, _annotation(kind, name)) for name in names)
+    hints = get_type_hints(kind, include_extras=True)
     found: list[OutField] = []
     for field in dataclasses.fields(kind):
         _insert(found, _declared(field.name, hints[field.name]), len(found))
@@ -106,6 +107,25 @@ def out_fields(kind: type) -> tuple[OutField, ...]:
             if one.out != Out():
                 _insert(found, one, 0)
     return tuple(found)
+
+
+def shown_value(result: object, name: str) -> Any:
+    """Value of a field of a result; of a name with dots that of its part, None where there is no part."""
+    for part in name.split("."):
+        result = None if result is None else getattr(result, part)
+    return result
+
+
+def _annotation(kind: type, name: str) -> Any:
+    """Type and declaration of a field or property, also of a part whose type may be Annotated or ``| None``."""
+    first, _, rest = name.partition(".")
+    hints = get_type_hints(kind, include_extras=True)
+    found = hints[first] if first in hints else _returned(kind, first)
+    if not rest:
+        return found
+    whole = _declared(first, found).type
+    (part,) = (one for one in get_args(whole) or (whole,) if one is not type(None))
+    return _annotation(part, rest)
 
 
 def _returned(kind: type, name: str) -> Any:
@@ -133,7 +153,7 @@ def to_json(value: Any) -> Any:
     if isinstance(value, Note):
         return str(value)
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        pairs = ((one, getattr(value, one.name)) for one in out_fields(type(value)) if one.key is not None)
+        pairs = ((one, shown_value(value, one.name)) for one in out_fields(type(value)) if one.key is not None)
         return {str(one.key): to_json(field) for one, field in pairs if not (one.out.optional and field is None)}
     if isinstance(value, Mapping):
         return {key: to_json(one) for key, one in value.items()}

@@ -15,7 +15,7 @@ from torsionnet.base.atomic import write_text
 from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.notes import NoteOrText
 from torsionnet.base.number_text import csv_value, json_finite, screen_text, unit_in_brackets
-from torsionnet.base.result_rows import OutField, out_fields
+from torsionnet.base.result_rows import OutField, out_fields, shown_value
 
 
 @dataclass(frozen=True)
@@ -163,11 +163,13 @@ def result_table(
         Column(one.out.heading, conventions.unit_of_column(one.out.unit), one.out.digits, one.out.decimals)
         for one in shown
     )
-    cells = tuple(tuple(_cell(getattr(row, one.name), one, conventions) for one in shown) for row in rows)
+    cells = tuple(tuple(_cell(shown_value(row, one.name), one, conventions) for one in shown) for row in rows)
     return Table(title, headings, cells, tuple(map(str, notes)))
 
 
 def _cell(value: Any, one: OutField, conventions: Conventions) -> Any:
+    if isinstance(value, tuple):  # notes, in one cell
+        return "; ".join(map(str, value))
     scale = one.out.factor * conventions.scale_of_column(one.out.unit)
     return float(value * scale) if isinstance(value, float) or (scale != 1.0 and value is not None) else value
 

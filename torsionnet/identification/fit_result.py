@@ -12,7 +12,7 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 import scipy
@@ -24,7 +24,9 @@ from torsionnet.base.entries.plain_numbers import PlainNumber, PlainNumbers
 from torsionnet.base.entries.spec import Count, Flag, Text, entry
 from torsionnet.base.errors import Fault, ModelError, UsageError
 from torsionnet.base.packages import NotebookResult
+from torsionnet.base.result_rows import NUMBER_ROWS, Out
 from torsionnet.base.table import Column, Table
+from torsionnet.base.units import RPM
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.identification.fit_problem import FitProblem
 from torsionnet.identification.lack_of_fit import LackOfFit
@@ -57,16 +59,35 @@ class Compared:
         Of a measurement of orders: the order of each line and the speed of the reference shaft, rad/s.
     """
 
+    SHOWN: ClassVar = (
+        "name", "unit", "frequencies", "misfit", "measured_parts", "fitted_parts", "orders", "speeds_rpm"
+    )  # fmt: skip
+
     name: str
-    frequencies: FloatArray
+    frequencies: Annotated[FloatArray, Out(json="frequencies_Hz")]
     measured: ComplexArray
     fitted: ComplexArray
     deviation: FloatArray
     misfit: float
     unit: str
     has_phase: bool = True
-    orders: FloatArray | None = None
+    orders: Annotated[FloatArray | None, Out(optional=True)] = None
     speeds: FloatArray | None = None
+
+    @property
+    def measured_parts(self) -> Annotated[FloatArray, Out(json="measured", schema=NUMBER_ROWS)]:
+        """Real and imaginary parts of the test, SI, shape (2, n)."""
+        return np.stack([self.measured.real, self.measured.imag])
+
+    @property
+    def fitted_parts(self) -> Annotated[FloatArray, Out(json="fitted", schema=NUMBER_ROWS)]:
+        """Real and imaginary parts of the fitted model, SI, shape (2, n)."""
+        return np.stack([self.fitted.real, self.fitted.imag])
+
+    @property
+    def speeds_rpm(self) -> Annotated[FloatArray | None, Out(optional=True)]:
+        """Speed of the reference shaft at each line of a measurement of orders, r/min."""
+        return None if self.speeds is None else self.speeds * RPM
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -77,10 +98,10 @@ class FitResult(NotebookResult):
 
     values: Mapping[str, float]
     standard_errors: Mapping[str, float]
-    correlation: FloatArray
+    correlation: Annotated[FloatArray, Out(schema=NUMBER_ROWS)]
     chi_squared: float
     degrees_of_freedom: int
-    comparisons: tuple[Compared, ...]
+    comparisons: Annotated[tuple[Compared, ...], Out(json="measurements")]
     verdicts: tuple[str, ...]
     notes: tuple[str, ...] = ()
     units: Mapping[str, str] = field(default_factory=dict)

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Annotated
+from dataclasses import dataclass, field, replace
+from typing import Annotated, ClassVar
 
 import numpy as np
 
 from torsionnet.base.errors import TorsionnetError, UsageError
 from torsionnet.base.packages import NotebookResult
-from torsionnet.base.result_rows import NUMBER_ROWS, Out
+from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Column, Table
 from torsionnet.base.threads import one_thread
-from torsionnet.base.units import RPM
 from torsionnet.identification.causes import (
     CHANNEL_CAUSES,
     CauseFit,
@@ -30,7 +29,7 @@ from torsionnet.identification.fit_problem import FitProblem, make_problem
 from torsionnet.identification.fit_result import FitResult
 from torsionnet.identification.fit_search import CONVERGENCE_TOLERANCE, LeastSquaresSolution, local_optimum
 from torsionnet.identification.fitting import best_optimum
-from torsionnet.identification.lack_of_fit import LackOfFit, cause_in_words
+from torsionnet.identification.lack_of_fit import cause_in_words
 from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.unknown_parameter import Unknown, read_unknowns
 from torsionnet.identification.verdict_words import ROUNDED_MISFIT
@@ -102,7 +101,9 @@ class Ranking(NotebookResult):
         RMS of model minus test over that of the test with nothing freed, of all measurements.
     """
 
-    causes: tuple[RankedCause, ...]
+    SHOWN: ClassVar = ("causes",)
+
+    causes: Annotated[tuple[RankedCause, ...], Out(json="ranking")]
     misfit: float
 
     @property
@@ -261,9 +262,7 @@ def _ranked(one: CauseFit, whole: float, *, explains: bool) -> RankedCause:
     )
 
 
-# Results of fits as plain data, for JSON.
-
-Intervals = Mapping[str, tuple[float, float]]
+# Fit with what a command was asked beside it.
 
 
 @dataclass(frozen=True)
@@ -280,65 +279,32 @@ class FittedRow:
 
 
 @dataclass(frozen=True, eq=False)
-class ComparedRow:
-    """Real and imaginary parts (2, n_f) of the responses of test and fitted model for one measurement, SI."""
+class FitAnswer:
+    """Fit with what was asked beside it: profile intervals and true values of its parameters, ranked causes."""
 
-    name: str
-    unit: str
-    frequencies: Annotated[FloatArray, Out(json="frequencies_Hz")]
-    misfit: float
-    measured: Annotated[FloatArray, Out(schema=NUMBER_ROWS)]
-    fitted: Annotated[FloatArray, Out(schema=NUMBER_ROWS)]
-    orders: Annotated[FloatArray | None, Out(optional=True)]
-    speeds: Annotated[FloatArray | None, Out(json="speeds_rpm", optional=True)]
-
-
-@dataclass(frozen=True)
-class RankingRecord:
-    """Ranked causes of a misfit alone, as ``torsionnet fit --rank --json`` prints them where no parameter is fitted."""
-
-    ranking: tuple[RankedCause, ...]
-
-
-@dataclass(frozen=True, eq=False)
-class FitRecord:
-    """Result of a fit as plain data, as ``torsionnet fit --json`` prints it."""
-
-    title: str
-    parameters: tuple[FittedRow, ...]
-    correlation: Annotated[FloatArray, Out(schema=NUMBER_ROWS)]
-    chi_squared: float
-    degrees_of_freedom: int
-    aicc: float
-    verdicts: tuple[str, ...]
-    lack_of_fit: LackOfFit | None
-    notes: tuple[str, ...]
-    measurements: tuple[ComparedRow, ...]
-    ranking: Annotated[tuple[RankedCause, ...] | None, Out(optional=True)]
-
-
-def fit_record(found: FitResult, profiles: Intervals, true: Mapping[str, float], ranking: Ranking | None) -> FitRecord:
-    """Result of a fit as plain data for JSON, with the given profile intervals, true values and ranking of causes."""
-    intervals = found.intervals()
-    parameters = tuple(
-        FittedRow(
-            name, value, found.standard_errors[name], intervals[name], profiles.get(name), found.units.get(name, ""),
-            true.get(name),
-        )
-        for name, value in found.values.items()
-    )  # fmt: skip
-    measurements = tuple(
-        ComparedRow(
-            one.name, one.unit, one.frequencies, one.misfit, _parts(one.measured), _parts(one.fitted), one.orders,
-            None if one.speeds is None else one.speeds * RPM,
-        )
-        for one in found.comparisons
-    )  # fmt: skip
-    return FitRecord(
-        found.title, parameters, found.correlation, found.chi_squared, found.degrees_of_freedom, found.aicc,
-        found.verdicts, found.lack_of_fit, found.notes, measurements, None if ranking is None else ranking.causes,
+    SHOWN: ClassVar = (
+        "fit.title", "parameters", "fit.correlation", "fit.chi_squared", "fit.degrees_of_freedom", "fit.aicc",
+        "fit.verdicts", "fit.lack_of_fit", "fit.notes", "fit.comparisons", "causes",
     )  # fmt: skip
 
+    fit: FitResult
+    ranking: Ranking | None = None
+    profiles: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    true: Mapping[str, float] = field(default_factory=dict)
 
-def _parts(values: np.ndarray) -> FloatArray:
-    return np.stack([values.real, values.imag])
+    @property
+    def parameters(self) -> tuple[FittedRow, ...]:
+        """Fitted values with their intervals, true values where they are known."""
+        fit, intervals = self.fit, self.fit.intervals()
+        return tuple(
+            FittedRow(
+                name, value, fit.standard_errors[name], intervals[name], self.profiles.get(name),
+                fit.units.get(name, ""), self.true.get(name),
+            )
+            for name, value in fit.values.items()
+        )  # fmt: skip
+
+    @property
+    def causes(self) -> Annotated[tuple[RankedCause, ...] | None, Out(json="ranking", optional=True)]:
+        """Ranked causes of a misfit, None where they were not asked for."""
+        return None if self.ranking is None else self.ranking.causes

@@ -19,7 +19,6 @@ from torsionnet.linear.frequency_response import Channel
 from torsionnet.linear.modes.modes import Modes
 from torsionnet.modal.criteria import mac
 from torsionnet.modal.matrix_fraction import as_poles, damping_ratios, natural_frequencies, upper_half, without_rounding
-from torsionnet.modal.modal_estimate import IdentifiedMode, ModalEstimate
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray
 
 IntArray: TypeAlias = NDArray[np.int_]
@@ -27,6 +26,16 @@ IntArray: TypeAlias = NDArray[np.int_]
 LARGEST_POLE_DISTANCE = 0.5
 """Distance of two poles over ``|lambda|`` of the model above which the modes are no pair, unless ``match`` is told
 another."""
+
+
+@dataclass(frozen=True)
+class MatchedMode:
+    """Pair of an identified mode and a mode of the model, with relative errors of frequency and damping ratio."""
+
+    identified: int
+    model: Annotated[int | None, Out(schema=MODE_NUMBER)]
+    frequency_error: float
+    damping_error: float
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -70,6 +79,17 @@ class Match(NotebookResult):
     def model_numbers(self) -> tuple[int | None, ...]:
         """Number of each mode of the model as in the model's own tables, None for real poles."""
         return mode_numbers([OSCILLATORY if pole.imag > 0 else REAL for pole in self.model_poles])
+
+    @property
+    def pairs(self) -> Annotated[tuple[MatchedMode, ...], Out(json="against_model", optional=True)]:
+        """Pairs of modes with their relative errors, as JSON has them beside the identified modes."""
+        errors = zip(self.frequency_errors.tolist(), self.damping_errors.tolist(), strict=True)
+        return tuple(
+            MatchedMode(identified + 1, self.model_numbers[model], frequency, damping)
+            for identified, model, (frequency, damping) in zip(
+                self.identified.tolist(), self.model.tolist(), errors, strict=True
+            )
+        )
 
     def _name(self, place: int) -> int | str:
         return self.model_numbers[place] or REAL
@@ -225,39 +245,3 @@ def _assigned(cost: FloatArray) -> tuple[IntArray, IntArray]:
     rows, columns = linear_sum_assignment(np.where(allowed, cost, prohibitive))
     kept = allowed[rows, columns]
     return rows[kept], columns[kept]
-
-
-@dataclass(frozen=True)
-class MatchedMode:
-    """Pair of an identified mode and a mode of the model, with relative errors of frequency and damping ratio."""
-
-    identified: int
-    model: Annotated[int | None, Out(schema=MODE_NUMBER)]
-    frequency_error: float
-    damping_error: float
-
-
-@dataclass(frozen=True, eq=False)
-class IdentifiedModesRecord:
-    """Identified modes as plain data, as ``torsionnet identify-modes --json`` prints them."""
-
-    title: str
-    method: str
-    notes: tuple[NoteOrText, ...]
-    modes: tuple[IdentifiedMode, ...]
-    against_model: Annotated[tuple[MatchedMode, ...] | None, Out(optional=True)]
-
-
-def matched_modes(compared: Match) -> tuple[MatchedMode, ...]:
-    """Pairs of identified modes and modes of a model as plain data, with relative errors."""
-    pairs = zip(
-        compared.identified.tolist(), compared.model.tolist(), compared.frequency_errors.tolist(),
-        compared.damping_errors.tolist(), strict=True,
-    )  # fmt: skip
-    return tuple(MatchedMode(i + 1, compared.model_numbers[m], *errors) for i, m, *errors in pairs)
-
-
-def identified_modes_record(found: ModalEstimate, compared: Match | None) -> IdentifiedModesRecord:
-    """Identified modes as plain data for JSON, with the modes of a model that they were compared with."""
-    pairs = None if compared is None else matched_modes(compared)
-    return IdentifiedModesRecord(found.title, found.method, found.notes, found.rows(), pairs)

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,7 @@ from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Column, Table, result_table
 from torsionnet.linear.frequency_response import Channel, FrequencyResponse
 from torsionnet.modal.criteria import mpc
+from torsionnet.modal.matching import Match
 from torsionnet.modal.residues import Expansion
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray, Lines, powers_of
 
@@ -79,11 +80,15 @@ class ModalEstimate(NotebookResult):
     outside_poles : (n,) complex array
         Poles outside the band, rad/s, which stand for what is beyond it and are no modes; in ``response``.
     outside_residues : (n, n_out, n_in) complex array
+    against_model : Match or None
+        Modes of a model that these were compared with, to be shown beside them.
 
     See Also
     --------
     torsionnet.modal.identify_modes
     """
+
+    SHOWN: ClassVar = ("title", "method", "notes", "modes", "against_model.pairs")
 
     poles: ComplexArray
     residues: ComplexArray
@@ -102,6 +107,7 @@ class ModalEstimate(NotebookResult):
     by_record: bool = False
     outside_poles: ComplexArray = field(default_factory=lambda: np.zeros(0, dtype=complex))
     outside_residues: ComplexArray = field(default_factory=lambda: np.zeros((0, 1, 1), dtype=complex))
+    against_model: Match | None = None
 
     def __len__(self) -> int:
         return len(self.poles)
@@ -167,7 +173,7 @@ class ModalEstimate(NotebookResult):
     def only(self, modes: NDArray[np.bool_]) -> ModalEstimate:
         """Copy of the estimate with only some modes, those where the mask (n_modes,) is true."""
         names = ("poles", "residues", "contributions", "frequency_errors", "damping_errors")
-        return replace(self, **{name: getattr(self, name)[modes] for name in names})
+        return replace(self, against_model=None, **{name: getattr(self, name)[modes] for name in names})
 
     def within_band(self) -> ModalEstimate:
         """Copy of the estimate whose modes are the poles in the band of its lines; the others are ``outside_poles``."""
@@ -179,11 +185,12 @@ class ModalEstimate(NotebookResult):
         """Table with a row for each mode, its frequency and damping with standard errors, MPC, and contribution."""
         title = f"{self.title}: modes by {self.method}"
         return result_table(
-            title, self.rows(), IdentifiedMode, IDENTIFIED_COLUMNS, conventions, tuple(map(str, self.notes))
+            title, self.modes, IdentifiedMode, IDENTIFIED_COLUMNS, conventions, tuple(map(str, self.notes))
         )
 
-    def rows(self) -> tuple[IdentifiedMode, ...]:
-        """Identified modes as records, one for each mode, in the order of ``|lambda|``."""
+    @property
+    def modes(self) -> tuple[IdentifiedMode, ...]:
+        """Identified modes, one for each mode, in the order of ``|lambda|``."""
         names = [channel.name for channel in self.outputs]
         collinear = mpc(self.shapes)
         return tuple(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import ClassVar, TypeAlias
+from typing import Annotated, ClassVar, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from torsionnet.base.errors import UsageError, did_you_mean
 from torsionnet.base.notes import NoteOrText
 from torsionnet.base.packages import NotebookResult
+from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Column, Table
 from torsionnet.linear.between_samples import Between, BetweenSamples, check_between
 from torsionnet.signals.rotation.pulse_channel import PulseChannel
@@ -172,10 +173,12 @@ class Signal:
         Sampling rate in Hz that ``between`` speaks of, where the signal has been brought to another one since.
     """
 
-    name: str
+    SHOWN: ClassVar = ("name", "unit", "smallest", "largest", "rms", "notes")
+
+    name: Annotated[str, Out("channel")]
     quantity: str
     values: FloatArray
-    notes: tuple[NoteOrText, ...] = ()
+    notes: Annotated[tuple[NoteOrText, ...], Out("notes")] = ()
     between: Between = "band_limited"
     course_rate: float | None = None
 
@@ -183,9 +186,24 @@ class Signal:
         check_between(self.between)
 
     @property
-    def unit(self) -> str:
+    def unit(self) -> Annotated[str, Out("unit")]:
         """SI unit of the values of a signal; empty where the quantity is not known."""
         return QUANTITY_UNITS.get(self.quantity, "")
+
+    @property
+    def smallest(self) -> Annotated[float, Out("smallest", digits=4)]:
+        """Smallest value of a signal."""
+        return float(self.values.min())
+
+    @property
+    def largest(self) -> Annotated[float, Out("largest", digits=4)]:
+        """Largest value of a signal."""
+        return float(self.values.max())
+
+    @property
+    def rms(self) -> Annotated[float, Out("RMS", json="RMS", digits=4)]:
+        """Root mean square of the values of a signal."""
+        return float((self.values**2).mean() ** 0.5)
 
     def course(self, rate: float) -> BetweenSamples:
         """Course of the signal between samples of a record at a rate in Hz."""
@@ -230,9 +248,9 @@ class Recording(NotebookResult):
 
     picture: ClassVar[str] = "time_histories"
 
-    signals: tuple[Signal, ...]
-    sampling_rate: float
-    start: float = 0.0
+    signals: Annotated[tuple[Signal, ...], Out(json="channels")]
+    sampling_rate: Annotated[float, Out(json="sampling_rate_Hz")]
+    start: Annotated[float, Out(json="start_s")] = 0.0
     times: FloatArray | None = None
     title: str = ""
     notes: tuple[NoteOrText, ...] = ()
@@ -284,7 +302,12 @@ class Recording(NotebookResult):
         raise UsageError(f"{text}; there is {', '.join(known) or 'none'}")
 
     @property
-    def duration(self) -> float:
+    def samples(self) -> int:
+        """Number of samples of each signal of a recording."""
+        return len(self)
+
+    @property
+    def duration(self) -> Annotated[float, Out(json="duration_s")]:
         """Length of a recording in s, one sampling interval for every sample."""
         return len(self) / self.sampling_rate
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import numpy as np
 
@@ -14,18 +14,6 @@ from torsionnet.signals.decimation import check_processable, decimate
 from torsionnet.signals.recording import FloatArray, Recording
 from torsionnet.signals.resampling import check_count
 from torsionnet.signals.welch import Welch, without_trend
-
-
-@dataclass(frozen=True, eq=False)
-class SpectrogramRecord:
-    """Spectrogram of one channel as ``torsionnet spectrogram --json`` prints it, with amplitudes (n_f, n_t)."""
-
-    name: Annotated[str, Out(json="channel")]
-    unit: str
-    notes: tuple[NoteOrText, ...]
-    times: Annotated[FloatArray, Out(json="times_s")]
-    frequencies: Annotated[FloatArray, Out(json="frequencies_Hz")]
-    amplitude: Annotated[FloatArray, Out(schema=NUMBER_ROWS)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,10 +33,12 @@ class Spectrogram:
     notes : tuple of str or Note
     """
 
-    frequencies: FloatArray
-    times: FloatArray
-    amplitude: FloatArray
-    name: str
+    SHOWN: ClassVar = ("name", "unit", "notes", "times", "frequencies", "amplitude")
+
+    frequencies: Annotated[FloatArray, Out(json="frequencies_Hz")]
+    times: Annotated[FloatArray, Out(json="times_s")]
+    amplitude: Annotated[FloatArray, Out(schema=NUMBER_ROWS)]
+    name: Annotated[str, Out(json="channel")]
     unit: str
     notes: tuple[NoteOrText, ...] = ()
 
@@ -56,10 +46,6 @@ class Spectrogram:
         """Amplitude in dB over a reference amplitude in the signal's unit, (n_f, n_t)."""
         with np.errstate(divide="ignore"):
             return np.asarray(20 * np.log10(self.amplitude / reference))
-
-    def record(self) -> SpectrogramRecord:
-        """Spectrogram of the channel as plain data, for JSON output."""
-        return SpectrogramRecord(self.name, self.unit, self.notes, self.times, self.frequencies, self.amplitude)
 
     @property
     def ridge(self) -> FloatArray:

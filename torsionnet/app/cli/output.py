@@ -196,22 +196,22 @@ def study_schema() -> Schema:
 # JSON Schema of the output of every command with ``--json``.
 
 OUTPUTS: dict[str, str] = {
-    "angle": "torsionnet.app.cli.commands.angle:AngleRecord",
-    "bench": "list[torsionnet.app.cli.commands.bench:BenchRecord]",
-    "calibrate-wheel": "torsionnet.signals.rotation.calibration_result:CalibrationRecord",
-    "campaign": "torsionnet.bench.campaign.campaign_result:CampaignJson",
+    "angle": "torsionnet.app.cli.commands.angle:TurnedWheels",
+    "bench": "list[torsionnet.app.cli.commands.bench:BenchRun]",
+    "calibrate-wheel": "torsionnet.signals.rotation.calibration_result:WheelCalibration",
+    "campaign": "torsionnet.bench.campaign.campaign_result:CampaignResult",
     "check": "list[torsionnet.base.fault_rows:CheckRecord]",
     "compare": "torsionnet.app.cli.frf_output:ComparisonRecord",
-    "clocks": "torsionnet.app.cli.commands.clocks:ClocksRecord",
+    "clocks": "torsionnet.signals.rotation.clock_drift:ClockDrift",
     "critical-speeds": "list[torsionnet.machinery.criticals.critical_speeds:CriticalSpeeds]",
     "damper": "list[torsionnet.machinery.design.damper_optimum:DamperOptimum]",
-    "damping": "torsionnet.modal.operational.operational_modes:OperationalModesRecord",
+    "damping": "torsionnet.modal.operational.operational_modes:OperationalModes",
     "equations": "list[torsionnet.app.cli.output:ConfiguredMotion|TransferFunctionRecord]",
     "estimate": "torsionnet.app.cli.frf_output:EstimateRecord",
-    "fit": "torsionnet.identification.ranking:FitRecord|RankingRecord",
+    "fit": "torsionnet.identification.ranking:FitAnswer|Ranking",
     "frf": "list[torsionnet.app.cli.frf_output:ResponsesRecord]",
     "holzer": "list[torsionnet.machinery.holzer.holzer_table:HolzerTable]",
-    "identify-modes": "torsionnet.modal.matching:IdentifiedModesRecord",
+    "identify-modes": "torsionnet.modal.modal_estimate:ModalEstimate",
     "library": "list[torsionnet.app.cli.commands.model_files:LibraryFile]",
     "limits": "list[torsionnet.machinery.verdicts.limit_conclusion:LimitsRecord]",
     "margins": "list[torsionnet.linear.responses.loop_margins:MarginsRecord]",
@@ -220,10 +220,10 @@ OUTPUTS: dict[str, str] = {
     "sensitivity": "list[torsionnet.linear.sensitivity.sensitivities_of_modes:SensitivityRecord]",
     "show": "list[torsionnet.app.cli.output:ShownModel]",
     "simulate": "list[torsionnet.motion.motion_summary:SimulationRecord]",
-    "spectrogram": "list[torsionnet.signals.spectrograms:SpectrogramRecord]",
+    "spectrogram": "list[torsionnet.signals.spectrograms:Spectrogram]",
     "static": "list[torsionnet.machinery.mean.static_state:StaticState]",
     "study": "torsionnet.app.cli.output:study_schema",
-    "track": "list[torsionnet.signals.orders.tracked_orders:TrackedOrdersRecord]",
+    "track": "list[torsionnet.signals.orders.tracked_orders:TrackedOrders]",
 }
 """Module and class of what each command prints with ``--json``, by command; list[...] has one for each
 configuration."""

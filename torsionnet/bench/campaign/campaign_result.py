@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import numpy as np
 
 from torsionnet.base.conventions import SI, Conventions
+from torsionnet.base.entries.spec import not_none
 from torsionnet.base.packages import NotebookResult
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Table, result_table
@@ -23,7 +25,7 @@ from torsionnet.bench.campaign.estimating_responses import (
 )
 from torsionnet.bench.campaign.tracking_records import RecordFinding
 from torsionnet.identification import Fit, Ranking
-from torsionnet.identification.ranking import FitRecord, RankedCause, fit_record
+from torsionnet.identification.ranking import FitAnswer, RankedCause
 from torsionnet.machinery.orders.order_comparison import AGREES, WITHIN_BOUND, compared_orders, order_comparison
 from torsionnet.machinery.orders.order_response import OrderResponse
 from torsionnet.signals.orders.tracked_orders import MeasuredOrder, TrackedOrders
@@ -106,42 +108,86 @@ class CampaignVerdict:
 
 
 @dataclass(frozen=True, eq=False)
-class RecordRow:
-    """Record of a campaign with its condition, its speeds, and how many of its orders agree with the calculation."""
-
-    name: Annotated[str, Out("record")]
-    configuration: Annotated[str, Out("configuration")]
-    condition: Annotated[str, Out("condition")]
-    lowest: Annotated[float, Out("from", "rpm", digits=5, json="from_rpm")]
-    highest: Annotated[float, Out("to", "rpm", digits=5, json="to_rpm")]
-    points: Annotated[int, Out("points")]
-    compared: Annotated[int, Out("orders compared", json="orders_compared")]
-    agreeing: Annotated[int, Out("agree", json="orders_that_agree")]
-    reference: Annotated[str, Out("phase 0 at", json="phase_reference")]
-    files: tuple[str, ...]
-
-
-@dataclass(frozen=True, eq=False)
 class CampaignRecordResult:
     """Tracked orders and frequency responses of one record, and those that the model has for its channels.
 
     Attributes
     ----------
-    name : str
+    name, configuration, condition : str
     files : tuple of path
-        File of the tracked orders of each channel.
+        File of the tracked orders of each channel, and of the responses.
     orders : tuple of TrackedOrders
     calculated : OrderResponse, optional
         None where no channel shows a sensor of the model.
+    tests : mapping of str to tuple of MeasuredOrder
+        Measured orders by the output of the calculated ones.
     response : CampaignResponse, optional
         Measured and calculated frequency responses, of a record that shows them.
     """
 
-    name: str
+    SHOWN: ClassVar = (
+        "name", "configuration", "condition", "lowest", "highest", "points", "compared", "agreeing", "reference",
+        "file_names",
+    )  # fmt: skip
+
+    name: Annotated[str, Out("record")]
+    configuration: Annotated[str, Out("configuration")]
+    condition: Annotated[str, Out("condition")]
     files: tuple[Path, ...]
     orders: tuple[TrackedOrders, ...]
     calculated: OrderResponse | None
+    tests: Mapping[str, tuple[MeasuredOrder, ...]]
     response: CampaignResponse | None = None
+
+    @property
+    def lowest(self) -> Annotated[float, Out("from", "rpm", digits=5, json="from_rpm")]:
+        """Lowest speed of the tracked orders in r/min."""
+        return float(self.orders[0].rpm.min()) if self.orders else float("nan")
+
+    @property
+    def highest(self) -> Annotated[float, Out("to", "rpm", digits=5, json="to_rpm")]:
+        """Highest speed of the tracked orders in r/min."""
+        return float(self.orders[0].rpm.max()) if self.orders else float("nan")
+
+    @property
+    def points(self) -> Annotated[int, Out("points")]:
+        """Number of speeds of the tracked orders."""
+        return len(self.orders[0].times) if self.orders else 0
+
+    @property
+    def compared(self) -> Annotated[int, Out("orders compared", json="orders_compared")]:
+        """Number of orders that were measured and calculated."""
+        return len(self.verdicts)
+
+    @property
+    def agreeing(self) -> Annotated[int, Out("agree", json="orders_that_agree")]:
+        """Number of orders that agree with the calculation."""
+        return sum(one.verdict in GOOD for one in self.verdicts)
+
+    @property
+    def reference(self) -> Annotated[str, Out("phase 0 at", json="phase_reference")]:
+        """Place in words at which phases of the tracked orders are 0."""
+        return self.orders[0].reference if self.orders else ""
+
+    @property
+    def file_names(self) -> Annotated[tuple[str, ...], Out(json="files")]:
+        """Paths of the files as text."""
+        return tuple(map(str, self.files))
+
+    @cached_property
+    def verdicts(self) -> tuple[CampaignVerdict, ...]:
+        """Verdicts on every order of the record that was measured and calculated."""
+        found = []
+        for output, measured in self.tests.items():
+            for pair in compared_orders(not_none(self.calculated), output, measured):
+                apart = pair.agreement
+                found.append(
+                    CampaignVerdict(
+                        self.name, output, pair.measured.order, apart.peak, apart.intervals, apart.verdict,
+                        apart.sentence,
+                    )
+                )  # fmt: skip
+        return tuple(found)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -164,74 +210,56 @@ class CampaignResult(NotebookResult):
         Faults that the checks of the records found.
     """
 
+    SHOWN: ClassVar = (
+        "campaign.title", "all_records", "verdicts", "spreads", "fit_answer", "causes", "remarks", "response_rows",
+        "response_spreads", "findings",
+    )  # fmt: skip
+
     campaign: Campaign
     records: Mapping[str, CampaignRecordResult]
-    spreads: tuple[ConditionSpread, ...] = ()
+    spreads: Annotated[tuple[ConditionSpread, ...], Out(json="repeatability")] = ()
     fit: Fit | None = None
     ranking: Ranking | None = None
-    remarks: tuple[str, ...] = ()
-    response_spreads: tuple[ResponseSpread, ...] = ()
-    findings: tuple[RecordFinding, ...] = ()
+    remarks: Annotated[tuple[str, ...], Out(json="notes")] = ()
+    response_spreads: Annotated[tuple[ResponseSpread, ...], Out(json="response_repeatability")] = ()
+    findings: Annotated[tuple[RecordFinding, ...], Out(json="checks")] = ()
 
     @property
     def fails(self) -> bool:
         """Whether a fault of a record is beyond the level at which the campaign fails."""
         return any(one.consequence == "fails" for one in self.findings)
 
-    def tests(self, record: str) -> dict[str, tuple[MeasuredOrder, ...]]:
-        """Measured orders of a record by the output of its calculated orders."""
-        found, sensors = self.records[record], self.campaign.sensors
-        known = [] if found.calculated is None else [channel.name for channel in found.calculated.outputs]
-        return {sensors[one.name]: one.measured() for one in found.orders if sensors.get(one.name) in known}
+    @property
+    def verdicts(self) -> Annotated[tuple[CampaignVerdict, ...], Out(json="orders")]:
+        """Verdicts on every order that was measured and calculated."""
+        return tuple(verdict for record in self.records.values() for verdict in record.verdicts)
 
     @property
-    def verdicts(self) -> tuple[CampaignVerdict, ...]:
-        """Verdicts on every order that was measured and calculated."""
-        return tuple(self._verdicts())
+    def fit_answer(self) -> Annotated[FitAnswer | None, Out(json="fit", optional=True)]:
+        """Fit with the ranking of causes."""
+        return None if self.fit is None else FitAnswer(self.fit, self.ranking)
 
-    def _verdicts(self) -> Iterator[CampaignVerdict]:
-        for name, found in self.records.items():
-            if found.calculated is None:
-                continue
-            for output, measured in self.tests(name).items():
-                for pair in compared_orders(found.calculated, output, measured):
-                    apart = pair.agreement
-                    yield CampaignVerdict(
-                        name, output, pair.measured.order, apart.peak, apart.intervals, apart.verdict, apart.sentence
-                    )
+    @property
+    def causes(self) -> Annotated[tuple[RankedCause, ...] | None, Out(json="ranking", optional=True)]:
+        """Ranked causes of a misfit where nothing was fitted."""
+        return self.ranking.causes if self.ranking is not None and self.fit is None else None
 
     def comparisons(self, conventions: Conventions = SI) -> Iterator[Table]:
         """Yield a table of measured and calculated orders for each record and output."""
         for name, found in self.records.items():
             if found.calculated is not None:
-                for output, measured in self.tests(name).items():
+                for output, measured in found.tests.items():
                     table = order_comparison(found.calculated, output, measured, conventions)
                     yield Table(f"{name}: {table.title}", table.columns, table.rows, table.notes)
 
     @property
-    def rows(self) -> tuple[RecordRow, ...]:
-        """Rows of the table: for each record its condition, speeds and the number of orders that agree."""
-        found, verdicts = [], self.verdicts
-        for name, one in self.records.items():
-            entry, files = self.campaign.plan.records[name], tuple(map(str, one.files))
-            if not one.orders:
-                unknown = float("nan")
-                found.append(
-                    RecordRow(name, entry.configuration, entry.condition, unknown, unknown, 0, 0, 0, "", files)
-                )
-                continue
-            first = one.orders[0]
-            own = [each for each in verdicts if each.record == name]
-            found.append(RecordRow(
-                name, entry.configuration, entry.condition, float(first.rpm.min()), float(first.rpm.max()),
-                len(first.times), len(own), sum(each.verdict in GOOD for each in own), first.reference,
-                files,
-            ))  # fmt: skip
-        return tuple(found)
+    def all_records(self) -> Annotated[tuple[CampaignRecordResult, ...], Out(json="records")]:
+        """Results of the records, in the order of the campaign."""
+        return tuple(self.records.values())
 
     def table(self) -> Table:
         """Table of the records: condition, speeds, orders, how many of them agree with the calculation."""
-        return result_table(self.campaign.title, self.rows, RecordRow, notes=self.remarks)
+        return result_table(self.campaign.title, self.all_records, CampaignRecordResult, notes=self.remarks)
 
     @property
     def responses(self) -> Mapping[str, CampaignResponse]:
@@ -239,7 +267,7 @@ class CampaignResult(NotebookResult):
         return {name: one.response for name, one in self.records.items() if one.response is not None}
 
     @property
-    def response_rows(self) -> tuple[ResponseRow, ...]:
+    def response_rows(self) -> Annotated[tuple[ResponseRow, ...], Out(json="responses")]:
         """Rows of the table of responses: how far test and model are apart, for each record and output."""
         return tuple(response_rows(self.responses))
 
@@ -266,32 +294,3 @@ class CampaignResult(NotebookResult):
     def repeatability(self) -> Table:
         """Table of the spread between records of one condition, beside what their intervals state."""
         return result_table(f"{self.campaign.title}: repeatability", self.spreads, ConditionSpread)
-
-
-# Result of a campaign as plain data, for JSON.
-
-
-@dataclass(frozen=True, eq=False)
-class CampaignJson:
-    """Result of a campaign as plain data, as ``torsionnet campaign --json`` prints it."""
-
-    title: str
-    records: tuple[RecordRow, ...]
-    orders: tuple[CampaignVerdict, ...]
-    repeatability: tuple[ConditionSpread, ...]
-    fit: Annotated[FitRecord | None, Out(optional=True)]
-    ranking: Annotated[tuple[RankedCause, ...] | None, Out(optional=True)]
-    notes: tuple[str, ...]
-    responses: tuple[ResponseRow, ...] = ()
-    response_repeatability: tuple[ResponseSpread, ...] = ()
-    checks: tuple[RecordFinding, ...] = ()
-
-
-def campaign_json(result: CampaignResult) -> CampaignJson:
-    """Result of a campaign as plain data for JSON; the orders and responses are in the files that it names."""
-    fit = None if result.fit is None else fit_record(result.fit, {}, {}, result.ranking)
-    alone = result.ranking.causes if result.ranking is not None and result.fit is None else None
-    return CampaignJson(
-        result.campaign.title, result.rows, result.verdicts, result.spreads, fit, alone, result.remarks,
-        result.response_rows, result.response_spreads, result.findings,
-    )  # fmt: skip

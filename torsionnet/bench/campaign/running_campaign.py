@@ -88,10 +88,12 @@ def _result(campaign: Campaign, name: str, folder: Path) -> CampaignRecordResult
     """Orders and responses of a record, as far as it shows them, beside those of the model."""
     files = _tracked(campaign, name, folder) if name in campaign.of_orders else {}
     response = campaign_response(campaign, name, folder) if name in campaign.of_responses else None
-    orders = tuple(files.values())
-    return CampaignRecordResult(
-        name, (*files, *([response.file] if response else [])), orders, _calculated(campaign, name, orders), response
-    )
+    orders, plan, sensors = tuple(files.values()), campaign.plan.records[name], campaign.sensors
+    calculated = _calculated(campaign, name, orders)
+    known = [] if calculated is None else [channel.name for channel in calculated.outputs]
+    tests = {sensors[one.name]: one.measured() for one in orders if sensors.get(one.name) in known}
+    paths = (*files, *([response.file] if response else []))
+    return CampaignRecordResult(name, plan.configuration, plan.condition, paths, orders, calculated, tests, response)
 
 
 def _tracked(campaign: Campaign, name: str, folder: Path) -> dict[Path, TrackedOrders]:

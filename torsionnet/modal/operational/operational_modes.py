@@ -16,7 +16,7 @@ from torsionnet.base.packages import NotebookResult
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Table, result_table
 from torsionnet.linear.frequency_response import Channel
-from torsionnet.modal.matching import Match, MatchedMode, matched_modes
+from torsionnet.modal.matching import Match
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray
 
 NORMAL_95 = 1.959964
@@ -34,19 +34,6 @@ class OperationalMode:
     damping_half_width: Annotated[float, Out("95 % interval +-", "1", "damping_half_width", digits=2)]
     amplitude: Annotated[float, Out("largest amplitude", digits=4)]
     remark: Annotated[str, Out("remark")]
-
-
-@dataclass(frozen=True, eq=False)
-class OperationalModesRecord:
-    """Modes found without a measured input as plain data, as ``torsionnet damping --json`` prints them."""
-
-    title: str
-    channel: str
-    unit: str
-    method: str
-    notes: tuple[NoteOrText, ...]
-    modes: tuple[OperationalMode, ...]
-    against_model: Annotated[tuple[MatchedMode, ...] | None, Out(optional=True)] = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -71,9 +58,12 @@ class OperationalModes(NotebookResult):
     title : str
     notes : tuple of str or Note
         Remarks on all; those to heed are of severity warning.
+    against_model : Match or None
+        Modes of a model that these were compared with, to be shown beside them.
     """
 
     picture: ClassVar[str] = "operational_modes"
+    SHOWN: ClassVar = ("title", "channel", "unit", "method", "notes", "modes", "against_model.pairs")
     outputs: ClassVar[tuple[Channel, ...]] = ()
     """Sensors with shapes, none: :func:`torsionnet.modal.match` compares poles alone."""
 
@@ -88,6 +78,7 @@ class OperationalModes(NotebookResult):
     mode_remarks: tuple[str, ...]
     title: str = ""
     notes: tuple[NoteOrText, ...] = ()
+    against_model: Match | None = None
 
     def __len__(self) -> int:
         return len(self.poles)
@@ -111,10 +102,13 @@ class OperationalModes(NotebookResult):
         """Copy with only some modes, those where the mask (n_modes,) is true."""
         names = ("poles", "frequency_half_widths", "damping_half_widths", "amplitudes")
         remarks = tuple(text for text, kept in zip(self.mode_remarks, modes, strict=True) if kept)
-        return replace(self, mode_remarks=remarks, **{name: getattr(self, name)[modes] for name in names})
+        return replace(
+            self, mode_remarks=remarks, against_model=None, **{name: getattr(self, name)[modes] for name in names}
+        )
 
-    def rows(self) -> tuple[OperationalMode, ...]:
-        """Modes found without an input as records, one for each mode, in the order of ``|lambda|``."""
+    @property
+    def modes(self) -> tuple[OperationalMode, ...]:
+        """Modes found without an input, one for each mode, in the order of ``|lambda|``."""
         return tuple(
             OperationalMode(
                 mode + 1, float(self.natural_frequencies[mode]), float(self.frequency_half_widths[mode]),
@@ -129,12 +123,7 @@ class OperationalModes(NotebookResult):
         title = f"{self.title}: modes by {self.method}".removeprefix(": ")
         unit = f"; amplitudes of {self.channel} in {self.unit or 'the unit of the channel'}"
         notes = (f"95 % intervals of random errors{unit}", *self.notes)
-        return result_table(title, self.rows(), OperationalMode, (), conventions, notes)
-
-    def record(self, compared: Match | None = None) -> OperationalModesRecord:
-        """Modes found without an input as plain data for JSON, with those of a model that they were compared with."""
-        pairs = None if compared is None else matched_modes(compared)
-        return OperationalModesRecord(self.title, self.channel, self.unit, self.method, self.notes, self.rows(), pairs)
+        return result_table(title, self.modes, OperationalMode, (), conventions, notes)
 
     def __repr__(self) -> str:
         listed = ", ".join(

@@ -169,19 +169,23 @@ class TrackedOrders(NotebookResult):
     """
 
     picture: ClassVar[str] = "tracked_orders"
+    SHOWN: ClassVar = (
+        "name", "unit", "reference", "undecided", "notes", "orders", "times", "rpm", "real", "imag", "half_widths",
+        "half_range",
+    )  # fmt: skip
 
-    name: str
+    name: Annotated[str, Out(json="channel")]
     quantity: str
     orders: FloatArray
-    times: FloatArray
+    times: Annotated[FloatArray, Out(json="times_s")]
     speeds: FloatArray
     values: ComplexArray
-    half_widths: FloatArray
-    half_range: FloatArray | None = None
+    half_widths: Annotated[FloatArray, Out(schema=NUMBER_ROWS)]
+    half_range: Annotated[FloatArray | None, Out(schema={"type": ["array", "null"], "items": NUMBERS["items"]})] = None
     reference: str = ""
     title: str = ""
     notes: tuple[NoteOrText, ...] = ()
-    undecided: tuple[float, ...] = ()
+    undecided: Annotated[tuple[float, ...], Out(schema={**NUMBERS, "description": "orders without a phase"})] = ()
     related_within: tuple[float, ...] = ()
     tracking: TrackingKernel = UNKNOWN_TRACKING
 
@@ -191,9 +195,19 @@ class TrackedOrders(NotebookResult):
         return QUANTITY_UNITS.get(self.quantity, "")
 
     @property
-    def rpm(self) -> FloatArray:
+    def rpm(self) -> Annotated[FloatArray, Out(json="speeds_rpm")]:
         """Speeds of the reference shaft in r/min, shape (n_times,)."""
         return np.asarray(self.speeds * RPM)
+
+    @property
+    def real(self) -> Annotated[FloatArray, Out(schema=NUMBER_ROWS)]:
+        """Real parts of the peak amplitudes, SI, shape (n_orders, n_times)."""
+        return self.values.real
+
+    @property
+    def imag(self) -> Annotated[FloatArray, Out(schema=NUMBER_ROWS)]:
+        """Imaginary parts of the peak amplitudes, SI, shape (n_orders, n_times)."""
+        return self.values.imag
 
     def along(self, order: float) -> ComplexArray:
         """Complex peak amplitudes of one order in SI units over time, shape (n_times,).
@@ -248,28 +262,3 @@ class TrackedOrders(NotebookResult):
         )  # fmt: skip
         title = f"{self.title}: {self.name}" if self.title else self.name
         return Table(f"{title}, {len(self.times)} speeds", columns, tuple(rows), (*half, where, *map(str, self.notes)))
-
-    def record(self) -> TrackedOrdersRecord:
-        """Tracked orders of the channel as plain data for JSON, amplitudes in SI units, speeds in rpm."""
-        return TrackedOrdersRecord(
-            self.name, self.unit, self.reference, self.undecided, self.notes, self.orders, self.times, self.rpm,
-            self.values.real, self.values.imag, self.half_widths, self.half_range,
-        )  # fmt: skip
-
-
-@dataclass(frozen=True, eq=False)
-class TrackedOrdersRecord:
-    """Tracked orders of one channel as ``torsionnet track --json`` prints them, a row for each order over time."""
-
-    name: Annotated[str, Out(json="channel")]
-    unit: str
-    reference: str
-    undecided: Annotated[tuple[float, ...], Out(schema={**NUMBERS, "description": "orders without a phase"})]
-    notes: tuple[NoteOrText, ...]
-    orders: FloatArray
-    times: Annotated[FloatArray, Out(json="times_s")]
-    speeds: Annotated[FloatArray, Out(json="speeds_rpm")]
-    real: Annotated[FloatArray, Out(schema=NUMBER_ROWS)]
-    imag: Annotated[FloatArray, Out(schema=NUMBER_ROWS)]
-    half_widths: Annotated[FloatArray, Out(schema=NUMBER_ROWS)]
-    half_range: Annotated[FloatArray | None, Out(schema={"type": ["array", "null"], "items": NUMBERS["items"]})]

@@ -16,47 +16,8 @@ from torsionnet.base.packages import NotebookResult
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Column, Table
 from torsionnet.base.units import RPM
-from torsionnet.signals.recording import FloatArray
 from torsionnet.signals.rotation.pitch_order import ABOVE, CALCULATED, PitchOrder
 from torsionnet.signals.rotation.wheel import WheelPattern
-
-# The calibration of a wheel as plain data, for JSON.
-
-
-@dataclass(frozen=True, eq=False)
-class PitchOrderRecord:
-    """Whole order of a wheel's pitch pattern as ``torsionnet calibrate-wheel --json`` prints it, amplitudes in rad."""
-
-    order: int
-    amplitude: Annotated[complex, Out(json="amplitude_rad")]
-    half_width: Annotated[float, Out(json="half_width_rad")]
-    resolved: bool
-    by: str
-    gain: float | None
-    change: Annotated[float, Out(json="vibration_changes_by_rad")]
-    scatter: Annotated[float, Out(json="scatter_rad")]
-    why: Annotated[str, Out(json="why_not_resolved")]
-
-
-@dataclass(frozen=True, eq=False)
-class CalibrationRecord:
-    """Calibrated wheel as ``torsionnet calibrate-wheel --json`` prints it, with angles in rad."""
-
-    name: str
-    teeth: int
-    missing: Annotated[int, Out(json="missing_teeth")]
-    first: Annotated[str, Out(json="first_tooth")]
-    lowest: Annotated[float, Out(json="lowest_speed_rpm")]
-    highest: Annotated[float, Out(json="highest_speed_rpm")]
-    windows: int
-    revolutions: Annotated[int, Out(json="revolutions_of_a_window")]
-    angle: Annotated[float | None, Out(json="angle_between_pickups_rad")]
-    angle_half_width: Annotated[float | None, Out(json="angle_half_width_rad")]
-    positions: Annotated[FloatArray, Out(json="positions_rad")]
-    half_widths: Annotated[FloatArray, Out(json="half_widths_rad")]
-    orders: tuple[PitchOrderRecord, ...]
-    notes: tuple[NoteOrText, ...]
-
 
 MOST_LISTED = 12
 """Orders that a note lists at most, so that it stays short."""
@@ -80,7 +41,7 @@ class WheelCalibration(NotebookResult):
         Of a window.
     angle : float or None
         From the first to the second pickup as the pulses say it, rad.
-    angle_half_width : float
+    angle_half_width : float or None
         Half width of its 95 % interval, rad.
     source : str
         Origin of calculated orders.
@@ -91,14 +52,18 @@ class WheelCalibration(NotebookResult):
     """
 
     picture: ClassVar[str] = "wheel_pattern"
+    SHOWN: ClassVar = (
+        "pattern.name", "pattern.teeth", "pattern.missing", "pattern.first", "lowest_rpm", "highest_rpm", "windows",
+        "revolutions", "angle", "angle_half_width", "pattern.positions", "pattern.half_widths", "orders", "notes",
+    )  # fmt: skip
 
     pattern: WheelPattern
     orders: tuple[PitchOrder, ...]
     speeds: tuple[float, float]
     windows: int
-    revolutions: int
-    angle: float | None = None
-    angle_half_width: float = 0.0
+    revolutions: Annotated[int, Out(json="revolutions_of_a_window")]
+    angle: Annotated[float | None, Out(json="angle_between_pickups_rad")] = None
+    angle_half_width: Annotated[float | None, Out(json="angle_half_width_rad")] = None
     source: str = ""
     known: bool = True
     remarks: tuple[NoteOrText, ...] = ()
@@ -109,11 +74,21 @@ class WheelCalibration(NotebookResult):
         return f"Pitch pattern of {self.pattern.name or 'the wheel'}, {self.pattern.teeth} teeth"
 
     @property
+    def lowest_rpm(self) -> Annotated[float, Out(json="lowest_speed_rpm")]:
+        """Lowest speed of the reference shaft in r/min."""
+        return self.speeds[0] * RPM
+
+    @property
+    def highest_rpm(self) -> Annotated[float, Out(json="highest_speed_rpm")]:
+        """Highest speed of the reference shaft in r/min."""
+        return self.speeds[1] * RPM
+
+    @property
     def notes(self) -> tuple[NoteOrText, ...]:
         """Notes on speeds, methods, what is unresolved and why, as sentences."""
-        low, high = (speed * RPM for speed in self.speeds)
-        notes = [f"{self.windows} windows of {self.revolutions} revolutions at {low:.4g} to {high:.4g} rpm"]
-        if self.angle is not None:
+        speeds = f"{self.lowest_rpm:.4g} to {self.highest_rpm:.4g} rpm"
+        notes = [f"{self.windows} windows of {self.revolutions} revolutions at {speeds}"]
+        if self.angle is not None and self.angle_half_width is not None:
             angle, half = np.degrees([self.angle, self.angle_half_width])
             notes.append(f"two pickups, {angle:.4f} +-{half:.2g} degrees apart by the pulses themselves")
         if any(row.by == CALCULATED for row in self.orders):
@@ -161,39 +136,6 @@ class WheelCalibration(NotebookResult):
         phase = float(np.degrees(np.angle(row.value)))
         resolved = "yes" if row.resolved else "no"
         return (row.order, abs(row.value) * scale, half, phase, resolved, row.by, row.gain)
-
-    def record(self) -> CalibrationRecord:
-        """Calibrated wheel as plain data for JSON, angles in rad."""
-        pattern = self.pattern
-        return CalibrationRecord(
-            name=pattern.name,
-            teeth=pattern.teeth,
-            missing=pattern.missing,
-            first=pattern.first,
-            lowest=self.speeds[0] * RPM,
-            highest=self.speeds[1] * RPM,
-            windows=self.windows,
-            revolutions=self.revolutions,
-            angle=self.angle,
-            angle_half_width=None if self.angle is None else self.angle_half_width,
-            positions=pattern.positions,
-            half_widths=pattern.half_widths,
-            orders=tuple(
-                PitchOrderRecord(
-                    row.order,
-                    row.value,
-                    row.half_width,
-                    row.resolved,
-                    row.by,
-                    row.gain,
-                    row.change,
-                    row.scatter,
-                    row.why,
-                )
-                for row in self.orders
-            ),
-            notes=self.notes,
-        )
 
 
 def _amount(row: PitchOrder) -> str:

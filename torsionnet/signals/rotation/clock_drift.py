@@ -7,11 +7,13 @@ after 60 s, and 0.1 ms are 5.4 degrees.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Annotated, ClassVar
 
 import numpy as np
 
 from torsionnet.base.errors import UsageError
 from torsionnet.base.notes import NoteOrText, warning
+from torsionnet.base.result_rows import Out
 from torsionnet.signals.recording import FloatArray, Recording
 from torsionnet.signals.resampling import interpolated_at
 from torsionnet.signals.rotation.wheel_rotation import WheelRotation
@@ -46,15 +48,27 @@ class ClockDrift:
         Time in s by whole multiples of which the offset is open: that of a turn at steady speed, or of a periodic
         signal; 0 where it is not.
     remarks : tuple of str
-        From what they were found, and what stays open.
+        How they were found, and what stays open.
+    found_from : str
+        Channel of what both systems recorded.
     """
 
-    drift: float
-    drift_half_width: float
-    offset: float
+    SHOWN: ClassVar = (
+        "found_from", "drift", "drift_half_width", "offset", "known_half_width", "period", "remarks"
+    )  # fmt: skip
+
+    drift: Annotated[float, Out("drift", "ppm", json="drift", digits=5, factor=1e6)]
+    drift_half_width: Annotated[float, Out("drift +-", "ppm", json="drift_half_width", digits=2, factor=1e6)]
+    offset: Annotated[float, Out("offset", "s", json="offset_s", digits=8)]
     offset_half_width: float
-    period: float = 0.0
+    period: Annotated[float, Out("open by multiples of", "s", json="period_s", digits=5)] = 0.0
     remarks: tuple[NoteOrText, ...] = ()
+    found_from: Annotated[str, Out("found from", json="of")] = ""
+
+    @property
+    def known_half_width(self) -> Annotated[float | None, Out("offset +-", "s", "offset_half_width_s", digits=2)]:
+        """Half width of the 95 % interval of the offset in s, None where nothing tells the offset."""
+        return self.offset_half_width if np.isfinite(self.offset_half_width) else None
 
     def to_first(self, times: FloatArray) -> FloatArray:
         """Times in s on the first clock of times in s on the second, shape (n,)."""

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from torsionnet.base.errors import UsageError
+from torsionnet.base.result_rows import Out
 from torsionnet.base.units import RPM
 from torsionnet.linear.frequency_response import ComplexArray
 from torsionnet.signals.recording import FloatArray
@@ -265,14 +267,14 @@ class PitchOrder:
     """
 
     order: int
-    value: complex
-    half_width: float
+    value: Annotated[complex, Out(json="amplitude_rad")]
+    half_width: Annotated[float, Out(json="half_width_rad")]
     resolved: bool
     by: str
     gain: float | None = None
-    change: float = 0.0
-    scatter: float = 0.0
-    why: str = ""
+    change: Annotated[float, Out(json="vibration_changes_by_rad")] = 0.0
+    scatter: Annotated[float, Out(json="scatter_rad")] = 0.0
+    why: Annotated[str, Out(json="why_not_resolved")] = ""
 
 
 def repeating(once: FloatArray, seen: float) -> FloatArray:

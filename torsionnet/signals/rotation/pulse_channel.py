@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Annotated, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.base.errors import UsageError
 from torsionnet.base.notes import NoteOrText
+from torsionnet.base.result_rows import Out
 
 PULSE_TIMES = "pulse times"
 """Quantity under which files hold the times of pulses, which are a channel of their own length in s."""
@@ -41,10 +43,12 @@ class PulseChannel:
     's'
     """
 
-    name: str
+    SHOWN: ClassVar = ("name", "count", "first", "last", "tick", "notes")
+
+    name: Annotated[str, Out("channel of pulses")]
     times: NDArray[np.float64]
-    tick: float = 0.0
-    notes: tuple[NoteOrText, ...] = ()
+    tick: Annotated[float, Out("tick", "s", json="tick_s", digits=4)] = 0.0
+    notes: Annotated[tuple[NoteOrText, ...], Out("notes")] = ()
     unit_known: bool = True
 
     def __post_init__(self) -> None:
@@ -61,6 +65,21 @@ class PulseChannel:
     def __len__(self) -> int:
         """Number of pulses."""
         return len(self.times)
+
+    @property
+    def count(self) -> Annotated[int, Out("pulses")]:
+        """Number of pulses."""
+        return len(self.times)
+
+    @property
+    def first(self) -> Annotated[float | None, Out("first", "s", json="first_s")]:
+        """Time of the first pulse in s, None without pulses."""
+        return float(self.times[0]) if len(self) else None
+
+    @property
+    def last(self) -> Annotated[float | None, Out("last", "s", json="last_s")]:
+        """Time of the last pulse in s, None without pulses."""
+        return float(self.times[-1]) if len(self) else None
 
     @property
     def span(self) -> str:

@@ -11,7 +11,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,7 @@ from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.scalars import Value
 from torsionnet.base.entries.spec import Count, Flag, Text, entry
 from torsionnet.base.errors import Fault, UsageError
+from torsionnet.base.result_rows import Out
 from torsionnet.linear.frequency_response import ComplexArray
 from torsionnet.signals.bandlimited import filled_band
 from torsionnet.signals.recording import FloatArray
@@ -297,11 +298,11 @@ class WheelPattern:
     (0.05, 60)
     """
 
-    positions: FloatArray
-    half_widths: FloatArray
-    missing: int = 0
+    positions: Annotated[FloatArray, Out(json="positions_rad")]
+    half_widths: Annotated[FloatArray, Out(json="half_widths_rad")]
+    missing: Annotated[int, Out(json="missing_teeth")] = 0
     name: str = ""
-    first: str = ""
+    first: Annotated[str, Out(json="first_tooth")] = ""
     unresolved: tuple[int, ...] = ()
     notes: tuple[str, ...] = ()
     reversed: bool = False

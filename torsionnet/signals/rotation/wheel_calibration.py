@@ -398,7 +398,7 @@ def _result(
         windows=len(stack.speeds),
         revolutions=orders.revolutions,
         angle=evidence.angle,
-        angle_half_width=angle_half_width,
+        angle_half_width=None if evidence.angle is None else angle_half_width,
         source="" if evidence.calculated is None else evidence.calculated.source,
         known=known,
         remarks=tuple(dict.fromkeys(remarks)),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from torsionnet.app.cli.command import TABLE, Answer, Command
 from torsionnet.app.cli.options import argument, file_option, option
@@ -14,10 +14,10 @@ from torsionnet.app.cli.terminal import print_warnings
 from torsionnet.base.notes import NoteOrText, is_warning
 from torsionnet.base.result_rows import Out
 from torsionnet.base.units import RPM
+from torsionnet.signals.recording import Recording
 
 if TYPE_CHECKING:
     from torsionnet.base.table import Table
-    from torsionnet.signals.recording import Recording
     from torsionnet.signals.rotation.wheel_rotation import WheelRotation
 
 DEGREES = 57.29577951308232
@@ -55,15 +55,14 @@ class TurnedWheel:
     orders: tuple[OrderUncertainty, ...]
 
 
-@dataclass(frozen=True)
-class AngleRecord:
-    """Angles of wheels made of a record, as ``torsionnet angle --json`` prints them."""
+@dataclass(frozen=True, eq=False)
+class TurnedWheels:
+    """Wheels of a record, and the record of their angles."""
+
+    SHOWN: ClassVar = ("record", "angles.sampling_rate", "angles.start", "angles.duration", "angles.notes", "wheels")
 
     record: str
-    sampling_rate: Annotated[float, Out(json="sampling_rate_Hz")]
-    start: Annotated[float, Out(json="start_s")]
-    duration: Annotated[float, Out(json="duration_s")]
-    notes: tuple[NoteOrText, ...]
+    angles: Recording
     wheels: tuple[TurnedWheel, ...]
 
 
@@ -113,9 +112,7 @@ class AngleCommand(Command):
         return Answer(
             screen=lambda: _screen(angles, rows),
             csv=lambda: [("", _table(self.record, rows))],
-            data=lambda: AngleRecord(
-                self.record, angles.sampling_rate, angles.start, angles.duration, angles.notes, rows
-            ),
+            data=lambda: TurnedWheels(self.record, angles, rows),
             files=[(self.output_file, lambda file: write_recording(angles, file))],
             figures=lambda plot: [("", plot.wheel_rotations(wheels, title=angles.title))],
         )

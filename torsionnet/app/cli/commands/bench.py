@@ -7,74 +7,36 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import click
 
 from torsionnet.app.cli.command import NUMBERS, Answer, Command, result_path
 from torsionnet.app.cli.options import SETTINGS, argument, file_option, option
 from torsionnet.app.cli.terminal import print_warnings
-from torsionnet.base.notes import NoteOrText, is_warning
-from torsionnet.base.result_rows import Out
+from torsionnet.base.notes import is_warning
 from torsionnet.bench.wheel_turning import TrueFault
+from torsionnet.signals.recording import Recording, Signal
+from torsionnet.signals.rotation.pulse_channel import PulseChannel
 
 if TYPE_CHECKING:
     from torsionnet.base.table import Table
     from torsionnet.bench import Bench
-    from torsionnet.signals.recording import Recording
-
-    Result = tuple[str, str, Recording, tuple[TrueFault, ...]]
-    """Name of the configuration and of the steady point, path of the file, record, faults put into it."""
 
 
-@dataclass(frozen=True)
-class ChannelRow:
-    """Channel of a record with its smallest and largest value and its RMS."""
+@dataclass(frozen=True, eq=False)
+class BenchRun:
+    """Record of a configuration and perhaps a steady point, with its file and the faults put into it."""
 
-    name: Annotated[str, Out("channel")]
-    unit: Annotated[str, Out("unit")]
-    smallest: Annotated[float, Out("smallest", digits=4)]
-    largest: Annotated[float, Out("largest", digits=4)]
-    rms: Annotated[float, Out("RMS", json="RMS", digits=4)]
-    notes: tuple[NoteOrText, ...]
+    SHOWN: ClassVar = (
+        "record.title", "configuration", "file", "record.sampling_rate", "record.samples", "record.duration",
+        "record.notes", "record.signals", "record.pulses", "faults",
+    )  # fmt: skip
 
-    @property
-    def joined_notes(self) -> Annotated[str, Out("notes", json=None, after="notes")]:
-        """Notes on a channel as one text, joined by semicolons."""
-        return "; ".join(map(str, self.notes))
-
-
-@dataclass(frozen=True)
-class PulseRow:
-    """Channel of pulse times of a record, with their number, the first and the last in s, and the counter's tick."""
-
-    name: Annotated[str, Out("channel of pulses")]
-    count: Annotated[int, Out("pulses")]
-    first: Annotated[float | None, Out("first", "s", json="first_s", digits=6)]
-    last: Annotated[float | None, Out("last", "s", json="last_s", digits=6)]
-    tick: Annotated[float, Out("tick", "s", json="tick_s", digits=4)]
-    notes: tuple[NoteOrText, ...]
-
-    @property
-    def joined_notes(self) -> Annotated[str, Out("notes", json=None, after="notes")]:
-        """Notes on a channel as one text, joined by semicolons."""
-        return "; ".join(map(str, self.notes))
-
-
-@dataclass(frozen=True)
-class BenchRecord:
-    """Record of one configuration, as ``torsionnet bench --json`` prints it."""
-
-    title: str
     configuration: str
     file: str
-    sampling_rate: Annotated[float, Out(json="sampling_rate_Hz")]
-    samples: int
-    duration: Annotated[float, Out(json="duration_s")]
-    notes: tuple[NoteOrText, ...]
-    channels: tuple[ChannelRow, ...]
-    pulses: tuple[PulseRow, ...] = ()
-    faults: tuple[TrueFault, ...] = ()
+    record: Recording
+    faults: tuple[TrueFault, ...]
 
 
 class BenchCommand(Command):
@@ -121,16 +83,16 @@ class BenchCommand(Command):
                 for point, record in records.items():
                     called = "_".join(filter(None, (name, point)))
                     path = result_path(target, called, len(benches) * len(records) if called else 1)
-                    results.append((called, path, record, faults.get(point, ())))
+                    results.append(BenchRun(called, path, record, faults.get(point, ())))
                 advance(1)
-        print_warnings(note for _, _, record, _ in results for note in record.notes)
+        print_warnings(note for run in results for note in run.record.notes)
         return Answer(
             screen=lambda: _screen(results),
-            data=lambda: [_record(*result) for result in results],
-            files=[(path, partial(write_recording, record)) for _, path, record, _ in results],
+            data=lambda: results,
+            files=[(run.file, partial(write_recording, run.record)) for run in results],
             figures=lambda plot: [
-                (name, plot.time_histories(with_wheel_speeds(record, bench.plan), conventions=degrees))
-                for name, _, record, _ in results
+                (run.configuration, plot.time_histories(with_wheel_speeds(run.record, bench.plan), conventions=degrees))
+                for run in results
             ],
         )
 
@@ -160,50 +122,22 @@ def _tested(
     return found.records, found.faults
 
 
-def _screen(results: list[Result]) -> Iterator[Table | str]:
+def _screen(results: list[BenchRun]) -> Iterator[Table | str]:
     from torsionnet.base.table import result_table
 
-    for _, _, record, faults in results:
+    for run in results:
+        record = run.record
         if record.signals:
-            yield _table(record)
+            span = f"{len(record)} samples at {record.sampling_rate:g} Hz, {record.duration:g} s"
+            yield result_table(f"{record.title}: {span}", record.signals, Signal)
         if record.pulses:
-            yield result_table(f"{record.title}: pulses", _pulses(record), PulseRow)
-        if faults:
-            yield f"faults put in: {_counted(faults)}"
+            yield result_table(f"{record.title}: pulses", record.pulses, PulseChannel)
+        if run.faults:
+            yield f"faults put in: {_counted(run.faults)}"
         yield from (str(note) for note in record.notes if not is_warning(note))
-
-
-def _table(record: Recording) -> Table:
-    from torsionnet.base.table import result_table
-
-    span = f"{len(record)} samples at {record.sampling_rate:g} Hz, {record.duration:g} s"
-    return result_table(f"{record.title}: {span}", _channels(record), ChannelRow)
-
-
-def _channels(record: Recording) -> tuple[ChannelRow, ...]:
-    return tuple(ChannelRow(one.name, one.unit, *_sizes(one.values), one.notes) for one in record)
-
-
-def _pulses(record: Recording) -> tuple[PulseRow, ...]:
-    return tuple(PulseRow(one.name, len(one), *_ends(one.times.tolist()), one.tick, one.notes) for one in record.pulses)
-
-
-def _ends(times: list[float]) -> tuple[float | None, float | None]:
-    return (times[0], times[-1]) if times else (None, None)
 
 
 def _counted(faults: tuple[TrueFault, ...]) -> str:
     """Text with the number of faults of each kind by channel."""
     counts = Counter((fault.channel, fault.kind) for fault in faults)
     return ", ".join(f"{channel} {kind} {number}x" for (channel, kind), number in counts.items())
-
-
-def _sizes(values: Any) -> tuple[float, float, float]:
-    return float(values.min()), float(values.max()), float((values**2).mean() ** 0.5)
-
-
-def _record(name: str, path: str, record: Recording, faults: tuple[TrueFault, ...]) -> BenchRecord:
-    return BenchRecord(
-        record.title, name, path, record.sampling_rate, len(record), record.duration, record.notes, _channels(record),
-        _pulses(record), faults,
-    )  # fmt: skip

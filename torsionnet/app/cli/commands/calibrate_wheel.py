@@ -82,7 +82,7 @@ class CalibrateWheelCommand(Command):
         degrees = Conventions(angle="deg")
         return Answer(
             screen=lambda: [found.table(degrees)],
-            data=found.record,
+            data=lambda: found,
             csv=lambda: [("", found.table(degrees))],
             files=[(self.output_file, lambda file: write_wheel_pattern(found.stored(), file))],
             figures=lambda plot: [("", plot.wheel_pattern(found))],

@@ -48,12 +48,11 @@ class CampaignCommand(Command):
 
     def answer(self) -> Answer:
         from torsionnet.base.conventions import Conventions
-        from torsionnet.bench.campaign.campaign_result import campaign_json
 
         result, conventions = self._result(), Conventions(angle=self.angle)
         return Answer(
             screen=lambda: _screen(result, conventions),
-            data=lambda: campaign_json(result),
+            data=lambda: result,
             csv=lambda: _csv(result, conventions),
             files=[(self.report, lambda file: self._write_report(result, file))],
             figures=lambda plot: _figures(plot, result, conventions),
@@ -117,10 +116,9 @@ def _screen(result: CampaignResult, conventions: Conventions) -> Iterator[Table 
 
 def _figures(plot: ModuleType, result: CampaignResult, conventions: Conventions) -> Iterator[tuple[str, Figure]]:
     for name, found in result.records.items():
-        tests = result.tests(name)
-        if found.calculated is not None and tests:
+        if found.calculated is not None and found.tests:
             title = f"{result.campaign.title}: {name}"
-            yield name, plot.order_overlay(found.calculated, tests, conventions=conventions, title=title)
+            yield name, plot.order_overlay(found.calculated, found.tests, conventions=conventions, title=title)
     for name, one in result.responses.items():
         for test, model in one.pairs():
             yield (

@@ -2,33 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import click
 
 from torsionnet.app.cli.command import TABLE, Answer, Command
 from torsionnet.app.cli.options import argument, file_option, option
 from torsionnet.app.cli.pulse_options import PulseOptions
-from torsionnet.base.notes import NoteOrText
-from torsionnet.base.result_rows import Out
 
 if TYPE_CHECKING:
     from torsionnet.signals.recording import Recording
     from torsionnet.signals.rotation.clock_drift import ClockDrift
-
-
-@dataclass(frozen=True)
-class ClocksRecord:
-    """Drift and offset of the clock of a second system, as ``torsionnet clocks --json`` prints them."""
-
-    of: Annotated[str, Out("found from")]
-    drift: Annotated[float, Out("drift", "ppm", json="drift", digits=5, factor=1e6)]
-    drift_half_width: Annotated[float, Out("drift +-", "ppm", json="drift_half_width", digits=2, factor=1e6)]
-    offset: Annotated[float, Out("offset", "s", json="offset_s", digits=8)]
-    offset_half_width: Annotated[float | None, Out("offset +-", "s", json="offset_half_width_s", digits=2)]
-    period: Annotated[float, Out("open by multiples of", "s", json="period_s", digits=5)]
-    remarks: tuple[NoteOrText, ...]
 
 
 class ClocksCommand(Command):
@@ -53,25 +38,20 @@ class ClocksCommand(Command):
     def answer(self) -> Answer:
         from torsionnet.base.table import result_table
         from torsionnet.signals.records.recording_files import write_recording
-        from torsionnet.signals.rotation.clock_drift import on_first_clock
+        from torsionnet.signals.rotation.clock_drift import ClockDrift, on_first_clock
 
-        of, found, theirs = self._found()
-        open_ = found.offset_half_width == float("inf")
-        row = ClocksRecord(
-            of, found.drift, found.drift_half_width, found.offset, None if open_ else found.offset_half_width,
-            found.period, found.remarks,
-        )  # fmt: skip
-        table = result_table(f"clock of {self.other} against {self.record}", [row], ClocksRecord, notes=found.remarks)
+        found, theirs = self._found()
+        table = result_table(f"clock of {self.other} against {self.record}", [found], ClockDrift, notes=found.remarks)
         moved = on_first_clock(theirs, found)
         return Answer(
             screen=lambda: [table],
             csv=lambda: [("", table)],
-            data=lambda: row,
+            data=lambda: found,
             files=[(self.output_file, lambda file: write_recording(moved, file))],
         )
 
-    def _found(self) -> tuple[str, ClockDrift, Recording]:
-        """Name of what both systems recorded, their clocks from it, and the whole record of the second system."""
+    def _found(self) -> tuple[ClockDrift, Recording]:
+        """Clocks of both systems from what both recorded, and the whole record of the second system."""
         from torsionnet.io.turning_records import read_turning_record
         from torsionnet.io.wheel_files import channels_of, patterns_of
         from torsionnet.signals.records.recording_files import channel_names, read_recording
@@ -86,7 +66,7 @@ class ClocksCommand(Command):
                 raise click.UsageError("--same-start belongs to --pulses: a signal tells the offset by itself")
             first, second = (self._signal(path, self.channel) for path in (self.record, self.other))
             theirs = read_recording(self.other, **self.reading.arguments)
-            return self.channel, signal_clocks(first, second, self.channel), theirs
+            return replace(signal_clocks(first, second, self.channel), found_from=self.channel), theirs
 
         channels = channels_of(wheels)
         ((name, _),) = channels.items()
@@ -97,7 +77,7 @@ class ClocksCommand(Command):
             for path, own in ((self.record, ()), (self.other, kept))
         ]
         turned = [rotations_of_wheels(one, channels, patterns_of(wheels), marks=marks)[name] for one in records]
-        return name, rotation_clocks(*turned, same_start=self.same_start), records[1]
+        return replace(rotation_clocks(*turned, same_start=self.same_start), found_from=name), records[1]
 
     def _signal(self, path: str, name: str) -> Recording:
         from torsionnet.app.cli.record_options import checked_record

@@ -91,7 +91,7 @@ class DampingCommand(RecordCommand):
         print_warnings(found.notes)
         return Answer(
             screen=lambda: separated_by_lines([found.table(), *([compared.table()] if compared else [])]),
-            data=lambda: found.record(compared),
+            data=lambda: replace(found, against_model=compared),
             csv=lambda: [("", found.table())],
             figures=lambda plot: [("", plot.operational_modes(found))],
         )

@@ -48,7 +48,7 @@ class FitCommand(Command):
         from torsionnet.base.conventions import Conventions
         from torsionnet.identification import identify, rank_causes
         from torsionnet.identification.fit_file import load_fit_plan
-        from torsionnet.identification.ranking import fit_record
+        from torsionnet.identification.ranking import FitAnswer
         from torsionnet.io import read_frequency_response
 
         with progress("fitting", None):
@@ -64,7 +64,7 @@ class FitCommand(Command):
         table = found.table(true=plan.true or None)
         return Answer(
             screen=lambda: _screen(table, profiles, ranking),
-            data=lambda: fit_record(found, profiles, plan.true, ranking),
+            data=lambda: FitAnswer(found, ranking, profiles, plan.true),
             csv=lambda: [("", table)],
             files=[
                 (self.output_file, found.to_yaml),
@@ -86,10 +86,8 @@ class FitCommand(Command):
                 f"{' and '.join(named)}: the fit file names no parameters, so that parameters are only "
                 "ranked; name those to be fitted under parameters: in it, or leave these options out"
             )
-        from torsionnet.identification.ranking import RankingRecord
-
         table = ranking.table()
-        return Answer(screen=lambda: [table], data=lambda: RankingRecord(ranking.causes), csv=lambda: [("", table)])
+        return Answer(screen=lambda: [table], data=lambda: ranking, csv=lambda: [("", table)])
 
 
 def _residual(plan: FitPlan) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -45,7 +46,6 @@ class IdentifyModesCommand(EstimateArguments):
 
     def answer(self) -> Answer:
         from torsionnet.app.cli.commands.estimate import estimate_record
-        from torsionnet.modal.matching import identified_modes_record
 
         if self.output.plot_file and self.method == "peaks":
             raise click.UsageError(
@@ -67,7 +67,7 @@ class IdentifyModesCommand(EstimateArguments):
         print_warnings(found.notes)
         return Answer(
             screen=lambda: separated_by_lines([found.table(), *([compared.table()] if compared else [])]),
-            data=lambda: identified_modes_record(found, compared),
+            data=lambda: replace(found, against_model=compared),
             csv=lambda: [("", found.table())],
             figures=lambda plot: [("", plot.stabilisation(diagram, found))],
         )

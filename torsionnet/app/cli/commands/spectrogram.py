@@ -41,7 +41,7 @@ class SpectrogramCommand(RecordCommand):
         seen, shown = self.spectrograms(), Conventions(angle=self.angle)
         return Answer(
             screen=lambda: map(_table, seen),
-            data=lambda: [one.record() for one in seen],
+            data=lambda: seen,
             csv=lambda: [(one.name, _table(one, every=True)) for one in seen],
             figures=lambda plot: [
                 (one.name, plot.spectrogram(one, highest=self.highest, span=self.span, conventions=shown))

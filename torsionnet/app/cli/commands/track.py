@@ -120,7 +120,7 @@ class TrackCommand(Command):
         found, shown = self.tracked(), Conventions(angle=self.angle)
         return Answer(
             screen=lambda: _shown(found, shown),
-            data=lambda: [one.record() for one in found],
+            data=lambda: found,
             csv=lambda: [(one.name, one.table(shown)) for one in found],
             files=[(self.output_file, lambda file: write_tracked_orders(_of_first_shaft(found), file))],
             figures=lambda plot: [(one.name, self._picture(plot, one, shown)) for one in found],
