@@ -26,10 +26,10 @@ from torsionnet.machinery.orders.order_pair import common_turn
 from torsionnet.machinery.orders.order_response import OrderResponse
 from torsionnet.machinery.verdicts.measured_range import MeasuredRange
 from torsionnet.model.channels import parse_sensor
-from torsionnet.report.component_rows import engineering_unit
 from torsionnet.report.document_tree import Cell, Heading, TableBlock
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import as_words, unit
+from torsionnet.report.report_units import engineering_unit
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain

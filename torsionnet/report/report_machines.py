@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from torsionnet.base.entries.scalars import QuantityKind, Value
 from torsionnet.base.expressions import Expression
 from torsionnet.base.number_text import aligned_numbers
 from torsionnet.base.phrases import phrase
-from torsionnet.base.units import RPM, expected_unit
 from torsionnet.machinery.excitations.propeller_torque import PropellerTorque
 from torsionnet.machinery.excitations.reciprocating_engine import conditions_running_alone
 from torsionnet.machinery.orders.engine_angles import EngineAngle
@@ -24,6 +21,7 @@ from torsionnet.report.document_tree import Block, Cell, Heading, Inline, Listin
 from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import as_words, capital, symbol_or_words, unit
+from torsionnet.report.report_units import quantity_text
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
@@ -60,51 +58,12 @@ COUPLING_RULE = "coupling"
 """Type of the limit that makes a coupling of any spring."""
 FOLLOWING = ("torque", "speed")
 """Entries of a propeller that follow the operating point and are no data of its sheet."""
-UNITS = {
-    "length": ("mm", 1e3),
-    "power": ("kW", 1e-3),
-    "heat flux": ("kW/m^2", 1e-3),
-    "speed": ("rpm", RPM),
-    "angle": ("deg", 180 / math.pi),
-}
-"""Unit of engineers and its factor over SI, by dimension."""
-PREFIXES = (("M", 1e7, 1e6), ("k", 1e3, 1e3))
-"""Prefixes of N m and units that begin with it, the size in SI from which each is used, and its factor.
-
-Torques of ships are told in kN m.
-"""
 LABELS = {"archer": "Archer's factor", "second_inertia": "inertia of the second half"}
 """Words for entries whose names say too little."""
 
 
-@dataclass(frozen=True)
-class MachineRow:
-    """Machine of an installation: what it is, its data, and where these come from."""
-
-    machine: str
-    data: Text
-    source: str
-
-
-def quantity_text(number: float, dimension: str) -> str:
-    """Text of a quantity in SI in the unit that engineers use for it.
-
-    Examples
-    --------
-    >>> quantity_text(0.6, "length"), quantity_text(188.7e3, "torque"), quantity_text(78.5398163, "speed")
-    ('600 mm', '188.7 kN·m', '750 rpm')
-    """
-    if dimension == "1":
-        return f"{number:.5g}".replace("-", "−")
-    name, factor = UNITS.get(dimension, (expected_unit(dimension), 1.0))
-    if name.startswith("N*m"):
-        prefix, _, size = next((one for one in PREFIXES if abs(number) >= one[1]), ("", 0.0, 1.0))
-        name, factor = prefix + name, 1 / size
-    return f"{number * factor:.5g} {unit(name)}".replace("-", "−")
-
-
-def machines(model: Drivetrain) -> Iterator[MachineRow]:
-    """Yield the machines of a drivetrain, prime movers first, each with its data and their sources."""
+def machines(model: Drivetrain) -> Iterator[tuple[str, Text, str]]:
+    """Yield the machines of a drivetrain, prime movers first: what each is, its data, and where these come from."""
     limits = model.definition.limits.values()
     couplings = {getattr(one, "element", "") for one in limits if one.kind == COUPLING_RULE}
     elements = [one for one in model.definition.elements.values() if one.kind in MACHINES or one.name in couplings]
@@ -113,16 +72,16 @@ def machines(model: Drivetrain) -> Iterator[MachineRow]:
         if excitation.kind == ENGINE:
             words = "Compressor" if excitation.absorbs else "Engine"
         if words:
-            yield MachineRow(_titled(words, name), _joined(_of_excitation(model, excitation)), "")
+            yield _titled(words, name), _joined(_of_excitation(model, excitation)), ""
     order = [*MACHINES, ""]
     for element in sorted(elements, key=lambda one: order.index(one.kind if one.kind in MACHINES else "")):
         head = _titled(MACHINES.get(element.kind, "Coupling"), element.name)
         head += "" if element.enabled else " (switched off unless a condition switches it on)"
-        yield MachineRow(head, _joined(_of_element(model, element)), _source(model, element))
+        yield head, _joined(_of_element(model, element)), _source(model, element)
     yield from _loads(model)
 
 
-def _loads(model: Drivetrain) -> Iterator[MachineRow]:
+def _loads(model: Drivetrain) -> Iterator[tuple[str, Text, str]]:
     """Yield rotors that the load drives or brakes where no machine of the list is, as that of a generator."""
     load = model.definition.load
     places = {*load.by_place, *load.driven_by} if load else set()
@@ -132,9 +91,7 @@ def _loads(model: Drivetrain) -> Iterator[MachineRow]:
     for element in model.definition.elements.values():
         node = getattr(element, "node", None)
         if element.kind == "inertia" and node in places - covered:
-            yield MachineRow(
-                capital(as_words(element.name)), _joined(_of_element(model, element)), _source(model, element)
-            )
+            yield capital(as_words(element.name)), _joined(_of_element(model, element)), _source(model, element)
 
 
 def _titled(words: str, name: str) -> str:

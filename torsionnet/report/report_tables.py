@@ -11,12 +11,11 @@ from torsionnet.base.number_text import aligned_numbers
 from torsionnet.base.table import Column, Table
 from torsionnet.report.document_tree import Cell, Heading, Inline, Math, NumberText, TableBlock, TableGroup, inlines
 from torsionnet.report.report_text import as_words, capital, unit
+from torsionnet.report.report_units import column_prefix
 from torsionnet.study.shown_units import ShownUnits
 
 MOST_DIGITS = 4
 """Number of significant digits that the smallest number in a column of a report's table has."""
-PREFIX_FROM = 100
-"""Multiple of a unit from which on its prefix is used: k from 100 kN*m, M from 100 MN*m."""
 HEADING_SYMBOLS: dict[str, Cell] = {
     "J": Math("J"),
     "J referred": (Math("J"), " referred"),
@@ -74,7 +73,7 @@ def results_table(
         values = [row[index] for row in found.rows]
         heading = HEADING_SYMBOLS[column.name] if column.name in HEADING_SYMBOLS else heads(column.name)
         if found.is_numeric(index):
-            prefix, factor = _prefix(values) if column.unit.startswith("N*m") else ("", 1.0)
+            prefix, factor = column_prefix(values, column.unit)
             columns.append(Heading(heading, unit(prefix + column.unit) if column.unit else "", numeric=True))
             cells.append(_numbers(values, column.digits, factor))
         else:
@@ -102,15 +101,6 @@ def with_decimals(block: TableBlock, decimals: Mapping[str, int]) -> TableBlock:
         for group in block.groups
     )
     return replace(block, groups=groups)
-
-
-def _prefix(values: Sequence[Any]) -> tuple[str, float]:
-    """Prefix of units and its factor that make torques and stiffnesses of large machines short enough for a column."""
-    largest = max((abs(value) for value in values if value is not None), default=0.0)
-    return next(
-        ((prefix, size) for prefix, size in (("M", 1e6), ("k", 1e3)) if largest >= PREFIX_FROM * size),
-        ("", 1.0),
-    )
 
 
 def _numbers(values: Sequence[Any], digits: int, factor: float) -> list[Cell]:

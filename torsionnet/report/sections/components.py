@@ -9,19 +9,13 @@ import numpy as np
 from torsionnet.base.equal_remarks import condition_words
 from torsionnet.base.number_text import aligned_numbers
 from torsionnet.base.phrases import phrase
+from torsionnet.machinery.limits.coupling import temperature_words
 from torsionnet.machinery.limits.iacs_m68 import IacsM68
 from torsionnet.machinery.limits.m68_factors import BORE
 from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion, WorstLimit
 from torsionnet.machinery.verdicts.rule_factors import RuleFactor, RuleSymbol, RuleWords
 from torsionnet.model.channels import Sensor
-from torsionnet.report.component_rows import (
-    FACTOR_UNITS,
-    GROUPS,
-    ComponentRow,
-    component_rows,
-    engineering_unit,
-    throws,
-)
+from torsionnet.report.component_uses import GROUPS, ComponentUse, component_uses, throws
 from torsionnet.report.document_tree import (
     Block,
     Cell,
@@ -40,6 +34,7 @@ from torsionnet.report.document_tree import (
 from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import as_words, capital, unit
+from torsionnet.report.report_units import FACTOR_UNITS, engineering_unit
 from torsionnet.symbolic.symbol_names import GREEK
 
 SAME_TORQUE = 1e-3
@@ -79,10 +74,10 @@ def components_section(subject: ReportData) -> Section | None:
     found = subject.limit_conclusion
     if found is None:
         return None
-    rows = component_rows(found, subject.model.definition, subject.conventions)
-    blocks: list[Block] = [*_m68_shafts(subject, found), _all_components(found, rows)]
-    if any(row.group == "crankshaft" for row in rows):
-        blocks += [*_throws(subject, rows), Paragraph((NO_M53,))]
+    uses = component_uses(found, subject.model.definition, subject.conventions)
+    blocks: list[Block] = [*_m68_shafts(subject, found), _all_components(found, uses)]
+    if any(use.group == "crankshaft" for use in uses):
+        blocks += [*_throws(subject, uses), Paragraph((NO_M53,))]
     blocks += [Paragraph(("Rules and sources:",)), Listing(tuple(_sources(found)))]
     return Section("components", ("Shafts, crankshaft, couplings, gears, dampers",), tuple(blocks))
 
@@ -175,7 +170,7 @@ def _latex(symbol: RuleSymbol) -> str:
     return rf"\sqrt{{{text}}}" if symbol.root else text
 
 
-def _all_components(found: LimitConclusion, rows: Sequence[ComponentRow]) -> TableBlock:
+def _all_components(found: LimitConclusion, uses: Sequence[ComponentUse]) -> TableBlock:
     """Table of all components, a group for each kind, with value, allowed value and worst condition."""
     sources = {name: number for number, names in enumerate(_numbered(found).values(), 1) for name in names}
     columns = (
@@ -191,32 +186,41 @@ def _all_components(found: LimitConclusion, rows: Sequence[ComponentRow]) -> Tab
     )
     groups = []
     for group in GROUPS:
-        those = [row for row in rows if row.group == group]
-        values = [NumberText(row.value) for row in those]
-        speeds = aligned_numbers([row.rpm for row in those], 3)
-        cells = zip(those, values, speeds, strict=True)
+        those = [use for use in uses if use.group == group]
+        speeds = aligned_numbers([use.worst.rpm for use in those], 3)
         if those:
-            shown = [_cells(row, value, speed, f"[{sources[row.limit]}]") for row, value, speed in cells]
-            groups.append(TableGroup(tuple(shown), capital(group)))
+            rows = [
+                _cells(use, speed, f"[{sources[use.worst.verdict.limit]}]")
+                for use, speed in zip(those, speeds, strict=True)
+            ]
+            groups.append(TableGroup(tuple(rows), capital(group)))
     caption = "Components: value against what is permitted, in the worst condition"
     return TableBlock((caption,), columns, tuple(groups))
 
 
-def _cells(row: ComponentRow, value: NumberText, speed: NumberText, source: str) -> tuple[Cell, ...]:
-    what: RuleWords = (*_capital(row.what), *([f"; {row.remark}"] if row.remark else []))
-    used = "" if row.utilisation is None else NumberText(100 * row.utilisation, 3)
-    numbers = (value, NumberText(row.allowed), unit(row.unit) if row.unit else "")
-    chosen, case = condition_words(row.configuration), as_words(row.case)
+def _cells(use: ComponentUse, speed: NumberText, source: str) -> tuple[Cell, ...]:
+    worst, verdict = use.worst, use.worst.verdict
+    case = ""
+    if verdict.worst is None:
+        remark = "; ".join(verdict.remarks)  # why it was not judged
+    else:
+        case = as_words(verdict.case)
+        remark = "" if verdict.steady_temperature is None else temperature_words(verdict.steady_temperature)
+    what: RuleWords = (*_capital(use.what), *([f"; {remark}"] if remark else []))
+    used = "" if worst.utilisation is None else NumberText(100 * worst.utilisation, 3)
+    numbers = (NumberText(use.value), NumberText(use.allowed), unit(use.unit) if use.unit else "")
+    chosen = condition_words(worst.check.configuration)
     last = chosen.rpartition(", ")[2]  # misfire, of which the case says more: misfire of cylinder 4
     lead = chosen.removesuffix(last).rstrip(", ") if last and case.startswith(last) else chosen
     condition = ": ".join(text for text in (lead, case) if text)
-    return (as_words(row.limit), _typeset(what), *numbers, used, speed, condition, source)
+    return (as_words(verdict.limit), _typeset(what), *numbers, used, speed, condition, source)
 
 
-def _throws(subject: ReportData, rows: Sequence[ComponentRow]) -> Iterator[Block]:
+def _throws(subject: ReportData, uses: Sequence[ComponentUse]) -> Iterator[Block]:
     """Table of the largest vibratory torque in every throw, in the condition in which the crankshaft is used most."""
-    worst = max((row for row in rows if row.group == "crankshaft"), key=lambda row: row.utilisation or 0.0)
-    case = next(one for one in subject.judged_cases if one.configuration == worst.configuration)
+    crankshaft = [use for use in uses if use.group == "crankshaft"]
+    use = max(crankshaft, key=lambda use: use.worst.utilisation or 0.0)
+    case = next(one for one in subject.judged_cases if one.configuration == use.worst.check.configuration)
     elements = throws(case.drivetrain.definition)
     if not elements:
         return
@@ -242,8 +246,8 @@ def _throws(subject: ReportData, rows: Sequence[ComponentRow]) -> Iterator[Block
     ]
     where = phrase(" in condition {name}", name=condition_words(case.configuration)) if case.configuration else ""
     most = as_words(elements[int(np.argmax(sizes))])
-    compared = as_words(worst.of)
-    beyond = worst.value is not None and float(sizes.max()) * scale > (1 + SAME_TORQUE) * worst.value
+    compared = as_words(use.worst.verdict.of)
+    beyond = use.value is not None and float(sizes.max()) * scale > (1 + SAME_TORQUE) * use.value
     notes = (
         [phrase("The largest is in {most}; the maker's limit is for {of}.", most=most, of=compared)] if beyond else []
     )

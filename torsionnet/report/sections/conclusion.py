@@ -14,7 +14,6 @@ from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion, Wors
 from torsionnet.machinery.verdicts.operating_instructions import instruction_table
 from torsionnet.machinery.verdicts.order_peaks import line_name, little_damped
 from torsionnet.model.elements import Shaft
-from torsionnet.report.component_rows import engineering_unit
 from torsionnet.report.document_tree import (
     Block,
     Cell,
@@ -33,6 +32,7 @@ from torsionnet.report.plan import Pair
 from torsionnet.report.report_data import Case, ReportData, is_damped
 from torsionnet.report.report_tables import results_table, table
 from torsionnet.report.report_text import as_words, capital, pair_latex, symbol_or_words, unit
+from torsionnet.report.report_units import engineering_unit
 from torsionnet.report.sections.limits import conclusion, verdict
 from torsionnet.report.sections.responses import static_value_and_peaks
 

@@ -7,6 +7,7 @@ from itertools import groupby
 
 import numpy as np
 
+from torsionnet.base.conventions import Conventions
 from torsionnet.base.equal_remarks import condition_words
 from torsionnet.base.errors import TorsionnetError
 from torsionnet.base.number_text import aligned_numbers
@@ -24,7 +25,6 @@ from torsionnet.machinery.verdicts.order_peaks import (
     vibratory_verdicts,
 )
 from torsionnet.motion.motion_summary import energy_table, event_table, peak_table
-from torsionnet.report.component_rows import DIGITS, component, limit_number, limit_unit, order_list
 from torsionnet.report.document_tree import (
     Block,
     Cell,
@@ -42,6 +42,7 @@ from torsionnet.report.report_data import FEW_CASES, MOST_OUTPUTS, Case, ReportD
 from torsionnet.report.report_machines import engine_angle_tables, engine_remarks
 from torsionnet.report.report_tables import results_table, table
 from torsionnet.report.report_text import as_words, capital, symbol_or_words, unit
+from torsionnet.report.report_units import DIGITS, limit_number, limit_unit
 
 MOST_PANELS = 6
 """Largest number of components in one picture, three rows of two: more would not fit a page with their caption."""
@@ -157,14 +158,14 @@ def _worst_row(subject: ReportData, check: LimitCheck, one: LimitVerdict) -> tup
     at = one.worst
     assert at is not None
     return (
-        (component(one), " ", symbol_or_words(one.criterion)),
+        (as_words(one.limit), " ", symbol_or_words(one.criterion)),
         condition_words(check.configuration),
         NumberText(float(check.rpm[at]), 4),
         limit_number(float(one.values[at]), one.unit, subject.conventions),
         limit_number(float(one.allowed[at]), one.unit, subject.conventions),
         limit_unit(one.unit, subject.conventions),
         NumberText(100 * float(one.utilisation[at]), DIGITS),
-        order_list(largest_orders(check, one, at, MOST_ORDERS), one, subject.conventions),
+        _order_list(largest_orders(check, one, at, MOST_ORDERS), one, subject.conventions),
     )
 
 
@@ -217,10 +218,10 @@ def _critical_row(subject: ReportData, speed: Cell, those: Sequence[OrderPeak]) 
             phrase("{order}, mode {mode}", order=as_words(line_name(peak)), mode=peak.critical.mode.number)
             for peak in those
         ),
-        component(limit),
+        as_words(limit.limit),
         limit_number(float(limit.values[one.at]), limit.unit, subject.conventions),
         limit_unit(limit.unit, subject.conventions),
-        order_list(largest_orders(one.check, limit, one.at, MOST_ORDERS), limit, subject.conventions),
+        _order_list(largest_orders(one.check, limit, one.at, MOST_ORDERS), limit, subject.conventions),
     )
 
 
@@ -380,3 +381,9 @@ def _scenario(subject: ReportData, case: Case, name: str) -> Iterator[Block]:
     caption = phrase("The scenario {name}{where}: signals over time, events as dashed lines.", name=name, where=where)
     number = subject.cases.index(case) + 1
     yield Picture(f"scenario_{name}_{number}", drawn, (caption,), caption)
+
+
+def _order_list(orders: list[tuple[str, float]], one: LimitVerdict, conventions: Conventions) -> Cell:
+    """Names of orders with their amplitudes in the unit of a limit as one text, such as "engine 6: 46.3"."""
+    numbers = ((name, limit_number(size, one.unit, conventions)) for name, size in orders)
+    return "; ".join(f"{as_words(name)}: {number}" for name, number in numbers)

@@ -30,9 +30,10 @@ from torsionnet.report.document_tree import (
 )
 from torsionnet.report.report_cylinders import all_working
 from torsionnet.report.report_data import Case, ReportData
-from torsionnet.report.report_machines import machines, quantity_text
+from torsionnet.report.report_machines import machines
 from torsionnet.report.report_tables import HEADING_SYMBOLS, results_table, table
 from torsionnet.report.report_text import as_words, capital, choices_of_some, first_names, unit
+from torsionnet.report.report_units import quantity_text
 
 MOST_LOADS = 3
 """Largest number of unlike loads whose torques along the line are listed, half a page each."""
@@ -49,7 +50,7 @@ def installation_section(subject: ReportData) -> Section | None:
     if not subject.has_excitations:
         return None
     model = subject.model
-    rows = [(one.machine, one.data, one.source) for one in machines(model)]
+    rows = list(machines(model))
     columns = (Heading("Machine"), Heading("Data", wide=True), Heading("Source or remark", wide=True))
     notes = [phrase("Where no source is named: {source}.", source=model.source.strip())] if model.source else []
     blocks: list[Block] = [table("Machines, couplings and dampers", columns, rows, notes)] if rows else []

@@ -32,7 +32,6 @@ from torsionnet.machinery.verdicts.measured_range import MeasuredRange, measured
 from torsionnet.machinery.verdicts.speed_spans import joined_spans
 from torsionnet.model.channels import Sensor
 from torsionnet.model.element_base.round_section import section_fault
-from torsionnet.report.component_rows import engineering_unit
 from torsionnet.report.document_tree import Block, Cell, Heading, Paragraph, Picture, Section, TableBlock
 from torsionnet.report.measured_orders import (
     MeasuredFile,
@@ -52,6 +51,7 @@ from torsionnet.report.report_cylinders import governing_misfire
 from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import as_words, capital, unit
+from torsionnet.report.report_units import engineering_unit
 from torsionnet.signals.orders.tracked_orders import MeasuredOrder
 
 if TYPE_CHECKING:

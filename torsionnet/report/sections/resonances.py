@@ -18,7 +18,6 @@ from torsionnet.machinery.criticals.critical_speeds import CriticalSpeed
 from torsionnet.machinery.orders.operating_groups import damping_shares
 from torsionnet.machinery.verdicts.margin_rules import PRESETS
 from torsionnet.machinery.verdicts.order_peaks import LEAST_SHARE, GoverningPeaks, OrderPeak, line_name
-from torsionnet.report.component_rows import DIGITS, component, limit_number, limit_unit
 from torsionnet.report.document_tree import (
     Block,
     Cell,
@@ -35,6 +34,7 @@ from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_holzer import holzer_blocks
 from torsionnet.report.report_tables import results_table, table
 from torsionnet.report.report_text import as_words, distinct_choices, first_names, shared_choices, symbol_or_words
+from torsionnet.report.report_units import DIGITS, limit_number, limit_unit
 
 if TYPE_CHECKING:
     from torsionnet.base.table import Table
@@ -375,7 +375,7 @@ def _limit_cells(subject: ReportData, one: OrderPeak) -> tuple[Cell, ...]:
     """Cells on the limit that an order uses most at its critical speed."""
     limit = one.verdict
     return (
-        (component(limit), " ", symbol_or_words(limit.criterion)),
+        (as_words(limit.limit), " ", symbol_or_words(limit.criterion)),
         (
             limit_number(one.amplitude, limit.unit, subject.conventions),
             f"\N{NO-BREAK SPACE}{limit_unit(limit.unit, subject.conventions)}",

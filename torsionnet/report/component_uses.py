@@ -1,0 +1,141 @@
+"""Components of a drivetrain with each criterion of each limit where its value is nearest to what is allowed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from torsionnet.base.conventions import Conventions
+from torsionnet.base.entries.spec import not_none
+from torsionnet.machinery.excitations.engine_entries import EngineEntries
+from torsionnet.machinery.limits import Limit
+from torsionnet.machinery.limits.coupling import DamperLimit
+from torsionnet.machinery.limits.curve import CurveLimit
+from torsionnet.machinery.limits.machine_angle import MachineAngleLimit
+from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion, WorstLimit
+from torsionnet.machinery.verdicts.rule_factors import RuleSymbol, RuleWords
+from torsionnet.model.channels import named_sensor
+from torsionnet.model.definition import Definition
+from torsionnet.report.report_units import engineering_unit
+
+GROUPS = {
+    "shafts": ("iacs_m68", "fatigue"),
+    "crankshaft": (),
+    "couplings": ("coupling",),
+    "gears": ("gear",),
+    "dampers": ("damper",),
+    "generators": ("machine_angle",),
+    "other components": ("curve",),
+}
+"""Rules of limits, by the kind of component that they are for, in the order of the report."""
+CRITERIA: dict[str, RuleWords] = {
+    "tau_C": ("stress, continuous operation",),
+    "tau_T": ("stress, quick passage",),
+    "tau_W": ("stress against fatigue",),
+    "tau_F": ("stress against yield",),
+    "continuous": ("half range, continuous operation",),
+    "in passing": ("half range, quick passage",),
+    "T_v": ("vibratory torque",),
+    "hammer": ("vibratory against mean torque, reversal of tooth load",),
+    "T_KN": ("mean torque, ", RuleSymbol("T", "KN")),
+    "T_KW": ("vibratory torque, ", RuleSymbol("T", "KW")),
+    "T_Kmax": ("mean and vibratory torque, ", RuleSymbol("T", "Kmax")),
+    "P_KV": ("power loss, ", RuleSymbol("P", "KV")),
+    "P": ("power loss",),
+    "temperature": ("temperature above ambient",),
+    "twist": ("mean and vibratory twist",),
+    "vibratory twist": ("vibratory twist",),
+    "angle": ("electrical angle",),
+}
+"""Words for what is compared, by the criterion of a limit."""
+
+
+@dataclass(frozen=True)
+class ComponentUse:
+    """Value of a component beside the value allowed, in units of engineers, at the worst speed and condition.
+
+    Attributes
+    ----------
+    group : str
+        Kind of component, a key of ``GROUPS``.
+    worst : WorstLimit
+        Limit and criterion with the speed and the condition.
+    what : tuple of str and RuleSymbol
+        What is compared.
+    value, allowed : float or None
+        None where it was not judged.
+    unit : str
+    """
+
+    group: str
+    worst: WorstLimit
+    what: RuleWords
+    value: float | None = None
+    allowed: float | None = None
+    unit: str = ""
+
+
+def component_uses(found: LimitConclusion, model: Definition, conventions: Conventions) -> tuple[ComponentUse, ...]:
+    """Criteria of all limits of a model, each at its worst, in the order of ``GROUPS``.
+
+    Heat of dampers is given per cooling area where its limit is, the angle of generators also in mechanical degrees.
+    """
+    order = {name: place for place, name in enumerate(model.limits)}
+    worst = sorted(found.worst(), key=lambda one: order[one.verdict.limit])
+    uses = [use for one in worst for use in _uses(one, model, conventions)]
+    return tuple(sorted(uses, key=lambda use: list(GROUPS).index(use.group)))
+
+
+def _uses(worst: WorstLimit, model: Definition, conventions: Conventions) -> Iterator[ComponentUse]:
+    verdict, at = worst.verdict, worst.verdict.worst
+    limit = model.limits[verdict.limit].fitted(model.elements)
+    what = CRITERIA.get(verdict.criterion, (f"{verdict.quantity}, {verdict.criterion}",))
+    use = ComponentUse(group_of(limit, model), worst, what)
+    if at is None:
+        yield use
+        return
+    value, allowed, si_unit = float(verdict.values[at]), float(verdict.allowed[at]), verdict.unit
+    if isinstance(limit, DamperLimit) and si_unit == "W" and limit.power_per_area is not None:
+        area = not_none(limit.area)
+        use = replace(use, what=(f"power loss per area, {area:g} m²",))
+        value, allowed, si_unit = value / area, allowed / area, "W/m^2"
+    scale, shown = engineering_unit(si_unit, conventions, max(value, allowed))
+    if isinstance(limit, MachineAngleLimit):
+        # The angle of a generator is electrical first; divided by its pole pairs it is that of the shaft.
+        scale, shown = Conventions(angle="deg").scale(si_unit), "deg"
+        yield replace(use, value=value * scale, allowed=allowed * scale, unit=shown)
+        scale /= limit.pole_pairs
+        use = replace(use, what=("the same angle, mechanical",))
+    yield replace(use, value=value * scale, allowed=allowed * scale, unit=shown)
+
+
+def throws(model: Definition) -> tuple[str, ...]:
+    """Names of the elements between two cylinders of an engine or compressor that are switched on, in their order.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> throws(tn.load("two_stroke_ship").definition)
+    ('crank1', 'crank2', 'crank3', 'crank4', 'crank5')
+    """
+    cylinders = _cylinders(model)
+    return tuple(
+        one.name
+        for one in model.active
+        if len(set(one.ports.values())) == 2 and all(node in cylinders for node in one.ports.values())
+    )
+
+
+def _cylinders(model: Definition) -> set[str]:
+    """Names of the nodes on which cylinders act."""
+    engines = (one for one in model.excitations.values() if isinstance(one, EngineEntries))
+    return {node for engine in engines for node in engine.cylinders.values()}
+
+
+def group_of(limit: Limit, model: Definition) -> str:
+    """Kind of component that a limit is about, a key of ``GROUPS``."""
+    if isinstance(limit, CurveLimit):
+        sensor = named_sensor(limit.output, model.sensors)
+        if sensor and sensor.is_on_element and _cylinders(model).intersection(model.elements[sensor.of].ports.values()):
+            return "crankshaft"
+    return next((name for name, rules in GROUPS.items() if limit.kind in rules), "other components")
