@@ -24,9 +24,8 @@ from benchmarks._sizes import ARGUMENTS, SHORT, sized
 from torsionnet.study.quantities.response import ResponseQuantity
 from torsionnet.study.run.calculating import ChunkWork, chunk_file
 from torsionnet.study.run.chunk_values import Chunks
-from torsionnet.study.run.cluster import connecting
-from torsionnet.study.run.cluster.connecting import connected
-from torsionnet.study.run.cluster.dask_executor import DaskExecutor
+from torsionnet.study.run.cluster import dask_executor as connecting
+from torsionnet.study.run.cluster.dask_executor import DaskExecutor, connected
 from torsionnet.study.run.process_pool import Executor, ProcessExecutor, SerialExecutor
 from torsionnet.study.space.samples import Samples
 from torsionnet.study.space.space import Space

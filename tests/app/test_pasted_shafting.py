@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import torsionnet as tn
-from torsionnet.app.explore.table_paste import pasted_model
+from torsionnet.app.explore.api import pasted_model
 
 HEADINGS = {
     "symbols": "No.\tMass\tJ [kgm²]\tk [MNm/rad]\tc_abs [Nms/rad]\tc_rel [kNms/rad]\tOD [mm]\tLength [mm]",

@@ -6,8 +6,7 @@ from functools import cache
 import pytest
 from support import campaigns
 
-from torsionnet.app.text.name_change import definition, references, renamable, rename
-from torsionnet.app.text.named_places import named_places
+from torsionnet.app.text.named_places import definition, named_places, references, renamable, rename
 from torsionnet.app.text.text_edits import TextSpan, edited
 from torsionnet.base.errors import UsageError
 from torsionnet.drivetrain import Drivetrain

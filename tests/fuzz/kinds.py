@@ -23,8 +23,8 @@ from torsionnet.model.files import dump
 from torsionnet.model.files.writer import flat_text
 from torsionnet.report import make_report
 from torsionnet.signals import check_recording, read_recording
-from torsionnet.study.loading_study import load_study
 from torsionnet.study.run.run_chunks import run_study
+from torsionnet.study.study import load_study
 
 LIBRARIES = {".tdms": "nptdms", ".uff": "pyuff", ".h5": "h5py", ".parquet": "pyarrow", ".mf4": "asammdf"}
 FREQUENCIES = np.geomspace(0.1, 1000.0, 12)

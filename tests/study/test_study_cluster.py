@@ -24,8 +24,7 @@ from torsionnet.base.errors import MissingExtraError, ModelError, UsageError
 from torsionnet.study.run.cluster import chunk_task, dask_executor
 from torsionnet.study.run.cluster import chunk_task as cluster_losses
 from torsionnet.study.run.cluster.chunk_task import ClusterError
-from torsionnet.study.run.cluster.connecting import connected
-from torsionnet.study.run.cluster.dask_executor import TASKS_AHEAD, DaskExecutor, check_folder, folder_fault
+from torsionnet.study.run.cluster.dask_executor import TASKS_AHEAD, DaskExecutor, check_folder, connected, folder_fault
 
 pytestmark = pytest.mark.skipif(find_spec("distributed") is None, reason="needs dask.distributed")
 
@@ -454,8 +453,8 @@ def test_study_through_all_losses(tmp_path, study_folder):
 
     Who is killed while writing leaves a hidden file beside the chunks, which is none of them.
     """
-    from torsionnet.study.loading_study import load_study
     from torsionnet.study.run.run_chunks import run_study
+    from torsionnet.study.study import load_study
 
     file = tmp_path / "study.yaml"
     file.write_text(STUDY)
@@ -500,7 +499,7 @@ def test_answers_on_a_cluster(local, study_folder, monkeypatch):
     def these(_):
         yield local
 
-    monkeypatch.setattr("torsionnet.study.run.cluster.connecting.connected", these)
+    monkeypatch.setattr("torsionnet.study.run.cluster.dask_executor.connected", these)
     monkeypatch.setattr(shared_blocks, "LEAST_SHARED_SECONDS", 0.0)
     monkeypatch.setattr(shared_blocks, "LEAST_CALL_SECONDS", 0.0)
     study = study_of_answers(("shares", "worst"))

@@ -18,7 +18,7 @@ from torsionnet.study.examined_study import space_faults
 from torsionnet.study.space.correlation import Correlation, CorrelationOfPair, HermiteSeries
 from torsionnet.study.space.samples import LatinHypercubePoints, Samples, permuted
 from torsionnet.study.space.space import Space
-from torsionnet.study.space.space_entries import SpaceEntries
+from torsionnet.study.space.space_reading import SpaceEntries
 from torsionnet.study.space.variations.normal import Lognormal, LognormalMarginal, Normal, NormalMarginal
 from torsionnet.study.space.variations.uniform import ListOfValues, Triangular, Uniform, UniformMarginal, ValueRange
 

@@ -16,7 +16,7 @@ CLIENT = """
 import sys
 from pathlib import Path
 from support.cluster_work import NoiseWork
-from torsionnet.study.run.cluster.connecting import connected
+from torsionnet.study.run.cluster.dask_executor import connected
 from torsionnet.study.run.cluster.dask_executor import DaskExecutor
 
 if __name__ == "__main__":
@@ -29,7 +29,7 @@ if __name__ == "__main__":
 STUDY_CLIENT = """
 import sys
 from pathlib import Path
-from torsionnet.study.loading_study import load_study
+from torsionnet.study.study import load_study
 from torsionnet.study.run.run_chunks import run_study
 from torsionnet.study.run.answering import Workers
 

@@ -1,4 +1,4 @@
-"""Scenarios of a model: what they may name, and their courses of torques over time."""
+"""Scenarios of a model: what they may name, with checks of it, and their courses of torques over time."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any, Protocol
 from torsionnet.base.errors import Fault, ModelError, TorsionnetError, UsageError, did_you_mean, unknown_name
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.elements import Values
+from torsionnet.model.parameters import resolve
 from torsionnet.model.sections import SCENARIOS
 from torsionnet.model.speeds import mean_speeds
 from torsionnet.motion.scenarios.scenario import DrivingCourse, Scenario, ScenarioSubject
@@ -89,3 +90,30 @@ def driving_course(model: Defined, scenario: Scenario) -> DrivingCourse:
     if faults:
         raise UsageError("; ".join(faults))
     return scenario.course(subject)
+
+
+# Checks of scenarios, which must name what the model has.
+
+
+def unfit_scenarios(definition: Definition) -> list[Fault]:
+    """Faults of scenarios that name what the model does not have, or lack data of it, in every configuration."""
+    faults = scenario_faults(definition, *definition.scenarios)
+    for alternatives in definition.configurations.values():
+        for overlay in alternatives.values() if faults else ():
+            try:
+                changed = definition.with_overlay(overlay)
+            except (ModelError, KeyError):  # other checks say what is wrong with it
+                continue
+            still = {
+                fault.path for fault in scenario_faults(changed, *dict.fromkeys(str(one.path[1]) for one in faults))
+            }
+            faults = [fault for fault in faults if fault.path in still]
+    return faults
+
+
+def scenario_faults(definition: Definition, *names: str) -> list[Fault]:
+    """Faults of the scenarios with these names that name what the model does not have, or that lack data of it."""
+    subject = scenario_subject(definition, resolve(definition.parameters)[0])
+    return [
+        fault.under("scenarios", name) for name in names for fault in definition.scenarios[name].name_faults(subject)
+    ]

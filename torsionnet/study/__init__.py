@@ -27,7 +27,7 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "damper_over_conditions": "torsionnet.study.design.best_damper",
         "define": "torsionnet.study.study",
         "function": "torsionnet.study.quantities.expression",
-        "load_study": "torsionnet.study.loading_study",
+        "load_study": "torsionnet.study.study",
         "run_study": "torsionnet.study.run.run_chunks",
     },
 )

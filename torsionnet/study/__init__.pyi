@@ -10,7 +10,6 @@ from torsionnet.entry_classes import ValueRange as ValueRange
 from torsionnet.study.design.best_damper import DamperInCondition as DamperInCondition
 from torsionnet.study.design.best_damper import DamperOverConditions as DamperOverConditions
 from torsionnet.study.design.best_damper import damper_over_conditions as damper_over_conditions
-from torsionnet.study.loading_study import load_study as load_study
 from torsionnet.study.quantities.expression import UserFunction as UserFunction
 from torsionnet.study.quantities.expression import function as function
 from torsionnet.study.reductions.summaries import Summary as Summary
@@ -22,6 +21,7 @@ from torsionnet.study.shown_units import ShownUnits as ShownUnits
 from torsionnet.study.space.space import Space as Space
 from torsionnet.study.study import Study as Study
 from torsionnet.study.study import define as define
+from torsionnet.study.study import load_study as load_study
 from torsionnet.study.study_result import StudyResult as StudyResult
 
 __all__ = [

@@ -25,7 +25,7 @@ from torsionnet.study.answers.answer import (
 from torsionnet.study.quantities.quantity import QuantityLimit, StudyQuantity, wrong_unit
 from torsionnet.study.space.correlation import Correlation, name_faults
 from torsionnet.study.space.space import Space
-from torsionnet.study.space.space_entries import SpaceEntries
+from torsionnet.study.space.space_reading import SpaceEntries
 from torsionnet.study.space.variations.variation import Variation
 from torsionnet.study.study_file import StudyEntries, chosen_configurations
 

@@ -17,7 +17,7 @@ from torsionnet.study.answers.answer import ANSWERS, StudyAnswer
 from torsionnet.study.quantities.quantity import QUANTITIES, QuantityLimit, StudyQuantity
 from torsionnet.study.space.correlation import Correlation
 from torsionnet.study.space.samples import Samples
-from torsionnet.study.space.space_entries import CORRELATION, SAMPLING, VARY
+from torsionnet.study.space.space_reading import CORRELATION, SAMPLING, VARY
 from torsionnet.study.space.variations.variation import Variation
 
 ALL = "all"

@@ -13,8 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from torsionnet.app.explore.over_speed import over_speed
-from torsionnet.app.explore.overlay import CONVENTIONS_BY_ANGLE, json_numbers, misfit
+from torsionnet.app.explore.over_speed import CONVENTIONS_BY_ANGLE, json_numbers, misfit, over_speed
 from torsionnet.app.explore.session import Session
 from torsionnet.app.explore.sliders import point_sliders, sliders
 from torsionnet.app.explore.state import State

@@ -9,8 +9,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from torsionnet.app.explore.over_speed import runs
-from torsionnet.app.explore.overlay import overlay_data
+from torsionnet.app.explore.over_speed import overlay_data, runs
 from torsionnet.app.explore.sliders import all_point_rows, point_rows, point_settings, with_balance
 from torsionnet.app.explore.state import State
 from torsionnet.base.entries.scalars import read_scalar

@@ -34,8 +34,7 @@ from lsprotocol.types import TextEdit as EditorEdit
 
 from torsionnet.app.language_server.open_model import EditorText, OpenModel, is_parts_text
 from torsionnet.app.text.formatting import formatted
-from torsionnet.app.text.name_change import definition, references, renamable, rename
-from torsionnet.app.text.named_places import named_places
+from torsionnet.app.text.named_places import definition, named_places, references, renamable, rename
 from torsionnet.app.text.outline import OutlineItem, hover, outline
 from torsionnet.app.text.text_edits import TextLines, TextSpan
 from torsionnet.app.text.text_faults import LocatedFault, position_span, text_faults

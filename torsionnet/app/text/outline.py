@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from torsionnet.app.text.hover import entry_under, key_words, thing_words, value_words
-from torsionnet.app.text.name_change import place_at
-from torsionnet.app.text.named_places import SECTION_KINDS, NamedPlace, NamesInText
+from torsionnet.app.text.named_places import SECTION_KINDS, NamedPlace, NamesInText, place_at
 from torsionnet.app.text.text_edits import TextSpan
 from torsionnet.base.entries.declared import files_beside
 from torsionnet.base.errors import EntryPath

@@ -29,7 +29,7 @@ from torsionnet.machinery.design.levels import Levels, OrderLevels, WorstLevels
 from torsionnet.machinery.design.minimax import smallest_maximum
 from torsionnet.model.channels import Sensor
 from torsionnet.study.answers.answer import PARAMETER, AskedStudy, StudyAnswer, VariantValues, register_answer
-from torsionnet.study.design.design_entries import DESIGN, DesignBounds, chosen_parameters
+from torsionnet.study.design.design_goals import DESIGN, DesignBounds, chosen_parameters
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

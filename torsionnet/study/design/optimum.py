@@ -20,17 +20,19 @@ from torsionnet.study.answers.answer import (
     measure_of,
     register_answer,
 )
-from torsionnet.study.design.design_entries import (
+from torsionnet.study.design.design_goals import (
     DESIGN,
     NAMES,
     TARGETS,
     DesignBounds,
+    DesignGoals,
+    DesignObjective,
+    DesignTarget,
     OneOrSeveral,
     TargetEntry,
     chosen_parameters,
     design_parameters,
 )
-from torsionnet.study.design.design_goals import DesignGoals, DesignObjective, DesignTarget
 from torsionnet.study.design.design_optimum import DesignOptimum
 from torsionnet.study.design.design_problem import DesignProblem
 from torsionnet.study.design.design_quantities import DesignQuantities, peak_curves

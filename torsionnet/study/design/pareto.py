@@ -18,8 +18,7 @@ from torsionnet.base.table import Column, Table
 from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.machinery.design.damper_optimum import DesignParameter
 from torsionnet.study.answers.answer import AskedStudy, VariantValues, register_answer
-from torsionnet.study.design.design_entries import NAMES, OneOrSeveral
-from torsionnet.study.design.design_goals import DesignGoals, DesignObjective, Found, with_unit
+from torsionnet.study.design.design_goals import NAMES, DesignGoals, DesignObjective, Found, OneOrSeveral, with_unit
 from torsionnet.study.design.design_optimum import SAME_QUANTITY
 from torsionnet.study.design.design_problem import FEASIBLE_EXCESS, MISSING_VALUE, DesignProblem
 from torsionnet.study.design.optimise import Single, optimise

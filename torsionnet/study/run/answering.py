@@ -74,8 +74,7 @@ class Workers:
 
     @contextmanager
     def _of_cluster(self, folder: Path | None) -> Iterator[Executor]:
-        from torsionnet.study.run.cluster.connecting import connected
-        from torsionnet.study.run.cluster.dask_executor import DaskExecutor
+        from torsionnet.study.run.cluster.dask_executor import DaskExecutor, connected
 
         if folder is None:
             raise UsageError("a study on a cluster needs a folder that all its workers see: -o FOLDER")

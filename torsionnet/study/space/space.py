@@ -16,8 +16,7 @@ from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.model.model import Model
 from torsionnet.study.space.correlation import Correlation
 from torsionnet.study.space.samples import Samples
-from torsionnet.study.space.space_entries import SpaceEntries
-from torsionnet.study.space.space_reading import bound_space
+from torsionnet.study.space.space_reading import SpaceEntries, bound_space
 from torsionnet.study.space.variations.variation import GridAxis, Marginal, Variation
 
 COVERAGE = 0.9973

@@ -5,10 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf
+from typing import ClassVar
 
 import numpy as np
 
+from torsionnet.base.entries.composite import Listed, Named, Nested, Typed
+from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.scalars import QuantityKind
+from torsionnet.base.entries.spec import entry
 from torsionnet.base.errors import UNKNOWN_NAME, EntryPath, Fault, unknown_name
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.model.changes import value_of_entry
@@ -17,6 +21,7 @@ from torsionnet.model.model import Model
 from torsionnet.study.space.correlation import Correlation, name_faults, normal_correlation
 from torsionnet.study.space.samples import Samples
 from torsionnet.study.space.variations.variation import (
+    VARIATIONS,
     GridAxis,
     Marginal,
     NominalReader,
@@ -243,3 +248,34 @@ def _root(
         return None, faults
     matrix, faults = normal_correlation(correlation, marginals)
     return (None if faults else np.asarray(np.linalg.cholesky(matrix), dtype=float)), faults
+
+
+# Entries of a study file that say what varies, on parameters, their correlation and their sampling.
+
+VARY = Named(
+    "what varies, by name: parameters, and values of elements (shaft.stiffness)",
+    Typed(
+        "how a parameter varies", lambda: VARIATIONS, "variation", "variation", shown="{type: normal, deviation: 5 %}"
+    ),
+    form="parameters and how they vary, k_1: {type: normal, deviation: 5 %}",
+    fewest=1,
+)
+CORRELATION = Listed(
+    "which parameters vary together",
+    Nested("parameters that vary together", lambda: Correlation, "correlation"),
+    form="a list of {between: [k_1, k_2], coefficient: 0.6}",
+)
+SAMPLING = Nested("how variants are drawn", lambda: Samples, "sampling", shown=Samples.form)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpaceEntries(Declared):
+    """Varied parameters of a study, their correlation and their sampling."""
+
+    kind: ClassVar[str] = "space"
+    article: ClassVar[str] = "a space of variants"
+    form: ClassVar[str] = "{vary: {k_1: {type: normal, deviation: 5 %}}, sampling: {count: 1000}}"
+
+    vary: Mapping[str, Variation] = entry(VARY)
+    correlation: tuple[Correlation, ...] = entry(CORRELATION, ())
+    sampling: Samples | None = entry(SAMPLING, None)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
@@ -199,7 +200,6 @@ class CheckCommand(Command):
     def _watch(self) -> None:
         from time import strftime
 
-        from torsionnet.app.cli.watching import watch
         from torsionnet.model.files.reader import find_model
 
         if self.output.as_json:
@@ -242,6 +242,54 @@ def summary(faults: Sequence[Fault]) -> str:
         for kind, count in counts.items()
         if count or kind == "error"
     )
+
+
+# Watching of model files, and of the files that they read, for changes.
+
+BETWEEN_LOOKS = 0.3
+"""Time in s between two looks at the files: a glance at the screen takes longer."""
+UNTIL_WRITTEN = 0.05
+"""Time in s in which a file must not change any more to count as written to its end."""
+
+
+def watch(models: Iterable[str], check: Callable[[], None]) -> None:
+    """Call a function at first and after each change of a model file, or of a file that it reads, until Ctrl-C.
+
+    Changes are seen by time, size and number of a file, on all file systems alike; one that is gone, or replaced by
+    another of its name, has changed, too.
+    """
+    from torsionnet.base.entries.declared import file_state, files_recorded
+    from torsionnet.model.files.reader import find_model
+
+    own: list[Path] = []
+    for model in models:
+        try:
+            own.append(find_model(model))
+        except UsageError:  # it may appear
+            own.append(Path(model))
+    watched: set[Path] = set(own)
+    try:
+        while True:
+            seen = {file: file_state(file) for file in watched}
+            with files_recorded() as read:
+                check()
+            watched = {*own, *read}
+            seen = {**read, **seen}  # those of before the check, so that no change during it is missed
+            while all(file_state(file) == seen[file] for file in watched):
+                time.sleep(BETWEEN_LOOKS)
+            _until_written(watched)
+    except KeyboardInterrupt:
+        return
+
+
+def _until_written(files: Iterable[Path]) -> None:
+    """Wait until an editor that empties a file, or takes it away, has written the new one."""
+    from torsionnet.base.entries.declared import file_state
+
+    known = list(files)
+    before = None
+    while before != (before := [file_state(file) for file in known]):
+        time.sleep(UNTIL_WRITTEN)
 
 
 # Command ``torsionnet show``, which prints the content of a model.

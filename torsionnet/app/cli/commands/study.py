@@ -67,7 +67,7 @@ class StudyCommand(Command):
     def answer(self) -> Answer:
         from torsionnet.app.cli.output import study_json
         from torsionnet.signals.formats.extras import require_extra
-        from torsionnet.study.loading_study import load_study
+        from torsionnet.study.study import load_study
 
         if (self.variants_file or "").endswith(".parquet"):
             require_extra("parquet")

@@ -1,1 +1,0 @@
-"""Words on the names, keys and values of a model text."""
