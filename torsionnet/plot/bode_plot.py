@@ -30,6 +30,8 @@ noise."""
 CONSTANT_MAGNITUDE = 1e-9
 """Range of magnitudes divided by the largest one, below which a curve counts as constant but for rounding errors."""
 TOO_SMALL, NOT_COHERENT = "motion too small for its sensor, or beyond decimation", "not coherent with the input"
+PANEL_HEIGHTS = {"magnitude": 3.0, "phase": 2.0, "coherence": 1.0}
+"""Heights of the panels of a Bode plot, in parts of the figure's."""
 SHORT_LABEL = 14
 """Number of letters of a label below which five labels fit side by side in the legend."""
 LONGEST_LABEL = 32
@@ -125,8 +127,8 @@ def bode(
         for curve in _curves(response, name, conventions, x_log=x_log)
     ]
     panels = _panels(curves, coherence)
-    figure = style.new_figure(style.WIDTH, 3.0 + 1.3 * (len(panels) - 1))
-    axes = _axes(figure, panels)
+    figure, axes = style.stacked_panels(3.0 + 1.3 * (len(panels) - 1), [PANEL_HEIGHTS[name] for name in panels])
+    figure.align_ylabels(axes)
     _draw(axes, panels, curves, decibels=decibels, conventions=conventions)
     _dress_frequency(axes, curves, conventions, x_log=x_log)
     _dress_magnitude(axes[0], _pair(chosen), unit, decibels=decibels, conventions=conventions)
@@ -217,18 +219,6 @@ def _panels(curves: Sequence[Curve], coherence: bool | None) -> list[str]:
         raise UsageError("none of the responses has a coherence: only estimates from recorded signals have")
     wanted = available if coherence is None else coherence
     return ["magnitude", "phase", *(["coherence"] if wanted else [])]
-
-
-def _axes(figure: Figure, panels: Sequence[str]) -> list[Axes]:
-    heights = {"magnitude": 3.0, "phase": 2.0, "coherence": 1.0}
-    grid = figure.subplots(
-        len(panels), 1, sharex=True, squeeze=False, gridspec_kw={"height_ratios": [heights[name] for name in panels]}
-    )
-    axes: list[Axes] = list(grid[:, 0])
-    for panel in axes:
-        style.style_axes(panel)
-    figure.align_ylabels(axes)
-    return axes
 
 
 def _draw(
@@ -360,5 +350,4 @@ def _legend(figure: Figure, axes: Axes, curves: Sequence[Curve]) -> None:
     if handles:
         is_short = all(len(curve.label) < SHORT_LABEL for curve in curves)
         columns = min(len(names), 5 if is_short else 2)
-        look = {"frameon": False, "fontsize": style.SMALL, "handlelength": 3}
-        figure.legend(handles, names, loc="outside lower center", ncols=columns, **look)
+        style.legend_below(figure, columns, handles, names, handlelength=3)

@@ -74,16 +74,9 @@ def comparison(
     apart = difference(test, model)
     rows = ["magnitude", "phase", *(["coherence"] if test.coherence is not None else []), "dB", "deg"]
     heights = {"magnitude": 3.0, "phase": 2.2, "coherence": 1.0, "dB": 1.2, "deg": 1.2}
-    figure = style.new_figure(style.WIDTH, 1.2 + 0.72 * sum(heights[row] for row in rows))
-    panels = dict(
-        zip(
-            rows,
-            figure.subplots(len(rows), 1, sharex=True, gridspec_kw={"height_ratios": [heights[row] for row in rows]}),
-            strict=True,
-        )
-    )
-    for panel in panels.values():
-        style.style_axes(panel)
+    shares = [heights[row] for row in rows]
+    figure, stacked = style.stacked_panels(1.2 + 0.72 * sum(shares), shares)
+    panels = dict(zip(rows, stacked, strict=True))
     _responses(panels, test, model, conventions)
     f = test.frequencies * conventions.frequency_scale
     good = _is_coherent(test)
@@ -95,7 +88,7 @@ def comparison(
     _dress(figure, panels, test, conventions, x_log=x_log)
     style.set_title(figure, model.title if title is None else title)
     handles, names = panels["magnitude"].get_legend_handles_labels()
-    figure.legend(handles, names, loc="outside lower center", ncols=2, frameon=False, fontsize=style.SMALL)
+    style.legend_below(figure, 2, handles, names)
     return figure
 
 
@@ -235,9 +228,7 @@ def coherence(
     """
     given = [responses] if isinstance(responses, FrequencyResponse) else list(responses)
     names = [response.title for response in given] if labels is None else list(labels)
-    figure = style.new_figure(style.WIDTH, 2.6)
-    axes = figure.subplots()
-    style.style_axes(axes)
+    figure, axes = style.one_panel(2.6)
     for number, (response, name) in enumerate(zip(given, names, strict=True)):
         if response.coherence is None:
             raise UsageError(
@@ -256,5 +247,5 @@ def coherence(
         axes.set_xscale("log")
         style.log_ticks(axes.xaxis, *axes.get_xlim())
     style.set_title(figure, title)
-    figure.legend(loc="outside lower center", ncols=5, frameon=False, fontsize=style.SMALL)
+    style.legend_below(figure, 5)
     return figure

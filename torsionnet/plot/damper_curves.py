@@ -76,7 +76,7 @@ def _draw_levels(axes: Axes, result: DamperOptimum, scale: float, unit: str) -> 
         axes.set_xlim(along[0], along[-1])
     axes.set_xlabel(f"{result.of[0]} [{result.of[1]}]")
     axes.set_ylabel(f"{result.channel.name} [{unit}]")
-    axes.legend(fontsize=style.SMALL, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    style.legend_beside(axes)
 
 
 def _draw_effect(axes: Axes, result: DamperOptimum, number: int, scale: float) -> Axes:

@@ -144,7 +144,7 @@ def fit(result: Fit, *, conventions: Conventions = SI, title: str | None = None)
         every = np.concatenate([_shown_phases(each) for each in drawn])
         style.phase_ticks(panels[1][column], float(every.min()), float(every.max()))
     handles, names = _legend([axes for row in (panels[0], panels[2]) for axes in row])
-    figure.legend(handles, names, loc="outside lower center", ncols=4, frameon=False, fontsize=style.SMALL)
+    style.legend_below(figure, 4, handles, names)
     values = ", ".join(f"{name} = {value:.4g}" for name, value in list(result.values.items())[:4])
     style.set_title(figure, f"{result.title}: {values}" if title is None else title)
     return figure

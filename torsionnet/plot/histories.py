@@ -59,10 +59,8 @@ def time_histories(
     chosen = recording if names is None else recording.select([names] if isinstance(names, str) else names)
     if not len(chosen):
         raise UsageError("the recording has no samples to plot")
-    figure = style.new_figure(style.WIDTH, 1.0 + 1.5 * len(chosen.signals))
-    panels = figure.subplots(len(chosen.signals), 1, sharex=True, squeeze=False)[:, 0]
+    figure, panels = style.stacked_panels(1.0 + 1.5 * len(chosen.signals), [1] * len(chosen.signals))
     for number, (panel, signal) in enumerate(zip(panels, chosen, strict=True)):
-        style.style_axes(panel)
         largest = float(np.nanmax(np.abs(signal.values), initial=0.0))
         scale, unit = axis_unit(signal.unit, largest, conventions) if signal.unit else (1.0, "unit unknown")
         if signal.unit == "rad/s" and np.nanmin(signal.values) * np.nanmax(signal.values) > 0:
@@ -72,7 +70,7 @@ def time_histories(
         panel.set_ylabel(f"{signal.name} [{unit}]")
     panels[-1].set_xlabel("time [s]")
     panels[-1].set_xlim(chosen.time[0], chosen.time[-1])
-    figure.align_ylabels(list(panels))
+    figure.align_ylabels(panels)
     style.set_title(figure, recording.title if title is None else title)
     return figure
 
@@ -154,7 +152,7 @@ def passage_response(
     panels[0, 0].set_ylabel(f"{channel.name} [{unit}]")
     panels[1, 0].set_ylabel("speed [rpm]")
     if len(passages) == 1:
-        panels[0, 0].legend(fontsize=style.SMALL, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+        style.legend_beside(panels[0, 0])
     else:
         looks, names = panels[0, 0].get_legend_handles_labels()
         figure.legend(looks, names, fontsize=style.SMALL, frameon=False, loc="outside upper center", ncols=len(names))

@@ -51,9 +51,7 @@ def interference_diagram(result: CriticalSpeeds, *, highest: float | None = None
     -------
     matplotlib.figure.Figure
     """
-    figure = style.new_figure(style.WIDTH, 5.2)
-    axes = figure.subplots()
-    style.style_axes(axes)
+    figure, axes = style.one_panel(5.2)
     low, high = (speed * RPM for speed in result.speed_range)
     end = 1.06 * max([high, *(_speed(one) for one in result.crossings if math.isfinite(_speed(one)))])
     met = {one.mode.number for one in result.crossings}

@@ -71,8 +71,7 @@ def limit_check(
     """
     names = [limits] if isinstance(limits, str) else limits
     panels = _panels(check, names)
-    figure = style.new_figure(style.WIDTH, 0.8 + 2.6 * len(panels))
-    axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
+    figure, axes = style.stacked_panels(0.8 + 2.6 * len(panels), [1] * len(panels))
     for panel, verdicts in zip(axes, panels, strict=True):
         own = [one for one in measured if any(one.limited is verdict for verdict in verdicts)]
         _draw(panel, check, verdicts, most, conventions, own)
@@ -110,7 +109,6 @@ def _draw(
     known = [np.nanmax(one.allowed) for one in verdicts if np.isfinite(one.allowed).any()]
     sizes = [float(one.measured.max()) for one in measured]
     scale, unit = axis_unit(first.unit, float(max([*known, first.values.max(), *sizes])), conventions)
-    style.style_axes(panel)
     for number, span in enumerate(span for one in verdicts for span in one.barred):
         label = None if number else "to be barred"
         panel.axvspan(span.low * RPM, span.high * RPM, color=style.LIMIT_COLOR, alpha=0.12, linewidth=0, label=label)
@@ -139,7 +137,7 @@ def _draw(
     panel.set_title(f"{first.limit}: {first.of}, {first.quantity}", fontsize=style.FONT, color=style.INK, loc="left")
     panel.set_ylabel(axis_label(quantity_label(first), unit, LABEL_WIDTH))
     panel.set_ylim(bottom=0)
-    panel.legend(fontsize=style.SMALL, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    style.legend_beside(panel)
 
 
 def quantity_label(one: LimitVerdict) -> str:

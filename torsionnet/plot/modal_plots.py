@@ -90,7 +90,7 @@ def stabilisation(
         _modes(orders, estimate, (low - margin, high + margin), conventions)
     orders.set_xlabel(f"natural frequency |λ|/2π [{conventions.frequency}]")
     orders.set_ylabel("order of the fit")
-    figure.legend(loc="outside lower center", ncols=4, frameon=False, fontsize=style.SMALL)
+    style.legend_below(figure, 4)
     style.set_title(figure, diagram.response.title if title is None else title)
     return figure
 
@@ -185,7 +185,7 @@ def circle(fit: CircleFit, *, title: str | None = None) -> Figure:
     plane, pairs = figure.subplots(1, 2, width_ratios=(1.1, 1))
     _plane(plane, fit)
     _pairs(pairs, fit)
-    figure.legend(loc="outside lower center", ncols=3, frameon=False, fontsize=style.SMALL)
+    style.legend_below(figure, 3)
     spread = f"{100 * fit.spread:.2g}"
     words = f"{fit.label}: {fit.natural_frequency:.4g} Hz, {100 * fit.damping_ratio:.3g} % ± {spread} % over the pairs"
     style.set_title(figure, words if title is None else title)
@@ -334,9 +334,7 @@ def operational_modes(found: OperationalModes, *, title: str | None = None) -> F
     >>> operational_modes(modes_from_decay(record, "T", start=0)).axes[0].get_xlabel()
     'time [s]'
     """
-    figure = style.new_figure(style.WIDTH, 3.8)
-    axes = figure.subplots()
-    style.style_axes(axes)
+    figure, axes = style.one_panel(3.8)
     unit = f" [{typeset_unit(found.unit)}]" if found.unit else ""
     if isinstance(found.evidence, SweptFit):
         _swept(axes, found.evidence, found)
@@ -346,7 +344,7 @@ def operational_modes(found: OperationalModes, *, title: str | None = None) -> F
         axes.set_ylabel(f"{found.channel}{unit}")
     elif isinstance(found.evidence, AmbientPoles):
         _stable(axes, found.evidence, found)
-    axes.legend(fontsize=style.SMALL, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    style.legend_beside(axes)
     style.set_title(figure, _heading(found) if title is None else title)
     return figure
 

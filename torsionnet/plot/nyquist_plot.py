@@ -47,7 +47,7 @@ def nyquist(margins: LoopMargins, *, title: str | None = None) -> Figure:
     size = figure.add_subplot(grid[0, 1])
     _plane(plane, margins)
     _over_frequency(size, figure.add_subplot(grid[1, 1], sharex=size), margins)
-    figure.legend(loc="outside lower center", ncols=3, frameon=False, fontsize=style.SMALL)
+    style.legend_below(figure, 3)
     words = f"{margins.title}: loop opened at {margins.controller}"
     words += "" if margins.stable else " (unstable)"
     style.set_title(figure, words if title is None else title)

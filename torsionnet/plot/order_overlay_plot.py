@@ -78,10 +78,8 @@ def order_overlay(
         if not phase or any(one.pair.has_phase for one in found)
     ]
     ratios = [0.6 if phase else 1.0 for *_, phase in shown]
-    figure = style.new_figure(style.WIDTH, 0.8 + 2.6 * sum(ratios))
-    panels = figure.subplots(len(shown), 1, sharex=True, squeeze=False, gridspec_kw={"height_ratios": ratios})[:, 0]
+    figure, panels = style.stacked_panels(0.8 + 2.6 * sum(ratios), ratios)
     for panel, (name, found, phase) in zip(panels, shown, strict=True):
-        style.style_axes(panel)
         if phase:
             _phases(panel, found)
             continue
@@ -91,7 +89,7 @@ def order_overlay(
         _amplitudes(panel, found, scale)
         panel.set_ylabel(f"{name} [{words}]")
         panel.set_ylim(0, HEADROOM * largest * scale or None)
-        panel.legend(fontsize=style.SMALL, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+        style.legend_beside(panel)
     panels[-1].set_xlabel(speed_label(response.reference))
     everything = [one for found in pairs.values() for one in found]
     drawn = [speeds for one in everything for speeds in (one.pair.curve_speeds, one.measured.speeds)]
@@ -204,15 +202,10 @@ def tracked_orders(
     phased = [order for order in orders if tracked.reference and order not in tracked.undecided]
     rising = np.argsort(tracked.speeds, kind="stable")
     rpm = tracked.rpm[rising]
-    figure = style.new_figure(style.WIDTH, 5.4 if phased else 3.4)
-    panels = figure.subplots(
-        2 if phased else 1, 1, sharex=True, squeeze=False, gridspec_kw={"height_ratios": [2, 1][: 1 + bool(phased)]}
-    )[:, 0]
+    figure, panels = style.stacked_panels(5.4, [2, 1]) if phased else style.stacked_panels(3.4, [1])
     top = panels[0]
     highest = np.abs(tracked.values).max() if tracked.half_range is None else tracked.half_range.max()
     scale, unit = axis_unit(tracked.unit, float(highest), conventions)
-    for panel in panels:
-        style.style_axes(panel)
     if tracked.half_range is not None:
         marks = curve_mark(rpm)
         top.plot(rpm, tracked.half_range[rising] * scale, color=style.INK, linewidth=2.0, label="half range", **marks)
@@ -231,7 +224,7 @@ def tracked_orders(
             panels[1].plot(rpm, np.where(clear, np.degrees(np.angle(values)), np.nan), **drawn | {"marker": "."})
     top.set_ylabel(axis_label(f"{tracked.name}, peak", unit))
     top.set_ylim(bottom=0)
-    top.legend(fontsize=style.SMALL, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    style.legend_beside(top)
     if phased:
         panels[1].set_ylabel("phase [deg]")
         panels[1].set_ylim(-180, 180)

@@ -60,22 +60,20 @@ def order_response(
         No such output.
     """
     names = [outputs] if isinstance(outputs, str) else list(outputs or [one.name for one in response.outputs])
-    figure = style.new_figure(style.WIDTH, 0.8 + 2.6 * len(names))
-    panels = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
+    figure, panels = style.stacked_panels(0.8 + 2.6 * len(names), [1] * len(names))
     total = response.half_range
     for panel, name in zip(panels, names, strict=True):
         place = response.output(name)
         scale, unit = axis_unit(response.outputs[place].unit, float(total[:, place].max()), conventions)
         scale, unit = (1e3 * scale, f"m{unit}") if milli and unit == "rad" else (scale, unit)
         sizes = response.sizes[:, :, place] * scale
-        style.style_axes(panel)
         label = response.sum_label.replace(", worst", ",\nworst")
         panel.plot(response.rpm, total[:, place] * scale, color=style.INK, linewidth=2.0, label=label)
         for number, line in enumerate(np.argsort(-sizes.max(axis=0), kind="stable")[:most].tolist()):
             panel.plot(response.rpm, sizes[:, line], label=str(response.lines[line]), **style.line_style(number))
         panel.set_ylabel(axis_label(name, unit))
         panel.set_ylim(bottom=0)
-        panel.legend(fontsize=style.SMALL, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+        style.legend_beside(panel)
     panels[-1].set_xlabel(speed_label(response.reference))
     if len(response.rpm) > 1:
         panels[-1].set_xlim(response.rpm[0], response.rpm[-1])
@@ -114,9 +112,7 @@ def half_ranges(
     channel = responses[0].outputs[place]
     sizes = [response.half_range[:, response.output(channel.name)] for response in responses]
     scale, unit = axis_unit(channel.unit, max(float(size.max()) for size in sizes), conventions)
-    figure = style.new_figure(style.WIDTH, 3.4)
-    axes = figure.subplots()
-    style.style_axes(axes)
+    figure, axes = style.one_panel(3.4)
     for number, (response, size) in enumerate(zip(responses, sizes, strict=True)):
         label = labels[number] if labels else response.title
         axes.plot(response.rpm, size * scale, label=label, **style.line_style(number))
@@ -128,7 +124,7 @@ def half_ranges(
     if len(responses) > 1 or labels:
         # Names of configurations are long: below, they leave the curves their width.
         columns = 1 if max(len(str(line.get_label())) for line in axes.lines) > HALF_WIDTH_LABEL else 2
-        figure.legend(fontsize=style.SMALL, frameon=False, loc="outside lower center", ncols=columns)
+        style.legend_below(figure, columns)
     style.set_title(figure, channel.name if title is None else title)
     return figure
 
@@ -166,9 +162,7 @@ def waveform(
     at = int(np.argmin(np.abs(response.rpm - rpm)))
     angle, waves = response.waveform(response.outputs[place].name)
     channel = response.outputs[place]
-    figure = style.new_figure(style.WIDTH, 3.2)
-    axes = figure.subplots()
-    style.style_axes(axes)
+    figure, axes = style.one_panel(3.2)
     scale, unit = axis_unit(channel.unit, float(np.abs(waves[at]).max()), conventions)
     axes.plot(np.degrees(angle), waves[at] * scale, color=style.INK, linewidth=1.4)
     axes.set_xlabel(f"angle of {response.reference} [deg]")
@@ -233,9 +227,7 @@ def waterfall(
     tops = rpm[:, None] + sizes / largest * LINE_HEIGHT * span
     shown = sizes.max(axis=0) >= SMALLEST_ORDER * sizes.max()
     right = 1.05 * float(hertz[:, shown].max())
-    figure = style.new_figure(style.WIDTH, 4.6)
-    axes = figure.subplots()
-    style.style_axes(axes)
+    figure, axes = style.one_panel(4.6)
     for number in range(len(chosen))[::-1]:  # those in front are drawn last and hide what is behind
         f, heights = _spectrum(hertz[number], sizes[number] / largest * LINE_HEIGHT * span, right)
         axes.fill_between(

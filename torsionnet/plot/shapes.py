@@ -296,7 +296,7 @@ def _legend(figure: Figure, total: int, chosen: Sequence[int], view: ShapeView, 
     handles += [Line2D([], [], linestyle="") for _ in remarks]
     names += remarks
     columns = max(1, min(5, int(MOST_LETTERS / (max(map(len, names)) + HANDLE))))
-    figure.legend(handles, names, loc="outside lower center", ncols=columns, frameon=False, fontsize=style.SMALL)
+    style.legend_below(figure, columns, handles, names)
 
 
 # Plot of the relative amplitudes of modes along the lines of their Holzer tables, with the nodes of vibration.
@@ -346,8 +346,7 @@ def relative_amplitudes(tables: Sequence[HolzerTable]) -> Figure:
     """
     if not tables:
         raise UsageError("there is no Holzer table to draw: give those of the modes")
-    figure = style.new_figure(style.WIDTH, 0.2 + PANEL_HEIGHT * len(tables) + NAMES_HEIGHT)
-    panels = figure.subplots(len(tables), 1, sharex=True, squeeze=False)[:, 0]
+    figure, panels = style.stacked_panels(0.2 + PANEL_HEIGHT * len(tables) + NAMES_HEIGHT, [1] * len(tables))
     for panel, holzer in zip(panels, tables, strict=True):
         _draw(panel, holzer)
     places = [(x, name) for line in _lines(tables[0]) for x, name in zip(line.x, line.names, strict=True)]
@@ -378,7 +377,6 @@ def _lines(holzer: HolzerTable) -> list[_Line]:
 
 
 def _draw(axes: Axes, holzer: HolzerTable) -> None:
-    style.style_axes(axes)
     axes.axhline(0, color=style.MUTED, linewidth=0.8)
     lines = _lines(holzer)
     place: dict[tuple[str, str], tuple[float, float]] = {}

@@ -117,21 +117,18 @@ def sweep_harmonics(result: Harmonics, *, conventions: Conventions = SI, title: 
     """
     scale = conventions.scale(result.unit) if result.unit else 1.0
     unit = typeset_unit(conventions.unit(result.unit)) if result.unit else "unknown unit"
-    figure = style.new_figure(style.WIDTH, 4.2)
-    size, phase = figure.subplots(2, 1, sharex=True, gridspec_kw={"height_ratios": [3, 2]})
+    figure, (size, phase) = style.stacked_panels(4.2, [3, 2])
     for number, order in enumerate(result.orders):
         look = style.line_style(number)
         size.plot(result.frequencies, result.amplitude[:, number] * scale, label=f"{order:g}x", **look)
         phase.plot(result.frequencies, np.unwrap(result.phase[:, number], period=360), **look)
-    for axes in (size, phase):
-        style.style_axes(axes)
     size.set_yscale("log")
     style.log_ticks(size.yaxis, *size.get_ylim())
     size.set_ylabel(f"amplitude [{unit}]")
     phase.set_ylabel("phase [deg]")
     phase.set_xlabel("frequency of the sweep [Hz]")
     style.set_title(figure, result.name if title is None else title)
-    figure.legend(loc="outside lower center", ncols=len(result.orders), frameon=False, fontsize=style.SMALL)
+    style.legend_below(figure, len(result.orders))
     return figure
 
 

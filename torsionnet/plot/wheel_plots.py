@@ -41,8 +41,7 @@ def wheel_rotations(wheels: Sequence[WheelRotation], *, title: str = "") -> Figu
     >>> [axes.get_ylabel() for axes in wheel_rotations([wheel_rotation(channel, Wheel(teeth=60))]).axes]
     ['speed [rpm]', 'deviation of angle [deg]']
     """
-    figure = style.new_figure(style.WIDTH, 4.5)
-    above, below = figure.subplots(2, 1, sharex=True)
+    figure, (above, below) = style.stacked_panels(4.5, [1, 1])
     for number, wheel in enumerate(wheels):
         colour = style.PALETTE[number % len(style.PALETTE)]
         above.plot(*thin_out(wheel.times, wheel.speeds * RPM), color=colour, linewidth=0.7, label=wheel.name)
@@ -52,14 +51,12 @@ def wheel_rotations(wheels: Sequence[WheelRotation], *, title: str = "") -> Figu
         if of_times.any():
             label = "" if number else "share of counter and jitter"
             below.plot(*thin_out(wheel.times, of_times), color=colour, linewidth=0.7, label=label)
-    if any(line.get_ydata().max(initial=0.0) > 0 for line in below.lines):
+    if any(np.asarray(line.get_ydata()).max(initial=0.0) > 0 for line in below.lines):
         below.set_yscale("log")
     above.set_ylabel("speed [rpm]")
     below.set_ylabel("deviation of angle [deg]")
     below.set_xlabel("time [s]")
     below.set_xlim(min(one.times[0] for one in wheels), max(one.times[-1] for one in wheels))
-    for axes in (above, below):
-        style.style_axes(axes)
     above.legend(loc="best")
     below.legend(loc="best")
     figure.align_ylabels([above, below])
@@ -120,7 +117,7 @@ def _teeth(axes: Axes, calibration: WheelCalibration, scale: float) -> None:
     axes.plot(teeth, positions, color=style.PALETTE[0], marker="o", markersize=2.5, linewidth=0.8, label="position")
     axes.set_xlabel("tooth")
     axes.set_xlim(-0.5, pattern.teeth - 0.5)
-    axes.legend(fontsize=style.SMALL, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    style.legend_beside(axes)
 
 
 def _orders(axes: Axes, calibration: WheelCalibration, scale: float) -> None:
@@ -137,4 +134,4 @@ def _orders(axes: Axes, calibration: WheelCalibration, scale: float) -> None:
     axes.set_xlabel("order of the wheel")
     axes.set_xlim(0, calibration.orders[-1].order + 1)
     axes.set_ylim(bottom=0)
-    axes.legend(fontsize=style.SMALL, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    style.legend_beside(axes)

@@ -74,6 +74,34 @@ def bare_figure(width: float, height: float) -> Figure:
     return figure
 
 
+def one_panel(height: float) -> tuple[Figure, Axes]:
+    """Figure of the usual width and a height in inches with one panel in the common style, and this panel."""
+    figure, (panel,) = stacked_panels(height, [1])
+    return figure, panel
+
+
+def stacked_panels(height: float, shares: Sequence[float]) -> tuple[Figure, list[Axes]]:
+    """Figure of the usual width with panels in the common style one below the other, and the panels from top to bottom.
+
+    Their horizontal axis is the same; ``shares`` are their heights in parts of the figure's, which is in inches.
+    """
+    figure = new_figure(WIDTH, height)
+    panels = figure.subplots(len(shares), 1, sharex=True, squeeze=False, gridspec_kw={"height_ratios": shares})[:, 0]
+    for panel in panels:
+        style_axes(panel)
+    return figure, panels.tolist()
+
+
+def legend_beside(axes: Axes) -> None:
+    """Draw the legend of the axes to their right."""
+    axes.legend(fontsize=SMALL, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+
+
+def legend_below(figure: Figure, columns: int, *entries: Sequence[Any], **look: Any) -> None:
+    """Draw the legend of a figure below its panels: of all that has a label, or of handles and their names."""
+    figure.legend(*entries, loc="outside lower center", ncols=columns, frameon=False, fontsize=SMALL, **look)
+
+
 def line_style(index: int) -> dict[str, Any]:
     """Colour, dashes and width of a curve by its number, as keyword arguments of matplotlib.
 

@@ -120,9 +120,7 @@ def damper_over_conditions(
     -------
     matplotlib.figure.Figure
     """
-    figure = style.new_figure(style.WIDTH, 1.4 + 0.45 * len(result.conditions))
-    axes = figure.subplots()
-    style.style_axes(axes)
+    figure, axes = style.one_panel(1.4 + 0.45 * len(result.conditions))
     rows = np.arange(len(result.conditions))
     marks = (("as given", "before", "s"), ("best for all", "after", "o"), ("best alone", "alone", "|"))
     scale, unit = (

@@ -14,8 +14,6 @@ from torsionnet.base.number_text import screen_text, typeset_unit
 from torsionnet.plot.study.study_axes import (
     BEYOND_COLOR,
     axis_label,
-    legend_beside,
-    legend_inside,
     log_axis,
     text_rows,
     write_in_empty_panel,
@@ -76,7 +74,10 @@ def _panel(axes: Axes, result: YieldResult, distributions: list[LimitedValues], 
         axes.set(xticks=[], yticks=[])
     axes.set_ylabel("variants [% per bin]")
     axes.set_xlabel(axis_label(first.quantity, units.unit(first.curve or first.quantity, first.unit)))
-    (legend_inside if len(distributions) <= MOST_NAMES_INSIDE else legend_beside)(axes)
+    if len(distributions) <= MOST_NAMES_INSIDE:
+        axes.legend(fontsize=style.SMALL, frameon=False)
+    else:
+        style.legend_beside(axes)
 
 
 def _label(result: YieldResult, one: LimitedValues) -> str:
@@ -156,9 +157,7 @@ def failure_probabilities(
     ends = [
         side for _, one in events for side in (one.low, one.high, one.probability) if np.isfinite(side) and side > 0
     ]
-    figure = style.new_figure(style.WIDTH, 1.3 + 0.34 * len(events))
-    axes = figure.subplots()
-    style.style_axes(axes)
+    figure, axes = style.one_panel(1.3 + 0.34 * len(events))
     for place, (_, one) in enumerate(events):
         _drawn_probabilities(axes, place, one)
     if ends:

@@ -122,24 +122,11 @@ def panel_title(axes: Axes, text: str, inches: float = math.inf, *, pad: float |
     axes.set_title(break_text(text, inches), fontsize=style.FONT, color=style.INK, pad=pad)
 
 
-def legend_inside(axes: Axes, *, columns: int = 1) -> None:
-    """Draw a legend without a frame within the axes, at matplotlib's best place."""
-    axes.legend(fontsize=style.SMALL, frameon=False, ncols=columns)
-
-
-def legend_beside(axes: Axes) -> None:
-    """Draw a legend to the right of the axes."""
-    axes.legend(fontsize=style.SMALL, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
-
-
 def legend_below(figure: Figure, handles: Sequence[Artist], labels: Sequence[str], *, larger: float = 1.0) -> None:
     """Draw a legend below all panels, in as many columns as its labels leave room for."""
     widest = max(map(_width, labels)) + KEY_WIDTH
     columns = max(1, min(len(labels), int(figure.get_figwidth() / widest)))
-    figure.legend(
-        handles, labels, loc="outside lower center", ncols=columns, fontsize=style.SMALL, frameon=False,
-        markerscale=larger,
-    )  # fmt: skip
+    style.legend_below(figure, columns, handles, labels, markerscale=larger)
 
 
 def write_in_empty_panel(axes: Axes, text: str) -> None:
