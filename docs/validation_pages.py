@@ -204,7 +204,7 @@ def _agreement(bench: Any) -> list[str]:
 
 def _collapse(bench: Any) -> list[str]:
     from torsionnet.signals import difference
-    from torsionnet.signals.advice import LEAST_COHERENCE
+    from torsionnet.signals.uncertainty import LEAST_COHERENCE
 
     test, model = _estimate(bench)
     f, coherence = test.frequencies, test.coherence[:, 0, 0]

@@ -26,7 +26,7 @@ from torsionnet.signals import (
     estimate,
 )
 from torsionnet.signals.order_tracking import sweep_harmonics
-from torsionnet.signals.sensor_resolution import resolution, step_of
+from torsionnet.signals.uncertainty import resolution, step_of
 
 RATE = 2000.0
 CHIRP = LinearChirp(start=1, stop=50, duration=40, amplitude=15)

@@ -19,7 +19,7 @@ from torsionnet.signals import (
     check_recording,
 )
 from torsionnet.signals.recording_checks import repeated_blocks
-from torsionnet.signals.sensor_resolution import step_of
+from torsionnet.signals.uncertainty import step_of
 from torsionnet.signals.value_faults import frozen_stretches, spikes
 
 RATE = 1000.0

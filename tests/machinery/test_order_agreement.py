@@ -13,7 +13,7 @@ from support.twin_engines import plant
 
 from torsionnet.machinery.orders.order_comparison import compared_orders, order_agreement, order_comparison
 from torsionnet.machinery.orders.order_pair import OrderPair, common_turn
-from torsionnet.signals.interval_statistics import amplitude_scores, complex_scores
+from torsionnet.signals.orders.differences import amplitude_scores, complex_scores
 from torsionnet.signals.orders.tracked_orders import MeasuredOrder
 
 RPM = np.pi / 30

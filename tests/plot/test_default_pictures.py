@@ -15,10 +15,10 @@ from torsionnet.linear.frequency_response import Channel, FrequencyResponse
 from torsionnet.linear.responses.grid import _standing_out
 from torsionnet.machinery.design.damper_optimum import DesignParameter
 from torsionnet.signals import Recording, Signal, spectrogram
-from torsionnet.signals.advice import peak_warnings
 from torsionnet.signals.order_tracking import Harmonics
 from torsionnet.signals.orders.tracked_orders import MeasuredOrder, TrackedOrders
 from torsionnet.signals.recording import MotionEvent
+from torsionnet.signals.uncertainty import peak_warnings
 from torsionnet.study.shown_units import IN_SI
 
 RATE = 4000.0

@@ -7,8 +7,8 @@ import pytest
 
 from torsionnet.base.conventions import Conventions
 from torsionnet.linear.frequency_response import Channel, FrequencyResponse
-from torsionnet.signals.advice import half_power_bandwidth, peak_warnings, significant_peaks
 from torsionnet.signals.comparison import agreement
+from torsionnet.signals.uncertainty import half_power_bandwidth, peak_warnings, significant_peaks
 
 F = np.array([1.0, 2.0, 3.0, 4.0, 5.0, 6.0])
 

@@ -12,13 +12,19 @@ from support.known_damping import two_light_modes
 
 from torsionnet.base.errors import UsageError
 from torsionnet.linear.frequency_response import Channel, FrequencyResponse
-from torsionnet.signals.advice import half_power_bandwidth, peak_warnings, resolution_limit, significant_peaks
 from torsionnet.signals.comparison import difference, frac
 from torsionnet.signals.decimation import blocks_in_order
 from torsionnet.signals.estimators import Step, estimate, full_record, multiple_coherence, stepped_sine
 from torsionnet.signals.recording import Recording, Signal
 from torsionnet.signals.spectra import cross_spectra
-from torsionnet.signals.uncertainty import random_error, random_errors
+from torsionnet.signals.uncertainty import (
+    half_power_bandwidth,
+    peak_warnings,
+    random_error,
+    random_errors,
+    resolution_limit,
+    significant_peaks,
+)
 from torsionnet.signals.welch import PAPER, Welch, effective_averages
 
 RATE = 200

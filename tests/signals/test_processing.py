@@ -13,7 +13,7 @@ from torsionnet.signals.calculus import convert, differentiate, integrate
 from torsionnet.signals.decimation import anti_alias_taps, decimate, decimated, usable_up_to
 from torsionnet.signals.order_tracking import order_map, sweep_harmonics
 from torsionnet.signals.recording import QUANTITY_UNITS, Recording, Signal
-from torsionnet.signals.spectrograms import spectrogram
+from torsionnet.signals.spectra import spectrogram
 from torsionnet.signals.welch import Welch, without_trend
 
 

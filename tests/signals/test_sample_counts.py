@@ -15,8 +15,8 @@ from torsionnet.signals.pulses import repaired_pulses
 from torsionnet.signals.recording import Recording, Signal
 from torsionnet.signals.records.recording_files import read_recording
 from torsionnet.signals.resampling import ALWAYS_ALLOWED_COUNT, MOST_MULTIPLE, check_count, even_times, resampled
-from torsionnet.signals.sensor_resolution import resolution
-from torsionnet.signals.spectrograms import spectrogram
+from torsionnet.signals.spectra import spectrogram
+from torsionnet.signals.uncertainty import resolution
 from torsionnet.signals.welch import Welch
 
 CLOCK = 80e6

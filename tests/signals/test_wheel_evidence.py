@@ -13,9 +13,9 @@ from support.wheel_tests import DEGREE, ORDERS, RPM, VALUES, Z, record, teeth
 import torsionnet as tn
 from torsionnet.base.errors import UsageError
 from torsionnet.identification.wheel_orders import calculated_wheel_orders
-from torsionnet.signals.rotation.pattern_matching import check_pattern
 from torsionnet.signals.rotation.pitch_order import CalculatedOrders, constant_part
 from torsionnet.signals.rotation.pulse_channel import PulseChannel
+from torsionnet.signals.rotation.turn_pattern import check_pattern
 from torsionnet.signals.rotation.wheel import Wheel, WheelPattern
 from torsionnet.signals.rotation.wheel_calibration import WheelTest, _over_windows, calibrate_wheel
 from torsionnet.signals.rotation.wheel_rotation import wheel_rotation

@@ -40,7 +40,7 @@ from torsionnet.identification.unknown_parameter import Unknown, read_unknowns
 from torsionnet.identification.verdict_words import relative_misfits
 from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.signals.recording import Recording
-from torsionnet.signals.sensor_resolution import ENOUGH_STEPS, resolution
+from torsionnet.signals.uncertainty import ENOUGH_STEPS, resolution
 
 # Explanations of a misfit, each one additional unknown with which the model would fit, and the values it then has.
 

@@ -13,7 +13,7 @@ from torsionnet.identification.lack_of_fit import noise_bias_sentence
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
 from torsionnet.identification.residuals.response_block import ResponseBlock
 from torsionnet.linear.assembly.rows import FloatArray
-from torsionnet.signals.advice import LEAST_BINS, half_power_bandwidth, significant_peaks
+from torsionnet.signals.uncertainty import LEAST_BINS, half_power_bandwidth, significant_peaks
 
 INDISTINGUISHABLE_CORRELATION, DISTINGUISHED_RELATIVE_ERROR = 0.95, 0.05
 """Correlation of two fitted parameters above which a verdict says that the data cannot distinguish them, unless the

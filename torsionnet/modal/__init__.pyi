@@ -1,12 +1,12 @@
 # Written by `make generate`.
 from torsionnet.modal.circle_fitting import CircleFit as CircleFit
 from torsionnet.modal.circle_fitting import circle_fit as circle_fit
-from torsionnet.modal.criteria import cmif as cmif
-from torsionnet.modal.criteria import mac as mac
-from torsionnet.modal.criteria import mpc as mpc
-from torsionnet.modal.criteria import msf as msf
 from torsionnet.modal.matching import Match as Match
+from torsionnet.modal.matching import cmif as cmif
+from torsionnet.modal.matching import mac as mac
 from torsionnet.modal.matching import match as match
+from torsionnet.modal.matching import mpc as mpc
+from torsionnet.modal.matching import msf as msf
 from torsionnet.modal.modal_estimate import IdentifiedMode as IdentifiedMode
 from torsionnet.modal.modal_estimate import ModalEstimate as ModalEstimate
 from torsionnet.modal.mode_identification import fit_poles as fit_poles

@@ -19,8 +19,7 @@ from torsionnet.base.packages import NotebookResult
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Column, Table, result_table
 from torsionnet.linear.frequency_response import Channel, FrequencyResponse
-from torsionnet.modal.criteria import mpc
-from torsionnet.modal.matching import Match
+from torsionnet.modal.matching import Match, mpc
 from torsionnet.modal.residues import Expansion
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray, Lines, powers_of
 

@@ -19,7 +19,7 @@ from torsionnet.base.errors import UsageError
 from torsionnet.base.number_text import typeset_unit
 from torsionnet.linear.frequency_response import FrequencyResponse
 from torsionnet.linear.phase import HALF_TURN, unwrapped_phase
-from torsionnet.signals.advice import above_noise_up_to, is_coherent
+from torsionnet.signals.uncertainty import above_noise_up_to, is_coherent
 
 LEAST_CONDITIONING = 1e-10
 """Least conditioning of a measured input at a frequency, below which a Bode plot is shaded as not to be trusted."""

@@ -17,8 +17,8 @@ from torsionnet.base.number_text import typeset_unit
 from torsionnet.linear.frequency_response import FloatArray, FrequencyResponse
 from torsionnet.linear.phase import unwrapped_phase
 from torsionnet.plot.bode_plot import AXIS_BEYOND_COHERENCE
-from torsionnet.signals.advice import LEAST_COHERENCE
 from torsionnet.signals.comparison import difference
+from torsionnet.signals.uncertainty import LEAST_COHERENCE
 
 TEST, MODEL = style.PALETTE[1], style.PALETTE[0]
 

@@ -13,7 +13,7 @@ from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.number_text import typeset_unit
 from torsionnet.signals.order_tracking import Harmonics, OrderMap
 from torsionnet.signals.recording import FloatArray
-from torsionnet.signals.spectrograms import Spectrogram
+from torsionnet.signals.spectra import Spectrogram
 
 COLOURS = "viridis"
 HEADROOM = 1.1

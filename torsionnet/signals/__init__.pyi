@@ -9,7 +9,6 @@ from torsionnet.entry_classes import Wheel as Wheel
 from torsionnet.entry_classes import WheelChannel as WheelChannel
 from torsionnet.io.wheel_files import read_wheels as read_wheels
 from torsionnet.linear.between_samples import BetweenSamples as BetweenSamples
-from torsionnet.signals.advice import resolution_limit as resolution_limit
 from torsionnet.signals.calculus import convert as convert
 from torsionnet.signals.calculus import differentiate as differentiate
 from torsionnet.signals.calculus import integrate as integrate
@@ -31,9 +30,9 @@ from torsionnet.signals.order_tracking import order_map as order_map
 from torsionnet.signals.order_tracking import sweep_harmonics as sweep_harmonics
 from torsionnet.signals.orders.cycle_average import CycleAverage as CycleAverage
 from torsionnet.signals.orders.mean_rotation import MeanRotation as MeanRotation
+from torsionnet.signals.orders.mean_rotation import PhaseReference as PhaseReference
 from torsionnet.signals.orders.mean_rotation import mean_rotation as mean_rotation
-from torsionnet.signals.orders.phase_reference import PhaseReference as PhaseReference
-from torsionnet.signals.orders.phase_reference import phase_reference as phase_reference
+from torsionnet.signals.orders.mean_rotation import phase_reference as phase_reference
 from torsionnet.signals.orders.track_orders import PhaseMark as PhaseMark
 from torsionnet.signals.orders.track_orders import orders_of_test as orders_of_test
 from torsionnet.signals.orders.track_orders import track_orders as track_orders
@@ -78,15 +77,16 @@ from torsionnet.signals.rotation.wheel_calibration import calibrate_wheel as cal
 from torsionnet.signals.rotation.wheel_channel import wheel_pulses as wheel_pulses
 from torsionnet.signals.rotation.wheel_rotation import WheelRotation as WheelRotation
 from torsionnet.signals.rotation.wheel_rotation import wheel_rotation as wheel_rotation
-from torsionnet.signals.sensor_resolution import Resolution as Resolution
-from torsionnet.signals.sensor_resolution import resolution as resolution
 from torsionnet.signals.spectra import CrossSpectra as CrossSpectra
+from torsionnet.signals.spectra import Spectrogram as Spectrogram
 from torsionnet.signals.spectra import cross_spectra as cross_spectra
-from torsionnet.signals.spectrograms import Spectrogram as Spectrogram
-from torsionnet.signals.spectrograms import spectrogram as spectrogram
+from torsionnet.signals.spectra import spectrogram as spectrogram
 from torsionnet.signals.uncertainty import RandomError as RandomError
+from torsionnet.signals.uncertainty import Resolution as Resolution
 from torsionnet.signals.uncertainty import random_error as random_error
 from torsionnet.signals.uncertainty import random_errors as random_errors
+from torsionnet.signals.uncertainty import resolution as resolution
+from torsionnet.signals.uncertainty import resolution_limit as resolution_limit
 from torsionnet.signals.welch import PAPER as PAPER
 from torsionnet.signals.welch import Welch as Welch
 

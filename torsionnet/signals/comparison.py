@@ -12,8 +12,8 @@ from torsionnet.base.conventions import Conventions
 from torsionnet.base.errors import UsageError
 from torsionnet.base.table import Column, Table
 from torsionnet.linear.frequency_response import Channel, FrequencyResponse
-from torsionnet.signals.advice import LEAST_COHERENCE
 from torsionnet.signals.recording import FloatArray
+from torsionnet.signals.uncertainty import LEAST_COHERENCE
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,12 +15,16 @@ from torsionnet.base.notes import Note, warning
 from torsionnet.linear.between_samples import course_remark
 from torsionnet.linear.estimation import Estimation
 from torsionnet.linear.frequency_response import Channel, FrequencyResponse
-from torsionnet.signals.advice import peak_warnings
 from torsionnet.signals.decimation import Recordings, check_processable, decimate, stacked
 from torsionnet.signals.recording import FloatArray, Recording
-from torsionnet.signals.sensor_resolution import ResolutionWatch, with_resolution_limit
 from torsionnet.signals.spectra import ComplexArray, CrossSpectra, cross_spectra
-from torsionnet.signals.uncertainty import averaging_data, with_record
+from torsionnet.signals.uncertainty import (
+    ResolutionWatch,
+    averaging_data,
+    peak_warnings,
+    with_record,
+    with_resolution_limit,
+)
 from torsionnet.signals.welch import Trend, Welch, aligned, lag_warnings, without_trend
 
 Estimator: TypeAlias = Literal["H1", "H2", "Hv", "Hs", "Hr"]

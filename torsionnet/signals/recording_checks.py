@@ -14,7 +14,7 @@ from torsionnet.signals.pulses import repaired_pulses
 from torsionnet.signals.recording import QUANTITY_UNITS, FloatArray, Recording, Signal
 from torsionnet.signals.resampling import gaps, jitter
 from torsionnet.signals.rotation.turn_pattern import turn_pattern
-from torsionnet.signals.sensor_resolution import step_of
+from torsionnet.signals.uncertainty import step_of
 from torsionnet.signals.value_faults import (
     Stretches,
     encoder_leaps,

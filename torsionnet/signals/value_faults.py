@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.signals.recording import FloatArray
-from torsionnet.signals.sensor_resolution import MOST_STEPS
+from torsionnet.signals.uncertainty import MOST_STEPS
 
 Stretches = list[tuple[int, int]]
 CLIPPED_RUN_RATIO = 5.0

@@ -220,7 +220,7 @@ OUTPUTS: dict[str, str] = {
     "sensitivity": "list[torsionnet.linear.sensitivity.sensitivities_of_modes:SensitivityRecord]",
     "show": "list[torsionnet.app.cli.output:ShownModel]",
     "simulate": "list[torsionnet.motion.motion_summary:SimulationRecord]",
-    "spectrogram": "list[torsionnet.signals.spectrograms:Spectrogram]",
+    "spectrogram": "list[torsionnet.signals.spectra:Spectrogram]",
     "static": "list[torsionnet.machinery.mean.static_state:StaticState]",
     "study": "torsionnet.app.cli.output:study_schema",
     "track": "list[torsionnet.signals.orders.tracked_orders:TrackedOrders]",

@@ -68,7 +68,7 @@ def overlay_data(overlay: FrequencyResponse | None, state: State) -> dict[str, A
 
 
 def _trusted(pair: FrequencyResponse) -> FloatArray:
-    from torsionnet.signals.advice import LEAST_COHERENCE  # loads what a page without a test can do without
+    from torsionnet.signals.uncertainty import LEAST_COHERENCE  # loads what a page without a test can do without
 
     good = np.ones(len(pair.frequencies), dtype=bool)
     if pair.coherence is not None:

@@ -8,7 +8,7 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "Campaign": "torsionnet.bench.campaign.campaign",
         "CampaignResult": "torsionnet.bench.campaign.campaign_result",
         "ConditionSpread": "torsionnet.bench.campaign.campaign_result",
-        "load_campaign": "torsionnet.bench.campaign.loading_campaign",
+        "load_campaign": "torsionnet.bench.campaign.campaign",
         "run_campaign": "torsionnet.bench.campaign.running_campaign",
     },
 )

@@ -1,23 +1,40 @@
-"""Campaign of a rotating test: its records with conditions, and the model that they are compared with."""
+"""Campaign of a test: its records with conditions, the model beside them, and its reading from a file."""
 
 from __future__ import annotations
 
 import hashlib
 import json
+import os
 import re
 import shutil
 import tempfile
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from itertools import combinations
 from pathlib import Path
+from typing import Any
 
-from torsionnet.base.errors import UsageError
-from torsionnet.base.packages import NotebookResult
+from torsionnet.base.entries.declared import version_faults
+from torsionnet.base.errors import MISSING_KEY, Fault, ModelError, TorsionnetError, UsageError, did_you_mean
+from torsionnet.base.packages import NotebookResult, imported
 from torsionnet.base.table import Column, Table
 from torsionnet.base.version import __version__
-from torsionnet.bench.campaign.campaign_file import CampaignFile, CampaignRecord, tracked_entries
+from torsionnet.bench.campaign.campaign_file import CampaignFile, CampaignRecord, response_faults, tracked_entries
 from torsionnet.drivetrain import Drivetrain
+from torsionnet.identification.orders.parametric_orders import parameters_of_drivetrain
+from torsionnet.io.wheel_files import read_wheel_pattern
+from torsionnet.linear.sensitivity.unknowns import unknowns
+from torsionnet.loading import load
+from torsionnet.model.channels import Sensor, named_sensor
+from torsionnet.model.definition import all_nodes
+from torsionnet.model.files.library import decode, library_campaigns
+from torsionnet.model.files.located_yaml import LocatedDocument, compose
+from torsionnet.model.files.reader import is_file, located_faults, presentable_faults
+from torsionnet.model.sections import REPORT_FAULTS
+from torsionnet.signals.rotation.turn_pattern import check_pattern
 from torsionnet.signals.rotation.wheel import WheelPattern
+
+# Campaign of a rotating test: its records with conditions, and the model that they are compared with.
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -156,3 +173,178 @@ def record_key(campaign: Campaign, name: str, sections: Iterable[str]) -> str:
         while block := stream.read(HASHED_BYTES):
             digest.update(block)
     return digest.hexdigest()[:KEY_LENGTH]
+
+
+# Campaigns read from their files, every fault at its place.
+
+MOST_NAMED = 6
+"""Most configurations of a model that a message names."""
+
+
+def load_campaign(path: str | os.PathLike[str]) -> Campaign:
+    """Load a campaign from its YAML file or the library, with its model and the pitch patterns of its wheels.
+
+    A campaign of the library has its records in the current folder.
+
+    Raises
+    ------
+    ModelError
+        With every fault of the file and its place.
+    UsageError
+        There is no such file.
+    """
+    file = _find(path)
+    folder = Path() if file in library_campaigns().values() else file.parent
+    document = _document(file)
+    data: Mapping[Any, Any] = document.data if isinstance(document.data, dict) else {}
+    entries, faults = CampaignFile.read_entries(data)
+    faults = [*version_faults(data, "campaign"), *faults]
+    model, found = _model(entries.get("model"), folder)
+    faults += found
+    patterns: dict[str, WheelPattern] = {}
+    plan = None
+    if not faults and model is not None:
+        plan = CampaignFile(**entries)
+        faults += [
+            *_references(plan),
+            *_doubled(plan),
+            *_sensors(plan, model),
+            *_records(plan, model, folder),
+            *response_faults(plan, model),
+            *(imported(REPORT_FAULTS)(plan.report, model.definition) if plan.report else ()),
+            *_fitted(plan, model),
+        ]
+        patterns, found = _patterns(plan, folder)
+        faults += found
+    faults += document.faults
+    if faults or plan is None or model is None:
+        raise ModelError(located_faults(faults, document), file.name)
+    return Campaign(file, folder, plan, model, patterns)
+
+
+def _find(campaign: str | os.PathLike[str]) -> Path:
+    known = library_campaigns()
+    if isinstance(campaign, str) and not Path(campaign).suffix and not Path(campaign).exists():
+        if campaign in known:
+            return known[campaign]
+        hint = did_you_mean(campaign, known) or f"; the library has {', '.join(known)}"
+        raise UsageError(f'no campaign is named "{campaign}"{hint}')
+    return Path(campaign)
+
+
+def _document(file: Path) -> LocatedDocument:
+    try:
+        return compose(decode(file.read_bytes(), str(file)).removeprefix("\ufeff"), str(file))
+    except OSError as error:
+        raise UsageError(f"{file} cannot be read: {error.strerror or error}") from None
+    except ModelError as error:
+        raise ModelError(presentable_faults(error.faults), file.name) from None
+
+
+def _model(name: Any, folder: Path) -> tuple[Drivetrain | None, list[Fault]]:
+    if not name:
+        return None, []
+    try:
+        return load(folder / name if Path(name).suffix else name), []
+    except UsageError as error:
+        return None, [Fault(str(error), ("model",))]
+    except ModelError as error:
+        return None, [Fault(f"{name} has {len(error.faults)} errors", ("model",)), *error.faults]
+
+
+def _references(plan: CampaignFile) -> Iterator[Fault]:
+    wheels = list(plan.wheels)
+    known = f"wheels: {', '.join(wheels) or 'none'}"
+    if plan.reference and plan.reference not in wheels:
+        text = f'no wheel is named "{plan.reference}"{did_you_mean(plan.reference, wheels)}'
+        yield Fault(f"{text}; {known}", ("reference",))
+    if not plan.reference and len(wheels) > 1:
+        yield Fault(f"say with reference: which wheel turns with the shaft whose revolutions orders count; {known}",
+                    on_key=True)  # fmt: skip
+    for name, twist in (plan.twists or {}).items():
+        for key in ("first", "second"):
+            if (given := getattr(twist, key)) not in wheels:
+                text = f'no wheel is named "{given}"{did_you_mean(given, wheels)}'
+                yield Fault(f"{text}; {known}", ("twists", name, key))
+
+
+def _doubled(plan: CampaignFile) -> Iterator[Fault]:
+    """Faults of names that stand in two of the sections channels, wheels and twists."""
+    sections = {"wheels": plan.wheels, "channels": plan.channels or {}, "twists": plan.twists or {}}
+    for (first, some), (second, others) in combinations(sections.items(), 2):
+        for name in others:
+            if name in some:
+                yield Fault(f"{first} has {name}, too; give one of them another name", (second, name), on_key=True)
+
+
+def _sensors(plan: CampaignFile, model: Drivetrain) -> Iterator[Fault]:
+    sections = (("wheels", plan.wheels), ("channels", plan.channels or {}), ("twists", plan.twists or {}))
+    for section, entries in sections:
+        for name, one in entries.items():
+            sensor = named_sensor(one.sensor, model.definition.sensors) if one.sensor else None
+            if sensor is not None:
+                yield from (Fault(text, (section, name, "sensor")) for text in _unreadable(sensor, model))
+            elif one.sensor:
+                hint = did_you_mean(one.sensor, model.sensors)
+                text = f'no sensor is named "{one.sensor}"{hint}; sensors: {", ".join(model.sensors) or "none"}'
+                yield Fault(f"{text}; or write it out, as angle(node)", (section, name, "sensor"))
+
+
+def _unreadable(sensor: Sensor, model: Drivetrain) -> Iterator[str]:
+    """Yield a message if a sensor is on a node or an element that the model does not have."""
+    elements = model.definition.elements
+    known = list(elements) if sensor.is_on_element else list(all_nodes(elements.values()))
+    for name in (sensor.of,) if sensor.is_on_element else sensor.nodes:
+        if name not in known:
+            what = "element" if sensor.is_on_element else "node"
+            yield f'{sensor}: no {what} is named "{name}"{did_you_mean(name, known)}'
+
+
+def _records(plan: CampaignFile, model: Drivetrain, folder: Path) -> Iterator[Fault]:
+    for name, record in plan.records.items():
+        if not is_file(folder / record.file):
+            beside = [one.name for one in folder.iterdir()] if folder.is_dir() else []
+            hint = did_you_mean(Path(record.file).name, beside)
+            yield Fault(f'there is no file "{record.file}"{hint}', ("records", name, "file"))
+        if record.shows and not getattr(plan, record.shows):
+            yield Fault(f"the campaign has no section {record.shows}", ("records", name, "shows"))
+        if not record.configuration and model.configurations:
+            known = ", ".join(model.configurations[:MOST_NAMED])
+            more = "" if len(model.configurations) <= MOST_NAMED else ", ..."
+            text = f"a record is of one configuration of the model: name one of {known}{more}"
+            yield Fault(text, ("records", name), on_key=True, kind=MISSING_KEY, about="configuration")
+        if record.configuration:
+            try:
+                model.configured(record.configuration)
+            except TorsionnetError as error:
+                yield Fault(str(error), ("records", name, "configuration"))
+
+
+def _fitted(plan: CampaignFile, model: Drivetrain) -> Iterator[Fault]:
+    if plan.fit is None:
+        return
+    if not plan.fit.parameters and not plan.fit.rank:
+        yield Fault("a fit needs parameters, or rank: true", ("fit",), on_key=True)
+    for name in plan.fit.parameters or ():
+        try:
+            unknowns(model, parameters_of_drivetrain(model, [name]))
+        except UsageError as error:
+            yield Fault(str(error), ("fit", "parameters", name))
+
+
+def _patterns(plan: CampaignFile, folder: Path) -> tuple[dict[str, WheelPattern], list[Fault]]:
+    """Pitch patterns of the wheels that have one, and the faults of their files."""
+    found: dict[str, WheelPattern] = {}
+    faults: list[Fault] = []
+    for name, wheel in plan.wheels.items():
+        place = ("wheels", name, "pattern")
+        if not wheel.pattern_file:
+            continue
+        try:
+            found[name] = read_wheel_pattern(folder / wheel.pattern)
+            check_pattern(name, wheel, found[name])
+        except ModelError as error:
+            faults += [Fault(f"{wheel.pattern}: {one.message}", place) for one in error.faults]
+        except UsageError as error:
+            faults.append(Fault(str(error), place))
+    return found, faults

@@ -40,7 +40,7 @@ from torsionnet.signals.rotation.counter import PulseReading
 from torsionnet.signals.rotation.rotations_of_wheels import rotations_of_wheels
 from torsionnet.signals.rotation.wheel_channel import counted_reading, wheel_pulses
 from torsionnet.signals.rotation.wheel_rotation import WheelRotation
-from torsionnet.signals.sensor_resolution import step_of
+from torsionnet.signals.uncertainty import step_of
 from torsionnet.signals.value_faults import flat_tops, frozen_stretches
 
 

@@ -22,7 +22,7 @@ from torsionnet.identification.residuals.windowed_estimate import SegmentRows, W
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.signals.decimation import FILTER_HALF_LENGTH, anti_alias_taps
 from torsionnet.signals.recording import Recording
-from torsionnet.signals.sensor_resolution import step_of, sweep_amplitudes
+from torsionnet.signals.uncertainty import step_of, sweep_amplitudes
 
 REST_POSITIONS = 16
 """Number of rest positions within a step of a sensor for which errors are calculated, as the true one is unknown."""

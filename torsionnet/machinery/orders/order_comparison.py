@@ -29,7 +29,7 @@ from torsionnet.machinery.orders.order_pair import (
     peak_shift,
 )
 from torsionnet.machinery.orders.order_response import OrderResponse
-from torsionnet.signals.interval_statistics import NORMAL_95, PROBABILITY, amplitude_scores, consistent
+from torsionnet.signals.orders.differences import NORMAL_95, PROBABILITY, amplitude_scores, consistent
 from torsionnet.signals.orders.tracked_orders import MeasuredOrder
 
 # Verdict on a measured order beside the calculated one: agreement, or what would explain the difference.

@@ -11,8 +11,7 @@ import numpy as np
 from torsionnet.base.phrases import phrase
 from torsionnet.base.units import RPM
 from torsionnet.linear.frequency_response import ComplexArray, FloatArray
-from torsionnet.signals.interval_statistics import amplitude_scores, complex_scores, consistent
-from torsionnet.signals.phase_turns import LONGEST_DELAY, best_turn
+from torsionnet.signals.orders.differences import LONGEST_DELAY, amplitude_scores, best_turn, complex_scores, consistent
 
 
 @dataclass(frozen=True, eq=False)

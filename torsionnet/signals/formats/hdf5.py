@@ -21,7 +21,7 @@ from torsionnet.signals.records.recording_description import (
     saved_columns,
 )
 from torsionnet.signals.records.source import Source
-from torsionnet.signals.responses.response_matrix import refuse_response
+from torsionnet.signals.responses.response_description import refuse_response
 
 CHUNK_LENGTH = 65536
 """Samples of a chunk of an HDF5 dataset, 0.5 MB, so that parts of a long recording can be read without the rest."""

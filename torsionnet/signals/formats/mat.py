@@ -34,7 +34,7 @@ from torsionnet.signals.records.recording_description import (
 )
 from torsionnet.signals.records.source import Source
 from torsionnet.signals.responses import response_description
-from torsionnet.signals.responses.response_matrix import refuse_response, response_arrays, response_of_arrays
+from torsionnet.signals.responses.response_description import refuse_response, response_arrays, response_of_arrays
 
 LONGEST_NAME = 63
 """Most characters of a variable's name that Matlab takes."""

@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 
 from torsionnet.base.errors import UsageError, comma_list
 from torsionnet.linear.frequency_response import ComplexArray
-from torsionnet.signals.orders.mean_rotation import MeanRotation
-from torsionnet.signals.orders.phase_reference import PhaseReference
+from torsionnet.signals.orders.mean_rotation import MeanRotation, PhaseReference
 from torsionnet.signals.orders.tracked_orders import TrackedOrders
 from torsionnet.signals.orders.tracked_signals import NORMAL_HALF_WIDTH, Tracked, tracked_values
 from torsionnet.signals.orders.vold_kalman import COEFFICIENTS_PER_BANDWIDTH, EnvelopeFilter, VoldKalman

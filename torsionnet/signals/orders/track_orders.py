@@ -12,8 +12,7 @@ from torsionnet.base.units import RPM
 from torsionnet.signals.decimation import Recordings
 from torsionnet.signals.orders.cycle_average import CycleAverage, averaged_blocks, half_widths, whole_multiples
 from torsionnet.signals.orders.filtered_orders import filtered_orders
-from torsionnet.signals.orders.mean_rotation import MeanRotation, mean_rotation
-from torsionnet.signals.orders.phase_reference import PhaseReference, phase_reference
+from torsionnet.signals.orders.mean_rotation import MeanRotation, PhaseReference, mean_rotation, phase_reference
 from torsionnet.signals.orders.record_window import RecordWindow
 from torsionnet.signals.orders.tracked_orders import TrackedOrders, TrackingKernel
 from torsionnet.signals.orders.tracked_signals import Tracked, Twist, of_record, of_twist, of_wheel, tracked_values

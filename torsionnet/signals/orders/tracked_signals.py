@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from torsionnet.base.errors import UsageError
 from torsionnet.base.notes import NoteOrText
 from torsionnet.linear.frequency_response import ComplexArray
-from torsionnet.signals.orders.mean_rotation import MeanRotation
-from torsionnet.signals.orders.phase_reference import PhaseReference
+from torsionnet.signals.orders.mean_rotation import MeanRotation, PhaseReference
 from torsionnet.signals.orders.record_window import RecordWindow
 from torsionnet.signals.orders.tracked_orders import TrackedOrders, TrackingKernel
 from torsionnet.signals.recording import FloatArray, Signal

@@ -14,7 +14,7 @@ from torsionnet.base.notes import warning
 from torsionnet.linear.between_samples import Between, check_between
 from torsionnet.signals.recording import FloatArray, Recording, Signal, is_rate
 from torsionnet.signals.records.arrays import with_doubts
-from torsionnet.signals.records.channel_choice import ChannelChoice, ReadOptions, choose, length_faults
+from torsionnet.signals.records.channel_choice import MOST_NAMED, ChannelChoice, ReadOptions, choose, length_faults
 from torsionnet.signals.records.clock import (
     SAME_RATE_TOLERANCE,
     Clock,
@@ -28,7 +28,6 @@ from torsionnet.signals.records.clock import (
     time_unit_warnings,
     value_faults,
 )
-from torsionnet.signals.records.rasters import MOST_NAMED
 from torsionnet.signals.records.several_rates import choose_rate, read_others, shares_time, unit_of_scale, with_others
 from torsionnet.signals.records.source import FileChannel, Source, is_time, other_axis, seconds_in
 from torsionnet.signals.records.stored_pulses import names_of_signals, rate_of, stored_pulses, with_pulses

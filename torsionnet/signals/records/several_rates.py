@@ -10,12 +10,12 @@ import numpy as np
 from torsionnet.base.errors import Fault, ModelError, comma_list, remedy
 from torsionnet.base.notes import NoteOrText, warning
 from torsionnet.signals.recording import FloatArray, Recording, Signal
-from torsionnet.signals.records.channel_choice import ChannelChoice, ReadOptions
-from torsionnet.signals.records.clock import SAME_RATE_TOLERANCE
-from torsionnet.signals.records.rasters import (
+from torsionnet.signals.records.channel_choice import (
     MOST_NAMED,
     SAME_START,
+    ChannelChoice,
     Raster,
+    ReadOptions,
     cut_together,
     in_raster,
     is_whole,
@@ -24,6 +24,7 @@ from torsionnet.signals.records.rasters import (
     own_start,
     rasters_of,
 )
+from torsionnet.signals.records.clock import SAME_RATE_TOLERANCE
 from torsionnet.signals.records.source import NOWHERE, FileChannel, Source, group_of, time_note
 from torsionnet.signals.resampling import band_loss, interpolated_at, resampled
 

@@ -22,7 +22,6 @@ from torsionnet.signals.rotation.calibration_windows import (
     stacked,
     windows_of_test,
 )
-from torsionnet.signals.rotation.pattern_matching import best_shift
 from torsionnet.signals.rotation.pitch_order import (
     ABOVE,
     NORMAL,
@@ -38,6 +37,7 @@ from torsionnet.signals.rotation.pitch_order import (
 from torsionnet.signals.rotation.pulse_channel import PulseChannel
 from torsionnet.signals.rotation.pulse_deviations import UNIFORM_STEPS
 from torsionnet.signals.rotation.quadrature import ReversingRotation
+from torsionnet.signals.rotation.turn_pattern import best_shift
 from torsionnet.signals.rotation.wheel import Wheel, WheelPattern
 from torsionnet.signals.rotation.wheel_rotation import WHOLE_ORDER, WheelRotation, wheel_rotation
 

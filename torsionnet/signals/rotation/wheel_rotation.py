@@ -15,11 +15,11 @@ from torsionnet.signals.bandlimited import Rotation, filled_band, smooth_course
 from torsionnet.signals.encoder import refuse_unlikely_unit
 from torsionnet.signals.pulses import Pulses, check_pulses, repaired_pulses
 from torsionnet.signals.recording import FloatArray
-from torsionnet.signals.rotation.pattern_matching import check_pattern, first_tooth
 from torsionnet.signals.rotation.pulse_channel import PulseChannel
 from torsionnet.signals.rotation.pulse_deviations import PulseDeviations, seen_deviations
 from torsionnet.signals.rotation.quadrature import DirectedPulses, ReversingRotation, refuse_turning_back
 from torsionnet.signals.rotation.tooth_zero import pulses_by_gap, tooth_after_gap, tooth_after_index
+from torsionnet.signals.rotation.turn_pattern import check_pattern, first_tooth
 from torsionnet.signals.rotation.wheel import ToothPlaces, Wheel, WheelPattern, lobes_in_words, matched_pulses
 
 HALF_WIDTH_DEVIATIONS = 1.96

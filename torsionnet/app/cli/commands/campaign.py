@@ -61,7 +61,7 @@ class CampaignCommand(Command):
 
     def _result(self) -> CampaignResult:
         from torsionnet.app.cli.terminal import stages
-        from torsionnet.bench.campaign.loading_campaign import load_campaign
+        from torsionnet.bench.campaign.campaign import load_campaign
         from torsionnet.bench.campaign.running_campaign import run_campaign
 
         campaign = load_campaign(self.file)

@@ -117,7 +117,7 @@ def peak_table(response: FrequencyResponse, conventions: Conventions) -> Table:
 
 
 def _places(response: FrequencyResponse, o: int, i: int) -> list[tuple[str, int]]:
-    from torsionnet.signals.advice import above_noise_up_to, significant_peaks
+    from torsionnet.signals.uncertainty import above_noise_up_to, significant_peaks
 
     if not len(response.frequencies):
         return []

@@ -12,7 +12,7 @@ from torsionnet.app.cli.record_options import Averaging, RecordCommand
 if TYPE_CHECKING:
     from torsionnet.base.table import Table
     from torsionnet.signals.recording import Recording
-    from torsionnet.signals.spectrograms import Spectrogram
+    from torsionnet.signals.spectra import Spectrogram
 
 
 class SpectrogramCommand(RecordCommand):
@@ -55,7 +55,7 @@ class SpectrogramCommand(RecordCommand):
         from torsionnet.app.cli.terminal import progress
         from torsionnet.signals.decimation import decimated
         from torsionnet.signals.recording import Recording
-        from torsionnet.signals.spectrograms import spectrogram
+        from torsionnet.signals.spectra import spectrogram
 
         settings = self.averaging.settings()
         with progress("transforming", None) as advance:

@@ -20,14 +20,17 @@ from torsionnet.linear.frequency_response import SIGN_NOTE, FloatArray, Frequenc
 from torsionnet.signals.formats.text.record_text import description_in, write_columns
 from torsionnet.signals.responses.response_description import (
     KEY,
+    UNKNOWN_UNIT,
+    ResponseMatrix,
+    SingleResponse,
     description,
     estimation_in,
     is_key,
     parse_description,
+    resolve_units,
     response_from,
     usable_limit_in,
 )
-from torsionnet.signals.responses.response_matrix import UNKNOWN_UNIT, ResponseMatrix, SingleResponse, resolve_units
 
 # Headings of a table of frequency responses, with quantity and unit of each column.
 

@@ -44,12 +44,13 @@ from torsionnet.signals.recording import QUANTITY_UNITS
 from torsionnet.signals.records.channel_choice import factor_to_si, quantity_of_dimension
 from torsionnet.signals.records.source import hertz_in
 from torsionnet.signals.responses.response_description import (
+    ResponseMatrix,
+    SingleResponse,
     estimation_in,
     is_key,
     short_estimation_text,
     usable_limit_in,
 )
-from torsionnet.signals.responses.response_matrix import ResponseMatrix, SingleResponse
 
 # Frequency response put together from datasets 58 of any origin.
 
