@@ -106,6 +106,20 @@ def test_a_result_shows_fields_of_its_parts():
     assert result_table("places", [Place(peak, peak)], Place).rows == ((3.0, 1),)
 
 
+@dataclass(frozen=True)
+class Reading:
+    """Value in a unit of its own."""
+
+    value: Annotated[float | None, Out("value", unit_of="unit")]
+    unit: Annotated[str, Out("unit", unit_of="unit")]
+
+
+def test_rows_of_different_units_are_shown_each_in_its_own():
+    rows = [Reading(np.pi, "rad"), Reading(2e6, "Pa"), Reading(None, "N*m/rad")]
+    table = result_table("readings", rows, Reading, conventions=Conventions(angle="deg"))
+    assert table.rows == ((pytest.approx(180.0), "deg"), (2.0, "N/mm^2"), (None, "N*m/deg"))
+
+
 def test_json_has_the_declared_keys_in_their_order():
     data = to_json(row())
     assert list(data) == [

@@ -12,7 +12,7 @@ from support.limit_cases import RPM, hump, m68, stressed
 import torsionnet as tn
 from torsionnet.base.result_rows import json_schema
 from torsionnet.machinery.verdicts.limit_check import LimitCheck
-from torsionnet.machinery.verdicts.limit_conclusion import ConclusionRecord, LimitConclusion
+from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion
 from torsionnet.machinery.verdicts.operating_instructions import instruction_table, operating_instructions
 from torsionnet.machinery.verdicts.speed_spans import SpeedSpan
 from torsionnet.report.document_tree import TableBlock, inlines
@@ -178,7 +178,7 @@ def test_command_and_report_show_them():
     (one,) = overall["instructions"]
     assert one["conditions"] == ["misfire"]
     assert (one["from_rpm"], one["to_rpm"], one["criterion"]) == (97, None, "tau_C")
-    assert set(json_schema(ConclusionRecord)["properties"]) == set(overall)
+    assert set(json_schema(LimitConclusion)["properties"]) == set(overall)
     report = make_report(tn.load("two_stroke_ship"), sections=["limits"], date=None)
     captions = [inlines(block.caption) for block in report.sections[0].blocks if isinstance(block, TableBlock)]
     assert ("Operating instructions",) in captions

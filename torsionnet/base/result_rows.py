@@ -55,6 +55,8 @@ class Out:
         Whether JSON leaves the key out where the value is None.
     schema : mapping or None
         JSON Schema where the type of the field says less.
+    unit_of : str
+        Field with the SI unit of each row, where units differ from row to row; a text is that unit, as it is shown.
     """
 
     heading: str = ""
@@ -66,6 +68,7 @@ class Out:
     after: str = ""
     optional: bool = False
     schema: Schema | None = None
+    unit_of: str = ""
 
 
 class OutField(NamedTuple):

@@ -163,14 +163,19 @@ def result_table(
         Column(one.out.heading, conventions.unit_of_column(one.out.unit), one.out.digits, one.out.decimals)
         for one in shown
     )
-    cells = tuple(tuple(_cell(shown_value(row, one.name), one, conventions) for one in shown) for row in rows)
+    cells = tuple(tuple(_cell(row, one, conventions) for one in shown) for row in rows)
     return Table(title, headings, cells, tuple(map(str, notes)))
 
 
-def _cell(value: Any, one: OutField, conventions: Conventions) -> Any:
+def _cell(row: object, one: OutField, conventions: Conventions) -> Any:
+    value, unit = shown_value(row, one.name), one.out.unit
     if isinstance(value, tuple):  # notes, in one cell
         return "; ".join(map(str, value))
-    scale = one.out.factor * conventions.scale_of_column(one.out.unit)
+    if one.out.unit_of:
+        unit = getattr(row, one.out.unit_of)
+        if isinstance(value, str):
+            return conventions.unit(value)
+    scale = one.out.factor * conventions.scale_of_column(unit)
     return float(value * scale) if isinstance(value, float) or (scale != 1.0 and value is not None) else value
 
 

@@ -213,7 +213,7 @@ OUTPUTS: dict[str, str] = {
     "holzer": "list[torsionnet.machinery.holzer.holzer_table:HolzerTable]",
     "identify-modes": "torsionnet.modal.modal_estimate:ModalEstimate",
     "library": "list[torsionnet.app.cli.commands.model_files:LibraryFile]",
-    "limits": "list[torsionnet.machinery.verdicts.limit_conclusion:LimitsRecord]",
+    "limits": "list[torsionnet.machinery.verdicts.limit_conclusion:ConcludedCheck]",
     "margins": "list[torsionnet.linear.responses.loop_margins:MarginsRecord]",
     "modes": "list[torsionnet.linear.modes.modes:ModesRecord]",
     "orders": "list[torsionnet.machinery.orders.orders_record:OrdersRecord]",

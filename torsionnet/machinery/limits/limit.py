@@ -147,8 +147,8 @@ class Limit(Declared):
         """Verdict that a criterion is open because data are missing."""
         empty = np.empty(0)
         return LimitVerdict(
-            limit=name, of=self.of, criterion=criterion, quantity="", unit="", values=empty, allowed=empty,
-            verdict=OPEN, text=self.text(evidence), remarks=(why,),
+            limit=name, of=self.of, criterion=criterion, quantity="", unit="", speeds=evidence.speeds, values=empty,
+            allowed=empty, verdict=OPEN, text=self.text(evidence), remarks=(why,),
         )  # fmt: skip
 
     def peak(self, line: LimitLine, name: str, evidence: Evidence) -> LimitVerdict:
@@ -226,7 +226,8 @@ class Limit(Declared):
         own = (*self.remarks(line, evidence), *([about_case] if case else []))
         return LimitVerdict(
             limit=name, of=self.of, criterion=line.criterion, quantity=line.quantity, unit=line.unit,
-            values=line.values, allowed=line.allowed, verdict=verdict, text=self.text(evidence), barred=barred,
+            speeds=evidence.speeds, values=line.values, allowed=line.allowed, verdict=verdict,
+            text=self.text(evidence), barred=barred,
             remarks=(*remarks, *line.remarks, *own, *_coarse(evidence, line.values)), case=case,
             orders=line.orders, tolerance=self.tolerance, in_passing=line.in_passing,
             seconds_to_pass=self.seconds_to_pass, steady_temperature=line.steady_temperature,

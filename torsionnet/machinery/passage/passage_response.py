@@ -17,7 +17,7 @@ from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.errors import UsageError, did_you_mean
 from torsionnet.base.packages import NotebookResult
 from torsionnet.base.result_rows import Out
-from torsionnet.base.table import Column, Table
+from torsionnet.base.table import Column, Table, result_table
 from torsionnet.base.units import RPM
 from torsionnet.linear.frequency_response import Channel, FloatArray
 from torsionnet.machinery.verdicts.speed_spans import spans_above
@@ -105,10 +105,10 @@ class PassagePeak:
     """Largest half range of an output along a speed over time, in its SI unit, with time in s and speed in r/min."""
 
     output: Annotated[str, Out("output")]
-    half_range: Annotated[float, Out("largest half range")]
-    unit: Annotated[str, Out("unit")]
-    time: Annotated[float, Out("time", "s")]
-    rpm: Annotated[float, Out("speed", "rpm", json="speed_rpm")]
+    half_range: Annotated[float, Out("largest half range", digits=5, unit_of="unit")]
+    unit: Annotated[str, Out("unit", unit_of="unit")]
+    time: Annotated[float, Out("time", "s", digits=5)]
+    rpm: Annotated[float, Out("speed", "rpm", json="speed_rpm", digits=5)]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -218,24 +218,11 @@ class PassageResponse(NotebookResult):
         levels = np.interp(times, self.times, np.broadcast_to(np.asarray(level, dtype=float), self.times.shape))
         return sum((span.high - span.low for span in spans_above(times, found, levels)), 0.0)
 
-    def rows(self) -> list[PassagePeak]:
-        """Largest half range (SI) of every output along the speed, with time in s and speed in r/min."""
-        return [self.peak(channel.name) for channel in self.outputs]
-
     def table(self, conventions: Conventions = SI) -> Table:
         """Table of the largest half range of every output along the speed, with its time in s and speed in rpm."""
-        columns = (
-            Column("output"),
-            Column("largest half range", digits=5),
-            Column("unit"),
-            Column("time", "s", digits=5),
-            Column("speed", "rpm", digits=5),
-        )
-        rows = tuple(
-            (one.output, one.half_range * conventions.scale(one.unit), conventions.unit(one.unit), one.time, one.rpm)
-            for one in self.rows()
-        )
-        return Table(f"{self.title}: {self._words}", columns, rows, (f"speeds of {self.reference}", *self.notes))
+        peaks = [self.peak(channel.name) for channel in self.outputs]
+        notes = (f"speeds of {self.reference}", *self.notes)
+        return result_table(f"{self.title}: {self._words}", peaks, PassagePeak, conventions=conventions, notes=notes)
 
     def long_table(self, conventions: Conventions = SI) -> Table:
         """Table of the values of all outputs with a row for each time in s, and the speed in rpm."""

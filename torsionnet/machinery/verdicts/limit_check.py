@@ -16,7 +16,7 @@ from torsionnet.base.errors import UsageError, comma_list, did_you_mean
 from torsionnet.base.packages import NotebookResult
 from torsionnet.base.phrases import joined, phrase
 from torsionnet.base.result_rows import Out
-from torsionnet.base.table import Column, Table, result_table
+from torsionnet.base.table import Table, result_table
 from torsionnet.base.units import RPM
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.verdicts.rule_factors import RuleFactor
@@ -130,6 +130,8 @@ class LimitVerdict:
         Quantity that is compared with the allowed value.
     unit : str
         SI unit.
+    speeds : (n_speeds,) array
+        rad/s, of the reference shaft.
     values, allowed : (n_speeds,) arrays
         ``allowed`` is NaN at speeds that the rule does not cover; both are empty if the limit could not be judged.
     verdict : {"pass", "barred range", "reduced speed", "fail", "not judged"}
@@ -155,14 +157,21 @@ class LimitVerdict:
         Highest temperature in K by the balance of heat.
     """
 
-    limit: str
-    of: str
-    criterion: str
+    SHOWN: ClassVar = (
+        "limit", "of", "criterion", "quantity", "unit", "verdict", "worst_rpm", "worst_value", "worst_allowed",
+        "worst_unit", "worst_utilisation", "barred_rpm", "highest_rpm", "values", "allowed", "source", "formula",
+        "not_covered", "remarks", "restrictions",
+    )  # fmt: skip
+
+    limit: Annotated[str, Out("limit")]
+    of: Annotated[str, Out("of")]
+    criterion: Annotated[str, Out("criterion")]
     quantity: str
     unit: str
+    speeds: FloatArray
     values: FloatArray
-    allowed: FloatArray
-    verdict: str
+    allowed: Annotated[FloatArray, Out(json="allowed_over_speed")]
+    verdict: Annotated[str, Out("verdict", schema=VERDICT)]
     text: RuleText
     barred: tuple[SpeedSpan, ...] = ()
     highest: float | None = None
@@ -181,9 +190,9 @@ class LimitVerdict:
         return spans_below(self.barred, self.highest)
 
     @property
-    def restrictions(self) -> str:
-        """Text of the speeds in rpm that a limit does not permit, empty if there are none."""
-        return restriction_words(self.passed, self.highest)
+    def restrictions(self) -> Annotated[str | None, Out("to be barred", json=None)]:
+        """Text of the speeds in rpm that a limit does not permit, None if there are none."""
+        return restriction_words(self.passed, self.highest) or None
 
     @property
     def utilisation(self) -> FloatArray:
@@ -199,29 +208,58 @@ class LimitVerdict:
         found = self.utilisation
         return None if not np.isfinite(found).any() else int(np.nanargmax(found))
 
+    @property
+    def worst_rpm(self) -> Annotated[float | None, Out("worst speed", "rpm", digits=5)]:
+        """Speed of the reference shaft in r/min with the largest utilisation of a limit; None if there is none."""
+        return self._at_worst(self.speeds * RPM)
 
-@dataclass(frozen=True, eq=False)
-class LimitRow:
-    """Verdict on one criterion of a limit over speed and at its worst speed, values in SI, speeds in rpm."""
+    @property
+    def worst_value(self) -> Annotated[float | None, Out("value", json="value", digits=5, unit_of="unit")]:
+        """Value in SI that a limit judges, at the largest utilisation; None if there is none."""
+        return self._at_worst(self.values)
 
-    limit: Annotated[str, Out("limit")]
-    of: Annotated[str, Out("of")]
-    criterion: Annotated[str, Out("criterion")]
-    quantity: str
-    unit: str
-    verdict: Annotated[str, Out(schema=VERDICT)]
-    worst_rpm: float | None
-    value: float | None
-    allowed: float | None
-    utilisation: float | None
-    barred: Annotated[tuple[tuple[float, float], ...], Out(json="barred_rpm")]
-    highest_rpm: float | None
-    values: FloatArray
-    allowed_over_speed: FloatArray
-    source: str
-    formula: str
-    not_covered: str
-    remarks: tuple[str, ...]
+    @property
+    def worst_allowed(self) -> Annotated[float | None, Out("allowed", json="allowed", digits=5, unit_of="unit")]:
+        """Value in SI that a limit allows, at the largest utilisation; None if there is none."""
+        return self._at_worst(self.allowed)
+
+    @property
+    def worst_unit(self) -> Annotated[str | None, Out("unit", json=None, unit_of="unit")]:
+        """SI unit of a limit's value, None without a largest utilisation."""
+        return None if self.worst is None else self.unit
+
+    @property
+    def worst_utilisation(self) -> Annotated[float | None, Out("utilisation", json="utilisation", digits=4)]:
+        """Largest utilisation of a limit over speed, without unit; None if there is none."""
+        return self._at_worst(self.utilisation)
+
+    def _at_worst(self, over_speed: FloatArray) -> float | None:
+        return None if self.worst is None else float(over_speed[self.worst])
+
+    @property
+    def barred_rpm(self) -> tuple[tuple[float, float], ...]:
+        """Pairs of lowest and highest speed in rpm of the ranges to be barred for a limit."""
+        return rpm_spans(self.barred)
+
+    @property
+    def highest_rpm(self) -> float | None:
+        """Highest speed permitted by a limit in rpm where a cylinder is out; None where any speed may be run."""
+        return None if self.highest is None else self.highest * RPM
+
+    @property
+    def source(self) -> str:
+        """Source of the rule of a limit."""
+        return self.text.source
+
+    @property
+    def formula(self) -> str:
+        """Formula of the rule of a limit, in words."""
+        return self.text.formula
+
+    @property
+    def not_covered(self) -> str:
+        """Text on what the rule of a limit does not cover."""
+        return self.text.not_covered
 
 
 @dataclass(frozen=True, eq=False)
@@ -266,8 +304,8 @@ class LimitCheck(NotebookResult):
     picture: ClassVar[str] = "limit_check"
 
     speeds: FloatArray
-    reference: str
-    verdicts: tuple[LimitVerdict, ...]
+    reference: Annotated[str, Out(json="speed_of")]
+    verdicts: Annotated[tuple[LimitVerdict, ...], Out(json="limits")]
     lines: tuple[str, ...] = ()
     title: str = ""
     configuration: str = ""
@@ -278,12 +316,12 @@ class LimitCheck(NotebookResult):
     left_out: tuple[str, ...] = ()
 
     @property
-    def rpm(self) -> FloatArray:
+    def rpm(self) -> Annotated[FloatArray, Out(json="speeds_rpm")]:
         """Speeds of the reference shaft in r/min, shape (n_speeds,)."""
         return np.asarray(self.speeds * RPM)
 
     @property
-    def verdict(self) -> str:
+    def verdict(self) -> Annotated[str, Out(schema=VERDICT)]:
         """Name of the gravest of all verdicts on the limits in one configuration, such as "pass" or "fail".
 
         "incomplete" instead of one that permits operation if no configuration was chosen although there are some.
@@ -295,6 +333,11 @@ class LimitCheck(NotebookResult):
     def barred(self) -> tuple[SpeedSpan, ...]:
         """Speed ranges in rad/s to be barred by any limit in one configuration, joined where they overlap."""
         return joined_spans([span for one in self.verdicts for span in one.barred])
+
+    @property
+    def barred_rpm(self) -> tuple[tuple[float, float], ...]:
+        """Pairs of lowest and highest speed in rpm of the ranges to be barred in one configuration."""
+        return rpm_spans(self.barred)
 
     @property
     def highest(self) -> float | None:
@@ -367,25 +410,17 @@ class LimitCheck(NotebookResult):
 
     def table(self, conventions: Conventions = SI) -> Table:
         """Table of limits with a row for each criterion at its worst speed in rpm, and the rules as notes."""
-        columns = (
-            Column("limit"),
-            Column("of"),
-            Column("criterion"),
-            Column("worst speed", "rpm", digits=5),
-            Column("value", digits=5),
-            Column("allowed", digits=5),
-            Column("unit"),
-            Column("utilisation", digits=4),
-            Column("verdict"),
-            Column("to be barred"),
-        )
-        rows = tuple(self._row(one, conventions) for one in self.verdicts)
         notes = [f"speeds of {self.reference}, {self.rpm[0]:g} to {self.rpm[-1]:g} rpm", *self.notes]
         said = ((f"{one.limit}, {one.criterion}", "", text) for one in self.verdicts for text in one.remarks)
         notes += [f"{'; '.join(abouts)}: {text}" for abouts, _, text in grouped_remarks(said)]
         for text, names in self.texts().items():
             notes += [f"{', '.join(names)}: {text.source}", f"  {text.formula}", f"  not covered: {text.not_covered}"]
-        return Table(f"{self.title}: limits", columns, rows, tuple(dict.fromkeys(notes)))
+        columns = (
+            "limit", "of", "criterion", "worst_rpm", "worst_value", "worst_allowed", "worst_unit", "worst_utilisation",
+            "verdict", "restrictions",
+        )  # fmt: skip
+        title = f"{self.title}: limits"
+        return result_table(title, self.verdicts, LimitVerdict, columns, conventions, tuple(dict.fromkeys(notes)))
 
     def texts(self) -> dict[RuleText, list[str]]:
         """Lists of the names of the limits, by the text of their rule."""
@@ -394,16 +429,6 @@ class LimitCheck(NotebookResult):
             names = found.setdefault(one.text, [])
             names += [] if one.limit in names else [one.limit]
         return found
-
-    def _row(self, one: LimitVerdict, conventions: Conventions) -> tuple[object, ...]:
-        barred = one.restrictions or None
-        at = one.worst
-        if at is None:
-            return (one.limit, one.of, one.criterion, None, None, None, None, None, one.verdict, barred)
-        scale = conventions.scale(one.unit)
-        sizes = (float(one.values[at]) * scale, float(one.allowed[at]) * scale)
-        numbers = (float(self.rpm[at]), *sizes, conventions.unit(one.unit), float(one.utilisation[at]))
-        return (one.limit, one.of, one.criterion, *numbers, one.verdict, barred)
 
     def long_table(self) -> Table:
         """Table of value, allowed value (SI) and utilisation of each criterion of the limits at every speed in rpm."""
@@ -415,14 +440,3 @@ class LimitCheck(NotebookResult):
         ]
         notes = (f"speeds of {self.reference}",)
         return result_table(f"{self.title}: limits over speed", rows, LimitPoint, notes=notes)
-
-    def row(self, one: LimitVerdict) -> LimitRow:
-        """Verdict on one criterion of a limit as plain data for JSON, values in SI, speeds in rpm."""
-        at, spans = one.worst, rpm_spans(one.barred)
-        text = (one.text.source, one.text.formula, one.text.not_covered, one.remarks)
-        about = (one.limit, one.of, one.criterion, one.quantity, one.unit, one.verdict)
-        if at is None:
-            return LimitRow(*about, None, None, None, None, spans, None, one.values, one.allowed, *text)
-        worst = (float(self.rpm[at]), float(one.values[at]), float(one.allowed[at]), float(one.utilisation[at]))
-        highest = None if one.highest is None else one.highest * RPM
-        return LimitRow(*about, *worst, spans, highest, one.values, one.allowed, *text)

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from typing import Annotated
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Annotated, ClassVar
 
 from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.errors import UsageError
 from torsionnet.base.phrases import joined, phrase
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Column, Table
-from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.verdicts.limit_check import (
     ALL_EXAMINED_HOLD,
     ALL_HOLD,
@@ -22,14 +22,13 @@ from torsionnet.machinery.verdicts.limit_check import (
     PASS,
     VERDICT,
     LimitCheck,
-    LimitRow,
     LimitVerdict,
     gravest,
     listed_names,
     starts_sentence,
     unexamined_sentence,
 )
-from torsionnet.machinery.verdicts.measured_range import MeasuredRangeRow
+from torsionnet.machinery.verdicts.measured_range import MeasuredRange
 from torsionnet.machinery.verdicts.operating_instructions import Instruction, operating_instructions
 from torsionnet.machinery.verdicts.speed_spans import (
     SpeedSpan,
@@ -38,35 +37,6 @@ from torsionnet.machinery.verdicts.speed_spans import (
     span_words,
     whole_rpm,
 )
-
-
-@dataclass(frozen=True, eq=False)
-class ConclusionRecord:
-    """Verdict on the limits of a model from all configurations examined, with barred speeds in rpm and instructions."""
-
-    verdict: Annotated[str, Out(schema=VERDICT)]
-    conclusion: str
-    not_examined: tuple[str, ...]
-    left_out: tuple[str, ...]
-    barred: Annotated[tuple[tuple[float, float], ...], Out(json="barred_rpm")]
-    instructions: tuple[Instruction, ...]
-
-
-@dataclass(frozen=True, eq=False)
-class LimitsRecord:
-    """Verdicts on the limits of one configuration (SI, speeds in rpm), as ``torsionnet limits --json`` prints them."""
-
-    title: str
-    configuration: str
-    reference: Annotated[str, Out(json="speed_of")]
-    misfiring: bool
-    verdict: Annotated[str, Out(schema=VERDICT)]
-    overall: ConclusionRecord
-    barred: Annotated[tuple[tuple[float, float], ...], Out(json="barred_rpm")]
-    speeds: Annotated[FloatArray, Out(json="speeds_rpm")]
-    limits: tuple[LimitRow, ...]
-    notes: tuple[str, ...]
-    measured: Annotated[tuple[MeasuredRangeRow, ...] | None, Out(optional=True)] = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,12 +50,12 @@ class WorstLimit:
     @property
     def rpm(self) -> float | None:
         """Speed of the reference shaft in r/min at which a limit is used most, None if it was not judged."""
-        return None if self.verdict.worst is None else float(self.check.rpm[self.verdict.worst])
+        return self.verdict.worst_rpm
 
     @property
     def utilisation(self) -> float | None:
         """Largest ratio of value to allowed value of a limit over configurations and speeds, None if not judged."""
-        return None if self.verdict.worst is None else float(self.verdict.utilisation[self.verdict.worst])
+        return self.verdict.worst_utilisation
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,29 +76,13 @@ class LimitConclusion:
     ('incomplete', ('misfire', 'misfire_2'))
     """
 
+    SHOWN: ClassVar = ("verdict", "sentence", "not_examined", "left_out", "barred_rpm", "instructions")
+
     checks: tuple[LimitCheck, ...]
 
     def __post_init__(self) -> None:
         if not self.checks:
             raise UsageError("a conclusion on limits needs at least one check of limits; there is none")
-
-    def records(self) -> list[LimitsRecord]:
-        """Verdicts on the limits of every configuration as plain data for JSON, values in SI, speeds in rpm."""
-        overall = ConclusionRecord(
-            self.verdict,
-            self.sentence,
-            self.not_examined,
-            self.left_out,
-            rpm_spans(self.barred),
-            operating_instructions(self.checks),
-        )
-        return [
-            LimitsRecord(
-                one.title, one.configuration, one.reference, one.misfiring, one.verdict, overall,
-                rpm_spans(one.barred), one.rpm, tuple(map(one.row, one.verdicts)), one.notes,
-            )
-            for one in self.checks
-        ]  # fmt: skip
 
     @property
     def configurations(self) -> tuple[str, ...]:
@@ -146,7 +100,7 @@ class LimitConclusion:
         return tuple(dict.fromkeys(words for one in self.checks for words in one.left_out))
 
     @property
-    def verdict(self) -> str:
+    def verdict(self) -> Annotated[str, Out(schema=VERDICT)]:
         """Name of the gravest of all verdicts on the limits of a model in the configurations examined.
 
         "incomplete" instead of one that permits operation if not all was examined.
@@ -158,6 +112,16 @@ class LimitConclusion:
     def barred(self) -> tuple[SpeedSpan, ...]:
         """Speed ranges in rad/s to be barred in any configuration, joined where they overlap."""
         return joined_spans([span for one in self.checks for span in one.barred])
+
+    @property
+    def barred_rpm(self) -> tuple[tuple[float, float], ...]:
+        """Pairs of lowest and highest speed in rpm of the ranges to be barred in any configuration."""
+        return rpm_spans(self.barred)
+
+    @cached_property
+    def instructions(self) -> tuple[Instruction, ...]:
+        """Instructions to the crew on the speeds that limits restrict in any configuration."""
+        return operating_instructions(self.checks)
 
     def worst(self) -> tuple[WorstLimit, ...]:
         """Criteria of all limits, each in the configuration and at the speed of largest utilisation, most used first.
@@ -187,7 +151,7 @@ class LimitConclusion:
         return Table("worst of all configurations", (Column("configuration"), *tables[0].columns), tuple(rows))
 
     @property
-    def sentence(self) -> str:
+    def sentence(self) -> Annotated[str, Out(json="conclusion")]:
         """Sentence that concludes from all checks of limits, with what was not examined."""
         return joined("; ", self.findings)
 
@@ -276,4 +240,24 @@ class LimitConclusion:
 
 
 def _use(one: LimitVerdict) -> float:
-    return -1.0 if one.worst is None else float(one.utilisation[one.worst])
+    return -1.0 if one.worst_utilisation is None else one.worst_utilisation
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ConcludedCheck(LimitCheck):
+    """Check of the limits in one configuration, with the conclusion from all of them and a test beside it.
+
+    Attributes
+    ----------
+    overall : LimitConclusion
+    measured : tuple of MeasuredRange, optional
+        Half ranges of a test in this configuration.
+    """
+
+    SHOWN: ClassVar = (
+        "title", "configuration", "reference", "misfiring", "verdict", "overall", "barred_rpm", "rpm", "verdicts",
+        "notes", "measured",
+    )  # fmt: skip
+
+    overall: LimitConclusion = field(kw_only=True)
+    measured: Annotated[tuple[MeasuredRange, ...] | None, Out(optional=True)] = None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.errors import UsageError
 from torsionnet.base.phrases import joined, phrase
 from torsionnet.base.result_rows import Out
-from torsionnet.base.table import Column, Table
+from torsionnet.base.table import Table, result_table
 from torsionnet.base.units import RPM
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.frequency_response import FloatArray
@@ -27,21 +27,6 @@ KEEPS, EXCEEDS, EXCEEDS_BARRED, NOT_COVERED = "keeps the limit", "exceeds the li
 above it at barred speeds alone; no measured speed has a limit."""
 JOINED = 1e-9
 """Relative difference up to which a measured speed belongs to the range of calculated ones."""
-
-
-@dataclass(frozen=True, eq=False)
-class MeasuredRangeRow:
-    """Measured, calculated and allowed half range of one criterion in SI over speed in rpm, with a verdict."""
-
-    limit: str
-    criterion: str
-    channel: str
-    speeds: Annotated[FloatArray, Out(json="speeds_rpm")]
-    measured: FloatArray
-    calculated: FloatArray
-    allowed: FloatArray
-    verdict: str
-    sentence: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,13 +47,34 @@ class MeasuredRange:
         Speeds barred by any limit in this condition.
     """
 
+    SHOWN: ClassVar = (
+        "limit", "criterion", "channel", "rpm", "measured", "calculated", "allowed", "verdict", "sentence",
+        "largest_measured", "rpm_measured", "largest_calculated", "rpm_calculated", "unit", "peak_difference",
+        "largest_utilisation",
+    )  # fmt: skip
+
     limited: LimitVerdict
-    channel: str
+    channel: Annotated[str, Out("channel")]
     speeds: FloatArray
     measured: FloatArray
     calculated: FloatArray
     allowed: FloatArray
     barred: tuple[SpeedSpan, ...] = ()
+
+    @property
+    def limit(self) -> Annotated[str, Out("limit")]:
+        """Name of the limit on a measured half range."""
+        return self.limited.limit
+
+    @property
+    def criterion(self) -> Annotated[str, Out("criterion")]:
+        """Criterion of the limit on a measured half range."""
+        return self.limited.criterion
+
+    @property
+    def rpm(self) -> Annotated[FloatArray, Out(json="speeds_rpm")]:
+        """Measured speeds in r/min, shape (n,)."""
+        return np.asarray(self.speeds * RPM)
 
     @property
     def utilisation(self) -> FloatArray:
@@ -86,7 +92,7 @@ class MeasuredRange:
         return np.array([not any(span.holds(speed) for span in self.barred) for speed in self.speeds.tolist()])
 
     @property
-    def verdict(self) -> str:
+    def verdict(self) -> Annotated[str, Out("verdict")]:
         """Name of the verdict on the measured half range beside the limit."""
         found = self.utilisation
         if not np.isfinite(found).any():
@@ -112,18 +118,41 @@ class MeasuredRange:
         )
 
     @property
-    def peak_difference(self) -> float:
-        """Difference of the largest half ranges, (measured - calculated)/calculated in per cent."""
-        largest = float(self.calculated.max())
-        return 100 * (float(self.measured.max()) / largest - 1) if largest else float("nan")
+    def unit(self) -> Annotated[str, Out("unit", json=None, unit_of="unit")]:
+        """SI unit of the half ranges."""
+        return self.limited.unit
 
-    def row(self) -> MeasuredRangeRow:
-        """Measured half range as plain data for JSON, values in SI, speeds in rpm."""
-        one = self.limited
-        return MeasuredRangeRow(
-            one.limit, one.criterion, self.channel, self.speeds * RPM, self.measured, self.calculated, self.allowed,
-            self.verdict, self.sentence,
-        )  # fmt: skip
+    @property
+    def largest_measured(self) -> Annotated[float, Out("measured", json=None, digits=5, unit_of="unit")]:
+        """Largest measured half range in SI."""
+        return float(self.measured.max())
+
+    @property
+    def rpm_measured(self) -> Annotated[float, Out("at", "rpm", json=None, digits=5)]:
+        """Speed in rpm of the largest measured half range."""
+        return float(self.rpm[self.measured.argmax()])
+
+    @property
+    def largest_calculated(self) -> Annotated[float, Out("calculated", json=None, digits=5, unit_of="unit")]:
+        """Largest calculated half range in SI at the measured speeds."""
+        return float(self.calculated.max())
+
+    @property
+    def rpm_calculated(self) -> Annotated[float, Out("at", "rpm", json=None, digits=5)]:
+        """Speed in rpm of the largest calculated half range."""
+        return float(self.rpm[self.calculated.argmax()])
+
+    @property
+    def largest_utilisation(self) -> Annotated[float | None, Out("utilisation", json=None, digits=4)]:
+        """Largest ratio of the measured value to the value allowed; None where no speed has a finite one."""
+        known = self.utilisation[np.isfinite(self.utilisation)]
+        return float(known.max()) if known.size else None
+
+    @property
+    def peak_difference(self) -> Annotated[float, Out("difference of peaks", "%", json=None, digits=4)]:
+        """Difference of the largest half ranges, (measured - calculated)/calculated in per cent."""
+        largest = self.largest_calculated
+        return 100 * (self.largest_measured / largest - 1) if largest else float("nan")
 
 
 def measured_range(
@@ -143,34 +172,12 @@ def measured_range(
 def measured_range_table(title: str, ranges: Sequence[MeasuredRange], conventions: Conventions = SI) -> Table:
     """Table of the largest measured and calculated half ranges beside the limit, with speeds in rpm and a verdict."""
     columns = (
-        Column("limit"),
-        Column("criterion"),
-        Column("channel"),
-        Column("measured", digits=5),
-        Column("at", "rpm", 5),
-        Column("calculated", digits=5),
-        Column("at", "rpm", 5),
-        Column("unit"),
-        Column("difference of peaks", "%", 4),
-        Column("utilisation", digits=4),
-        Column("verdict"),
-    )
-    rows = []
-    for one in ranges:
-        scale, unit = conventions.scale(one.limited.unit), conventions.unit(one.limited.unit)
-        first, second = int(one.measured.argmax()), int(one.calculated.argmax())
-        known = one.utilisation[np.isfinite(one.utilisation)]
-        peaks = (
-            float(one.measured[first]) * scale, float(one.speeds[first] * RPM),
-            float(one.calculated[second]) * scale, float(one.speeds[second] * RPM), unit,
-        )  # fmt: skip
-        worst = float(known.max()) if known.size else None
-        rows.append(
-            (one.limited.limit, one.limited.criterion, one.channel, *peaks, one.peak_difference, worst, one.verdict)
-        )
+        "limit", "criterion", "channel", "largest_measured", "rpm_measured", "largest_calculated", "rpm_calculated",
+        "unit", "peak_difference", "largest_utilisation", "verdict",
+    )  # fmt: skip
     notes = ["half ranges (max - min)/2; differences are (measured - calculated)/calculated at the measured speeds"]
-    notes += [f"{one.limited.limit}, {one.limited.criterion}: {one.sentence}" for one in ranges]
-    return Table(title, columns, tuple(rows), tuple(notes))
+    notes += [f"{one.limit}, {one.criterion}: {one.sentence}" for one in ranges]
+    return result_table(title, ranges, MeasuredRange, columns, conventions, notes)
 
 
 # Measured half ranges of tracked channels beside the limits that judge them.

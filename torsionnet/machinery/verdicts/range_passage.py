@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from torsionnet.base.table import Table, result_table
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.checks.limit_checks import limit_subject
-from torsionnet.machinery.passage.passage_response import PassageResponse
+from torsionnet.machinery.passage.passage_response import PassagePeak, PassageResponse
 from torsionnet.machinery.passage.passage_solution import passage_response
 from torsionnet.machinery.verdicts.limit_check import LimitCheck, LimitVerdict
 from torsionnet.machinery.verdicts.operating_instructions import PassedRange
@@ -25,24 +25,6 @@ from torsionnet.machinery.verdicts.speed_spans import SpeedSpan
 KEPT, EXCEEDED, NOT_LIMITED = "kept", "exceeded", "no limit"
 """Words for the outcome of a passage, limit in passing kept, limit in passing exceeded, no such limit; the last where
 the rule has none."""
-
-
-@dataclass(frozen=True, eq=False)
-class PassageRow:
-    """Passage of a barred range with its largest value in SI, and how often and how long the limit is exceeded."""
-
-    limit: Annotated[str, Out("limit")]
-    direction: Annotated[str, Out("direction")]
-    seconds: Annotated[float, Out("time", "s")]
-    rpm: Annotated[float, Out("speed", "rpm", digits=4)]
-    peak: Annotated[float, Out("largest value", digits=4)]
-    steady: Annotated[float, Out("steady", digits=4)]
-    allowed: Annotated[float, Out("allowed", digits=4)]
-    in_passing: Annotated[float | None, Out("in passing", digits=4)]
-    unit: Annotated[str, Out("unit")]
-    cycles: Annotated[float, Out("cycles above allowed")]
-    seconds_above: Annotated[float, Out("time above", "s", digits=3)]
-    verdict: Annotated[str, Out("limit in passing")]
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,18 +48,38 @@ class RangePassage:
         Value of the limit over the reading of a sensor, both in SI.
     """
 
+    SHOWN: ClassVar = (
+        "limit", "direction", "seconds", "rpm", "largest", "steady", "allowed_there", "in_passing", "unit", "cycles",
+        "seconds_above", "outcome",
+    )  # fmt: skip
+
     check: LimitCheck
     verdict: LimitVerdict
     low: float
     high: float
-    seconds: float
+    seconds: Annotated[float, Out("time", "s")]
     response: PassageResponse
     sensors: tuple[str, ...]
     factor: float
 
     @property
+    def limit(self) -> Annotated[str, Out("limit")]:
+        """Name of the limit that bars the range."""
+        return self.verdict.limit
+
+    @property
+    def unit(self) -> Annotated[str, Out("unit", unit_of="unit")]:
+        """SI unit of the value that the limit judges."""
+        return self.verdict.unit
+
+    @property
     def is_upward(self) -> bool:
         return bool(self.response.speeds[-1] > self.response.speeds[0])
+
+    @property
+    def direction(self) -> Annotated[str, Out("direction")]:
+        """Direction of the passage, ``up`` or ``down``."""
+        return "up" if self.is_upward else "down"
 
     @cached_property
     def output(self) -> str:
@@ -123,41 +125,61 @@ class RangePassage:
     def _at_speeds(self, over_speed: FloatArray) -> FloatArray:
         return np.interp(self.response.speeds, self.check.speeds, over_speed)
 
+    @cached_property
+    def _peak(self) -> PassagePeak:
+        return self.response.peak(self.output)
+
     @property
-    def row(self) -> PassageRow:
-        """Plain data of a passage, with its largest value in SI, and cycles and time in s above the value allowed."""
-        run, name = self.response, self.output
-        peak = run.peak(name)
-        times, sizes = run.envelope(name)
-        value = self.factor * peak.half_range
-        allowed, passing = (
-            float(np.interp(peak.time, run.times, line)) for line in (self.allowed, self.allowed_in_passing)
-        )
-        over = self.factor * sizes > np.interp(times, run.times, self.allowed_in_passing)
+    def rpm(self) -> Annotated[float, Out("speed", "rpm", digits=4)]:
+        """Speed in rpm at which the value is largest along the passage."""
+        return self._peak.rpm
+
+    @property
+    def largest(self) -> Annotated[float, Out("largest value", digits=4, unit_of="unit")]:
+        """Largest half range that the limit judges along the passage, in its SI unit."""
+        return self.factor * self._peak.half_range
+
+    @property
+    def steady(self) -> Annotated[float, Out("steady", digits=4, unit_of="unit")]:
+        """Largest value of steady vibration in the range, in SI."""
         inside = (self.check.speeds >= self.low) & (self.check.speeds <= self.high)
-        limited = math.isfinite(passing)
+        return float(self.verdict.values[inside].max(initial=0.0))
+
+    @property
+    def allowed_there(self) -> Annotated[float, Out("allowed", digits=4, unit_of="unit")]:
+        """Value in SI that the limit allows in continuous operation where the passage has its largest value."""
+        return float(np.interp(self._peak.time, self.response.times, self.allowed))
+
+    @property
+    def in_passing(self) -> Annotated[float | None, Out("in passing", digits=4, unit_of="unit")]:
+        """Value in SI that the limit allows in passing there; None where the limit says none."""
+        found = float(np.interp(self._peak.time, self.response.times, self.allowed_in_passing))
+        return found if math.isfinite(found) else None
+
+    @property
+    def cycles(self) -> Annotated[float, Out("cycles above allowed")]:
+        """Number of cycles of vibration above the value allowed in continuous operation."""
         # The response counts cycles in the unit of its sensor.
-        level = self.allowed / self.factor
-        return PassageRow(
-            self.verdict.limit,
-            "up" if self.is_upward else "down", self.seconds, peak.rpm, value,
-            float(self.verdict.values[inside].max(initial=0.0)), allowed, passing if limited else None,
-            self.verdict.unit, run.cycles_above(level, name), run.seconds_above(level, name),
-            (EXCEEDED if over.any() else KEPT) if limited else NOT_LIMITED,
-        )  # fmt: skip
+        return self.response.cycles_above(self.allowed / self.factor, self.output)
+
+    @property
+    def seconds_above(self) -> Annotated[float, Out("time above", "s", digits=3)]:
+        """Time in s in which the half range is above the value allowed in continuous operation."""
+        return self.response.seconds_above(self.allowed / self.factor, self.output)
+
+    @property
+    def outcome(self) -> Annotated[str, Out("limit in passing")]:
+        """Outcome of the passage, whether the limit in passing is kept, or that there is none."""
+        if self.in_passing is None:
+            return NOT_LIMITED
+        times, sizes = self.response.envelope(self.output)
+        over = self.factor * sizes > np.interp(times, self.response.times, self.allowed_in_passing)
+        return EXCEEDED if over.any() else KEPT
 
 
 def passage_table(passages: Sequence[RangePassage], conventions: Conventions = SI) -> Table:
     """Table of passages of one barred range with a row for each time and direction, in the units shown."""
-    rows = []
-    for one in passages:
-        row = one.row
-        scale = conventions.scale(row.unit)
-        passing = None if row.in_passing is None else row.in_passing * scale
-        peak, steady, allowed = row.peak * scale, row.steady * scale, row.allowed * scale
-        shown = conventions.unit(row.unit)
-        rows.append(replace(row, peak=peak, steady=steady, allowed=allowed, in_passing=passing, unit=shown))
-    return result_table("passage of a barred range", rows, PassageRow)
+    return result_table("passage of a barred range", passages, RangePassage, conventions=conventions)
 
 
 # Passages of a barred range of speeds, from the response to all orders along speeds that run evenly through it.

@@ -119,7 +119,7 @@ def _factors(subject: ReportData, shafts: Sequence[WorstLimit]) -> TableBlock:
     rows.append(
         ("Speed ratio where it is worst", Math(r"\lambda"), unit(""), *(NumberText(one) for one in rated), where)
     )
-    allowed = [None if one.verdict.worst is None else float(one.verdict.allowed[one.verdict.worst]) for one in shafts]
+    allowed = [one.verdict.worst_allowed for one in shafts]
     sizes = [NumberText(None if one is None else one * 1e-6) for one in allowed]
     rows.append(("Permissible there", Math(r"\tau_{C}"), unit("N/mm^2"), *sizes, "at this speed ratio"))
     return table("Shafts by IACS UR M68: factors and where they come from", columns, rows)

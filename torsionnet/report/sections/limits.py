@@ -102,7 +102,7 @@ def _verdicts(subject: ReportData, judged: LimitConclusion, name: str) -> TableB
         [unit(subject.conventions.unit(one.unit)) for _, one in found],
         [NumberText(row[3], 3) for row in worst],
         [one.verdict for _, one in found],
-        [one.restrictions for _, one in found],
+        [one.restrictions or "" for _, one in found],
     ]
     of = dict.fromkeys(one.of for _, one in found)
     many = phrase(
@@ -262,7 +262,7 @@ def _range(subject: ReportData, barred: PassedRange, number: int) -> Iterator[Bl
 
 def _finding(passages: tuple[RangePassage, ...], asked: float | None) -> tuple[str, ...]:
     """Sentences on the limit in passing, in the time that the limit names if it names one."""
-    over = sorted({one.seconds for one in passages if one.row.verdict == EXCEEDED})
+    over = sorted({one.seconds for one in passages if one.outcome == EXCEEDED})
     if asked is not None:
         if asked in over:
             return (phrase(" in the {time:g} s that are asked for, the limit in passing is exceeded.", time=asked),)
@@ -271,7 +271,7 @@ def _finding(passages: tuple[RangePassage, ...], asked: float | None) -> tuple[s
         return (phrase(" the limit in passing is exceeded in {times} s.", times=", ".join(f"{one:g}" for one in over)),)
     return (
         " limits in passing are kept."
-        if any(one.row.verdict == KEPT for one in passages)
+        if any(one.outcome == KEPT for one in passages)
         else " no limit in passing is given.",
     )
 

@@ -61,7 +61,7 @@ class LimitsCommand(ModelCommand):
 
     def answer(self) -> Answer:
         from torsionnet.base.conventions import Conventions
-        from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion
+        from torsionnet.machinery.verdicts.limit_conclusion import ConcludedCheck, LimitConclusion
 
         conventions = Conventions(angle=self.angle)
         if self.measured:
@@ -72,10 +72,7 @@ class LimitsCommand(ModelCommand):
         tests = self._tests(cases[0], found[0]) if self.measured else ()
         return Answer(
             screen=lambda: self._shown(cases, overall, tests, conventions),
-            data=lambda: [
-                replace(one, measured=tuple(test.row() for test in tests)) if tests else one
-                for one in overall.records()
-            ],
+            data=lambda: [ConcludedCheck(**vars(one), overall=overall, measured=tests or None) for one in found],
             csv=lambda: [("", self.combined_table(cases, [one.long_table() for one in found]))],
             figures=lambda plot: [
                 (case.configuration, plot.limit_check(one, conventions=conventions, measured=tests))
