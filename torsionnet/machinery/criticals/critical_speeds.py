@@ -109,7 +109,7 @@ class CriticalSpeed:
     """
 
     SHOWN: ClassVar = (
-        "mode_number", "excitation", "order", "fixed", "of_reference", "undamped_speed", "natural_speed",
+        "mode.number", "excitation", "order", "fixed", "of_reference", "undamped_speed", "natural_speed",
         "damped_speed", "margin", "nearest_speed", "required", "generalised_force", "relative_force", "excited",
         "excited_in", "peaks", "star_vectors",
     )  # fmt: skip
@@ -134,11 +134,6 @@ class CriticalSpeed:
     damped_speed: Annotated[float, Out(json="damped_rad_per_s")] = math.nan
     nearest_speed: Annotated[float, Out(json="margin_at_rad_per_s")] = math.nan
     leaps: bool = False
-
-    @property
-    def mode_number(self) -> Annotated[int, Out(json="mode")]:
-        """Number of the mode of a critical speed, counted from 1 without rigid bodies."""
-        return self.mode.number
 
     @property
     def of_reference(self) -> float:

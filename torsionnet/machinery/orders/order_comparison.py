@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Annotated, ClassVar
 
 import numpy as np
 
 from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.errors import UsageError
 from torsionnet.base.phrases import phrase
+from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Column, Table
 from torsionnet.base.units import RPM
 from torsionnet.linear.frequency_response import FloatArray
@@ -86,14 +88,19 @@ class OrderAgreement:
 
     verdict: str
     sentence: str
-    peak: float
-    rms: float
-    phase_at_peak: float | None = None
-    phase_rms: float | None = None
-    intervals: float | None = None
+    peak: Annotated[float, Out(json="peak_difference_percent")]
+    rms: Annotated[float, Out(json="rms_difference_percent")]
+    phase_at_peak: Annotated[float | None, Out(json="phase_at_peak_deg")] = None
+    phase_rms: Annotated[float | None, Out(json="phase_rms_deg")] = None
+    intervals: Annotated[float | None, Out(json="rms_in_half_widths")] = None
     offset: float | None = None
-    delay: float | None = None
+    delay: Annotated[float | None, Out(json="delay_s")] = None
     factor: float | None = None
+
+    @property
+    def offset_degrees(self) -> Annotated[float | None, Out(json="offset_deg")]:
+        """Angle in degrees of the reference shaft by which the test's zero lies after the calculation's."""
+        return None if self.offset is None else math.degrees(self.offset)
 
 
 def order_agreement(pair: OrderPair) -> OrderAgreement:
@@ -244,11 +251,39 @@ class ComparedOrder:
     agreement : OrderAgreement
     """
 
+    SHOWN: ClassVar = (
+        "of_reference", "rpm", "amplitude", "calculated", "pair.bound", "pair.swept", "pair.half_widths", "phases",
+        "agreement.verdict", "agreement.sentence", "agreement.peak", "agreement.rms", "agreement.phase_at_peak",
+        "agreement.phase_rms", "agreement.intervals", "agreement.offset_degrees", "agreement.delay",
+        "agreement.factor",
+    )  # fmt: skip
+
     measured: MeasuredOrder
     calculated: FloatArray
     curve: FloatArray
     pair: OrderPair
     agreement: OrderAgreement
+
+    @property
+    def of_reference(self) -> float:
+        """Order in vibrations per revolution of the reference shaft."""
+        return self.measured.order
+
+    @property
+    def rpm(self) -> Annotated[FloatArray, Out(json="speeds_rpm")]:
+        """Measured speeds in r/min, shape (n,)."""
+        return np.asarray(self.measured.speeds * RPM)
+
+    @property
+    def amplitude(self) -> Annotated[FloatArray, Out(json="measured")]:
+        """Measured peak amplitudes in SI units of the output, shape (n,)."""
+        return self.measured.amplitude
+
+    @property
+    def phases(self) -> Annotated[FloatArray | None, Out(json="phases_deg")]:
+        """Phases in degrees, measured less calculated, shape (n,); None where one side has none."""
+        pair = self.pair
+        return np.degrees(np.angle(np.conj(pair.calculated) * pair.measured)) if pair.has_phase else None
 
 
 def compared_orders(

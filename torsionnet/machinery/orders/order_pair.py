@@ -5,13 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Annotated
 
 import numpy as np
 
+from torsionnet.base.entries.spec import Schema
 from torsionnet.base.phrases import phrase
+from torsionnet.base.result_rows import Out
 from torsionnet.base.units import RPM
 from torsionnet.linear.frequency_response import ComplexArray, FloatArray
 from torsionnet.signals.orders.differences import LONGEST_DELAY, amplitude_scores, best_turn, complex_scores, consistent
+
+IS_SWEPT: Schema = {"type": "boolean", "description": "calculated along the measured speed"}
+"""JSON Schema of the flag whether the calculated side is that along the measured speed over time."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,8 +54,8 @@ class OrderPair:
     half_widths: FloatArray | None
     curve_speeds: FloatArray
     curve: ComplexArray
-    bound: bool = False
-    swept: bool = False
+    bound: Annotated[bool, Out(json="is_bound")] = False
+    swept: Annotated[bool, Out(json="is_swept", schema=IS_SWEPT)] = False
 
     @property
     def in_intervals(self) -> FloatArray:

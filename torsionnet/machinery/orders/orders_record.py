@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Annotated
 
-import numpy as np
-
 from torsionnet.base.entries.spec import Schema
 from torsionnet.base.result_rows import NUMBERS, Out
-from torsionnet.base.units import RPM
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.orders.order_comparison import ComparedOrder, compared_orders
 from torsionnet.machinery.orders.order_line import sums_of_lines
@@ -64,33 +60,6 @@ class OrderSumRow:
 
 
 @dataclass(frozen=True, eq=False)
-class MeasuredOrderRow:
-    """Measured and calculated peak amplitudes of one order in SI units of the output over speed in rpm.
-
-    Phases, in degrees, are measured less calculated; distances are in half widths of the 95 % interval.
-    """
-
-    of_reference: float
-    speeds: Annotated[FloatArray, Out(json="speeds_rpm")]
-    measured: FloatArray
-    calculated: FloatArray
-    is_bound: bool
-    is_swept: Annotated[bool, Out(schema={"type": "boolean", "description": "calculated along the measured speed"})]
-    half_widths: FloatArray | None
-    phases: Annotated[FloatArray | None, Out(json="phases_deg")]
-    verdict: str
-    sentence: str
-    peak: Annotated[float | None, Out(json="peak_difference_percent")]
-    rms: Annotated[float | None, Out(json="rms_difference_percent")]
-    phase_at_peak: Annotated[float | None, Out(json="phase_at_peak_deg")]
-    phase_rms: Annotated[float | None, Out(json="phase_rms_deg")]
-    intervals: Annotated[float | None, Out(json="rms_in_half_widths")]
-    offset: Annotated[float | None, Out(json="offset_deg")]
-    delay: Annotated[float | None, Out(json="delay_s")]
-    factor: float | None
-
-
-@dataclass(frozen=True, eq=False)
 class OrderOutputRow:
     """Half range, RMS and orders of one output over speed as plain data, in SI units of the output."""
 
@@ -106,7 +75,7 @@ class OrderOutputRow:
     ]
     orders: tuple[OrderRow, ...]
     sums: tuple[OrderSumRow, ...]
-    measured: Annotated[tuple[MeasuredOrderRow, ...] | None, Out(optional=True)]
+    measured: Annotated[tuple[ComparedOrder, ...] | None, Out(optional=True)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,18 +122,5 @@ def _output_row(
             for line, values in orders
         ),
         tuple(OrderSumRow(one.name, one.fixed, one.order, values.real, values.imag) for one, values in sums),
-        None if measured is None else tuple(
-            _measured_row(pair) for pair in compared_orders(run, channel.name, measured, swept)
-        ),
-    )  # fmt: skip
-
-
-def _measured_row(one: ComparedOrder) -> MeasuredOrderRow:
-    pair, found = one.pair, one.agreement
-    return MeasuredOrderRow(
-        one.measured.order, one.measured.speeds * RPM, one.measured.amplitude, one.calculated, pair.bound, pair.swept,
-        pair.half_widths,
-        np.degrees(np.angle(np.conj(pair.calculated) * pair.measured)) if pair.has_phase else None,
-        found.verdict, found.sentence, found.peak, found.rms, found.phase_at_peak, found.phase_rms, found.intervals,
-        None if found.offset is None else math.degrees(found.offset), found.delay, found.factor,
+        None if measured is None else compared_orders(run, channel.name, measured, swept),
     )  # fmt: skip

@@ -159,8 +159,8 @@ class LimitVerdict:
 
     SHOWN: ClassVar = (
         "limit", "of", "criterion", "quantity", "unit", "verdict", "worst_rpm", "worst_value", "worst_allowed",
-        "worst_unit", "worst_utilisation", "barred_rpm", "highest_rpm", "values", "allowed", "source", "formula",
-        "not_covered", "remarks", "restrictions",
+        "worst_unit", "worst_utilisation", "barred_rpm", "highest_rpm", "values", "allowed", "text.source",
+        "text.formula", "text.not_covered", "remarks", "restrictions",
     )  # fmt: skip
 
     limit: Annotated[str, Out("limit")]
@@ -245,21 +245,6 @@ class LimitVerdict:
     def highest_rpm(self) -> float | None:
         """Highest speed permitted by a limit in rpm where a cylinder is out; None where any speed may be run."""
         return None if self.highest is None else self.highest * RPM
-
-    @property
-    def source(self) -> str:
-        """Source of the rule of a limit."""
-        return self.text.source
-
-    @property
-    def formula(self) -> str:
-        """Formula of the rule of a limit, in words."""
-        return self.text.formula
-
-    @property
-    def not_covered(self) -> str:
-        """Text on what the rule of a limit does not cover."""
-        return self.text.not_covered
 
 
 @dataclass(frozen=True, eq=False)

@@ -48,9 +48,9 @@ class MeasuredRange:
     """
 
     SHOWN: ClassVar = (
-        "limit", "criterion", "channel", "rpm", "measured", "calculated", "allowed", "verdict", "sentence",
-        "largest_measured", "rpm_measured", "largest_calculated", "rpm_calculated", "unit", "peak_difference",
-        "largest_utilisation",
+        "limited.limit", "limited.criterion", "channel", "rpm", "measured", "calculated", "allowed", "verdict",
+        "sentence", "largest_measured", "rpm_measured", "largest_calculated", "rpm_calculated", "unit",
+        "peak_difference", "largest_utilisation",
     )  # fmt: skip
 
     limited: LimitVerdict
@@ -60,16 +60,6 @@ class MeasuredRange:
     calculated: FloatArray
     allowed: FloatArray
     barred: tuple[SpeedSpan, ...] = ()
-
-    @property
-    def limit(self) -> Annotated[str, Out("limit")]:
-        """Name of the limit on a measured half range."""
-        return self.limited.limit
-
-    @property
-    def criterion(self) -> Annotated[str, Out("criterion")]:
-        """Criterion of the limit on a measured half range."""
-        return self.limited.criterion
 
     @property
     def rpm(self) -> Annotated[FloatArray, Out(json="speeds_rpm")]:
@@ -172,11 +162,11 @@ def measured_range(
 def measured_range_table(title: str, ranges: Sequence[MeasuredRange], conventions: Conventions = SI) -> Table:
     """Table of the largest measured and calculated half ranges beside the limit, with speeds in rpm and a verdict."""
     columns = (
-        "limit", "criterion", "channel", "largest_measured", "rpm_measured", "largest_calculated", "rpm_calculated",
-        "unit", "peak_difference", "largest_utilisation", "verdict",
+        "limited.limit", "limited.criterion", "channel", "largest_measured", "rpm_measured", "largest_calculated",
+        "rpm_calculated", "unit", "peak_difference", "largest_utilisation", "verdict",
     )  # fmt: skip
     notes = ["half ranges (max - min)/2; differences are (measured - calculated)/calculated at the measured speeds"]
-    notes += [f"{one.limit}, {one.criterion}: {one.sentence}" for one in ranges]
+    notes += [f"{one.limited.limit}, {one.limited.criterion}: {one.sentence}" for one in ranges]
     return result_table(title, ranges, MeasuredRange, columns, conventions, notes)
 
 

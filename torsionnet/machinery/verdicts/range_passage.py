@@ -49,8 +49,8 @@ class RangePassage:
     """
 
     SHOWN: ClassVar = (
-        "limit", "direction", "seconds", "rpm", "largest", "steady", "allowed_there", "in_passing", "unit", "cycles",
-        "seconds_above", "outcome",
+        "verdict.limit", "direction", "seconds", "rpm", "largest", "steady", "allowed_there", "in_passing", "unit",
+        "cycles", "seconds_above", "outcome",
     )  # fmt: skip
 
     check: LimitCheck
@@ -61,11 +61,6 @@ class RangePassage:
     response: PassageResponse
     sensors: tuple[str, ...]
     factor: float
-
-    @property
-    def limit(self) -> Annotated[str, Out("limit")]:
-        """Name of the limit that bars the range."""
-        return self.verdict.limit
 
     @property
     def unit(self) -> Annotated[str, Out("unit", unit_of="unit")]:
