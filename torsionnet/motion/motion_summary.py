@@ -4,15 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated, ClassVar
 
-from torsionnet.base.notes import NoteOrText
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Table, result_table
-from torsionnet.signals.recording import MotionEvent
-
-if TYPE_CHECKING:
-    from torsionnet.signals.recording import Recording
+from torsionnet.signals.recording import DissipatedEnergy, EnergyBalance, MotionEvent, Recording
 
 CLOSED_BALANCE = 1e-9
 """Share of the energies of a motion that its balance may leave over as rounding; digits below are the machine's."""
@@ -34,47 +30,29 @@ class SignalPeaks:
     last: Annotated[float, Out("at the end")]
 
 
-@dataclass(frozen=True)
-class DissipatedEnergy:
-    """Energy in J that an element has turned into heat in a motion."""
+@dataclass(frozen=True, eq=False)
+class SimulatedMotion:
+    """Motion under a scenario in one configuration: its recording, with the peaks of every signal."""
 
-    element: Annotated[str, Out("element")]
-    energy: Annotated[float, Out("turned into heat", "J", json="energy_J")]
-
-
-@dataclass(frozen=True)
-class EnergyRecord:
-    """Energies of a motion in J: supplied, stored, turned into heat by element, and what the sums leave over."""
-
-    supplied: Annotated[float, Out(json="supplied_J")]
-    stored: Annotated[float, Out(json="stored_J")]
-    left_over: Annotated[float, Out(json="left_over_J")]
-    dissipated: tuple[DissipatedEnergy, ...]
-
-
-@dataclass(frozen=True)
-class EventRecord:
-    """Event of a motion over time, as ``torsionnet simulate --json`` prints it."""
-
-    time: Annotated[float, Out("time", "s", json="time_s")]
-    element: Annotated[str, Out("element")]
-    what: Annotated[str, Out("what")]
-
-
-@dataclass(frozen=True)
-class SimulationRecord:
-    """Motion under a scenario in one configuration, as ``torsionnet simulate --json`` prints it."""
+    SHOWN: ClassVar = (
+        "configuration", "recording.title", "scenario", "recording.sampling_rate", "recording.samples",
+        "recording.duration", "peaks", "recording.events", "energy", "recording.notes",
+    )  # fmt: skip
 
     configuration: str
-    title: str
     scenario: str
-    sampling_rate: Annotated[float, Out(json="sampling_rate_Hz")]
-    samples: int
-    duration: Annotated[float, Out(json="duration_s")]
-    peaks: tuple[SignalPeaks, ...]
-    events: tuple[EventRecord, ...]
-    energy: Annotated[EnergyRecord | None, Out(optional=True)]
-    notes: tuple[NoteOrText, ...]
+    recording: Recording
+
+    @property
+    def peaks(self) -> tuple[SignalPeaks, ...]:
+        """Peaks of every signal, those of the samples, with their times."""
+        return signal_peaks(self.recording)
+
+    @property
+    def energy(self) -> Annotated[EnergyBalance | None, Out(optional=True)]:
+        """Energies in J, None without laws of motion."""
+        energy = self.recording.energy
+        return None if energy is None else energy.balance
 
 
 def signal_peaks(recording: Recording) -> tuple[SignalPeaks, ...]:
@@ -111,24 +89,24 @@ def peak_table(recording: Recording, title: str, words: str = "") -> Table:
 
 def event_table(events: tuple[MotionEvent, ...]) -> Table:
     """Table of the events of a motion in their order, the first of them where there are many."""
-    rows = [EventRecord(one.time, one.element, one.what) for one in events[:MOST_EVENTS_SHOWN]]
-    more = len(events) - len(rows)
-    return result_table("Events", rows, EventRecord, notes=[f"and {more} more"] if more else [])
+    shown = events[:MOST_EVENTS_SHOWN]
+    more = len(events) - len(shown)
+    return result_table("Events", shown, MotionEvent, notes=[f"and {more} more"] if more else [])
 
 
 def energy_table(recording: Recording, title: str = "Energy") -> Table | None:
     """Table of what each element of a simulated motion has turned into heat, in J; None without an energy balance."""
     if recording.energy is None:
         return None
-    energy, rows = recording.energy, _heat(recording)
-    largest = max(abs(energy.supplied), abs(energy.stored), *(abs(one.energy) for one in rows), 0.0)
+    energy = recording.energy.balance
+    largest = max(abs(energy.supplied), abs(energy.stored), *(abs(one) for one in energy.dissipated.values()), 0.0)
     rest = (
         "nothing left over"
         if abs(energy.left_over) <= CLOSED_BALANCE * largest
         else f"{energy.left_over:.3g} J left over"
     )
     notes = [f"supplied {energy.supplied:.6g} J, stored {energy.stored:.6g} J, {rest}"]
-    return result_table(title, rows, DissipatedEnergy, notes=notes)
+    return result_table(title, energy.heat, DissipatedEnergy, notes=notes)
 
 
 def motion_tables(recording: Recording, title: str, words: str = "") -> Iterator[Table]:
@@ -139,19 +117,3 @@ def motion_tables(recording: Recording, title: str, words: str = "") -> Iterator
     energy = energy_table(recording)
     if energy is not None:
         yield energy
-
-
-def _heat(recording: Recording) -> tuple[DissipatedEnergy, ...]:
-    found = {} if recording.energy is None else recording.energy.dissipated
-    return tuple(DissipatedEnergy(name, float(energy)) for name, energy in found.items())
-
-
-def simulation_record(recording: Recording, scenario: str, configuration: str = "") -> SimulationRecord:
-    """Peaks, events and energies of a simulated motion as plain data for JSON, in SI units."""
-    energy = recording.energy
-    return SimulationRecord(
-        configuration, recording.title, scenario, recording.sampling_rate, len(recording), recording.duration,
-        signal_peaks(recording), tuple(EventRecord(one.time, one.element, one.what) for one in recording.events),
-        None if energy is None else EnergyRecord(energy.supplied, energy.stored, energy.left_over, _heat(recording)),
-        recording.notes,
-    )  # fmt: skip

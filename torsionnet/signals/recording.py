@@ -22,6 +22,14 @@ from torsionnet.signals.rotation.pulse_channel import PulseChannel
 
 
 @dataclass(frozen=True)
+class DissipatedEnergy:
+    """Energy in J that an element has turned into heat in a motion."""
+
+    element: Annotated[str, Out("element")]
+    energy: Annotated[float, Out("turned into heat", "J", json="energy_J")]
+
+
+@dataclass(frozen=True)
 class EnergyBalance:
     """Energies in J between the first and the last sample of a motion over time.
 
@@ -40,14 +48,26 @@ class EnergyBalance:
     0.0
     """
 
-    supplied: float
-    stored: float
+    SHOWN: ClassVar = ("supplied", "stored", "left_over", "heat")
+
+    supplied: Annotated[float, Out(json="supplied_J")]
+    stored: Annotated[float, Out(json="stored_J")]
     dissipated: Mapping[str, float] = field(default_factory=dict)
 
     @property
-    def left_over(self) -> float:
+    def left_over(self) -> Annotated[float, Out(json="left_over_J")]:
         """Energy in J that the sums do not account for: the error of the calculation."""
         return self.supplied - self.stored - sum(self.dissipated.values())
+
+    @property
+    def heat(self) -> Annotated[tuple[DissipatedEnergy, ...], Out(json="dissipated")]:
+        """Energy that each element has turned into heat, as it is shown."""
+        return tuple(DissipatedEnergy(name, float(energy)) for name, energy in self.dissipated.items())
+
+    @property
+    def balance(self) -> EnergyBalance:
+        """Balance itself, as a :class:`DeferredBalance` has it."""
+        return self
 
 
 class DeferredBalance:
@@ -127,9 +147,9 @@ class MotionEvent:
     '0.287356 s: clutch sticks'
     """
 
-    time: float
-    element: str
-    what: str
+    time: Annotated[float, Out("time", "s", json="time_s")]
+    element: Annotated[str, Out("element")]
+    what: Annotated[str, Out("what")]
 
     def __str__(self) -> str:
         return f"{self.time:.6g} s: {self.element} {self.what}"

@@ -219,7 +219,7 @@ OUTPUTS: dict[str, str] = {
     "orders": "list[torsionnet.machinery.orders.orders_record:OrdersRecord]",
     "sensitivity": "list[torsionnet.linear.sensitivity.sensitivities_of_modes:SensitivityRecord]",
     "show": "list[torsionnet.app.cli.output:ShownModel]",
-    "simulate": "list[torsionnet.motion.motion_summary:SimulationRecord]",
+    "simulate": "list[torsionnet.motion.motion_summary:SimulatedMotion]",
     "spectrogram": "list[torsionnet.signals.spectra:Spectrogram]",
     "static": "list[torsionnet.machinery.mean.static_state:StaticState]",
     "study": "torsionnet.app.cli.output:study_schema",

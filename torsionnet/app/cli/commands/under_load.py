@@ -115,7 +115,7 @@ class SimulateCommand(ModelCommand):
 
     def answer(self) -> Answer:
         from torsionnet.base.conventions import Conventions
-        from torsionnet.motion.motion_summary import peak_table, simulation_record
+        from torsionnet.motion.motion_summary import SimulatedMotion, peak_table
         from torsionnet.signals.formats.registry import format_of
         from torsionnet.signals.records.recording_files import write_recording
 
@@ -127,7 +127,7 @@ class SimulateCommand(ModelCommand):
         conventions = Conventions(angle=self.angle)
         return Answer(
             screen=lambda: separated_by_lines(self._tables(pairs)),
-            data=lambda: [simulation_record(record, self.scenario, case.configuration) for case, record in pairs],
+            data=lambda: [SimulatedMotion(case.configuration, self.scenario, record) for case, record in pairs],
             csv=lambda: [("", self.combined_table(cases, [peak_table(one, self._title(one)) for one in found]))],
             files=[
                 (result_path(self.output_file, case.configuration, len(pairs)), partial(write_recording, record))
