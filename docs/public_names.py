@@ -43,6 +43,7 @@ INNER_MEMBERS: dict[type, set[str]] = {
     tn.machinery.LimitConclusion: {"barred_rpm", "findings", "worst_table"},
     tn.machinery.LimitVerdict: {"barred_rpm", "highest_rpm", "worst_unit"},
     tn.machinery.StaticState: {"external_torques"},
+    tn.motion.EnergyBalance: {"balance", "heat"},
     tn.study.Study: {"entries", "evaluator", "model_in", "model_text"},
     tn.study.Workers: {"executor"},
     tn.study.Samples: {"points"},

@@ -6,19 +6,15 @@ import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib import import_module
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 from torsionnet.base.entries.spec import Schema
-from torsionnet.base.result_rows import Out, json_schema, out_fields, record_schema, to_json
+from torsionnet.base.result_rows import NUMBER, Out, json_schema, out_fields, record_schema, to_json
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.model.overview import ModelRecord, model_record
 from torsionnet.study.run.answering import AnsweredStudy
 from torsionnet.study.study import Study
 from torsionnet.study.study_result import StatisticsRecord
-
-if TYPE_CHECKING:
-    from torsionnet.symbolic.simplified import Simplified
-
 
 # Equations of motion, matrices and transfer functions as plain data, for JSON.
 
@@ -48,13 +44,8 @@ class ConfiguredMotion(EquationsOfMotion, Configured):
     """Equations of motion of one configuration, as ``torsionnet equations --json`` prints them."""
 
 
-@dataclass(frozen=True)
-class SimplificationErrors:
-    """Largest relative errors of frequencies and damping ratios, and of magnitudes (dB), of a simplified drivetrain."""
-
-    omega: float
-    zeta: float
-    decibels: float
+SIMPLIFICATION_ERRORS = record_schema(dict.fromkeys(("omega", "zeta", "decibels"), NUMBER))
+"""JSON Schema of the errors of a simplified drivetrain, relative ones and that of magnitudes in dB."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +57,7 @@ class TransferFunctionRecord:
     text: str
     left_out: Annotated[tuple[str, ...] | None, Out(optional=True)] = None
     band: Annotated[tuple[float, float] | None, Out(optional=True)] = None
-    errors: Annotated[SimplificationErrors | None, Out(optional=True)] = None
+    errors: Annotated[Any, Out(optional=True, schema=SIMPLIFICATION_ERRORS)] = None
 
 
 @dataclass(frozen=True)
@@ -77,12 +68,6 @@ class MatricesRecord:
     inertia: Annotated[list[list[float]], Out(json="M")]
     damping: Annotated[list[list[float]], Out(json="C")]
     stiffness: Annotated[list[list[float]], Out(json="K")]
-
-
-def simplification_errors(short: Simplified) -> SimplificationErrors:
-    """Errors of a simplified drivetrain as plain data, relative ones and those of magnitudes in decibels."""
-    errors = short.errors
-    return SimplificationErrors(errors.omega, errors.zeta, errors.decibels)
 
 
 def equations_of_motion(rig: Drivetrain) -> EquationsOfMotion:

@@ -20,7 +20,6 @@ from torsionnet.app.cli.output import (
     dependent_angles,
     equations_of_motion,
     matrix_rows,
-    simplification_errors,
 )
 from torsionnet.base.table import Column, Table
 
@@ -108,7 +107,7 @@ class EquationsCommand(ModelCommand):
             yield ConfiguredMotion(case.configuration, *(getattr(motion, one.name) for one in fields(motion)))
         for pair in self.pairs:
             found, short = self._found(case.drivetrain, pair)
-            more = (short.changes, short.band, simplification_errors(short)) if short is not None else ()
+            more = (short.changes, short.band, short.errors) if short is not None else ()
             yield TransferFunctionRecord(case.configuration, str(pair), self._written(found), *more)
 
     def _found(self, rig: Drivetrain, pair: Pair) -> tuple[TransferFunction, Simplified | None]:
