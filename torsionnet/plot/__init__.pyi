@@ -2,7 +2,6 @@
 from torsionnet.plot.bode_plot import bode as bode
 from torsionnet.plot.comparison_plot import coherence as coherence
 from torsionnet.plot.comparison_plot import comparison as comparison
-from torsionnet.plot.damper_curves import damper_design as damper_design
 from torsionnet.plot.drawing.save import save as save
 from torsionnet.plot.drawing.style import STYLE as STYLE
 from torsionnet.plot.fits import correlation as correlation
@@ -28,13 +27,14 @@ from torsionnet.plot.schematics.schematic import schematic as schematic
 from torsionnet.plot.shapes import mode_shapes as mode_shapes
 from torsionnet.plot.star_diagram_plot import star_diagrams as star_diagrams
 from torsionnet.plot.study.contour_map import contour_map as contour_map
+from torsionnet.plot.study.designs import damper_design as damper_design
 from torsionnet.plot.study.designs import damper_over_conditions as damper_over_conditions
 from torsionnet.plot.study.designs import design_optimum as design_optimum
 from torsionnet.plot.study.designs import pareto_front as pareto_front
 from torsionnet.plot.study.designs import robust_optimum as robust_optimum
-from torsionnet.plot.study.limit_shares import failure_probabilities as failure_probabilities
-from torsionnet.plot.study.limit_shares import limit_shares as limit_shares
-from torsionnet.plot.study.percentile_bands import percentile_bands as percentile_bands
+from torsionnet.plot.study.distributions import failure_probabilities as failure_probabilities
+from torsionnet.plot.study.distributions import limit_shares as limit_shares
+from torsionnet.plot.study.distributions import percentile_bands as percentile_bands
 from torsionnet.plot.study.scatter_matrix import parallel_coordinates as parallel_coordinates
 from torsionnet.plot.study.scatter_matrix import scatter_matrix as scatter_matrix
 from torsionnet.plot.study.study_tornado import sobol_indices as sobol_indices

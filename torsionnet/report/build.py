@@ -91,7 +91,7 @@ BUILDERS = {
     "scenarios": "forced_response.scenarios_section",
     "measurement_plan": "measurement_plan.measurement_plan_section",
     "test": "responses.comparison_section",
-    "fit": "fits.fit_section",
+    "fit": "responses.fit_section",
     "study": "studies.studies_section",
     "checks": "validity.checks_section",
     "validity": "validity.validity_section",

@@ -12,8 +12,6 @@ from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
 
-import torsionnet.io.fmu.description2 as description2
-import torsionnet.io.fmu.description3 as description3
 from torsionnet.base.atomic import write_bytes
 from torsionnet.base.errors import UsageError, did_you_mean
 from torsionnet.base.plain_names import Names
@@ -21,7 +19,7 @@ from torsionnet.base.version import __version__
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.export_losses import export_losses
 from torsionnet.io.fmu.c_source import compile_libraries, header_source, model_source
-from torsionnet.io.fmu.common_description import FmuDescription
+from torsionnet.io.fmu.description import FmuDescription, describe_build, describe_fmi2, describe_fmi3
 from torsionnet.io.fmu.traced_matrices import System, Variables, dependencies, list_variables, trace_system
 
 C_SOURCES = (
@@ -111,7 +109,7 @@ def write_fmu(
     files = {"modelDescription.xml": _description(subject, version), **made}
     files |= {f"sources/{name}": text.encode("ascii") for name, text in sources.items()}
     if version == "3.0":
-        files["sources/buildDescription.xml"] = description3.describe_build(identifier)
+        files["sources/buildDescription.xml"] = describe_build(identifier)
     write_bytes(path, _archive(files))
     return tuple(dict.fromkeys(name.split("/")[1] for name in made))
 
@@ -147,7 +145,7 @@ def _subject(
 
 
 def _description(subject: FmuDescription, version: str) -> bytes:
-    return description2.describe(subject) if version == "2.0" else description3.describe(subject)
+    return describe_fmi2(subject) if version == "2.0" else describe_fmi3(subject)
 
 
 def _token(description: bytes, *texts: str) -> str:

@@ -1,4 +1,4 @@
-"""Section of a report on frequency responses: Bode plots by configuration, static values and peaks."""
+"""Sections of a report on frequency responses, calculated and measured, and on fits to them."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import numpy as np
 from torsionnet.base.conventions import Conventions
 from torsionnet.base.errors import UsageError
 from torsionnet.base.notes import Note
-from torsionnet.base.number_text import aligned_numbers
+from torsionnet.base.number_text import aligned_numbers, digits_to_error
 from torsionnet.base.phrases import phrase
 from torsionnet.linear.frequency_response import FrequencyResponse
 from torsionnet.linear.phase import phase_at_zero_frequency
@@ -21,6 +21,7 @@ from torsionnet.report.document_tree import (
     Block,
     Cell,
     Heading,
+    Listing,
     Math,
     NumberText,
     Paragraph,
@@ -34,12 +35,16 @@ from torsionnet.report.plan import Pair
 from torsionnet.report.report_data import FEW_CASES, Case, ReportData, cases_of, is_damped
 from torsionnet.report.report_request import Measured
 from torsionnet.report.report_tables import table
-from torsionnet.report.report_text import capital, channel_latex, pair_latex, sentence, unit
+from torsionnet.report.report_text import capital, channel_latex, pair_latex, sentence, symbol_or_words, unit
 from torsionnet.signals.comparison import agreement
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from torsionnet.identification import Fit
+
+
+# Section of a report on frequency responses: Bode plots by configuration, static values and peaks.
 
 MOST_PEAKS, FEW_PEAKS = 6, 3
 """Number of peaks listed of each configuration where configurations are few, and where they are many."""
@@ -251,3 +256,65 @@ def _agreement(
     ]
     notes = [capital(note) + "." for note in found.notes]
     return table((Math(pair), phrase(", how far test and model are apart{where}", where=where)), columns, rows, notes)
+
+
+# Section of a report on fits, the parameters found and their intervals.
+
+
+def fit_section(subject: ReportData) -> Section:
+    """Section of a report with table, comparison and correlations of each fit."""
+    blocks: list[Block] = []
+    for number, fit in enumerate(subject.request.fits, 1):
+        blocks += _fit(subject, fit, number)
+    return Section("fit", ("Fitted parameters",), tuple(blocks))
+
+
+def _fit(subject: ReportData, fit: Fit, number: int) -> list[Block]:
+    from torsionnet.plot.fits import correlation
+    from torsionnet.plot.fits import fit as drawing
+
+    blocks: list[Block] = [_table(subject, fit)]
+    if fit.verdicts:
+        blocks.append(Listing(tuple(sentence(capital(verdict) + ".", subject.model) for verdict in fit.verdicts)))
+    if fit.notes:
+        blocks.append(Paragraph((" ".join(capital(note) + "." for note in fit.notes),)))
+    if fit.comparisons:
+        caption = "Test, fitted model estimated alike, and what is left over in units of its noise."
+        drawn = drawing(fit, conventions=subject.conventions, title="")
+        blocks.append(Picture(f"fit_{number}", drawn, (caption,), caption))
+    if len(fit.values) > 1:
+        caption = "Correlation of the fitted parameters; near 1 or −1 the data cannot tell two of them apart."
+        blocks.append(Picture(f"correlation_{number}", correlation(fit, title=""), (caption,), caption))
+    return blocks
+
+
+def _table(subject: ReportData, fit: Fit) -> TableBlock:
+    intervals = fit.intervals()
+    columns = (
+        Heading("Parameter"),
+        Heading("In the model", numeric=True),
+        Heading("Fitted", numeric=True),
+        Heading("Standard error", numeric=True),
+        Heading("95 % from", numeric=True),
+        Heading("to", numeric=True),
+        Heading("Unit"),
+    )
+    known = subject.model.parameters
+    rows: list[tuple[Cell, ...]] = [
+        (
+            symbol_or_words(name),
+            NumberText(known[name]) if name in known else "",
+            NumberText(value, shown := digits_to_error(value, fit.standard_errors[name])),
+            NumberText(fit.standard_errors[name], 2),
+            *(NumberText(edge, shown) for edge in intervals[name]),
+            unit(fit.units.get(name, "")),
+        )
+        for name, value in fit.values.items()
+    ]
+    chi = phrase(
+        "Chi squared {value:.4g}. Neighbouring lines share noise: together they are worth {count} "
+        "degrees of freedom, with which the intervals are made.",
+        value=fit.chi_squared,
+        count=fit.degrees_of_freedom,
+    )
+    return table(fit.title or "Fitted parameters", columns, rows, [chi])
