@@ -5,7 +5,7 @@ from torsionnet.base.entries.accepted_types import Entries, NumberByNumber, Numb
 from torsionnet.report.plan import SECTIONS
 from typing import Any, Literal
 from torsionnet.bench.plan.parts import Acquisition as _Acquisition
-from torsionnet.signals.excitation.broadband import BurstRandom as _BurstRandom
+from torsionnet.signals.excitation import BurstRandom as _BurstRandom
 from torsionnet.bench.plan.bench_motions import CoastDown as _CoastDown
 from torsionnet.study.space.correlation import Correlation as _Correlation
 from torsionnet.bench.plan.parts import DropOuts as _DropOuts
@@ -13,11 +13,11 @@ from torsionnet.bench.plan.parts import Encoder as _Encoder
 from torsionnet.bench.plan.parts import Exciter as _Exciter
 from torsionnet.bench.plan.bench_motions import GivenSpeed as _GivenSpeed
 from torsionnet.bench.plan.parts import Hum as _Hum
-from torsionnet.signals.excitation.sweeps import LinearChirp as _LinearChirp
+from torsionnet.signals.excitation import LinearChirp as _LinearChirp
 from torsionnet.study.space.variations.uniform import ListOfValues as _ListOfValues
-from torsionnet.signals.excitation.sweeps import LogarithmicSweep as _LogarithmicSweep
+from torsionnet.signals.excitation import LogarithmicSweep as _LogarithmicSweep
 from torsionnet.study.space.variations.normal import Lognormal as _Lognormal
-from torsionnet.signals.excitation.broadband import Multisine as _Multisine
+from torsionnet.signals.excitation import Multisine as _Multisine
 from torsionnet.study.space.variations.normal import Normal as _Normal
 from torsionnet.model.operating_point import OperatingPoint as _OperatingPoint
 from torsionnet.model.parameters import Parameter as _Parameter
@@ -34,7 +34,7 @@ from torsionnet.study.space.samples import Samples as _Samples
 from torsionnet.motion.scenarios.short_circuit import ShortCircuitScenario as _ShortCircuitScenario
 from torsionnet.bench.plan.parts import ShuntCalibration as _ShuntCalibration
 from torsionnet.bench.plan.bench_motions import SteadyPoints as _SteadyPoints
-from torsionnet.signals.excitation.sweeps import SteppedSine as _SteppedSine
+from torsionnet.signals.excitation import SteppedSine as _SteppedSine
 from torsionnet.bench.plan.parts import StrainGauge as _StrainGauge
 from torsionnet.report.plan.title_block import TitleBlock as _TitleBlock
 from torsionnet.bench.plan.parts import ToothedWheel as _ToothedWheel

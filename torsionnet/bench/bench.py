@@ -25,7 +25,7 @@ from torsionnet.drivetrain import Drivetrain
 from torsionnet.linear.between_samples import Between
 from torsionnet.model.channels import Sensor
 from torsionnet.motion.simulate import read_notes
-from torsionnet.signals.excitation.excitation import Excitation
+from torsionnet.signals.excitation import Excitation
 from torsionnet.signals.recording import FloatArray, Recording, Signal
 from torsionnet.signals.rotation.pulse_channel import PULSE_TIMES, PulseChannel
 from torsionnet.signals.rotation.wheel import WheelPattern

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from torsionnet.base.entries.spec import not_none
 from torsionnet.base.notes import NoteOrText, warning
 from torsionnet.bench.plan import Acquisition, DropOuts, Encoder, Exciter, StrainGauge, Transducer
-from torsionnet.signals.excitation.excitation import Excitation
+from torsionnet.signals.excitation import Excitation
 from torsionnet.signals.recording import FloatArray, Signal
 
 # Set-point and torque of the exciter that follows an excitation.

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.base.conventions import Conventions
 from torsionnet.base.errors import UsageError
-from torsionnet.base.table import Column, Table
+from torsionnet.base.result_rows import Out
+from torsionnet.base.table import Column, Table, result_table
 from torsionnet.linear.frequency_response import Channel, FrequencyResponse
 from torsionnet.signals.recording import FloatArray
 from torsionnet.signals.uncertainty import LEAST_COHERENCE
@@ -102,33 +103,56 @@ def _described(channels: tuple[Channel, ...]) -> str:
 # Agreement of the responses of test and model in a few numbers (peaks, largest and RMS differences, FRAC).
 
 
-def agreement(test: FrequencyResponse, model: FrequencyResponse, conventions: Conventions) -> Table:
-    """Table of highest peaks, differences (dB, degrees) and FRAC of test and model, at lines of good coherence."""
-    limit, good = usable_limit(test), comparable_lines(test)
+@dataclass(frozen=True)
+class AgreementNumber:
+    """Number that says how far a test and the model agree, with the frequency in Hz where it was found."""
+
+    what: Annotated[str, Out("test against model")]
+    at: Annotated[float | None, Out("at", "Hz", "at_Hz", digits=4)]
+    value: Annotated[float | None, Out("value", digits=4)]
+    unit: Annotated[str | None, Out("unit")]
+
+
+def agreement_numbers(
+    test: FrequencyResponse, model: FrequencyResponse, conventions: Conventions
+) -> tuple[AgreementNumber, ...]:
+    """Highest peaks, differences (dB, degrees) and FRAC of test and model, at lines of good coherence."""
+    good = comparable_lines(test)
     if not good.any():
-        return Table(model.title, (Column("nothing can be compared"),), (), ("no frequency at which the test is good",))
+        return ()
     picked = [at_good_lines(response, good) for response in (test, model)]
     differences = difference(*picked)
     f, decibels, degrees = picked[0].frequencies, differences.decibels[:, 0, 0], differences.degrees[:, 0, 0]
     unit, scale = test.unit(conventions=conventions), test.scale(conventions)
-    peaks = [(one.frequencies[k := int(np.argmax(one.magnitude[:, 0, 0]))], one.magnitude[k, 0, 0]) for one in picked]
-    rows: list[tuple[Any, ...]] = [
-        ("largest response of the test", float(peaks[0][0]), float(peaks[0][1] * scale), unit),
-        ("largest response of the model", float(peaks[1][0]), float(peaks[1][1] * scale), unit),
-    ]
+    numbers = []
+    for whose, response in zip(("test", "model"), picked, strict=True):
+        sizes = response.magnitude[:, 0, 0]
+        top = int(np.argmax(sizes))
+        name = f"largest response of the {whose}"
+        numbers.append(AgreementNumber(name, float(response.frequencies[top]), float(sizes[top] * scale), unit))
     compared = [("magnitude", decibels, "dB"), ("phase", degrees, "deg")][: 2 if test.has_phase else 1]
-    for what, values, name in compared:
+    for what, values, unit in compared:
         worst = int(np.abs(values).argmax())
-        rows.append((f"largest difference in {what}", float(f[worst]), float(values[worst]), name))
-        rows.append((f"RMS difference in {what}", None, float(np.sqrt(np.mean(values**2))), name))
+        numbers += [
+            AgreementNumber(f"largest difference in {what}", float(f[worst]), float(values[worst]), unit),
+            AgreementNumber(f"RMS difference in {what}", None, float(np.sqrt(np.mean(values**2))), unit),
+        ]
     if test.has_phase:
-        rows.append(("FRAC", None, float(frac(*picked)[0, 0]), "1"))
-    columns = (Column("test against model"), Column("at", "Hz", 4), Column("value", "", 4), Column("unit"))
+        numbers.append(AgreementNumber("FRAC", None, float(frac(*picked)[0, 0]), "1"))
+    return tuple(numbers)
+
+
+def agreement(test: FrequencyResponse, model: FrequencyResponse, conventions: Conventions) -> Table:
+    """Table of highest peaks, differences (dB, degrees) and FRAC of test and model, at lines of good coherence."""
+    numbers, f = agreement_numbers(test, model, conventions), test.frequencies[comparable_lines(test)]
+    if not numbers:
+        return Table(model.title, (Column("nothing can be compared"),), (), ("no frequency at which the test is good",))
     span = f"over {len(f)} lines from {f[0]:g} to {f[-1]:g} Hz with coherence of {LEAST_COHERENCE:g} or more"
-    usable = f"the test can be used up to {limit:.4g} Hz" if test.usable_up_to is not None else ""
+    usable = f"the test can be used up to {usable_limit(test):.4g} Hz" if test.usable_up_to is not None else ""
     signs = "differences are test - model; positive degrees: the test leads"
     notes = tuple(filter(None, (span, usable, signs, *map(str, model.notes))))
-    return Table(f"{model.title}: {test.outputs[0].name}/{test.inputs[0].name}", columns, tuple(rows), notes)
+    title = f"{model.title}: {test.outputs[0].name}/{test.inputs[0].name}"
+    return result_table(title, numbers, AgreementNumber, notes=notes)
 
 
 def usable_limit(test: FrequencyResponse) -> float:

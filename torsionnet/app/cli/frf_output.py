@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
@@ -115,21 +115,12 @@ class CurveRow:
     imag: FloatArray
 
 
-@dataclass(frozen=True)
-class PeakRow:
-    """Peak of a transfer function with its frequency in Hz, magnitude and phase."""
-
-    frequency: Annotated[float, Out(json="frequency_Hz")]
-    magnitude: float
-    phase: Annotated[float, Out(json="phase_deg")]
-
-
 @dataclass(frozen=True, eq=False)
 class SolvedCurveRow(CurveRow):
     """Calculated transfer function of one output to one input: static value, peaks, values at all frequencies."""
 
     static: Annotated[complex, Out(after="unit")]
-    peaks: Annotated[tuple[PeakRow, ...], Out(after="static")]
+    peaks: Annotated[tuple[Peak, ...], Out(after="static")]
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,9 +159,7 @@ def responses_record(
     rows = []
     for o, i, _ in output_input_pairs(response):
         scale = response.scale(conventions, o, i)
-        found = tuple(
-            PeakRow(peak.frequency, peak.magnitude * scale, peak.phase) for peak in peaks(response, solve, o, i)
-        )
+        found = tuple(replace(peak, magnitude=peak.magnitude * scale) for peak in peaks(response, solve, o, i))
         static = static_value(solve, o, i) * scale
         rows.append(SolvedCurveRow(**vars(_curve(response, conventions, o, i)), static=static, peaks=found))
     notes = (*_notes(response, solve), SIGN_NOTE)
@@ -195,46 +184,6 @@ def _curve(response: FrequencyResponse, conventions: Conventions, o: int, i: int
     names = response.outputs[o].name, response.inputs[i].name
     return CurveRow(
         *names, response.kind(o, i), response.unit(o, i, conventions), values.real * scale, values.imag * scale
-    )
-
-
-@dataclass(frozen=True)
-class AgreementRow:
-    """Number that says how far a test and the model agree, with the frequency in Hz where it was found."""
-
-    what: str
-    at: Annotated[float | None, Out(json="at_Hz")]
-    value: float | None
-    unit: str | None
-
-
-@dataclass(frozen=True, eq=False)
-class ComparisonRecord:
-    """Record of a test and of the model's response, as ``torsionnet compare --json`` prints it.
-
-    Differences are test - model.
-    """
-
-    test: EstimateRecord
-    model: EstimateRecord
-    decibels: Annotated[FloatArray, Out(json="difference_dB")]
-    degrees: Annotated[FloatArray, Out(json="difference_deg")]
-    summary: tuple[AgreementRow, ...]
-    notes: tuple[NoteOrText, ...]
-
-
-def comparison_record(test: FrequencyResponse, model: FrequencyResponse, conventions: Conventions) -> ComparisonRecord:
-    """Record of a test and of the model's response as plain data for JSON, in the angle unit chosen."""
-    from torsionnet.signals.comparison import agreement, difference
-
-    apart, table = difference(test, model), agreement(test, model, conventions)
-    return ComparisonRecord(
-        estimated_responses_record(test, conventions),
-        estimated_responses_record(model, conventions),
-        apart.decibels[:, 0, 0],
-        apart.degrees[:, 0, 0],
-        tuple(AgreementRow(*row) for row in table.rows),
-        table.notes,
     )
 
 

@@ -22,8 +22,7 @@ from torsionnet.bench.plan.parts import (
 )
 from torsionnet.model.channels import RecordedName
 from torsionnet.model.configurations import ConfigurationName
-from torsionnet.signals.excitation import BurstRandom, LinearChirp, LogarithmicSweep, Multisine, SteppedSine
-from torsionnet.signals.excitation.excitation import Excitation
+from torsionnet.signals.excitation import BurstRandom, Excitation, LinearChirp, LogarithmicSweep, Multisine, SteppedSine
 
 SWEEP = "{type: linear chirp, start: 0.1 Hz, stop: 80 Hz, duration: 100 s, amplitude: 15 N*m}"
 """Example of a bench's excitation, for the message that it is missing."""

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Annotated, TypeAlias
 
 import numpy as np
 
 from torsionnet.base.errors import UsageError
+from torsionnet.base.result_rows import Out
 from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.linear.frequency_response import FrequencyResponse
 from torsionnet.linear.modes.modes import Modes
@@ -137,9 +138,9 @@ PEAK_PROMINENCE = 1e-9
 class Peak:
     """Local maximum of a response's magnitude, as frequency in Hz, magnitude in SI units and phase in degrees."""
 
-    frequency: float
+    frequency: Annotated[float, Out(json="frequency_Hz")]
     magnitude: float
-    phase: float
+    phase: Annotated[float, Out(json="phase_deg")]
 
 
 def peaks(response: FrequencyResponse, solve: Solver, output: int, input: int) -> Iterator[Peak]:

@@ -2,18 +2,52 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated
 
 from torsionnet.app.cli.cases import ModelCommand
 from torsionnet.app.cli.command import TABLE, Answer
+from torsionnet.app.cli.frf_output import EstimateRecord, estimated_responses_record
 from torsionnet.app.cli.options import ALIGN, ANGLE, HIGHEST_FREQUENCY, LOWEST_FREQUENCY, option
 from torsionnet.app.cli.record_options import Averaging, Estimator, RecordCommand
+from torsionnet.base.notes import NoteOrText
+from torsionnet.base.result_rows import Out
+from torsionnet.linear.frequency_response import FloatArray
+from torsionnet.signals.comparison import AgreementNumber, agreement, agreement_numbers, difference
 
 if TYPE_CHECKING:
     from torsionnet.base.conventions import Conventions
     from torsionnet.base.table import Table
     from torsionnet.drivetrain import Drivetrain
     from torsionnet.linear.frequency_response import FrequencyResponse
+
+
+@dataclass(frozen=True, eq=False)
+class ComparisonRecord:
+    """Record of a test and of the model's response, as ``torsionnet compare --json`` prints it.
+
+    Differences are test - model.
+    """
+
+    test: EstimateRecord
+    model: EstimateRecord
+    decibels: Annotated[FloatArray, Out(json="difference_dB")]
+    degrees: Annotated[FloatArray, Out(json="difference_deg")]
+    summary: tuple[AgreementNumber, ...]
+    notes: tuple[NoteOrText, ...]
+
+
+def comparison_record(test: FrequencyResponse, model: FrequencyResponse, conventions: Conventions) -> ComparisonRecord:
+    """Record of a test and of the model's response as plain data for JSON, in the angle unit chosen."""
+    apart = difference(test, model)
+    return ComparisonRecord(
+        estimated_responses_record(test, conventions),
+        estimated_responses_record(model, conventions),
+        apart.decibels[:, 0, 0],
+        apart.degrees[:, 0, 0],
+        agreement_numbers(test, model, conventions),
+        agreement(test, model, conventions).notes,
+    )
 
 
 class CompareCommand(ModelCommand, RecordCommand):
@@ -47,9 +81,7 @@ class CompareCommand(ModelCommand, RecordCommand):
 
     def answer(self) -> Answer:
         from torsionnet.app.cli.commands.estimate import estimate_record
-        from torsionnet.app.cli.frf_output import comparison_record
         from torsionnet.base.conventions import Conventions
-        from torsionnet.signals.comparison import agreement
 
         self.require_one("a record is of one configuration: name one with -c")
         case = self.cases()[0]
@@ -92,7 +124,6 @@ def _calculated(
 def _full(test: FrequencyResponse, model: FrequencyResponse, conventions: Conventions) -> Table:
     """Table of test, model, their differences and coherence, with a row for each frequency in Hz."""
     from torsionnet.base.table import Column, Table
-    from torsionnet.signals.comparison import difference
 
     differences, unit, scale = difference(test, model), test.unit(conventions=conventions), test.scale(conventions)
     data = {
