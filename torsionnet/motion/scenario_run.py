@@ -237,7 +237,9 @@ def _linear(
     notes = [phrase(begun, model=drivetrain.title)]
     if offsets is not None and driven.start == OPERATING_POINT:
         histories = [one + constant(-one.first) for one in histories]
-    if _is_sampled(drivetrain):
+    # Laws over frequency and delays are solved for sampled torques.
+    system = drivetrain.assembly.system
+    if system.dynamic or any(one.delay for one in system.actions):
         if offsets is None:
             raise UsageError("with delays or laws over frequency the torques at the start must be in balance")
         changes = torque_courses({name: one.samples(rate, count) for name, one in zip(names, histories, strict=True)})
@@ -249,12 +251,6 @@ def _linear(
         motion = motion + offsets[:, None]
     signals = motion_signals(drivetrain, request, dict.fromkeys(names, ()), torques, motion)
     return Recording(signals, rate, title=drivetrain.title, notes=tuple(notes))
-
-
-def _is_sampled(drivetrain: AssembledModel) -> bool:
-    """Whether a drivetrain has laws over frequency or delays, which are solved for sampled torques."""
-    system = drivetrain.assembly.system
-    return bool(system.dynamic) or any(one.delay for one in system.actions)
 
 
 def _mean_readings(drivetrain: AssembledModel, driven: DrivenPlaces, request: TransferRequest) -> FloatArray | None:

@@ -107,7 +107,10 @@ def simulate_torques(
         inputs, duration = {**inputs, **stepped}, (courses.samples.shape[1] - 1) / sampling_rate
     elif between:
         raise UsageError("between= is for torques that are lists; histories say what they are at every time")
-    whole = _with_mean_torques(drivetrain, inputs) if start == OPERATING_POINT else dict(inputs)
+    whole = dict(inputs)
+    if start == OPERATING_POINT:  # all other nodes keep their mean torques
+        means = acting_means(drivetrain, (nodes_of(drivetrain, place) for place in inputs))
+        whole |= {node: constant(torque) for node, torque in means.items()}
     driving, torques = driving_of(whole, sampling_rate, duration, scales or {})
     plant = motion_plant(drivetrain)
     request = driven_request(plant.drivetrain, outputs, whole)
@@ -182,12 +185,6 @@ def _linear_notes(drivetrain: AssembledModel, *, laws: bool) -> list[str]:
     given = [one for one in elements if any(getattr(one, entry) is not None for entry in one.working_point)]
     names = [one.name for one in given if one.has_motion_laws == laws and (one.has_own_working_point or not laws)]
     return [f"linear about the working point in its entries: {name}" for name in names]
-
-
-def _with_mean_torques(drivetrain: AssembledModel, inputs: Mapping[str, Torque]) -> dict[str, Torque]:
-    """Inputs with the mean torques of the operating point on all other nodes."""
-    means = acting_means(drivetrain, (nodes_of(drivetrain, place) for place in inputs))
-    return {**inputs, **{node: constant(torque) for node, torque in means.items()}}
 
 
 @dataclass(frozen=True, eq=False)

@@ -126,7 +126,9 @@ def split_plant(drivetrain: AssembledModel, plant: MotionPlant, scales: tuple[Sc
         scale = scales.index(key) if key in scales else -1
         straight = isinstance(law.curve, PieceCurve)
         # A slope times a scale over time is no straight piece.
-        grows = isinstance(law.curve, PieceCurve) and _grows(law.curve)
+        grows = isinstance(law.curve, PieceCurve) and any(
+            isinstance(part, Slope) and bool(part.stiffness or part.damping) for part in law.curve.pieces
+        )
         if scale >= 0 and law.curve.over == "twist":
             raise UsageError(f"{one.owner}: a torque over the twist cannot be scaled over time")
         if straight and not (scale >= 0 and grows):
@@ -169,10 +171,6 @@ def _float_laws(drivetrain: AssembledModel, plant: MotionPlant) -> Mapping[int, 
         if isinstance(law, PlacedLaw):
             found[number] = own[owner].pop(0)
     return found
-
-
-def _grows(curve: PieceCurve) -> bool:
-    return any(isinstance(part, Slope) and bool(part.stiffness or part.damping) for part in curve.pieces)
 
 
 def _steps_alone(owner: str, law: MotionLaw) -> LawPhases:

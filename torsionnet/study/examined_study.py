@@ -187,11 +187,16 @@ def examine_study(model: Drivetrain, given: Mapping[str, Any]) -> ExaminedStudy:
     faults += found
     space, found = _space(model, given, values)
     faults += found
-    if space is not None and not _errors(found):
+    if space is not None and all(fault.severity != "error" for fault in found):
         faults += space_faults(space, {name: model.configured(name) for name in configurations if name})
     asked: Mapping[str, StudyQuantity] = values.get("quantities") or {}
     named = table_names(given, "quantities")
-    found = _not_about(quantity_model_faults(model, configurations, asked), named)
+    # A quantity that the file has, but that cannot be read, is not unknown.
+    found = [
+        fault
+        for fault in quantity_model_faults(model, configurations, asked)
+        if fault.kind != UNKNOWN_NAME or fault.about not in named
+    ]
     faults += found
     quantities = _sound_quantities(asked, found)
     faults += name_conflicts(named, table_names(given, "vary"))
@@ -229,15 +234,6 @@ def _sound_quantities(asked: Mapping[str, StudyQuantity], faults: list[Fault]) -
     while lost := [name for name, one in sound.items() if not sound.keys() >= {*one.parts}]:
         sound = {name: one for name, one in sound.items() if name not in lost}
     return sound
-
-
-def _not_about(faults: list[Fault], names: list[str]) -> list[Fault]:
-    """Faults of a study without those that call a quantity unknown although the file has one that cannot be read."""
-    return [fault for fault in faults if fault.kind != UNKNOWN_NAME or fault.about not in names]
-
-
-def _errors(faults: list[Fault]) -> bool:
-    return any(fault.severity == "error" for fault in faults)
 
 
 def unknown_names_in_answers(read: ExaminedStudy) -> list[Fault]:

@@ -238,7 +238,11 @@ def _answer(session: Session, state: State) -> dict[str, Any]:
         "cut": None,
         "findings": [fault.text for fault in rig.check() if fault.severity == "warning"],
         "command": command_text(session, replace(shown, values=session.given_values(shown))),
-        **(_over_speed(session, rig, shown) if state.axis == "speed" else _over_frequency(session, rig, shown, modes)),
+        **(
+            {"orders": over_speed(rig, shown.output, rough=shown.rough, test=session.measured)}
+            if state.axis == "speed"
+            else _over_frequency(session, rig, shown, modes)
+        ),
     }
 
 
@@ -253,10 +257,6 @@ def _over_frequency(session: Session, rig: Drivetrain, shown: State, modes: Mode
         "cut": modes_data(measured) if measured else None,
         "misfit": misfit(session.overlay, shown, lambda f: respond(rig, shown, f), band),
     }
-
-
-def _over_speed(session: Session, rig: Drivetrain, shown: State) -> dict[str, Any]:
-    return {"orders": over_speed(rig, shown.output, rough=shown.rough, test=session.measured)}
 
 
 def page_modes(rig: Drivetrain) -> Modes:

@@ -136,7 +136,9 @@ class KnownValues:
             found = DIMENSIONS[dimension] if dimension else value.dimension(self.dimensions)
         except (TorsionnetError, ArithmeticError, TypeError):
             return ""
-        if not dimension and found == DIMENSIONS["torque"] and _is_per_angle(value):
+        # An angle counts as 1 in dimensions: only how the value is written tells a stiffness from a torque.
+        per_angle = isinstance(value, Number) and value.has_angle
+        if not dimension and found == DIMENSIONS["torque"] and per_angle:
             dimension = "stiffness"
         unit = expected_unit(dimension) if dimension else "" if found is None else str(found)
         return f"{screen_text(number)} {unit}".strip() if unit != "1" else screen_text(number)
@@ -154,11 +156,6 @@ class KnownValues:
             shown = (f"{code(name)} = {self.in_si(self.parameters[name].value) or '?'}" for name in known)
             text += f"\n\nwith {', '.join(shown)}"
         return text
-
-
-def _is_per_angle(value: Expression) -> bool:
-    """Whether a value is written per angle, which counts as 1 in dimensions."""
-    return isinstance(value, Number) and value.has_angle
 
 
 # Explanations of the keys and values of a model text.

@@ -82,18 +82,15 @@ def _certain_faults(document: LocatedDocument, text: str, folder: Path | None) -
         include_parts(document)
         definition, faults = define(document.data)
     for fault in (one for check in names.CHECKS for one in check(definition)):
-        # The copies that a use makes have names with dots that no text has.
-        if fault.kind == UNKNOWN_NAME and "." not in fault.about and _times(fault.about, text) < 2:
+        # The copies that a use makes have names with dots that no text has; a name that stands twice is defined there.
+        word = rf"(?<!\w){re.escape(fault.about)}(?!\w)"
+        if fault.kind == UNKNOWN_NAME and "." not in fault.about and len(re.findall(word, text)) < 2:
             faults.append(fault)
     if definition.authored is not None:
         from torsionnet.model.parts.authored_model import at_written_places
 
         faults = at_written_places(definition, faults)
     return faults
-
-
-def _times(name: str, text: str) -> int:
-    return len(re.findall(rf"(?<!\w){re.escape(name)}(?!\w)", text))
 
 
 def _lost_sections(document: LocatedDocument, home: EntryPath) -> set[str | int]:

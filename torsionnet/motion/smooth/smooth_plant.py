@@ -80,21 +80,18 @@ def smooth_form(form: ContactForm, at: Layout, laws: Sequence[SmoothLaw], places
     angles, speeds, _ = form.motion
     motions = tuple(np.vstack([one.row @ angles, one.row @ speeds, one.sensed @ speeds]) for one in laws)
     prompt = [place for place, one in zip(places, laws, strict=True) if not one.lag]
+    # Largest acceleration that a torque of 1 N m gives to a coordinate.
+    felt = max(1e-300, float(np.abs(form.motion[2][:, at.u]).max(initial=0.0)))
     for one, rows in zip(laws, motions, strict=True):
         used = rows[1:] if one.over_rate else rows[:1]
         if one.lag:
             continue
         # What prompt torques change at once in the motion that a law follows has to be nothing.
         at_once = np.hstack([used @ over_u[:, prompt], used @ over_s[:, prompt]])
-        if np.abs(at_once).max(initial=0.0) > FEEDBACK * _size(form, at):
+        if np.abs(at_once).max(initial=0.0) > FEEDBACK * felt:
             text = "its torque acts where nothing has inertia, so that its motion follows from a curve alone"
             raise UsageError(f"{one.owner}: {text}; give the node an inertia")
     return SmoothForm(form, rates @ over_y, rates @ over_u, rates @ over_s, over_y, over_u, over_s, take, motions)
-
-
-def _size(form: ContactForm, at: Layout) -> float:
-    """Largest acceleration that a torque of 1 N m gives to a coordinate."""
-    return max(1e-300, float(np.abs(form.motion[2][:, at.u]).max(initial=0.0)))
 
 
 # Contact states of a smooth motion: equations, guards, readings, and powers by element, as rows over the state z.

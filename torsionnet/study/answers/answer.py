@@ -275,14 +275,11 @@ def plain_data(value: Any) -> Any:
             one.name: plain_data(getattr(value, one.name)) for one in fields(value) if not one.metadata.get("in_words")
         }
     if isinstance(value, Mapping):
-        return {_key(key): plain_data(one) for key, one in value.items()}
+        keys = (", ".join(map(str, key)) if isinstance(key, tuple) else str(key) for key in value)
+        return dict(zip(keys, map(plain_data, value.values()), strict=True))
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
     return [plain_data(one) for one in value] if isinstance(value, tuple | list) else value
-
-
-def _key(key: Any) -> str:
-    return ", ".join(map(str, key)) if isinstance(key, tuple) else str(key)
 
 
 # Case of an answer, a configuration of a study with its evaluator and space, for answers that choose variants.

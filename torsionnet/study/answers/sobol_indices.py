@@ -215,8 +215,9 @@ class SobolResult(PlainConclusion):
             Column("from", digits=4), Column("to", digits=4), Column("total", digits=4), Column("from", digits=4),
             Column("to", digits=4), Column("variants"),
         )  # fmt: skip
+        shown = ("first", "first_low", "first_high", "total", "total_low", "total_high")
         rows = tuple(
-            (*key, name, *(float(array[place]) for array in _columns(one)), one.evaluations)
+            (*key, name, *(float(getattr(one, array)[place]) for array in shown), one.evaluations)
             for key, one in self.indices.items()
             for place, name in enumerate(self.parameters)
         )
@@ -225,7 +226,3 @@ class SobolResult(PlainConclusion):
 
     def figure(self, plot: ModuleType, **look: Any) -> Figure:
         return plot.sobol_indices(self, **look)  # type: ignore[no-any-return]
-
-
-def _columns(one: SobolEstimates) -> tuple[FloatArray, ...]:
-    return (one.first, one.first_low, one.first_high, one.total, one.total_low, one.total_high)

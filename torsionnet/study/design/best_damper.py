@@ -209,7 +209,10 @@ def damper_over_conditions(
         for rig, varied in zip(rigs, sought, strict=True)
     )
     # One damper for all: the largest level over all conditions is made smallest.
-    best = kept("", lambda: smallest_maximum(WorstLevels(parts, _highest(parts, band)), box, start))
+    highest = (
+        max(float(one.run.speeds[-1]) for one in parts if isinstance(one, OrderLevels)) if band is None else band[1]
+    )
+    best = kept("", lambda: smallest_maximum(WorstLevels(parts, highest), box, start))
     # The best damper of each condition alone shows what the one for all costs there.
     alone = [
         kept(f"{label} alone", partial(smallest_maximum, levels, box, start))
@@ -227,11 +230,6 @@ def damper_over_conditions(
         drivetrain.name,
         tuple(dict.fromkeys(note for notes in read for note in notes)),
     )
-
-
-def _highest(parts: Sequence[Levels], band: tuple[float, float] | None) -> float:
-    speeds = [float(one.run.speeds[-1]) for one in parts if isinstance(one, OrderLevels)]
-    return max(speeds) if band is None else band[1]
 
 
 def _in_condition(

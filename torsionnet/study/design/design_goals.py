@@ -258,7 +258,7 @@ def design_parameters(
         start = reader.value(None, "start") if nominal.value is not None else sum(ends) / 2
         faults += [fault.under(name) for fault in reader.faults]
         if not reader.faults:
-            found.append(DesignParameter(name, _unit(model, name), start, *ends, start))
+            found.append(DesignParameter(name, parameter_units(model.definition)[name], start, *ends, start))
     return found, faults
 
 
@@ -288,7 +288,3 @@ def _ends(bounds: DesignBounds | None, reader: NominalReader, parameter: Paramet
     if not low < high and not reader.faults:
         reader.fault(f"bounds are a lower and a higher value, got {low:g} and {high:g}")
     return low, high
-
-
-def _unit(model: Model, name: str) -> str:
-    return parameter_units(model.definition)[name]

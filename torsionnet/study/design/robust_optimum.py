@@ -225,19 +225,15 @@ def robust_optimum(
     nominal = None
     if problem.goals.targets or problem.goals.objectives:
         nominal = optimise(problem, single=single, seed=seed, title=title)
-        asked = _from_nominal(asked, nominal)
+        # From the nominal optimum on, so that the robust one is never worse.
+        begun = tuple(replace(one, start=nominal.values[one.name]) for one in asked.parameters)
+        asked = replace(asked, parameters=begun)
     robust = optimise(asked, seed=seed, generations=ROBUST_GENERATIONS, title=title)
     judged = RobustQuantities(problem, tolerances.random_draws(compared, seed + COMPARISON_SEED_OFFSET), measure)
     given = {one.name: one.start for one in problem.parameters}
     labelled = {"as given": given, "nominal": nominal.values if nominal else None, "robust": robust.values}
     designs = tuple(_judged(judged, label, values) for label, values in labelled.items() if values is not None)
     return RobustOptimum(robust, nominal, designs, bool(problem.goals.limits), drawn.count, seed, title)
-
-
-def _from_nominal(asked: DesignProblem, nominal: DesignOptimum) -> DesignProblem:
-    """Copy of the robust design problem that starts at the nominal optimum, so that its solution is never worse."""
-    begun = tuple(replace(one, start=nominal.values[one.name]) for one in asked.parameters)
-    return replace(asked, parameters=begun)
 
 
 def _judged(judged: RobustQuantities, label: str, values: dict[str, float]) -> ScatteredDesign:

@@ -275,19 +275,15 @@ def _remove_if_dead(file: Path) -> None:
             f"a run on {host} (process {process}) uses {file.parent}; if it is not running any more, remove {file}"
         )
     if process and _is_alive(process, began):
-        raise UsageError(f"process {process} is running this study in {file.parent}; {_remedy(file, began)}")
+        # Without its start time the number may be that of another program.
+        remedy = (
+            "wait for it, or end it" if began else f"wait for it, end it, or, if it is another program, remove {file}"
+        )
+        raise UsageError(f"process {process} is running this study in {file.parent}; {remedy}")
     aside = file.with_name(f".{uuid.uuid4().hex}")
     with suppress(FileNotFoundError):  # by name first, so that of two who find it dead only one removes it
         file.rename(aside)
         aside.unlink()
-
-
-def _remedy(file: Path, began: str | None) -> str:
-    """Advice for an error message on a running process that locks the folder.
-
-    Without its start time the number may be that of another program.
-    """
-    return "wait for it, or end it" if began else f"wait for it, end it, or, if it is another program, remove {file}"
 
 
 def _is_alive(process: int, began: str | None) -> bool:

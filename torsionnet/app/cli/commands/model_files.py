@@ -193,7 +193,7 @@ class CheckCommand(Command):
                     raise
                 message("error", str(error))
                 code = WRONG_USAGE
-        if any(map(_errors, reports.values())):
+        if any(fault.severity == "error" for faults in reports.values() for fault in faults):
             code = code or WRONG_MODEL
         return reports, code
 
@@ -216,10 +216,6 @@ class CheckCommand(Command):
                 print_line(line)
 
         watch(self.models, check)
-
-
-def _errors(faults: Sequence[Fault]) -> int:
-    return sum(fault.severity == "error" for fault in faults)
 
 
 def _lines(reports: dict[str, Sequence[Fault]]) -> Iterator[str]:

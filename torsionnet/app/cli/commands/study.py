@@ -109,7 +109,13 @@ class StudyCommand(Command):
                     longest=float("inf") if self.anyway else LONGEST_SECONDS * workers.processes,
                 )
             except KeyboardInterrupt:
-                message("note", _kept(self._place))
+                folder = self._place
+                kept = f"what is done is in {folder}, and the same command goes on from there"
+                if folder is None:
+                    kept = (
+                        "nothing is kept without a folder, and with -o FOLDER a study goes on from where it was stopped"
+                    )
+                message("note", f"stopped; {kept}")
                 raise
 
     @property
@@ -119,13 +125,6 @@ class StudyCommand(Command):
 
 def _counted(answer: str, done: int) -> str:
     return f"{answer}: {done:,} variants".replace(",", " ") if done else answer
-
-
-def _kept(folder: Path | None) -> str:
-    """Message on where a stopped study has kept what is done, and how to go on."""
-    if folder is None:
-        return "stopped; nothing is kept without a folder, and with -o FOLDER a study goes on from where it was stopped"
-    return f"stopped; what is done is in {folder}, and the same command goes on from there"
 
 
 def _announce(workload: Workload) -> None:
