@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     import torsionnet.machinery.holzer.mass_elastic_lines
     import torsionnet.machinery.mean.dissipation
     import torsionnet.machinery.mean.mean_solution
-    import torsionnet.machinery.mean.static_solution
+    import torsionnet.machinery.mean.static_state
     import torsionnet.machinery.orders.refined_response
     import torsionnet.machinery.passage.passage_solution
     import torsionnet.machinery.verdicts.limit_checking
@@ -101,8 +101,8 @@ class Drivetrain(AssembledModel, AttributeHints):
     holzer_table = torsionnet.machinery.holzer.holzer.holzer_table
     mass_elastic_table = torsionnet.machinery.holzer.mass_elastic_lines.mass_elastic_table
     mean_response = torsionnet.machinery.mean.mean_solution.mean_response
-    static_state = torsionnet.machinery.mean.static_solution.static_state
-    power_balance = torsionnet.machinery.mean.static_solution.power_balance
+    static_state = torsionnet.machinery.mean.static_state.static_state
+    power_balance = torsionnet.machinery.mean.static_state.power_balance
     dissipated_power = torsionnet.machinery.mean.dissipation.dissipated_power
     check_limits = torsionnet.machinery.verdicts.limit_checking.check_limits
     damper_design = torsionnet.machinery.design.damper_design.damper_design

@@ -5,7 +5,7 @@ import pytest
 from support.report_blocks import of, rows, words
 
 import torsionnet as tn
-from torsionnet.machinery.holzer.counted_vibration import natural_frequencies
+from torsionnet.machinery.holzer.holzer import natural_frequencies
 from torsionnet.machinery.holzer.holzer_table import vibration_nodes
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import Paragraph, Picture, TableBlock

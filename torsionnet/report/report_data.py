@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from torsionnet.linear.assembly.assembled import AssembledModel
     from torsionnet.linear.frequency_response import FloatArray
     from torsionnet.machinery.criticals.critical_speeds import CriticalSpeeds
-    from torsionnet.machinery.holzer.counted_vibration import CountedVibration
+    from torsionnet.machinery.holzer.holzer import CountedVibration
     from torsionnet.machinery.orders.order_line import OrderLine
     from torsionnet.machinery.orders.order_response import OrderResponse
     from torsionnet.machinery.verdicts.limit_check import LimitCheck
@@ -275,7 +275,7 @@ class ReportData:
 
         Nodes with an imposed motion are held, as in the response to the excitations.
         """
-        from torsionnet.machinery.holzer.counted_vibration import natural_frequencies
+        from torsionnet.machinery.holzer.holzer import natural_frequencies
 
         return tuple(natural_frequencies(held_drivetrain(cases[0])) for cases in self.judged_drivetrains)
 

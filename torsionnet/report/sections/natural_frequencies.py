@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from torsionnet.base.errors import TorsionnetError
 from torsionnet.base.phrases import phrase
 from torsionnet.base.units import RPM
-from torsionnet.machinery.holzer.counted_vibration import CountedVibration, natural_frequency_table
+from torsionnet.machinery.holzer.holzer import CountedVibration, natural_frequency_table
 from torsionnet.machinery.holzer.holzer_table import vibration_nodes
 from torsionnet.report.document_tree import (
     Block,
