@@ -224,11 +224,9 @@ def _cells(row: MassElasticRow) -> tuple[object, ...]:
         return (*own, "", *[None] * 8, "")
     name = ", ".join(shaft.elements) + (" (rigid)" if math.isinf(shaft.stiffness) else "")
     elastic = (shaft.stiffness, row.referred_stiffness if known else None) if shaft.is_elastic else (None, None)
-    one = shaft.section
-    outer, inner, modulus = (None,) * 3 if one is None else _sizes(one)
+    outer, inner, modulus = None, None, None
+    if (section := shaft.section) is not None:
+        outer, inner = section.outer * MM_PER_M, section.inner * MM_PER_M or None
+        modulus = section.modulus * CM3_PER_M3
     losses = (shaft.damping or None, shaft.loss_factor or None)
     return (*own, name, *elastic, outer, inner, shaft.length, modulus, *losses, shaft.material)
-
-
-def _sizes(section: StationSection) -> tuple[float | None, ...]:
-    return (section.outer * MM_PER_M, section.inner * MM_PER_M or None, section.modulus * CM3_PER_M3)

@@ -100,14 +100,11 @@ def allowed_at(pairs: Pairs, at: FloatArray) -> FloatArray:
     >>> allowed_at(pairs, np.array([0.5, 1.5, 2.0])).tolist()
     [nan, 15.0, 20.0]
     """
-    keys, values = (np.array([float(part) for part in column]) for column in zip(*_plain(pairs), strict=True))
+    keys = np.array([float(key) for key, _ in pairs])
+    values = np.array([float(value.value) for _, value in pairs])
     slack = 1e-9 * keys[-1]
     inside = (at >= keys[0] - slack) & (at <= keys[-1] + slack)
     return np.asarray(np.where(inside, np.interp(at, keys, values), np.nan))
-
-
-def _plain(pairs: Pairs) -> list[tuple[float, float]]:
-    return [(key, float(value.value)) for key, value in pairs]
 
 
 DIMENSION_OF = {"angle": "angle", "velocity": "speed", "acceleration": "acceleration", "twist": "angle",

@@ -109,11 +109,8 @@ def margin_rule(given: str | float | MarginRule | None) -> MarginRule | None:
         raise UsageError(f'no margin rule is named "{given}"{hint}')
     if not 0 < share < LARGEST_MARGIN:
         raise UsageError(f"a margin is a share between 0 and 1, as 10 % or 0.1; got {given}")
-    return MarginRule("own", f"{100 * share:g} % from every excitation frequency, as given", _every(share), share)
-
-
-def _every(share: float) -> tuple[MarginClause, ...]:
-    return (MarginClause(0, float("inf"), share),)
+    every = MarginClause(0, float("inf"), share)
+    return MarginRule("own", f"{100 * share:g} % from every excitation frequency, as given", (every,), share)
 
 
 def _share(given: str | float) -> float | None:
