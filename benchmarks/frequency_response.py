@@ -19,7 +19,7 @@ import torsionnet as tn
 from benchmarks._sizes import ARGUMENTS, sized
 from torsionnet.linear.assembly.law_stiffness import law_stiffness
 from torsionnet.linear.assembly.rows import Rows, RowSystem
-from torsionnet.linear.dynamic_stiffness.quotient import METHODS
+from torsionnet.linear.dynamic_stiffness.quotient import METHODS, uncertain_points
 from torsionnet.linear.dynamic_stiffness.response_problem import Loading, ResponseProblem
 
 OPENTORSION = """
@@ -60,7 +60,14 @@ def graph(system, omega, method="graph"):
         "ends",
         lambda: ResponseProblem(system.sparse_rows, n, (Loading(load={0: 1.0}),), ({n - 1: 1.0},)),
     )
-    return METHODS[method](problem, law_stiffness([system], omega)).values[0, 0]
+    kappa = law_stiffness([system], omega)
+
+    def evaluate(laws, _=False):
+        return np.moveaxis(METHODS[method](problem, laws), 2, 0)
+
+    values = evaluate(kappa)
+    uncertain_points(evaluate, kappa, values)  # as of every response
+    return values[:, 0, 0]
 
 
 def compiled(system, omega):

@@ -11,12 +11,11 @@ column of its own, because these terms may cancel.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,9 +32,13 @@ from torsionnet.model.elimination import exact
 from torsionnet.model.kinematics import exact_row
 from torsionnet.model.readings import balance, reading
 
-EVEN_RATIO = 0.2
-"""Relative change over frequency up to which the squared ratio of two stiffnesses counts as constant, a tenth of the
-ratio itself, as bounds on rounding errors need no more than its order of magnitude."""
+
+class LawTerms(NamedTuple):
+    """Terms of sums of laws, one of each sum at most: number of the sum, law and factor, all (n,)."""
+
+    slots: NDArray[np.intp]
+    laws: NDArray[np.intp]
+    factors: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,16 +108,30 @@ class LawStiffness:
         return kappa.reshape(self.n_laws, self.n_points)
 
     def at(self, points: NDArray[np.intp]) -> LawStiffness:
-        """Dynamic stiffness of all laws in N m/rad at selected points, which become frequencies of one variant."""
-        actions = tuple(values.reshape(1, -1)[:, points] for values in self.actions)
+        """Dynamic stiffness of all laws in N m/rad at selected points.
+
+        Points of several variants become variants of one frequency each.
+        """
         variants, places = np.divmod(points, self.omega.shape[-1])
-        omega = self.omega[places] if self.omega.ndim == 1 else self.omega[variants, places]
-        values = np.empty((self.n_laws, len(points)), dtype=complex)
-        values.real = self.inertia[variants].T * -(omega * omega) + self.stiffness[variants].T
-        values.imag = self.damping[variants].T * omega
-        for law, sampled in self.sampled:
-            values[law] += sampled[variants, places]
-        return replace(self, omega=omega, actions=actions).with_sampled_stiffness(values)
+        one_variant = len(self.stiffness) == 1
+        shape = (1, len(points)) if one_variant else (len(points), 1)
+
+        def chosen(values: NDArray[Any]) -> Any:
+            return values[variants, places].reshape(shape)
+
+        omega = chosen(np.broadcast_to(self.omega, (len(self.stiffness), self.omega.shape[-1])))
+        return replace(
+            self if one_variant else self.variants(variants),
+            omega=omega[0] if one_variant else omega,
+            sampled=tuple((law, chosen(values)) for law, values in self.sampled),
+            actions=tuple(chosen(values) for values in self.actions),
+        )
+
+    def scaled(self, factors: FloatArray) -> LawStiffness:
+        """Dynamic stiffness of all laws times ``factors`` (n_laws,)."""
+        J, c, k = (factors * part for part in (self.inertia, self.damping, self.stiffness))
+        sampled = tuple((law, factors[law] * values) for law, values in self.sampled)
+        return replace(self, inertia=J, damping=c, stiffness=k, sampled=sampled)
 
     def variants(self, which: NDArray[np.intp]) -> LawStiffness:
         """Dynamic stiffness of all laws in N m/rad for selected variants, at the same frequencies."""
@@ -134,24 +151,29 @@ class LawStiffness:
         sampled = tuple((law, value[None]) for law, value in enumerate(values))
         return LawStiffness(nothing, nothing, nothing, self.omega, sampled, self.actions)
 
-    def law_sums(self, sources: Sequence[Sequence[tuple[int, float]]]) -> LawStiffness:
-        """Dynamic stiffness in N m/rad of sums of laws, each given in ``sources`` by pairs of law and factor."""
-        shape = (len(self.stiffness), len(sources))
-        J, c, k = np.zeros(shape), np.zeros(shape), np.zeros(shape)
-        places: dict[int, list[tuple[int, float]]] = {}
-        terms: dict[int, list[tuple[int, int, float]]] = {}
-        for slot, source in enumerate(sources):
-            for number, (law, factor) in enumerate(source):
-                terms.setdefault(number, []).append((slot, law, factor))
-                places.setdefault(law, []).append((slot, factor))
-        for some in terms.values():  # the first terms of all sums, then the second ones: no slot twice
-            slots, laws, factors = map(list, zip(*some, strict=True))
+    def in_single_precision(self) -> LawStiffness:
+        """Laws rounded to seven digits, with which all that follows is calculated to seven digits, too."""
+
+        def rounded(values: NDArray[Any]) -> Any:
+            return values.astype(np.complex64 if np.iscomplexobj(values) else np.float32)
+
+        J, c, k, omega = map(rounded, (self.inertia, self.damping, self.stiffness, self.omega))
+        sampled = tuple((law, rounded(values)) for law, values in self.sampled)
+        return replace(self, inertia=J, damping=c, stiffness=k, omega=omega, sampled=sampled)
+
+    def law_sums(self, n_slots: int, terms: Sequence[LawTerms]) -> LawStiffness:
+        """Dynamic stiffness in N m/rad of ``n_slots`` sums of laws: their first terms, their second ones, ..."""
+        shape = (len(self.stiffness), n_slots)
+        J, c, k = (np.zeros(shape, self.stiffness.dtype) for _ in range(3))
+        for slots, laws, factors in terms:
             for part, whole in ((J, self.inertia), (c, self.damping), (k, self.stiffness)):
-                part[:, slots] += whole[:, laws] * factors
+                part[:, slots] += whole[:, laws] * factors.astype(whole.dtype)
         sampled: dict[int, ComplexArray] = {}
         for law, values in self.sampled:
-            for slot, factor in places.get(law, ()):
-                sampled[slot] = factor * values + sampled.get(slot, 0.0)
+            for slots, laws, factors in terms:
+                for place in np.flatnonzero(laws == law).tolist():
+                    slot = int(slots[place])
+                    sampled[slot] = float(factors[place]) * values + sampled.get(slot, 0.0)
         return LawStiffness(J, c, k, self.omega, tuple(sampled.items()))
 
     @cached_property
@@ -190,33 +212,6 @@ class LawStiffness:
             if imag is not None:
                 imag += samples.imag
 
-    def inertial(self, law: int) -> FloatArray | None:
-        """Inertia term J omega^2 of a law in N m/rad, (n_points,), or None unless it has a stiffness as well."""
-        squares, polynomials = self._polynomials
-        J, _, k, samples = polynomials[law]
-        if J is None or (k is None and samples is None):
-            return None
-        return np.asarray(np.broadcast_to(-squares * J, (len(self.stiffness), self.omega.shape[-1])).ravel())
-
-    def ratio(self, above: int, below: int) -> float | FloatArray:
-        """Magnitude of the dynamic stiffness of one law over that of another, a number or an (n_points,) array.
-
-        A number stands for all points where it is right within `EVEN_RATIO`, and is then the largest.
-        """
-        squares, polynomials = self._polynomials
-        (J_a, c_a, k_a, samples_a), (J_b, c_b, k_b, samples_b) = polynomials[above], polynomials[below]
-        if J_a is None and J_b is None and samples_a is None and samples_b is None:
-            if len(self.stiffness) == 1 and k_a == k_b and c_a == c_b:
-                return 1.0
-            # The ratio |k + j c w| of two springs changes in one direction: its ends at the least and largest w^2 do.
-            ends = -float(squares.max(initial=-np.inf)), -float(squares.min(initial=0.0))
-            least, most = (_squared(c_a, k_a, w2) / _squared(c_b, k_b, w2) for w2 in ends)
-            if len(self.stiffness) == 1 and abs(least - most) <= EVEN_RATIO * least:
-                return math.sqrt(max(least, most))
-            if np.all(abs(least - most) <= EVEN_RATIO * least):
-                return np.repeat(np.sqrt(np.maximum(least, most)).ravel(), self.omega.shape[-1])
-        return np.asarray(np.abs(self.of(above)) / np.abs(self.of(below)))
-
     def blocks(self, size: int) -> Iterator[LawStiffness]:
         """Yield the dynamic stiffness of all laws in N m/rad in blocks of at most ``size`` points."""
         n_f = self.omega.shape[-1]
@@ -234,16 +229,6 @@ class LawStiffness:
                     sampled=tuple((law, values[variants, frequencies]) for law, values in self.sampled),
                     actions=tuple(values[variants, frequencies] for values in self.actions),
                 )
-
-
-def _squared(damping: Any, stiffness: Any, square: float) -> Any:
-    """Squared magnitude of a stiffness with damping in N m/rad at a squared circular frequency, NaN where it is 0.
-
-    None stands for none.
-    """
-    k, c = (0.0 if value is None else value for value in (stiffness, damping))
-    size = k * k + square * (c * c)
-    return size if np.ndim(size) or size else math.nan
 
 
 def law_stiffness(systems: Sequence[RowSystem], omega: FloatArray) -> LawStiffness:

@@ -17,7 +17,7 @@ from torsionnet.linear.assembly.system import Assembly
 from torsionnet.linear.assembly.table_range import range_notes
 from torsionnet.linear.batch.batch import Batch, BatchedStiffness
 from torsionnet.linear.batch.batch_plan import batch_plan
-from torsionnet.linear.dynamic_stiffness.quotient import transfer_functions
+from torsionnet.linear.dynamic_stiffness.quotient import uncertain_points
 from torsionnet.linear.dynamic_stiffness.sweep import chosen_method
 from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest, cached_request, request_for_model
 from torsionnet.linear.responses.grid import Adaptive
@@ -26,6 +26,7 @@ from torsionnet.linear.responses.transfer import (
     Evaluated,
     chosen_frequencies,
     evaluate,
+    evaluation,
     known_method,
     responses,
     warn_infinite,
@@ -164,8 +165,9 @@ def _static(batch: Batch, request: TransferRequest, method: str) -> Any:
     single = np.ones(len(batch), dtype=bool)
     if not rigid_motions(batch.drivetrain.assembly.kinematics):
         # K resists every motion: solved directly, and only doubtful variants singly.
-        points = transfer_functions(request, batch.law_stiffness(np.zeros(1)), method)
-        found, single = points.values, points.uncertain | ~np.isfinite(points.values).all(axis=(1, 2))
+        kappa, evaluate = batch.law_stiffness(np.zeros(1)), evaluation(request, method)
+        found = evaluate(kappa, False)
+        single = uncertain_points(evaluate, kappa, found)
     for index in np.flatnonzero(single):
         found[index] = at_zero(batch.model(int(index)), request)
     return found

@@ -17,7 +17,7 @@ from torsionnet.base.errors import MissingExtraError
 from torsionnet.linear.assembly.law_stiffness import LawStiffness
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.linear.dynamic_stiffness.reading_problem import ReadingPart, ReadingProblem
-from torsionnet.linear.dynamic_stiffness.tape import MOST_LOST, Tape
+from torsionnet.linear.dynamic_stiffness.tape import Tape
 
 # Integer and float arrays that say how every reading is formed, as the compiled loop runs through them.
 
@@ -79,9 +79,6 @@ def _entry(part: ReadingPart, laws: tuple[int, ...]) -> tuple[int, int, int]:
     return part.solved, part.term.power, -1
 
 
-# ruff: noqa: FURB136  (``min`` looks for NaN, which keeps compilers from making vector instructions of a loop)
-
-
 try:
     import numba
 except ModuleNotFoundError as error:
@@ -94,24 +91,19 @@ POINTS_AT_ONCE = 128
 a thousand registers in the cache."""
 
 LAW, CONSTANT, SUM, PRODUCT, QUOTIENT, INVERSE = ops.LAW, ops.CONSTANT, ops.SUM, ops.PRODUCT, ops.QUOTIENT, ops.INVERSE
-LEVEL, SIZE, REST, TERMS, MORE = ops.LEVEL, ops.SIZE, ops.REST, ops.TERMS, ops.MORE
-TIMES, RATIO, LARGER, OPEN, PASSED, MARK = ops.TIMES, ops.RATIO, ops.LARGER, ops.OPEN, ops.PASSED, ops.MARK
 LEAST_SQUARE, MOST_SQUARE = 1e-290, 1e290
 """Squared magnitudes, least and most, within which the compiled loop divides by a measured reading, since beyond them
 only numpy's scaled division is safe. The compiled loop leaves NaN there."""
 
 
-def sweep(tape: Tape, kappa: LawStiffness) -> tuple[ComplexArray, NDArray[np.bool_]]:
-    """Output values (n_values, n_points) of a tape by the compiled loop, and mask (n_points,) of lost digits."""
+def sweep(tape: Tape, kappa: LawStiffness) -> ComplexArray:
+    """Output values (n_values, n_points) of a tape by the compiled loop."""
     values = np.zeros((tape.n_values, kappa.n_points), dtype=complex)
-    uncertain = np.zeros(kappa.n_points, dtype=bool)
-    _sweep(tape.operations, tape.factors, *_numbers(kappa), _registers(tape), values, uncertain)
-    return values, uncertain
+    _sweep(tape.operations, *_numbers(kappa), *_own(tape, kappa), values)
+    return values
 
 
-def read(
-    tape: Tape, slots: LawStiffness, table: ReadingTable, kappa: LawStiffness
-) -> tuple[ComplexArray, FloatArray, NDArray[np.bool_]]:
+def read(tape: Tape, slots: LawStiffness, table: ReadingTable, kappa: LawStiffness) -> tuple[ComplexArray, FloatArray]:
     """Readings of sensors in SI units per excitation, or over the measured reading, at all frequency points.
 
     Parameters
@@ -123,20 +115,22 @@ def read(
 
     Returns
     -------
-    (n_points, n_out, n_exc) array, (n_points,) array, (n_points,) boolean array
-        Readings, or quotients by the last one where it is measured; its conditioning; mask of uncertain points.
+    (n_points, n_out, n_exc) array, (n_points,) array
+        Readings, or quotients by the last one where it is measured, NaN beyond the range of the loop; its conditioning.
     """
     values = np.empty((slots.n_points, table.n_out, table.n_excitations), dtype=complex)
-    conditioning, uncertain = np.ones(slots.n_points), np.empty(slots.n_points, dtype=bool)
+    conditioning = np.ones(slots.n_points)
     own = _numbers(kappa)
-    _read(tape.operations, tape.factors, *_numbers(slots), *own[:-1], _registers(tape), tape.n_values,
+    _read(tape.operations, *_numbers(slots), *own[:-1], *_own(tape, slots), tape.n_values,
           table.n_excitations, table.is_measured, table.whole, table.factors, table.applied,
-          values, conditioning, uncertain)  # fmt: skip
-    return values, conditioning, uncertain
+          values, conditioning)  # fmt: skip
+    return values, conditioning
 
 
-def _registers(tape: Tape) -> FloatArray:
-    return np.empty((tape.n_registers, 2, POINTS_AT_ONCE))
+def _own(tape: Tape, kappa: LawStiffness) -> tuple[FloatArray, FloatArray]:
+    """Factors of a tape and its registers, in the precision of the laws."""
+    kind = kappa.stiffness.dtype
+    return tape.factors.astype(kind), np.empty((tape.n_registers, 2, POINTS_AT_ONCE), dtype=kind)
 
 
 def _numbers(kappa: LawStiffness) -> tuple[Any, ...]:
@@ -149,36 +143,23 @@ def _numbers(kappa: LawStiffness) -> tuple[Any, ...]:
     place = np.full(kappa.n_laws, -1)
     place[[law for law, _ in kappa.sampled]] = np.arange(len(kappa.sampled))
     shape = (len(kappa.stiffness), kappa.omega.shape[-1])
-    sampled = np.empty((len(kappa.sampled), *shape), dtype=complex)
+    sampled = np.empty((len(kappa.sampled), *shape), dtype=np.result_type(kappa.stiffness.dtype, np.complex64))
     for number, (_, values) in enumerate(kappa.sampled):
         sampled[number] = values
     parts = (np.ascontiguousarray(part) for part in (kappa.inertia, kappa.damping, kappa.stiffness))
     return *parts, place, sampled, np.ascontiguousarray(np.atleast_2d(kappa.omega))
 
 
-def _squaring(
-    inertia: Any, damping: Any, stiffness: Any, place: Any, sampled: Any, w2: float, w: float, point: int, law: int
-) -> Any:
-    """Squared magnitude of the dynamic stiffness of one law in (N m/rad)^2 at one frequency point."""
-    real, imag = stiffness[law] - inertia[law] * w2, damping[law] * w
-    if place[law] >= 0:
-        value = sampled[place[law], point]
-        real, imag = real + value.real, imag + value.imag
-    return real * real + imag * imag
-
-
 def _walk(
     operations: Any, factors: Any, inertia: Any, damping: Any, stiffness: Any, place: Any, sampled: Any, w2: Any,
-    w: Any, first: int, n: int, r: Any, left: Any, y: Any,
+    w: Any, first: int, n: int, r: Any, y: Any,
 ) -> None:  # fmt: skip
     """Run all operations of a tape for a block of frequency points of one variant and write its outputs into ``y``.
 
     The first ``n`` of the points count.
-
-    ``left`` falls below zero where digits are lost. Magnitudes stand in the real parts of registers.
     """
     for number in range(operations.shape[0]):
-        code, t, a, b, slots = operations[number]
+        code, t, a, b = operations[number]
         f = factors[number]
         if code == PRODUCT:  # (a + jb)(c + jd), on real and imaginary parts apart: complex numbers give no vector code
             for i in range(POINTS_AT_ONCE):
@@ -192,26 +173,6 @@ def _walk(
                 real, imag = r[a, 0, i] + more, r[a, 1, i] + beside
                 r[t, 0, i] = real
                 r[t, 1, i] = imag
-        elif code == TIMES:
-            for i in range(POINTS_AT_ONCE):
-                r[t, 0, i] = r[a, 0, i] * r[b, 0, i]
-        elif code == MORE:
-            for i in range(POINTS_AT_ONCE):
-                r[t, 0, i] = r[a, 0, i] + f * r[b, 0, i]
-        elif code == LARGER:
-            for i in range(POINTS_AT_ONCE):
-                other = f * r[b, 0, i]
-                r[t, 0, i] = other if other > r[a, 0, i] else r[a, 0, i]
-        elif code == SIZE:
-            for i in range(POINTS_AT_ONCE):
-                r[t, 0, i] = math.sqrt(r[a, 0, i] * r[a, 0, i] + r[a, 1, i] * r[a, 1, i])
-        elif code == RATIO:
-            for i in range(POINTS_AT_ONCE):
-                r[t, 0, i] = r[a, 0, i] / r[b, 0, i]
-        elif code == REST:  # |1 - f r_a|: what a pivot keeps beside a share
-            for i in range(POINTS_AT_ONCE):
-                real, imag = 1.0 - f * r[a, 0, i], f * r[a, 1, i]
-                r[t, 0, i] = math.sqrt(real * real + imag * imag)
         elif code == LAW:  # kappa = k - J omega^2 + j c omega, and the sample of a table where there is one
             k, J, c, at = stiffness[a], inertia[a], damping[a], place[a]
             if at < 0:
@@ -223,38 +184,6 @@ def _walk(
                     value = sampled[at, first + min(i, n - 1)]
                     r[t, 0, i] = k - J * w2[i] + value.real
                     r[t, 1, i] = c * w[i] + value.imag
-        elif code == TERMS:  # bound E of a law: the larger of |kappa| and its inertia term, which may nearly cancel k
-            J = inertia[b]
-            for i in range(POINTS_AT_ONCE):
-                size = math.sqrt(r[a, 0, i] * r[a, 0, i] + r[a, 1, i] * r[a, 1, i])
-                against = J * w2[i]
-                r[t, 0, i] = against if against > size else size
-        elif code == PASSED:  # a loss at law p, as a multiple of law q: f |kappa_p/kappa_q| r_a r_b
-            p, q = slots // stiffness.shape[0], slots % stiffness.shape[0]
-            # Springs with the same c/k have a ratio that no frequency changes.
-            alike = damping[p] * stiffness[q] == damping[q] * stiffness[p] and inertia[p] == inertia[q] == 0.0
-            if alike and place[p] < 0 and place[q] < 0:
-                ratio = abs(stiffness[p] / stiffness[q]) if stiffness[q] != 0.0 else abs(damping[p] / damping[q])
-                for i in range(POINTS_AT_ONCE):
-                    r[t, 0, i] = f * ratio * (r[a, 0, i] * r[b, 0, i])
-            else:
-                for i in range(POINTS_AT_ONCE):
-                    above = _squared(inertia, damping, stiffness, place, sampled, w2[i], w[i], first + min(i, n - 1), p)
-                    below = _squared(inertia, damping, stiffness, place, sampled, w2[i], w[i], first + min(i, n - 1), q)
-                    r[t, 0, i] = f * math.sqrt(above / below) * (r[a, 0, i] * r[b, 0, i])
-        elif (
-            code == OPEN
-        ):  # the bound of a pivot's rest at a leaf: |1 - f r_a|, and the leaf's own inertia term beside k
-            for i in range(POINTS_AT_ONCE):
-                real, imag = 1.0 - f * r[a, 0, i], f * r[a, 1, i]
-                r[t, 0, i] = math.sqrt(real * real + imag * imag)
-            p, q = slots // stiffness.shape[0], slots % stiffness.shape[0]
-            if inertia[p] != 0.0 and (stiffness[p] != 0.0 or place[p] >= 0):
-                for i in range(POINTS_AT_ONCE):
-                    size = r[a, 0, i] * r[a, 0, i] + r[a, 1, i] * r[a, 1, i]
-                    below = _squared(inertia, damping, stiffness, place, sampled, w2[i], w[i], first + min(i, n - 1), q)
-                    other = inertia[p] * w2[i] * math.sqrt(size / below)
-                    r[t, 0, i] = other if other > r[t, 0, i] else r[t, 0, i]
         elif code == QUOTIENT:  # r_a conj(r_b)/|r_b|^2
             for i in range(POINTS_AT_ONCE):
                 scale = 1.0 / (r[b, 0, i] * r[b, 0, i] + r[b, 1, i] * r[b, 1, i])
@@ -262,18 +191,12 @@ def _walk(
                 imag = r[a, 1, i] * r[b, 0, i] - r[a, 0, i] * r[b, 1, i]
                 r[t, 0, i] = real * scale
                 r[t, 1, i] = imag * scale
-        elif code == MARK:  # uncertain where the error f r_a is above MOST_LOST roundings of the size r_b
-            for i in range(POINTS_AT_ONCE):
-                left[i] = left[i] if f * r[a, 0, i] <= MOST_LOST * r[b, 0, i] else -1.0
         elif code == INVERSE:
             for i in range(POINTS_AT_ONCE):
                 scale = 1.0 / (r[a, 0, i] * r[a, 0, i] + r[a, 1, i] * r[a, 1, i])
                 real, imag = r[a, 0, i] * scale, -r[a, 1, i] * scale
                 r[t, 0, i] = real
                 r[t, 1, i] = imag
-        elif code == LEVEL:
-            for i in range(POINTS_AT_ONCE):
-                r[t, 0, i] = f
         elif code == CONSTANT:
             for i in range(POINTS_AT_ONCE):
                 r[t, 0, i] = f
@@ -285,43 +208,40 @@ def _walk(
 
 
 def _sweeping(
-    operations: Any, factors: Any, inertia: Any, damping: Any, stiffness: Any, place: Any, sampled: Any, omega: Any,
-    r: Any, values: Any, uncertain: Any,
+    operations: Any, inertia: Any, damping: Any, stiffness: Any, place: Any, sampled: Any, omega: Any,
+    factors: Any, r: Any, values: Any,
 ) -> None:  # fmt: skip
-    """Run a tape at all frequency points of all variants, and fill in ``values`` and the mask of uncertain points."""
+    """Run a tape at all frequency points of all variants, and fill in ``values``."""
     n_variants, n_f = inertia.shape[0], omega.shape[1]
-    w, w2, left = np.empty(POINTS_AT_ONCE), np.empty(POINTS_AT_ONCE), np.empty(POINTS_AT_ONCE)
-    y = np.zeros((values.shape[0], 2, POINTS_AT_ONCE))
+    w, w2 = np.empty(POINTS_AT_ONCE, r.dtype), np.empty(POINTS_AT_ONCE, r.dtype)
+    y = np.zeros((values.shape[0], 2, POINTS_AT_ONCE), r.dtype)
     for variant in range(n_variants):
         offset = variant * n_f
         for first in range(0, n_f, POINTS_AT_ONCE):
             n = min(POINTS_AT_ONCE, n_f - first)
-            _start(omega[min(variant, omega.shape[0] - 1)], first, n, w, w2, left)
+            _start(omega[min(variant, omega.shape[0] - 1)], first, n, w, w2)
             _points(operations, factors, inertia[variant], damping[variant], stiffness[variant], place,
-                    sampled[:, variant], w2, w, first, n, r, left, y)  # fmt: skip
+                    sampled[:, variant], w2, w, first, n, r, y)  # fmt: skip
             for t in range(values.shape[0]):
                 for i in range(n):
                     values[t, offset + first + i] = complex(y[t, 0, i], y[t, 1, i])
-            for i in range(n):
-                uncertain[offset + first + i] = left[i] < 0.0
 
 
-def _starting(omega: Any, first: int, n: int, w: Any, w2: Any, left: Any) -> None:
-    """Fill in omega, omega^2 and the digits left of a block of frequency points.
+def _starting(omega: Any, first: int, n: int, w: Any, w2: Any) -> None:
+    """Fill in omega and omega^2 of a block of frequency points.
 
     The last one is repeated for points that do not count.
     """
     for i in range(POINTS_AT_ONCE):
         w[i] = omega[first + min(i, n - 1)]
         w2[i] = w[i] * w[i]
-        left[i] = 0.0
 
 
 def _reading(
-    operations: Any, factors: Any, inertia: Any, damping: Any, stiffness: Any, place: Any, sampled: Any, omega: Any,
+    operations: Any, inertia: Any, damping: Any, stiffness: Any, place: Any, sampled: Any, omega: Any,
     own_inertia: Any, own_damping: Any, own_stiffness: Any, own_place: Any, own_sampled: Any,
-    r: Any, n_values: int, n_exc: int, is_measured: bool, whole: Any, shares: Any, applied: float,
-    values: Any, conditioning: Any, uncertain: Any,
+    factors: Any, r: Any, n_values: int, n_exc: int, is_measured: bool, whole: Any, shares: Any, applied: float,
+    values: Any, conditioning: Any,
 ) -> None:  # fmt: skip
     """Run a tape at all frequency points of all variants, and form the readings from its outputs.
 
@@ -331,20 +251,15 @@ def _reading(
     n_variants, n_f = inertia.shape[0], omega.shape[1]
     n_out = values.shape[1]
     n_readings = n_out + is_measured
-    w, w2, left = np.empty(POINTS_AT_ONCE), np.empty(POINTS_AT_ONCE), np.empty(POINTS_AT_ONCE)
-    y, z = np.zeros((n_values, 2, POINTS_AT_ONCE)), np.empty((whole.shape[0], n_exc, 2, POINTS_AT_ONCE))
+    w, w2 = np.empty(POINTS_AT_ONCE, r.dtype), np.empty(POINTS_AT_ONCE, r.dtype)
+    y, z = np.zeros((n_values, 2, POINTS_AT_ONCE), r.dtype), np.empty((whole.shape[0], n_exc, 2, POINTS_AT_ONCE))
     c, size = np.empty((2, POINTS_AT_ONCE)), np.empty(POINTS_AT_ONCE)
     for variant in range(n_variants):
         for first in range(0, n_f, POINTS_AT_ONCE):
             n = min(POINTS_AT_ONCE, n_f - first)
-            _start(omega[min(variant, omega.shape[0] - 1)], first, n, w, w2, left)
+            _start(omega[min(variant, omega.shape[0] - 1)], first, n, w, w2)
             _points(operations, factors, inertia[variant], damping[variant], stiffness[variant], place,
-                    sampled[:, variant], w2, w, first, n, r, left, y)  # fmt: skip
-            # Outputs whose squares would overflow make a point uncertain.
-            for t in range(n_values):
-                for i in range(POINTS_AT_ONCE):
-                    total = abs(y[t, 0, i]) + abs(y[t, 1, i])
-                    left[i] = left[i] if total <= MOST_SQUARE else -1.0
+                    sampled[:, variant], w2, w, first, n, r, y)  # fmt: skip
             for number in range(whole.shape[0]):
                 solved, power, law = whole[number]
                 f = shares[number]
@@ -383,7 +298,6 @@ def _reading(
                     square = a * a + b * b
                     size[i] = math.sqrt(square) / size[i] if size[i] > 0.0 else 0.0
                     scale = 1.0 / square if LEAST_SQUARE < square < MOST_SQUARE else math.nan
-                    left[i] = -1.0 if math.isnan(scale) else left[i]
                     c[0, i], c[1, i] = a * scale, -b * scale
                 for number in range(n_out):
                     for i in range(POINTS_AT_ONCE):
@@ -397,10 +311,8 @@ def _reading(
                 for e in range(n_exc):
                     for i in range(n):
                         values[offset + i, number, e] = complex(z[number, e, 0, i], z[number, e, 1, i])
-            for i in range(n):
-                uncertain[offset + i] = left[i] < 0.0
 
 
 _jit = numba.njit(cache=True, error_model="numpy", nogil=True, fastmath={"contract"})
-_squared, _points, _start = _jit(_squaring), _jit(_walk), _jit(_starting)
+_points, _start = _jit(_walk), _jit(_starting)
 _sweep, _read = _jit(_sweeping), _jit(_reading)

@@ -10,17 +10,13 @@ import numpy as np
 from torsionnet.linear.assembly.law_stiffness import LawStiffness
 from torsionnet.linear.assembly.rows import ComplexArray
 from torsionnet.linear.dynamic_stiffness.response_problem import ResponseProblem
-from torsionnet.linear.dynamic_stiffness.sweep import Sweep
 
 BLOCK_BYTES = 32 * 2**20
 """Memory in bytes of the dynamic stiffness matrices solved at once, since larger blocks leave the processor's cache."""
 
 
-def respond(problem: ResponseProblem, kappa: LawStiffness) -> Sweep:
-    """Motions (rad) and reactions (N m) per unit excitation, (n_read, n_exc, n_points), by dense matrices.
-
-    It does not check for lost digits.
-    """
+def respond(problem: ResponseProblem, kappa: LawStiffness) -> ComplexArray:
+    """Motions (rad) and reactions (N m) per unit excitation, (n_read, n_exc, n_points), by dense matrices."""
     by_law, n_points = kappa.by_law, kappa.n_points
     values = np.zeros((problem.n_read, len(problem.excitations), n_points), dtype=complex)
     block = max(1, BLOCK_BYTES // (16 * max(1, _columns(problem)) ** 2))
@@ -28,7 +24,7 @@ def respond(problem: ResponseProblem, kappa: LawStiffness) -> Sweep:
         for start in range(0, n_points, block):
             part = slice(start, min(start + block, n_points))
             values[:, :, part] = np.moveaxis(_respond(problem, by_law[:, part].T), 0, 2)
-    return Sweep(values, np.zeros(n_points, dtype=bool))
+    return values
 
 
 def _columns(problem: ResponseProblem) -> int:

@@ -29,8 +29,12 @@ import collections
 import heapq
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
+import numpy as np
+
+from torsionnet.linear.assembly.law_stiffness import LawTerms
 from torsionnet.linear.dynamic_stiffness.row_algebra import (
     DOUBLE,
     Accuracy,
@@ -132,8 +136,6 @@ class EliminationPlan:
     steps : tuple of EliminationStep
     outputs : tuple of (motion slot or -1, factor)
     reactions : tuple of ReactionStep
-    subtracts : bool
-        Whether rows were split into links and grounds, some of them negative, which costs digits anywhere.
     """
 
     sources: tuple[tuple[tuple[int, float], ...], ...]
@@ -146,7 +148,16 @@ class EliminationPlan:
     steps: tuple[EliminationStep, ...]
     outputs: tuple[tuple[int, float], ...]
     reactions: tuple[ReactionStep, ...]
-    subtracts: bool
+
+    @cached_property
+    def law_terms(self) -> tuple[LawTerms, ...]:
+        """Sources as arrays: the first terms of all sums, then the second ones, ..., so that no slot comes twice."""
+        terms = []
+        for number in range(max(map(len, self.sources), default=0)):
+            some = [(slot, *source[number]) for slot, source in enumerate(self.sources) if len(source) > number]
+            slots, laws, factors = zip(*some, strict=True)
+            terms.append(LawTerms(np.array(slots), np.array(laws), np.array(factors)))
+        return tuple(terms)
 
 
 SPLIT_ROW_MULTIPLE = 2
@@ -208,7 +219,6 @@ def make_plan(
         steps=steps,
         outputs=planner.outputs,
         reactions=tuple(planner.taken[column] for column in reactions),
-        subtracts=planner.scale is not None,
     )
 
 

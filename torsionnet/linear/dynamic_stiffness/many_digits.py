@@ -113,7 +113,7 @@ def run_tape(tape: Tape, kappa: Sequence[Any]) -> dict[int, Any]:
     """
     r: list[Any] = [None] * tape.n_registers
     values: dict[int, Any] = {}
-    for (code, t, a, b, _), factor in zip(tape.operations.tolist(), tape.factors.tolist(), strict=True):
+    for code, t, a, b, factor in tape.steps:
         if code == ops.LAW:
             r[t] = kappa[a]
         elif code == ops.CONSTANT:

@@ -7,11 +7,14 @@ and to unit torques of the actions, y = Y_u u + Y_T T and z = Z_u u + Z_T T, so
 
     T = (I - kappa Y_T)^-1 kappa Y_u u
 
-Elimination along the graph stays symmetric; what the loop subtracts is watched for the digits it costs.
+Elimination along the graph stays symmetric.
+
+Rounding is told by the same calculation to seven digits. A point is certain where both agree.
 """
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple, TypeAlias
@@ -25,26 +28,28 @@ from torsionnet.linear.assembly.law_stiffness import LawStiffness
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.linear.dynamic_stiffness.reading_problem import ReadingProblem
 from torsionnet.linear.dynamic_stiffness.response_problem import ResponseProblem
-from torsionnet.linear.dynamic_stiffness.sweep import Sweep
-from torsionnet.linear.dynamic_stiffness.tape import LARGE_SHARE
 from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest
+
+AGREEMENT = 2e-12 / 2**-29
+"""Largest relative difference from the same calculation to seven digits at a point that is certain, 0.1 %: roundings to
+seven digits are 2^29 times as large, and so is what an elimination makes of them."""
+NOTHING = float(np.finfo(float).tiny) / float(np.finfo(float).eps)
+"""Size of a value in SI units up to which it counts as zero: smaller ones have no digits to lose."""
+Evaluate: TypeAlias = Callable[[LawStiffness, bool], ComplexArray]
+"""Calculation of values at all points (n_points, ...) from laws, in the other order of elimination if that is asked."""
 
 
 class ClosedLoops(NamedTuple):
-    """Readings (n_read, n_exc, n_points) with controllers at work, torques of these in N m, and uncertain points.
+    """Readings (n_read, n_exc, n_points) per unit excitation with controllers at work, and torques of these in N m.
 
-    Readings are per unit excitation; the torques are (n_act, n_exc, n_points); ``uncertain`` (n_points,) marks points
-    that lost digits.
+    The torques are (n_act, n_exc, n_points).
     """
 
     values: ComplexArray
     torques: ComplexArray
-    uncertain: NDArray[np.bool_]
 
 
-def close_loops(
-    reading_problem: ReadingProblem, kappa: LawStiffness, values: ComplexArray, uncertain: NDArray[np.bool_]
-) -> ClosedLoops:
+def close_loops(reading_problem: ReadingProblem, kappa: LawStiffness, values: ComplexArray) -> ClosedLoops:
     """Readings per unit excitation with controllers at work, from ``values`` calculated without their torques.
 
     These ``values`` are responses to the excitations, then to a unit torque of each action.
@@ -57,44 +62,29 @@ def close_loops(
     sensed = gains[:, None, :] * values[list(reading_problem.sensed)]
     by_torque, by_excitation = np.moveaxis(sensed[:, n_exc:], 2, 0), np.moveaxis(sensed[:, :n_exc], 2, 0)
     with np.errstate(all="ignore"):
-        # T = (I - kappa Y_T)^-1 kappa Y_u u, which loses digits where kappa Y_T is next to 1.
-        loop = np.eye(n_act) - by_torque
-        torques, lost = _solved(loop, by_excitation)
-        lost |= (LARGE_SHARE * np.abs(loop) < np.abs(by_torque)).any(axis=(1, 2))
-        torques = np.moveaxis(torques, 0, 2)
-        alone, added = values[:, :n_exc], values[:, n_exc:]
-        # z = Z_u u + Z_T T, and the sum of magnitudes against which it may cancel.
-        total = alone + np.einsum("rap,aep->rep", added, torques)
-        size = np.abs(alone) + np.einsum("rap,aep->rep", np.abs(added), np.abs(torques))
-        lost |= (LARGE_SHARE * np.abs(total) < size).any(axis=(0, 1))
-    finite = np.isfinite(total).all(axis=(0, 1)) & np.isfinite(torques).all(axis=(0, 1))
-    return ClosedLoops(total, torques, uncertain | lost | ~finite)
+        # T = (I - kappa Y_T)^-1 kappa Y_u u
+        torques = np.moveaxis(_solved(np.eye(n_act) - by_torque, by_excitation), 0, 2)
+        # z = Z_u u + Z_T T
+        total = values[:, :n_exc] + np.einsum("rap,aep->rep", values[:, n_exc:], torques)
+    return ClosedLoops(total, torques)
 
 
-def _solved(loop: ComplexArray, right: ComplexArray) -> tuple[ComplexArray, NDArray[np.bool_]]:
-    """Torques of the actions (n_points, n_act, n_exc) in N m, and mask (n_points,) where the loops nearly cancel."""
+def _solved(loop: ComplexArray, right: ComplexArray) -> ComplexArray:
+    """Torques of the actions (n_points, n_act, n_exc) in N m, nan where the loops have no solution."""
     if loop.shape[1] == 1:
-        return np.asarray(right / loop), np.zeros(len(loop), dtype=bool)
+        return np.asarray(right / loop)
     finite = np.isfinite(loop).all(axis=(1, 2)) & np.isfinite(right).all(axis=(1, 2))
-    found: ComplexArray = np.full(right.shape, np.nan + 0j)
-    lost: NDArray[np.bool_] = np.asarray(~finite)
+    torques: ComplexArray = np.full(right.shape, np.nan + 0j)
     for point in np.flatnonzero(finite):
-        # Rows of one size: actions differ in units, which says nothing of the loop.
-        rows = np.abs(loop[point]).max(axis=1, keepdims=True)
-        scaled = loop[point] / np.where(rows > 0, rows, 1.0)
-        if np.linalg.cond(scaled) > LARGE_SHARE:
-            lost[point] = True
-        try:
-            found[point] = np.linalg.solve(loop[point], right[point])
-        except np.linalg.LinAlgError:
-            lost[point] = True
-    return found, lost
+        with contextlib.suppress(np.linalg.LinAlgError):
+            torques[point] = np.linalg.solve(loop[point], right[point])
+    return torques
 
 
-Respond: TypeAlias = Callable[[ResponseProblem, LawStiffness], Sweep]
+Respond: TypeAlias = Callable[[ResponseProblem, LawStiffness], ComplexArray]
 
 
-def _respond_densely(problem: ResponseProblem, kappa: LawStiffness) -> Sweep:
+def _respond_densely(problem: ResponseProblem, kappa: LawStiffness) -> ComplexArray:
     from torsionnet.linear.dynamic_stiffness.dense import respond
 
     return respond(problem, kappa)
@@ -110,14 +100,10 @@ METHODS: dict[str, Respond] = {
 
 @dataclass(frozen=True)
 class FrequencyPoints:
-    """Transfer functions (n_points, n_out, n_in), conditioning of measured inputs, mask of uncertain points.
-
-    Conditioning and mask are (n_points,).
-    """
+    """Transfer functions (n_points, n_out, n_in), and conditioning (n_points,) of measured inputs."""
 
     values: ComplexArray
     conditioning: FloatArray
-    uncertain: NDArray[np.bool_]
 
 
 def transfer_functions(
@@ -125,8 +111,7 @@ def transfer_functions(
 ) -> FrequencyPoints:
     """Transfer functions (n_points, n_out, n_in) of a request at all frequency points of the stiffness ``kappa``.
 
-    They come with conditioning and a mask of points that lost digits. With ``other_order`` another order of elimination
-    is used.
+    With ``other_order`` another order of elimination is used.
     """
     reading_problem, n_out = request.reading_problem, len(request.outputs)
     if other_order:
@@ -138,10 +123,9 @@ def transfer_functions(
             again = transfer_functions(request, kappa.at(points), "graph", other_order=other_order)
             whole.values[points], whole.conditioning[points] = again.values, again.conditioning
         return whole
-    found = METHODS[method](reading_problem.problem, kappa)
-    loops = ClosedLoops(found.values, np.empty(0, dtype=complex), found.uncertain)
+    loops = ClosedLoops(METHODS[method](reading_problem.problem, kappa), np.empty(0, dtype=complex))
     if reading_problem.sensed:
-        loops = close_loops(reading_problem, kappa, found.values, found.uncertain)
+        loops = close_loops(reading_problem, kappa, loops.values)
     # Readings y = L(s) q + direct u of all outputs, then measured inputs, per unit excitation.
     readings = np.empty((kappa.n_points, len(reading_problem.parts), loops.values.shape[1]), dtype=complex)
     with np.errstate(invalid="ignore"):
@@ -149,13 +133,12 @@ def transfer_functions(
             readings[:, number] = part.of(kappa, loops.values).T
             for action, factor in reading_problem.driven[number].items():
                 readings[:, number] += float(factor) * loops.torques[action].T
-    values, uncertain, conditioning = readings[:, :n_out], loops.uncertain, np.ones(kappa.n_points)
+    values, conditioning = readings[:, :n_out], np.ones(kappa.n_points)
     if request.is_measured:
         # Y_out Y_in^-1, equations (8)-(13) of Galvagno et al. (2015). Both readings have det D as denominator, which
         # cancels: the poles are the zeros of the measured input (natural_modes.poles_against_measured).
-        # Small rests of large terms lose digits.
         measured = readings[:, n_out:]
-        values, lost, apart = _divide(values, measured)
+        values, apart = _divide(values, measured)
         # Conditioning: measured inputs over the sum of the magnitudes of their terms, largest of any excitation.
         sizes = np.zeros(measured.shape)
         with np.errstate(all="ignore"):
@@ -164,8 +147,16 @@ def transfer_functions(
                 sizes[:, number] = sum(terms, start=np.abs(reading_problem.applied[n_out + number]))
             shares = np.divide(np.abs(measured), sizes, out=np.zeros(sizes.shape), where=sizes > 0)
         conditioning = shares.max(axis=2).min(axis=1) * apart
-        uncertain = uncertain | lost
-    return FrequencyPoints(values, conditioning, uncertain)
+    return FrequencyPoints(values, conditioning)
+
+
+def uncertain_points(evaluate: Evaluate, kappa: LawStiffness, values: ComplexArray) -> NDArray[np.bool_]:
+    """Mask (n_points,) of points at which rounding shows in ``values`` (n_points, ...), as ``evaluate`` made them."""
+    again = evaluate(kappa.in_single_precision(), False)
+    with np.errstate(all="ignore"):
+        agree = np.abs(again - values) <= AGREEMENT * np.maximum(np.abs(values), NOTHING)
+    agree &= np.isfinite(values)
+    return np.asarray(~agree.reshape(kappa.n_points, -1).all(axis=1))
 
 
 def _compiled(request: TransferRequest, reading_problem: ReadingProblem, kappa: LawStiffness) -> FrequencyPoints | None:
@@ -176,30 +167,29 @@ def _compiled(request: TransferRequest, reading_problem: ReadingProblem, kappa: 
     parts, n_out = reading_problem.problem.parts, len(request.outputs)
     tables = [reading_table(reading_problem, n_out, len(excitations)) for excitations, _ in parts]
     values = np.empty((kappa.n_points, n_out, reading_problem.n_excitations), dtype=complex)
-    conditioning, uncertain = np.ones(kappa.n_points), np.zeros(kappa.n_points, dtype=bool)
+    conditioning = np.ones(kappa.n_points)
     for (excitations, part), table in zip(parts, tables, strict=True):
         if table is None:
             return None
-        slots = kappa.law_sums(part.plan.sources)
-        found, conditioning, lost = compiled.read(part.tape, slots, table, kappa.only(table.laws))
-        uncertain |= lost | part.plan.subtracts
+        slots = kappa.law_sums(len(part.plan.sources), part.plan.law_terms)
+        found, conditioning = compiled.read(part.tape, slots, table, kappa.only(table.laws))
         if len(parts) == 1:
             values = found
         else:
             values[:, :, excitations] = found
-    return FrequencyPoints(values, conditioning, uncertain)
+    return FrequencyPoints(values, conditioning)
 
 
-def _divide(outputs: ComplexArray, measured: ComplexArray) -> tuple[ComplexArray, NDArray[np.bool_], FloatArray]:
-    """Quotient Y_out Y_in^-1, mask of points that lose digits, and reciprocal condition of Y_in, at every point.
+def _divide(outputs: ComplexArray, measured: ComplexArray) -> tuple[ComplexArray, FloatArray]:
+    """Quotient Y_out Y_in^-1, and reciprocal condition of Y_in, at every point.
 
-    The last is 1 at best and 0 where it does not at all; there the quotient is inf.
+    The latter is 1 at best and 0 where it does not at all; there the quotient is inf.
     """
     n_points, n_in, _ = measured.shape
     with np.errstate(all="ignore"):
         if n_in == 1:
             quotient = np.where(measured == 0, np.inf + 0j, outputs / measured)
-            return quotient, np.asarray(~np.isfinite(quotient).all(axis=(1, 2))), np.ones(n_points)
+            return quotient, np.ones(n_points)
         # Rows and columns of one size: units of readings and excitations say nothing of the condition.
         rows = np.abs(measured).max(axis=2, keepdims=True)
         columns = (np.abs(measured) / rows).max(axis=1, keepdims=True)
@@ -207,23 +197,19 @@ def _divide(outputs: ComplexArray, measured: ComplexArray) -> tuple[ComplexArray
         normed[~np.isfinite(normed)] = 0.0
         singular = np.linalg.svd(normed, compute_uv=False)
         apart = singular[:, -1] / np.maximum(singular[:, 0], 1e-300)
-        inverse, size = _inverse(normed)
         scale = 1 / columns.swapaxes(1, 2) / rows.swapaxes(1, 2)
-        quotient = outputs @ (inverse * scale)
-        lost = (LARGE_SHARE * np.abs(quotient) < np.abs(outputs) @ (size * scale)).any(axis=(1, 2))
-        return quotient, lost | ~(apart * LARGE_SHARE > 1) | ~np.isfinite(quotient).all(axis=(1, 2)), apart
+        return outputs @ (_inverse(normed) * scale), apart
 
 
-def _inverse(matrices: ComplexArray) -> tuple[ComplexArray, FloatArray]:
-    """Inverses (n_points, n, n) of matrices, inf where singular, and the size of the rounding error of each entry."""
+def _inverse(matrices: ComplexArray) -> ComplexArray:
+    """Inverses (n_points, n, n) of matrices, inf where singular."""
     if matrices.shape[1] == 2:
         (a, b), (c, d) = matrices.transpose(1, 2, 0)
-        inverse = (np.array([[d, -b], [-c, a]]) / (a * d - b * c)).transpose(2, 0, 1)
-        return inverse, np.abs(inverse)
+        return np.asarray(np.array([[d, -b], [-c, a]]) / (a * d - b * c)).transpose(2, 0, 1)
     inverse = np.empty(matrices.shape, dtype=complex)
     for number, matrix in enumerate(matrices):
         try:
             inverse[number] = np.linalg.inv(matrix)
         except np.linalg.LinAlgError:
             inverse[number] = np.inf
-    return inverse, np.broadcast_to(np.abs(inverse).max(axis=(1, 2), keepdims=True), inverse.shape)
+    return inverse

@@ -26,8 +26,6 @@ from torsionnet.linear.dynamic_stiffness.tape import (
     LAW,
     ONE,
     OUTPUT,
-    ErrorBound,
-    Losses,
     Operation,
     Tape,
     TapeQuantity,
@@ -49,14 +47,13 @@ def make_tape(plan: EliminationPlan) -> Tape:
     >>> from torsionnet.linear.dynamic_stiffness.graph_plan import make_plan
     >>> tape = make_tape(make_plan([{0: 1.0}, {0: 1.0, 1: -1.0}], 2, [{1: 1.0}], [{}], [{1: 1.0}], ()))
     >>> len(tape), tape.n_registers
-    (20, 7)
+    (7, 4)
     """
     n_read = len(plan.outputs) + len(plan.reactions)
     taping = (_Forward if n_read <= MOST_FORWARD_READINGS else _Back)(plan)
     for (reading, excitation), value in taping.read().items():
         number, name = reading * plan.n_excitations + excitation, taping.writer.name(value)
         taping.writer.operations.append(Operation(OUTPUT, number, name, 0, value.factor))
-        taping.losses.mark(value)
     return taping.writer.tape(n_read * plan.n_excitations)
 
 
@@ -77,7 +74,6 @@ class _Taping:
 
     def __init__(self, plan: EliminationPlan) -> None:
         self.plan, self.writer = plan, Writer()
-        self.losses = Losses(self.writer, len(plan.sources))
         self.links: dict[int, TapeQuantity] = {}
         self.fresh = set(range(len(plan.sources)))
         self.weights: list[dict[int, TapeQuantity]] = [{} for _ in range(plan.n_excitations)]
@@ -94,22 +90,20 @@ class _Taping:
         """
         if slot in self.fresh:
             self.fresh.discard(slot)
-            self.links[slot] = self.losses.laws[slot] = TapeQuantity(self.writer.new(LAW, slot), 1.0)
-            self.losses.own.add(slot)
+            self.links[slot] = TapeQuantity(self.writer.new(LAW, slot), 1.0)
         return self.links[slot]
 
-    def _add_link(self, slot: int, term: TapeQuantity, error: ErrorBound) -> None:
+    def _add_link(self, slot: int, term: TapeQuantity) -> None:
         if slot in self.fresh:
             self._link(slot)
-        self.links[slot] = self.writer.plus(self.links.get(slot), term, of_terms=False)
-        self.losses.add(slot, error)
+        self.links[slot] = self.writer.plus(self.links.get(slot), term)
 
     def _eliminated(self) -> Iterable[_Eliminated]:
         for step in self.plan.steps:
             for slot, parts in step.handed_on:
                 for target, weight in parts:
                     part = self.writer.times(self._link(slot), TapeQuantity(-1, weight))
-                    self._add_link(target, part, self.losses.handed_on(slot, weight))
+                    self._add_link(target, part)
             if step.shared or step.loads:
                 yield self._eliminate(step)
             else:
@@ -121,7 +115,7 @@ class _Taping:
         # Pivot S = sum kappa_e a_ev^2 in N m/rad, the total stiffness on the coordinate.
         pivot = None
         for term, (_, square) in zip(terms, step.terms, strict=True):
-            pivot = writer.plus(pivot, writer.times(term, TapeQuantity(-1, square)), of_terms=False)
+            pivot = writer.plus(pivot, writer.times(term, TapeQuantity(-1, square)))
         S = pivot or TapeQuantity(writer.new(CONSTANT, factor=0.0), 1.0)
         # Shares s_i = kappa_i/S; several of them by one reciprocal, as a product takes less than a quotient.
         if len(step.shared) > 1:
@@ -129,11 +123,9 @@ class _Taping:
             shares = {i: writer.times(terms[i], inverse) for i in step.shared}
         else:
             shares = {i: writer.over(terms[i], S) for i in step.shared}
-        self.losses.eliminate(step, terms, shares, S)
-        # D' = sum_{i<j} factor s_i kappa_j b b^T. All errors first: they depend on what the sums have not yet changed.
-        errors = [self.losses.of_pair(pair) for pair in step.pairs]
-        for (i, j, factor, target), error in zip(step.pairs, errors, strict=True):
-            self._add_link(target, writer.times(writer.times(shares[i], terms[j]), TapeQuantity(-1, factor)), error)
+        # D' = sum_{i<j} factor s_i kappa_j b b^T.
+        for i, j, factor, target in step.pairs:
+            self._add_link(target, writer.times(writer.times(shares[i], terms[j]), TapeQuantity(-1, factor)))
         loads = {}
         for excitation, weights in enumerate(self.weights):
             # w[target] += factor s_i w[slot]: loads on the coordinate pass on to other rows ...

@@ -203,7 +203,7 @@ def open_loop(drivetrain: AssembledModel, place: int, frequencies: FloatArray) -
     assembly = drivetrain.assembly
     reading_problem = make_reading_problem(assembly, (), (), ())
     kappa = law_stiffness([assembly.system], 2 * np.pi * frequencies)
-    values = respond(reading_problem.problem, kappa).values
+    values = respond(reading_problem.problem, kappa)
     gains = np.array([one.ravel() for one in kappa.actions])
     with np.errstate(all="ignore"):
         # Torque of every action per unit torque of every other, with all loops open.

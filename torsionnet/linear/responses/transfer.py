@@ -10,7 +10,7 @@ show.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -23,7 +23,14 @@ from torsionnet.linear.assembly.law_stiffness import LawStiffness, law_stiffness
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.linear.assembly.system import Assembly
 from torsionnet.linear.assembly.table_range import range_notes
-from torsionnet.linear.dynamic_stiffness.quotient import METHODS, FrequencyPoints, transfer_functions
+from torsionnet.linear.dynamic_stiffness.quotient import (
+    METHODS,
+    NOTHING,
+    Evaluate,
+    FrequencyPoints,
+    transfer_functions,
+    uncertain_points,
+)
 from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest, cached_request
 from torsionnet.linear.frequency_response import FrequencyResponse
 from torsionnet.linear.modes.natural_modes import modes_against
@@ -76,12 +83,11 @@ def refine_uncertain_points(
     UsageError
         The measured inputs depend on each other at every frequency.
     """
-    points = np.flatnonzero(found.uncertain)
-    errors = expected_errors(
-        lambda some, other_order: transfer_functions(request, some, method, other_order=other_order).values,
-        kappa.at(points),
-        found.values[points],
-    )
+    again = evaluation(request, method)
+    points = np.flatnonzero(uncertain_points(again, kappa, found.values))
+    if not len(points):
+        return found
+    errors = expected_errors(again, kappa.at(points), found.values[points])
     # The worst first, as many as time allows.
     worst = errors.max(axis=(1, 2), initial=0.0)
     order = [place for place in np.argsort(-worst, kind="stable").tolist() if worst[place] > ACCEPTED_ERROR]
@@ -100,9 +106,12 @@ def refine_uncertain_points(
     return replace(found, values=values)
 
 
-def expected_errors(
-    evaluate: Callable[[LawStiffness, bool], ComplexArray], kappa: LawStiffness, values: ComplexArray
-) -> FloatArray:
+def evaluation(request: TransferRequest, method: str) -> Evaluate:
+    """Calculation of the transfer functions of a request from laws, in either order of elimination."""
+    return lambda laws, other_order: transfer_functions(request, laws, method, other_order=other_order).values
+
+
+def expected_errors(evaluate: Evaluate, kappa: LawStiffness, values: ComplexArray) -> FloatArray:
     """Relative errors of ``values`` (n_points, ...), from solutions with stiffnesses changed by roundings.
 
     All stiffnesses are moved by a few roundings, with signs by chance. That shows how a value depends on them. Every
@@ -118,14 +127,10 @@ def expected_errors(
             unsure = np.flatnonzero(error.max(axis=rows, initial=0.0) > SURE_ERROR)
         if not len(unsure):
             break
-        by_law = kappa.by_law[:, unsure]
-        moved = by_law * (
-            1 + PERTURBATION * random.uniform(0.5, 1, by_law.shape) * random.choice([-1.0, 1.0], by_law.shape)
-        )
-        again = evaluate(kappa.at(unsure).with_sampled_stiffness(moved), draw % 2 > 0)
+        moves = PERTURBATION * random.uniform(0.5, 1, kappa.n_laws) * random.choice([-1.0, 1.0], kappa.n_laws)
+        again = evaluate(kappa.at(unsure).scaled(1 + moves), draw % 2 > 0)
         with np.errstate(all="ignore"):
-            change = np.abs(again - values[unsure]) / np.abs(values[unsure])
-        change[again == values[unsure]] = 0.0
+            change = np.abs(again - values[unsure]) / np.maximum(np.abs(values[unsure]), NOTHING)
         change[np.isnan(change)] = np.inf
         error[unsure] = np.maximum(error[unsure], change)
     return np.asarray(error)
@@ -291,9 +296,10 @@ def responses(drivetrains: Sequence[AssembledModel], request: TransferRequest, f
 def _static(drivetrain: AssembledModel, request: TransferRequest, method: str) -> ComplexArray:
     """Transfer functions (n_out, n_in) in SI units at 0 Hz, static if finite and certain, else as a limit."""
     if not rigid_motions(drivetrain.assembly.kinematics):
-        found = transfer_functions(request, law_stiffness([drivetrain.assembly.system], np.zeros(1)), method)
-        if np.isfinite(found.values).all() and not found.uncertain[0]:
-            return np.asarray(found.values[0])
+        kappa, again = law_stiffness([drivetrain.assembly.system], np.zeros(1)), evaluation(request, method)
+        values = again(kappa, False)
+        if not uncertain_points(again, kappa, values).any():
+            return np.asarray(values[0])
     from torsionnet.linear.responses.zero import at_zero
 
     return at_zero(drivetrain, request)
@@ -330,7 +336,7 @@ def evaluate(
     if kappa is None:
         kappa = law_stiffness([assembly.system for assembly in assemblies], 2 * np.pi * frequencies)
     found = transfer_functions(request, kappa, method)
-    if method != "dense" and found.uncertain.any():
+    if method != "dense":
         found = refine_uncertain_points(assemblies, request, frequencies, kappa, found, method)
     shape = (len(assemblies), frequencies.shape[-1])
     poor = np.flatnonzero(found.conditioning < VANISHING_INPUT_RATIO)

@@ -8,13 +8,14 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from torsionnet.base.errors import SolveError, UsageError
 from torsionnet.base.expressions import ExpressionError
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.law_stiffness import LawStiffness
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
+from torsionnet.linear.dynamic_stiffness.quotient import uncertain_points
 from torsionnet.linear.dynamic_stiffness.sweep import respond
 from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest, resolve_request
 from torsionnet.linear.responses.transfer import ACCEPTED_ERROR, expected_errors, frequency_response
@@ -100,12 +101,11 @@ class ParametricResponse:
         kappa = law_stiffness_of(whole, omega)
         solved = respond(derivatives.problem, kappa)
         # The motions under the readings as loads are among those solved: dy = -z^T dK x for all parameters at once.
-        y = derivatives.values(solved.values, kappa.s)
-        dy = derivatives.slopes(solved.values, whole, kappa.by_law, kappa.s, omega)
+        y = derivatives.values(solved, kappa.s)
+        dy = derivatives.slopes(solved, whole, kappa.by_law, kappa.s, omega)
         found = self._quotient(*self._stressed(y, dy, numbers))
-        points = np.flatnonzero(solved.uncertain)
-        if len(points) and np.isfinite(numbers).all():
-            found.values[points] = self._settled(derivatives, kappa.at(points), found.values[points], points, numbers)
+        if np.isfinite(numbers).all():
+            self._settle(derivatives, kappa, found.values, numbers)
         if not (np.isfinite(found.values).all() and np.isfinite(found.jacobian).all()):
             raise SolveError(f"the response is not finite at {self._given(numbers)}")
         return found
@@ -150,23 +150,20 @@ class ParametricResponse:
     def _given(self, numbers: Sequence[float]) -> str:
         return ", ".join(f"{name} = {x:.6g}" for name, x in zip(self.names, numbers, strict=True))
 
-    def _settled(
-        self,
-        derivatives: DerivativeProblem,
-        kappa: LawStiffness,
-        values: ComplexArray,
-        points: NDArray[np.intp],
-        numbers: Sequence[float],
-    ) -> ComplexArray:
-        """Transfer functions (n, n_out, n_in) at uncertain points, by the drivetrain itself if rounding would show."""
+    def _settle(
+        self, derivatives: DerivativeProblem, kappa: LawStiffness, values: ComplexArray, numbers: Sequence[float]
+    ) -> None:
+        """Replace transfer functions (n_f, n_out, n_in) in which rounding shows by those of the drivetrain itself."""
 
         def evaluate(some: LawStiffness, other_order: bool) -> ComplexArray:
             problem = derivatives.problem.in_other_order if other_order else derivatives.problem
-            y = derivatives.values(respond(problem, some).values, some.s)
+            y = derivatives.values(respond(problem, some), some.s)
             return self._quotient(*self._stressed(y, np.zeros((*y.shape, len(numbers)), dtype=complex), numbers)).values
 
-        poor = (expected_errors(evaluate, kappa, values) > ACCEPTED_ERROR).any(axis=(1, 2))
-        if poor.any():
+        points = np.flatnonzero(uncertain_points(evaluate, kappa, values))
+        errors = expected_errors(evaluate, kappa.at(points), values[points])
+        poor = points[(errors > ACCEPTED_ERROR).any(axis=(1, 2))]
+        if len(poor):
             # Rounding would show: the drivetrain is assembled at these values and solved by itself.
             changed = AssembledModel.from_definition(self.unknowns.definition).configured(
                 **dict(zip(self.unknowns.parameters, numbers, strict=True))
@@ -174,9 +171,8 @@ class ParametricResponse:
             n_out = len(self.request.outputs)
             measured = {"input": list(self.sensors[n_out:]), "excitation": list(self.loads)}
             asked = measured if self.request.is_measured else {"input": list(self.loads)}
-            f = self.frequencies[points[poor]]
+            f = self.frequencies[poor]
             values[poor] = frequency_response(changed, list(self.sensors[:n_out]), frequencies=f, **asked).values
-        return values
 
     def _quotient(self, y: ComplexArray, dy: ComplexArray) -> Evaluation:
         if not self.request.is_measured:

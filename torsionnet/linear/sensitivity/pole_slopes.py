@@ -154,7 +154,7 @@ class ResponsesAroundPoles:
         kappa = self.system.kappa(s, at)
         nothing = np.zeros((1, len(kappa)))
         laws = LawStiffness(nothing, nothing, nothing, np.zeros(len(s))).with_sampled_stiffness(kappa)
-        solved = respond(probes.problem, laws).values
+        solved = respond(probes.problem, laws)
         y, rates = probes.values(solved, s), self.system.kappa_rates(s, at)
         parts = [probes.slopes(solved, self.system, kappa, s, at)]
         parts += [probes.slopes_along(solved, rate, s)[..., None] for rate in rates]
