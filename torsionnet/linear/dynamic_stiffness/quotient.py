@@ -156,7 +156,7 @@ def uncertain_points(evaluate: Evaluate, kappa: LawStiffness, values: ComplexArr
     with np.errstate(all="ignore"):
         agree = np.abs(again - values) <= AGREEMENT * np.maximum(np.abs(values), NOTHING)
     agree &= np.isfinite(values)
-    return np.asarray(~agree.reshape(kappa.n_points, -1).all(axis=1))
+    return np.asarray(~agree.all(axis=tuple(range(1, agree.ndim))))
 
 
 def _compiled(request: TransferRequest, reading_problem: ReadingProblem, kappa: LawStiffness) -> FrequencyPoints | None:

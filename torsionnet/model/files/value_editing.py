@@ -17,7 +17,6 @@ from torsionnet.model.definition import Definition
 from torsionnet.model.files.located_yaml import LocatedDocument, LocatedNode, Span, compose
 from torsionnet.model.files.reader import read_text
 from torsionnet.model.files.writer import dump, scalar_text
-from torsionnet.model.parts.authored_model import owner
 
 _NOTHING = Overlay()
 
@@ -179,13 +178,12 @@ def node_at(document: LocatedDocument, path: EntryPath) -> LocatedNode | None:
 
 def _in_use(place: ValuePlace, definition: Definition) -> Iterator[EntryPath]:
     """Path of a part's parameter where a use of the part gives its value, for one copy and not for all."""
-    found = (
-        None
-        if definition.authored is None or place.axis or place.is_setting
-        else owner(definition.authored.authored.use, place.parameter)
-    )
-    if found is not None and definition.authored is not None:
-        name, index, own = found
+    if definition.authored is None or place.axis or place.is_setting:
+        return
+    from torsionnet.model.parts.authored_model import owner
+
+    if owned := owner(definition.authored.authored.use, place.parameter):
+        name, index, own = owned
         use = definition.authored.authored.use[name]
         if isinstance(use.parameters.get(own), tuple):
             yield ("use", name, "parameters", own, index)
