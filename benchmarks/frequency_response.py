@@ -239,7 +239,7 @@ def small():
 
 def rows():
     yield from long_chain()
-    yield from against("batched `numpy.linalg.solve`", 100, sized(10_000, 100), batched, (200, 450))
+    yield from against("batched `numpy.linalg.solve`", 100, sized(10_000, 100), batched, (200, 900))
     yield from against(
         "a `scipy.sparse.linalg.splu` loop", sized(1000, 100), sized(10_000, 100), sparse_loop, (20, 150)
     )
