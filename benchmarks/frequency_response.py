@@ -241,7 +241,7 @@ def rows():
     yield from long_chain()
     yield from against("batched `numpy.linalg.solve`", 100, sized(10_000, 100), batched, (200, 900))
     yield from against(
-        "a `scipy.sparse.linalg.splu` loop", sized(1000, 100), sized(10_000, 100), sparse_loop, (20, 150)
+        "a `scipy.sparse.linalg.splu` loop", sized(1000, 100), sized(10_000, 100), sparse_loop, (33, 180)
     )
     yield from loops()
     yield growth("DOF", list(CHAINS), lambda n: graph(CHAINS[n], frequencies(sized(2000, 100))))

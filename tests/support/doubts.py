@@ -1,4 +1,4 @@
-"""Points at which an elimination does not agree with one in another order."""
+"""Points at which an elimination to seven digits differs."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from torsionnet.linear.dynamic_stiffness.quotient import uncertain_points
 def in_doubt(respond, problem, kappa):
     """Mask (n_points,) of points at which motions and reactions by ``respond`` lose digits."""
 
-    def evaluate(laws, other_order):
-        return np.moveaxis(respond(problem.in_other_order if other_order else problem, laws), 2, 0)
+    def evaluate(laws, _):
+        return np.moveaxis(respond(problem, laws), 2, 0)
 
     return uncertain_points(evaluate, kappa, evaluate(kappa, False))

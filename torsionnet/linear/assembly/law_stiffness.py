@@ -152,14 +152,15 @@ class LawStiffness:
         return LawStiffness(nothing, nothing, nothing, self.omega, sampled, self.actions)
 
     def in_single_precision(self) -> LawStiffness:
-        """Laws rounded to seven digits, with which all that follows is calculated to seven digits, too."""
+        """Laws and actions rounded to seven digits; the elimination of such laws is calculated to seven digits, too."""
 
         def rounded(values: NDArray[Any]) -> Any:
             return values.astype(np.complex64 if np.iscomplexobj(values) else np.float32)
 
         J, c, k, omega = map(rounded, (self.inertia, self.damping, self.stiffness, self.omega))
         sampled = tuple((law, rounded(values)) for law, values in self.sampled)
-        return replace(self, inertia=J, damping=c, stiffness=k, omega=omega, sampled=sampled)
+        actions = tuple(map(rounded, self.actions))
+        return replace(self, inertia=J, damping=c, stiffness=k, omega=omega, sampled=sampled, actions=actions)
 
     def law_sums(self, n_slots: int, terms: Sequence[LawTerms]) -> LawStiffness:
         """Dynamic stiffness in N m/rad of ``n_slots`` sums of laws: their first terms, their second ones, ..."""
