@@ -536,3 +536,18 @@ def test_blocks_of_a_large_file_take_little_memory(tmp_path, ending, samples):
     tracemalloc.stop()
     assert total == -samples * (samples - 1) / 2
     assert peak < 5e6
+
+
+@pytest.mark.parametrize("quantity", ["angle", "velocity", "torque"])
+def test_a_record_of_one_sample_is_too_short_and_nothing_else(quantity):
+    (fault,) = check_recording(Recording((Signal("phi", quantity, np.array([2.5])),), sampling_rate=1000.0))
+    assert "less than one window" in str(fault)
+
+
+def test_a_time_stamp_next_to_zero_divides_nothing(tmp_path):
+    """The smallest number there is, as in a file whose exponent was spoilt."""
+    stamps = [*(f"{0.001 * count:.3f}" for count in range(16)), "4.94065646e-324", "0.017"]
+    path = tmp_path / "record.csv"
+    path.write_text("\n".join(["time [s],T [N*m]", *(f"{stamp},1.5" for stamp in stamps)]), encoding="utf-8")
+    with pytest.raises(ModelError, match=r"the time stamp 4\.94065646e-324 s follows 0\.015 s"):
+        read_recording(path)

@@ -394,6 +394,8 @@ def _disturbed(signal: Signal, recording: Recording) -> Iterator[Fault]:
 
 def _returning(signal: Signal, rate: float) -> Iterator[Fault]:
     """Yield a warning on what returns with every turn in a speed or an angle, as the pitch errors of its wheel do."""
+    if len(signal.values) < 2:  # no difference, no speed
+        return
     speeds = signal.values if signal.quantity == "velocity" else np.gradient(signal.values) * rate
     found = turn_pattern(speeds, rate)
     if found is not None:

@@ -67,6 +67,10 @@ def rounded_grid(stamps: FloatArray, scale: float = 1.0) -> RoundedGrid | None:
     return None
 
 
+LEAST_POWER = -290
+"""Power of ten of the smallest time stamps whose digits are looked at."""
+
+
 def _roundings(stamps: FloatArray) -> Iterator[tuple[str, FloatArray, FloatArray]]:
     """Yield the roundings that time stamps show: words, the stamps so rounded, and half a unit of the last digit."""
     few = stamps[:: max(1, len(stamps) // LOOKED_AT)]
@@ -96,7 +100,8 @@ def _are_whole(counts: FloatArray) -> bool:
 def _unit(stamps: FloatArray, digits: int) -> FloatArray:
     sizes = np.abs(stamps)
     powers = np.floor(np.log10(np.where(sizes > 0, sizes, np.min(sizes[sizes > 0], initial=1.0))))
-    return np.asarray(10.0 ** (powers + 1 - digits))
+    # Below some 1e-290 there are no such units: nothing may be divided by zero.
+    return np.asarray(10.0 ** (np.maximum(powers, LEAST_POWER) + 1 - digits))
 
 
 def _end(low: FloatArray, high: FloatArray, interval: float, way: int) -> float | None:
