@@ -181,6 +181,7 @@ class TestWidths:
 
     @pytest.mark.parametrize("role", ROLES)
     def test_widths_are_those_of_matplotlib(self, role):
+        import matplotlib
         from matplotlib.textpath import text_to_path
 
         from torsionnet.plot.schematics.schematic import _font
@@ -190,8 +191,10 @@ class TestWidths:
                 expected, _, _ = text_to_path.get_text_width_height_descent(
                     text, _font(role, ROLES[role].size), is_math(text, role)
                 )
-                # Ligatures and pairs, too; where matplotlib rounds otherwise, by a hundredth of the size at most.
-                assert text_width(text, role) == pytest.approx(expected, abs=0.011 * ROLES[role].size)
+                # Ligatures and pairs, too; where matplotlib rounds otherwise, by a hundredth of the size at most. Before
+                # 3.11 it rounded each letter to pixels.
+                room = 0.011 if matplotlib.__version_info__ >= (3, 11) else 0.25
+                assert text_width(text, role) == pytest.approx(expected, abs=room * ROLES[role].size)
 
     def test_widths_are_known_units_of_the_font(self):
         from matplotlib.textpath import TextPath
