@@ -19,7 +19,7 @@ import torsionnet as tn
 from benchmarks._sizes import ARGUMENTS, sized
 from torsionnet.linear.assembly.law_stiffness import law_stiffness
 from torsionnet.linear.assembly.rows import Rows, RowSystem
-from torsionnet.linear.dynamic_stiffness.quotient import METHODS, uncertain_points
+from torsionnet.linear.dynamic_stiffness.quotient import METHODS, rounding_errors, uncertain_points
 from torsionnet.linear.dynamic_stiffness.response_problem import Loading, ResponseProblem
 
 OPENTORSION = """
@@ -66,7 +66,7 @@ def graph(system, omega, method="graph"):
         return np.moveaxis(METHODS[method](problem, laws), 2, 0)
 
     values = evaluate(kappa)
-    uncertain_points(evaluate, kappa, values)  # as of every response
+    uncertain_points(rounding_errors(evaluate, kappa, values), 1)  # as of every response
     return values[:, 0, 0]
 
 

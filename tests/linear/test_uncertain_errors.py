@@ -22,7 +22,7 @@ def test_further_solutions_only_of_points_that_are_not_sure():
     kappa = LawStiffness(np.zeros((1, 1)), np.zeros((1, 1)), np.full((1, 1), 7.0), omega)
     values = evaluate(kappa, False)
     asked.clear()
-    errors = expected_errors(evaluate, kappa, values)[:, 0, 0]
+    errors = expected_errors(evaluate, kappa, values, 0 * values.real)[:, 0, 0]
     assert asked == [(omega.tolist(), False), (omega.tolist(), True), ([3.0], False), ([3.0], True)]
     assert errors[:2] == pytest.approx(0.75 * PERTURBATION, rel=0.4)
     assert errors[2] == pytest.approx(0.75e6 * PERTURBATION, rel=0.4)
@@ -37,7 +37,12 @@ def test_stiffnesses_are_perturbed_up_and_down():
         return kappa.by_law[:1].T[:, None]
 
     nothing = np.zeros((1, 200))
-    expected_errors(evaluate, LawStiffness(nothing, nothing, nothing + 7.0, np.ones(1)), np.full((1, 1, 1), 7.0 + 0j))
+    expected_errors(
+        evaluate,
+        LawStiffness(nothing, nothing, nothing + 7.0, np.ones(1)),
+        np.full((1, 1, 1), 7.0 + 0j),
+        np.zeros((1, 1, 1)),
+    )
     shares = np.concatenate(moved) / PERTURBATION
     assert 0.4 < np.mean(shares > 0) < 0.6
     assert 0.49 < np.abs(shares).min() < np.abs(shares).max() < 1.01

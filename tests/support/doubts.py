@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from torsionnet.linear.dynamic_stiffness.quotient import uncertain_points
+from torsionnet.linear.dynamic_stiffness.quotient import rounding_errors, uncertain_points
 
 
 def in_doubt(respond, problem, kappa):
@@ -11,4 +11,4 @@ def in_doubt(respond, problem, kappa):
     def evaluate(laws, _):
         return np.moveaxis(respond(problem, laws), 2, 0)
 
-    return uncertain_points(evaluate, kappa, evaluate(kappa, False))
+    return uncertain_points(rounding_errors(evaluate, kappa, evaluate(kappa, False)), 1)

@@ -17,7 +17,7 @@ from torsionnet.linear.assembly.system import Assembly
 from torsionnet.linear.assembly.table_range import range_notes
 from torsionnet.linear.batch.batch import Batch, BatchedStiffness
 from torsionnet.linear.batch.batch_plan import batch_plan
-from torsionnet.linear.dynamic_stiffness.quotient import uncertain_points
+from torsionnet.linear.dynamic_stiffness.quotient import rounding_errors, uncertain_points
 from torsionnet.linear.dynamic_stiffness.sweep import chosen_method
 from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest, cached_request, request_for_model
 from torsionnet.linear.responses.grid import Adaptive
@@ -167,7 +167,7 @@ def _static(batch: Batch, request: TransferRequest, method: str) -> Any:
         # K resists every motion: solved directly, and only doubtful variants singly.
         kappa, evaluate = batch.law_stiffness(np.zeros(1)), evaluation(request, method)
         found = evaluate(kappa, False)
-        single = uncertain_points(evaluate, kappa, found)
+        single = uncertain_points(rounding_errors(evaluate, kappa, found), len(batch))
     for index in np.flatnonzero(single):
         found[index] = at_zero(batch.model(int(index)), request)
     return found

@@ -30,10 +30,13 @@ from torsionnet.linear.dynamic_stiffness.reading_problem import ReadingProblem
 from torsionnet.linear.dynamic_stiffness.response_problem import ResponseProblem
 from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest
 
-AGREEMENT = 2e-13 / 2**-29
-"""Largest relative difference from the same calculation to seven digits at a point that is certain, 0.01 %: roundings
-to seven digits are 2^29 times as large, and so is what an elimination makes of them. Where 1e-9 is lost they agree so
-well by chance at one point in five thousand."""
+CERTAIN = 2e-13
+"""Relative error of a value that is certain, at which its calculation to seven digits is off by 0.01 %."""
+SINGLE_SHARE = 2.0**-29
+"""Rounding in double precision over that in single precision, and so what an elimination makes of the one over what it
+makes of the other. Where 1e-9 is lost they agree to 0.01 % by chance at one point in five thousand."""
+LEAST_SINGLE = 1e-30
+"""Size of a value in SI units below which products on the way to it may be too small for single precision."""
 NOTHING = float(np.finfo(float).tiny) / float(np.finfo(float).eps)
 """Size of a value in SI units up to which it counts as zero: smaller ones have no digits to lose."""
 Evaluate: TypeAlias = Callable[[LawStiffness, bool], ComplexArray]
@@ -151,13 +154,19 @@ def transfer_functions(
     return FrequencyPoints(values, conditioning)
 
 
-def uncertain_points(evaluate: Evaluate, kappa: LawStiffness, values: ComplexArray) -> NDArray[np.bool_]:
-    """Mask (n_points,) of points at which rounding shows in ``values`` (n_points, ...), as ``evaluate`` made them."""
+def rounding_errors(evaluate: Evaluate, kappa: LawStiffness, values: ComplexArray) -> FloatArray:
+    """Relative errors of ``values`` (n_points, ...) by rounding, as ``evaluate`` made them; inf where unknown."""
     with np.errstate(all="ignore"):
         again = evaluate(kappa.in_single_precision(), False)
-        agree = np.abs(again - values) <= AGREEMENT * np.maximum(np.abs(values), NOTHING)
-    agree &= np.isfinite(values)
-    differ = ~agree.all(axis=tuple(range(1, agree.ndim))).reshape(len(kappa.stiffness), kappa.omega.shape[-1])
+        errors = SINGLE_SHARE * np.abs(again - values) / np.maximum(np.abs(values), NOTHING)
+    # Beyond the range of single precision its result says nothing.
+    beyond = (np.abs(again) < LEAST_SINGLE) & (errors > CERTAIN)
+    return np.where(np.isfinite(values) & np.isfinite(errors) & ~beyond, errors, np.inf)
+
+
+def uncertain_points(errors: FloatArray, n_variants: int) -> NDArray[np.bool_]:
+    """Mask (n_points,) of points at which rounding shows, from the errors (n_points, ...) of their values."""
+    differ = (errors > CERTAIN).any(axis=tuple(range(1, errors.ndim))).reshape(n_variants, -1)
     # Roundings may agree by chance, at one point next to a resonance in some thousand; at its neighbours they do not.
     beside = differ.copy()
     beside[:, 1:] |= differ[:, :-1]

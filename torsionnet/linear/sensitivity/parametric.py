@@ -15,7 +15,7 @@ from torsionnet.base.expressions import ExpressionError
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.law_stiffness import LawStiffness
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
-from torsionnet.linear.dynamic_stiffness.quotient import uncertain_points
+from torsionnet.linear.dynamic_stiffness.quotient import rounding_errors, uncertain_points
 from torsionnet.linear.dynamic_stiffness.sweep import respond
 from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest, resolve_request
 from torsionnet.linear.responses.transfer import ACCEPTED_ERROR, expected_errors, frequency_response
@@ -160,8 +160,9 @@ class ParametricResponse:
             y = derivatives.values(respond(problem, some), some.s)
             return self._quotient(*self._stressed(y, np.zeros((*y.shape, len(numbers)), dtype=complex), numbers)).values
 
-        points = np.flatnonzero(uncertain_points(evaluate, kappa, values))
-        errors = expected_errors(evaluate, kappa.at(points), values[points])
+        rounding = rounding_errors(evaluate, kappa, values)
+        points = np.flatnonzero(uncertain_points(rounding, 1))
+        errors = expected_errors(evaluate, kappa.at(points), values[points], rounding[points])
         poor = points[(errors > ACCEPTED_ERROR).any(axis=(1, 2))]
         if len(poor):
             # Rounding would show: the drivetrain is assembled at these values and solved by itself.
