@@ -12,7 +12,7 @@ from support.doubts import in_doubt
 import torsionnet as tn
 from torsionnet.linear.assembly.law_stiffness import LawStiffness
 from torsionnet.linear.dynamic_stiffness import sweep
-from torsionnet.linear.dynamic_stiffness.quotient import uncertain_points
+from torsionnet.linear.dynamic_stiffness.quotient import NOTHING, rounding_errors, uncertain_points
 from torsionnet.linear.dynamic_stiffness.response_problem import Loading, ResponseProblem
 from torsionnet.linear.responses import transfer
 
@@ -160,3 +160,42 @@ def test_a_controller_that_all_but_cancels_a_spring_loses_no_digits(k, p):
     found = rig.frequency_response("th", "T", f).values[:, 0, 0]
     exact = [1 / (Fraction(k) - Fraction(str(p)) - Fraction(2 * np.pi * one) ** 2) for one in f]
     assert found.real == pytest.approx([float(one) for one in exact], rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("double", "single", "error"),
+    [
+        (1.0, 1.0 + 2**-20, 2**-49),
+        (1e-20, 2e-20, 2**-29),
+        (1e-40, 0.0, np.inf),  # below the numbers of single precision, which says nothing
+        (1e-40, 1e-40, 0.0),
+        (1.0, np.nan, np.inf),
+        (np.inf, np.inf, np.inf),
+        (0.0, 0.0, 0.0),
+        (1e-310, 2e-310, 2**-29 * 1e-310 / NOTHING),  # too small to have digits
+    ],
+)
+def test_error_of_a_value_by_its_calculation_to_seven_digits(double, single, error):
+    nothing = np.zeros((1, 1))
+    kappa = LawStiffness(nothing, nothing, nothing + 1.0, np.ones(1))
+
+    def evaluate(laws, _):
+        return np.full((1, 1, 1), single if laws.stiffness.dtype == np.float32 else double, dtype=complex)
+
+    assert rounding_errors(evaluate, kappa, evaluate(kappa, False)).item() == pytest.approx(error, rel=1e-6)
+
+
+def test_a_stop_band_far_below_single_precision_is_calculated_without_a_warning():
+    """J = 1, k = 1 in a row of 40, without damping: x_n/T_0 of the chain in closed form, at twice its cut-off."""
+    n, w = 40, 4.0
+    elements = [tn.Inertia(f"J{i}", node=f"n{i}", inertia=1) for i in range(n)]
+    elements += [tn.Spring(f"k{i}", nodes=(f"n{i - 1}", f"n{i}"), stiffness=1) for i in range(1, n)]
+    found = tn.Drivetrain("chain", elements).frequency_response(f"n{n - 1}", "n0", [w / (2 * np.pi)]).values.item()
+    with mpmath.workdps(DIGITS):
+        # x_i = cos((n - 1/2 - i) mu) with 2 cos mu = 2 - w^2 has a free far end; T_0 = -w^2 sum x_i.
+        omega = 2 * mpmath.pi * mpmath.mpf(w / (2 * np.pi))
+        mu = mpmath.acos(1 - omega**2 / 2)
+        shape = [mpmath.cos((n - mpmath.mpf(1) / 2 - i) * mu) for i in range(n)]
+        exact = shape[-1] / (-(omega**2) * mpmath.fsum(shape))
+    assert abs(found) < 1e-40
+    assert abs(found / complex(exact) - 1) < 1e-9

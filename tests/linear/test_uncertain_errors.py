@@ -46,3 +46,13 @@ def test_stiffnesses_are_perturbed_up_and_down():
     shares = np.concatenate(moved) / PERTURBATION
     assert 0.4 < np.mean(shares > 0) < 0.6
     assert 0.49 < np.abs(shares).min() < np.abs(shares).max() < 1.01
+
+
+def test_no_error_is_smaller_than_that_told_by_single_precision():
+    """A share next to 1 may fall on the same side in all solutions; what is beyond that precision says nothing."""
+    nothing = np.zeros((1, 1))
+    kappa = LawStiffness(nothing, nothing, np.full((1, 1), 7.0), np.arange(1.0, 4.0))
+    values = np.full((3, 1, 1), 1.5 + 0j)
+    rounding = np.array([1e-16, 1e-7, np.inf]).reshape(3, 1, 1)
+    errors = expected_errors(lambda laws, _: np.full((laws.n_points, 1, 1), 1.5 + 0j), kappa, values, rounding)
+    assert errors.ravel().tolist() == [1e-16, 1e-7, 0.0]

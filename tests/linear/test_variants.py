@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import torsionnet as tn
-from torsionnet.linear.assembly.law_stiffness import law_stiffness
+from torsionnet.linear.assembly.law_stiffness import LawStiffness, law_stiffness
 from torsionnet.linear.dynamic_stiffness import sweep
 
 F = np.array([0.0, 0.5, 4.0, 8.1, 30.0])
@@ -78,6 +78,22 @@ def test_blocks_hold_every_lane_once():
         blocks = list(kappa.blocks(size))
         assert max(block.n_points for block in blocks) <= max(size, 1)
         assert np.array_equal(np.concatenate([block.by_law for block in blocks], axis=1), kappa.by_law)
+
+
+@pytest.mark.parametrize("count", [1, 3])
+@pytest.mark.parametrize("own_frequencies", [False, True])
+def test_points_chosen_of_variants_keep_their_laws_and_actions(count, own_frequencies):
+    random = np.random.default_rng(0)
+    omega = 1 + random.random((count, 4)) if own_frequencies else 1 + random.random(4)
+    samples, gains = random.random((count, 4)) + 2j, random.random((count, 4)) - 1j
+    kappa = LawStiffness(*random.random((3, count, 5)), omega, ((2, samples),), (gains,))
+    points = np.array([0, 2, 4 * count - 1])
+    chosen = kappa.at(points)
+    np.testing.assert_allclose(chosen.by_law, kappa.by_law[:, points], rtol=1e-15)
+    assert np.array_equal(chosen.s, kappa.s[points])
+    assert np.array_equal(chosen.actions[0].ravel(), gains.ravel()[points])
+    factors = np.arange(1.0, 6.0)
+    np.testing.assert_allclose(chosen.scaled(factors).by_law, factors[:, None] * chosen.by_law, rtol=1e-15)
 
 
 @pytest.mark.parametrize(
