@@ -574,6 +574,8 @@ class ReportPlan(_ReportPlan):
     measure : tuple of str
         Outputs that are to be measured on board; default: free end of the engine, and the shaft used most.
     configurations : tuple of str
+    normal : str
+        Configuration that is the normal condition at rated load; on axes that it does not name, the first alternative.
     band : (float, float), optional
         Hz; frequencies of the Bode plots.
     angle : {"rad", "deg"}
@@ -609,6 +611,8 @@ class ReportPlan(_ReportPlan):
     orders: sensors or nodes shown over speed; default: the sensors of torque
     measure: sensors of the measurement plan; default: free end of the engine and the shaft used most
     configurations: configurations to report; default: all
+    normal: configuration that is the normal one at rated load, with which sections begin; default: the first of
+        each axis
     band: frequencies of the plots
     angle: unit of angles
     language: language of the report's own texts
@@ -634,6 +638,7 @@ class ReportPlan(_ReportPlan):
         orders: tuple[str, ...] | list[str] = (),
         measure: tuple[str, ...] | list[str] = (),
         configurations: tuple[object, ...] | list[object] = (),
+        normal: object = '',
         band: str | tuple[Scalar, Scalar] | list[Scalar] | list[float] | list[str] | None = None,
         angle: Literal['rad', 'deg'] = 'rad',
         language: Literal['en', 'de'] = 'en',

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar, cast
 
 from torsionnet.base.entries.composite import Listed, Named
@@ -35,7 +35,7 @@ Axes = Mapping[str, Mapping[str, "Overlay"]]
 class Overlay:
     """Changes to a model by an alternative of a configuration.
 
-    Parameter values, elements on or off, operating point, entries.
+    Parameter values, elements on or off, operating point, entries; and what documents call it.
     """
 
     parameters: Mapping[str, Expression] = field(default_factory=dict)
@@ -46,6 +46,13 @@ class Overlay:
     """Changed entries of elements, excitations, scenarios and the load as written, by ``element.entry`` and so on."""
     at: OperatingPoint | None = None
     """Operating point of a call, which replaces that of the model instead of changing some of its entries."""
+    title: str = ""
+    """Title of the alternative in documents; empty: words made of its name."""
+
+    @property
+    def changes_nothing(self) -> bool:
+        """Whether the model with the alternative is the model as written."""
+        return replace(self, title="") == Overlay()
 
     def renamed(self, names: Renaming) -> Overlay:
         """Copy of the changes in a part, with its names in the whole model; ``entries`` are not renamed."""
@@ -56,10 +63,12 @@ class Overlay:
             tuple(map(names.element, self.off)),
             None if point is None else point.renamed(names),
             {names.changed_entry(key): value for key, value in self.entries.items()},
+            title=self.title,
         )
 
     def to_data(self) -> dict[str, Json]:
-        data: dict[str, Any] = {name: plain_scalar(value) for name, value in self.parameters.items()}
+        data: dict[str, Any] = {"title": self.title} if self.title else {}
+        data |= {name: plain_scalar(value) for name, value in self.parameters.items()}
         data |= {key: list(getattr(self, key)) for key in ("on", "off") if getattr(self, key)}
         data |= self.entries
         return data | ({"operating_point": self.operating_point.to_data()} if self.operating_point else {})
@@ -93,7 +102,7 @@ _CHANGED = ChangedEntry("a parameter, or an entry as box.engaged")
 class AlternativeEntry(Plural[Overlay]):
     """Entry for an alternative of a configuration with its changes to the model.
 
-    ``{parameter: value, on: [element], operating_point: {...}, box.engaged: II}``.
+    ``{title: first gear, parameter: value, on: [element], operating_point: {...}, box.engaged: II}``.
     """
 
     def entry_specs(self, raw: object) -> Mapping[Any, Spec[Any]]:
@@ -148,12 +157,13 @@ class AlternativeEntry(Plural[Overlay]):
 _ELEMENT = ElementName("an element of the model")
 _ELEMENTS = "a list of element names"
 _KNOWN: dict[str, Spec[object]] = {
+    "title": Text("what documents call it; default: words made of its name"),
     "on": Listed("elements to switch on", _ELEMENT, form=_ELEMENTS),
     "off": Listed("elements to switch off", _ELEMENT, form=_ELEMENTS),
     "operating_point": OPERATING_POINT,
 }
 VALUE = AnyQuantity("value of a parameter")
-ALTERNATIVE = AlternativeEntry("changed parameters, and elements switched on or off")
+ALTERNATIVE = AlternativeEntry("title, changed parameters, and elements switched on or off")
 ALTERNATIVES = Named("the alternatives on this axis, by name", ALTERNATIVE)
 
 
@@ -267,7 +277,8 @@ def other_configurations(choice: Mapping[str, str], axes: Axes) -> tuple[str, ..
         label(other, axes)
         for other in combinations(axes)
         if any(
-            choice[axis] != name if axis in choice else axes[axis][name] != Overlay() for axis, name in other.items()
+            choice[axis] != name if axis in choice else not axes[axis][name].changes_nothing
+            for axis, name in other.items()
         )
     )
 

@@ -170,7 +170,7 @@ def _facts(subject: ReportData, version: str) -> Iterator[tuple[str, Text]]:
         yield "Description", (model.description.strip(),)
     if model.source:
         yield "Source of data", (model.source.strip(),)
-    names = [case.configuration for case in subject.cases if case.configuration]
+    names = [case.title for case in subject.cases if case.title]
     if names and not request.is_of_kind("conditions"):
         yield "Configurations", (first_names(names, len(names)) + _others(subject),)
     if request.settings:

@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from torsionnet.base.errors import UsageError
-from torsionnet.machinery.checks.limit_checks import limit_subject
 from torsionnet.machinery.limits.iacs_m68 import IacsM68
 from torsionnet.machinery.limits.shaft_limit import ShaftLimit
 from torsionnet.machinery.orders.order_comparison import order_comparison
 from torsionnet.machinery.orders.order_response import OrderResponse
 from torsionnet.model.channels import Sensor, named_sensor
-from torsionnet.model.configurations import parse_choice
 from torsionnet.model.element_base.round_section import section_fault
 from torsionnet.report.free_end import free_end
 from torsionnet.report.measured_orders import MeasuredFile
@@ -69,19 +67,6 @@ def _most_used_shaft(subject: ReportData) -> str:
 def _is_in_the_stern_tube(limit: ShaftLimit) -> bool:
     """Whether a shaft is a propeller shaft, most of which lies in the stern tube, where no strain gauge is seen."""
     return isinstance(limit, IacsM68) and limit.shaft == "propeller"
-
-
-def planned_condition(subject: ReportData) -> Case:
-    """Condition in which a measurement is planned: normal firing, with the fewest changes against the model written."""
-
-    def changes(case: Case) -> tuple[bool, int]:
-        rig = case.drivetrain
-        axes = rig.definition.configurations
-        choice = parse_choice(case.configuration, axes) if case.configuration else {}
-        sizes = [axes[axis][chosen] for axis, chosen in choice.items()]
-        return limit_subject(rig.definition, rig.exact_values).misfiring, sum(bool(one.to_data()) for one in sizes)
-
-    return min(subject.judged_cases, key=changes)
 
 
 def files_by_case(subject: ReportData) -> tuple[tuple[Case, tuple[MeasuredFile, ...]], ...]:

@@ -276,7 +276,7 @@ def make_report(
         measured_files(measured, drivetrain),
     )
     _require_plan(request, drivetrain)
-    cases = cases_of(drivetrain, plan.configurations, plan.kind)
+    cases = cases_of(drivetrain, plan.configurations, plan.kind, plan.normal)
     subject = ReportData(drivetrain, cases, request, file.name, digest_of(data))
     require_answers(subject)
     from torsionnet.machinery.limits.society_rules import SOCIETIES

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from torsionnet.base.equal_remarks import condition_words, configurations_in_words
 from torsionnet.base.errors import UsageError
 from torsionnet.base.phrases import phrase
 from torsionnet.base.table import result_table
@@ -31,7 +29,7 @@ from torsionnet.model.load.lost_torques import has_lost_cylinders
 from torsionnet.report.document_tree import Block, Cell, Heading, NumberText, Paragraph, Picture, TableBlock, TableGroup
 from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_tables import results_table, table, with_decimals
-from torsionnet.report.report_text import as_words, capital, shared_choices, unit
+from torsionnet.report.report_text import as_words, capital, unit
 
 # Words and tables of a report on conditions with a cylinder out: mean torque left, excitation, the worst of them.
 
@@ -72,13 +70,8 @@ def lost_torque_words(subject: ReportData) -> str:
         if kept < 1 - NOT_SHOWN:
             found.setdefault(f"{100 * kept:.3g}", []).append(case.configuration)
     every = subject.model.configurations
-    shares = [f"{share} % ({_choices(names, every)})" for share, names in found.items()]
+    shares = [f"{share} % ({subject.titles.several(names, every)})" for share, names in found.items()]
     return phrase(LOST_TORQUE, speed=speed * RPM, shares=", ".join(shares)) if shares else ""
-
-
-def _choices(names: Sequence[str], every: Sequence[str]) -> str:
-    """Text that names configurations by their choices without the axes, such as 'misfire'."""
-    return as_words(re.sub(r"[^\s,;=]+=", "", configurations_in_words(names, every)))
 
 
 def _kept(case: Case, speed: float) -> float:
@@ -136,7 +129,7 @@ def with_lost_torque(
     lost = lost_harmonics(engine, speed)[list(places)] * 1e-3
     (group,) = block.groups
     rows = tuple((*row, NumberText(float(one))) for row, one in zip(group.rows, lost, strict=True))
-    note = phrase(LOST_NOTE, name=condition_words(case.configuration))
+    note = phrase(LOST_NOTE, name=case.title)
     return replace(
         block,
         columns=(*block.columns, Heading("Lost", unit("kN*m"), numeric=True)),
@@ -182,7 +175,7 @@ def pressure_notes(subject: ReportData, name: str, speed: float) -> list[str]:
     at = np.array([speed])
     whole = np.mean([*engine.mean_torque_shares(at).values()])
     share = alone.mean_torque_shares(at)[one][0]
-    words = condition_words(case.configuration)
+    words = case.title
     return [phrase(OUT_NOTE, name=words, share=round(100 * float(share), 1) + 0.0, whole=100 * whole)]
 
 
@@ -351,7 +344,9 @@ def state_table(subject: ReportData) -> TableBlock | None:
         Heading("Cylinders"),
         Heading("Gas pressure", wide=True),
     )
-    rows: list[tuple[Cell, ...]] = [(shared_choices(names), *state) for state, names in found.items()]
+    rows: list[tuple[Cell, ...]] = [
+        (subject.titles.several(names, subject.model.configurations) or "all", *state) for state, names in found.items()
+    ]
     return table("Misfire and other states of the excitations", columns, rows)
 
 

@@ -19,10 +19,10 @@ from torsionnet.linear.dynamic_stiffness.transfer_request import usable_channels
 from torsionnet.linear.frequency_response import FrequencyResponse
 from torsionnet.linear.modes.modes import Modes
 from torsionnet.linear.responses.grid import Adaptive, vibration_range
-from torsionnet.model.configurations import parse_choice
+from torsionnet.model.condition_titles import ConditionTitles
+from torsionnet.model.configurations import label, parse_choice
 from torsionnet.report.plan import Pair
 from torsionnet.report.report_request import ReportRequest
-from torsionnet.report.report_text import shared_choices
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
@@ -58,11 +58,19 @@ folds them away."""
 class Case:
     """Drivetrain in one configuration of a report, with the name of the configuration.
 
-    The name is empty for the model as written.
+    The name is empty for the model as written. ``common`` are the names of several configurations that share the
+    drivetrain; then its title is what they have in common.
     """
 
     configuration: str
     drivetrain: Drivetrain
+    common: tuple[str, ...] = ()
+
+    @cached_property
+    def title(self) -> str:
+        """Title of the configuration in documents, such as "misfire, full load"; empty for the model as written."""
+        titles = ConditionTitles(self.drivetrain.definition.configurations)
+        return titles.shared(self.common) if self.common else titles.of(self.configuration)
 
 
 @dataclass(frozen=True, eq=False)
@@ -187,8 +195,22 @@ class ReportData:
         if self.request.plan.configurations or not self.left_out:
             return self.cases
         known = {case.configuration: case for case in self.cases}
-        names = ordered_configurations(self.model, self.request.plan.kind)[:MOST_JUDGED_CASES]
+        plan = self.request.plan
+        names = ordered_configurations(self.model, plan.kind, plan.normal)[:MOST_JUDGED_CASES]
         return tuple(known.get(name) or Case(name, self.model.configured(name)) for name in names)
+
+    @cached_property
+    def normal_case(self) -> Case:
+        """Normal condition at rated load, with which every section begins; of conditions without it the first one."""
+        normal = normal_choice(self.model, self.request.plan.normal)
+        axes = self.model.definition.configurations
+        choices = ((case, parse_choice(case.configuration, axes)) for case in self.judged_cases if case.configuration)
+        return next((case for case, choice in choices if choice.items() <= normal.items()), self.judged_cases[0])
+
+    @cached_property
+    def titles(self) -> ConditionTitles:
+        """Titles of the model's configurations in documents."""
+        return ConditionTitles(self.model.definition.configurations)
 
     @cached_property
     def left_out(self) -> tuple[str, ...]:
@@ -239,10 +261,10 @@ class ReportData:
 
     @cached_property
     def free_end_response(self) -> OrderResponse:
-        """Response by order of the angle at the free end of the engine, in the first configuration that is judged."""
+        """Response by order of the angle at the free end of the engine, in the normal condition."""
         from torsionnet.report.free_end import free_end
 
-        drivetrain = self.judged_cases[0].drivetrain
+        drivetrain = self.normal_case.drivetrain
         return drivetrain.order_response(free_end(drivetrain.definition), refine=True)
 
     @cached_property
@@ -254,8 +276,7 @@ class ReportData:
         if len(self.distinct_drivetrains) == len(self.cases):
             return self
         cases = (
-            Case(shared_choices([case.configuration for case in alike]), alike[0].drivetrain)
-            for alike in self.distinct_drivetrains
+            replace(alike[0], common=tuple(case.configuration for case in alike)) for alike in self.distinct_drivetrains
         )
         return replace(self, cases=tuple(cases))
 
@@ -419,30 +440,39 @@ def document_kind(model: Drivetrain) -> str:
     return "approval" if definition.speeds is not None and definition.excitations and definition.limits else "rig"
 
 
-def ordered_configurations(model: Drivetrain, kind: str | None) -> tuple[str, ...]:
+def normal_choice(model: Drivetrain, named: str = "") -> dict[str, str]:
+    """Alternative on each axis that makes up the normal condition at rated load: the one named, else the first one.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> normal_choice(tn.load("marine_medium_speed"), "water=wet")
+    {'water': 'wet', 'coupling': 'nominal', 'firing': 'normal'}
+    """
+    first = {axis: names[0] for axis, names in model.axes.items() if names}
+    return first | (parse_choice(named, model.definition.configurations) if named else {})
+
+
+def ordered_configurations(model: Drivetrain, kind: str | None, normal: str = "") -> tuple[str, ...]:
     """Names of the model's configurations in the order of a report.
 
-    A calculation for approval begins with the one that changes least of the model as it is written.
+    A calculation for approval begins with the normal condition at rated load.
     """
-    names, axes = model.configurations, model.definition.configurations
+    names = model.configurations
     if kind != "approval" or not names:
         return names
-
-    def changes(name: str) -> int:
-        return sum(bool(axes[axis][chosen].to_data()) for axis, chosen in parse_choice(name, axes).items())
-
-    first = min(names, key=changes)
+    first = label(normal_choice(model, normal), model.definition.configurations)
     return (first, *(name for name in names if name != first))
 
 
-def cases_of(model: Drivetrain, names: tuple[str, ...], kind: str | None = None) -> tuple[Case, ...]:
+def cases_of(model: Drivetrain, names: tuple[str, ...], kind: str | None = None, normal: str = "") -> tuple[Case, ...]:
     """Configurations of a model that a report shows, each with its drivetrain.
 
     The model in these configurations, else in all it has, else as it is.
     """
     if model.configuration and not names:
         return (Case(model.configuration, model),)
-    chosen = names or ordered_configurations(model, kind)[:MOST_CASES]
+    chosen = names or ordered_configurations(model, kind, normal)[:MOST_CASES]
     if not chosen:
         return (Case("", model),)
     found = [model.configured(name) for name in chosen]

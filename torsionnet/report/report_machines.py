@@ -201,7 +201,7 @@ def engine_remarks(subject: ReportData) -> list[Block]:
     """
     runs = subject.order_responses if subject.order_outputs else ()
     notes = dict.fromkeys(note for run in runs for note in run.engine_notes)
-    conditions = [(case.configuration, case.drivetrain.definition.excitations) for case in subject.cases]
+    conditions = [(case.title, case.drivetrain.definition.excitations) for case in subject.cases]
     found = [
         *(f"{note[0].upper()}{note[1:]}." for note in notes),
         *(
@@ -217,7 +217,7 @@ def engine_remarks(subject: ReportData) -> list[Block]:
 def engine_angle_tables(subject: ReportData, name: str) -> list[TableBlock]:
     """Tables of the largest and smallest half range of an output by the angles between engines."""
     found = [
-        (case.configuration, run, run.output(name), run.half_range[:, run.output(name)])
+        (case.title, run, run.output(name), run.half_range[:, run.output(name)])
         for case, run in zip(subject.cases, subject.order_responses, strict=True)
         if isinstance(run, WorstResponse) and run.angles
     ]

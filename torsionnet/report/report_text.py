@@ -11,6 +11,7 @@ from torsionnet.base.errors import comma_list
 from torsionnet.base.number_text import MISSING_TYPESET, UNBROKEN_PERCENT, typeset_unit
 from torsionnet.base.phrases import PLACEHOLDER, Phrase, with_values
 from torsionnet.model.channels import parse_sensor
+from torsionnet.model.condition_titles import ConditionTitles
 from torsionnet.model.definition import all_nodes
 from torsionnet.report.document_tree import Inline, Math, Text
 from torsionnet.report.plan import Pair
@@ -32,8 +33,12 @@ def names_in_reports(rig: Drivetrain) -> frozenset[str]:
     named = (model.parameters, model.elements, model.inputs, model.sensors, model.excitations, model.limits)
     names = {*all_nodes(model.elements.values()), *model.scenarios, *(name for section in named for name in section)}
     names |= {*rig.configurations, *axes, *(label for labels in axes.values() for label in labels)}
+    titles = ConditionTitles(axes)
+    names |= {titles.alternative(axis, label) for axis, labels in axes.items() for label in labels}
     return frozenset(
-        names | {as_words(name) for name in names} | {condition_words(name) for name in rig.configurations}
+        names
+        | {as_words(name) for name in names}
+        | {words(name) for name in rig.configurations for words in (condition_words, titles.of)}
     )
 
 

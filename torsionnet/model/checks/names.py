@@ -299,7 +299,7 @@ def unknown_in_configurations(definition: Definition) -> list[Fault]:
             path = ("configurations", axis, label)
             for name in overlay.parameters:
                 if name not in definition.parameters:
-                    known = [*definition.parameters, "on", "off", "operating_point"]
+                    known = [*definition.parameters, "title", "on", "off", "operating_point"]
                     faults.append(unknown_name("parameter", name, known, (*path, name), on_key=True))
             for switch in ("on", "off"):
                 for index, name in enumerate(getattr(overlay, switch)):

@@ -38,11 +38,12 @@ def check_report(plan: ReportPlan, definition: Definition) -> list[Fault]:
     ]
     faults += _over_speed("orders", plan.orders, definition)
     faults += _over_speed("measure", plan.measure, definition)
-    for index, name in enumerate(plan.configurations):
+    chosen = [(("configurations", index), name) for index, name in enumerate(plan.configurations)]
+    for path, name in [*chosen, *([(("normal",), plan.normal)] if plan.normal else [])]:
         try:
             parse_choice(name, definition.configurations)
         except UsageError as error:
-            faults.append(replace(error.fault, path=("configurations", index)))
+            faults.append(replace(error.fault, path=path))
     faults += _idling(plan, definition)
     return [fault.under("report") for fault in faults]
 

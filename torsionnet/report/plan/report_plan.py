@@ -88,6 +88,9 @@ _MEASURE = Listed(
     ChannelName("sensor or node"),
     form="a list such as [phi_1, T_int]",
 )
+_NORMAL = ConfigurationName(
+    "configuration that is the normal one at rated load, with which sections begin; default: the first of each axis"
+)
 _NAMES = Listed("configurations to report; default: all", ConfigurationName(""), form="a list of names")
 
 
@@ -108,6 +111,8 @@ class ReportPlan(Declared):
     measure : tuple of str
         Outputs that are to be measured on board; default: free end of the engine, and the shaft used most.
     configurations : tuple of str
+    normal : str
+        Configuration that is the normal condition at rated load; on axes that it does not name, the first alternative.
     band : (float, float), optional
         Hz; frequencies of the Bode plots.
     angle : {"rad", "deg"}
@@ -143,6 +148,7 @@ class ReportPlan(Declared):
     orders: tuple[str, ...] = entry(_ORDERS, ())
     measure: tuple[str, ...] = entry(_MEASURE, ())
     configurations: tuple[str, ...] = entry(_NAMES, ())
+    normal: str = entry(_NORMAL, "")
     band: tuple[float, float] | None = entry(Band("frequencies of the plots"), None)
     angle: str = entry(OneOf("unit of angles", ANGLES), "rad")
     language: str = entry(OneOf("language of the report's own texts", LANGUAGES), "en")

@@ -6,7 +6,6 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from torsionnet.base.equal_remarks import condition_words
 from torsionnet.base.number_text import aligned_numbers
 from torsionnet.base.phrases import phrase
 from torsionnet.machinery.limits.coupling import temperature_words
@@ -75,7 +74,7 @@ def components_section(subject: ReportData) -> Section | None:
     if found is None:
         return None
     uses = component_uses(found, subject.model.definition, subject.conventions)
-    blocks: list[Block] = [*_m68_shafts(subject, found), _all_components(found, uses)]
+    blocks: list[Block] = [*_m68_shafts(subject, found), _all_components(subject, found, uses)]
     if any(use.group == "crankshaft" for use in uses):
         blocks += [*_throws(subject, uses), Paragraph((NO_M53,))]
     blocks += [Paragraph(("Rules and sources:",)), Listing(tuple(_sources(found)))]
@@ -170,7 +169,7 @@ def _latex(symbol: RuleSymbol) -> str:
     return rf"\sqrt{{{text}}}" if symbol.root else text
 
 
-def _all_components(found: LimitConclusion, uses: Sequence[ComponentUse]) -> TableBlock:
+def _all_components(subject: ReportData, found: LimitConclusion, uses: Sequence[ComponentUse]) -> TableBlock:
     """Table of all components, a group for each kind, with value, allowed value and worst condition."""
     sources = {name: number for number, names in enumerate(_numbered(found).values(), 1) for name in names}
     columns = (
@@ -190,7 +189,7 @@ def _all_components(found: LimitConclusion, uses: Sequence[ComponentUse]) -> Tab
         speeds = aligned_numbers([use.worst.rpm for use in those], 3)
         if those:
             rows = [
-                _cells(use, speed, f"[{sources[use.worst.verdict.limit]}]")
+                _cells(subject, use, speed, f"[{sources[use.worst.verdict.limit]}]")
                 for use, speed in zip(those, speeds, strict=True)
             ]
             groups.append(TableGroup(tuple(rows), capital(group)))
@@ -198,7 +197,7 @@ def _all_components(found: LimitConclusion, uses: Sequence[ComponentUse]) -> Tab
     return TableBlock((caption,), columns, tuple(groups))
 
 
-def _cells(use: ComponentUse, speed: NumberText, source: str) -> tuple[Cell, ...]:
+def _cells(subject: ReportData, use: ComponentUse, speed: NumberText, source: str) -> tuple[Cell, ...]:
     worst, verdict = use.worst, use.worst.verdict
     case = ""
     if verdict.worst is None:
@@ -209,9 +208,9 @@ def _cells(use: ComponentUse, speed: NumberText, source: str) -> tuple[Cell, ...
     what: RuleWords = (*_capital(use.what), *([f"; {remark}"] if remark else []))
     used = "" if worst.utilisation is None else NumberText(100 * worst.utilisation, 3)
     numbers = (NumberText(use.value), NumberText(use.allowed), unit(use.unit) if use.unit else "")
-    chosen = condition_words(worst.check.configuration)
-    last = chosen.rpartition(", ")[2]  # misfire, of which the case says more: misfire of cylinder 4
-    lead = chosen.removesuffix(last).rstrip(", ") if last and case.startswith(last) else chosen
+    # Of a misfire the case says more: misfire of cylinder 4.
+    chosen = subject.titles.of(worst.check.configuration).split(", ")
+    lead = ", ".join(title for title in chosen if not title or not case.startswith(title))
     condition = ": ".join(text for text in (lead, case) if text)
     return (as_words(verdict.limit), _typeset(what), *numbers, used, speed, condition, source)
 
@@ -244,7 +243,7 @@ def _throws(subject: ReportData, uses: Sequence[ComponentUse]) -> Iterator[Block
         list(aligned_numbers([float(size) * scale for size in sizes])),
         list(aligned_numbers([float(run.rpm[at]) for at in places], 3)),
     ]
-    where = phrase(" in condition {name}", name=condition_words(case.configuration)) if case.configuration else ""
+    where = phrase(" in condition {name}", name=case.title) if case.configuration else ""
     most = as_words(elements[int(np.argmax(sizes))])
     compared = as_words(use.worst.verdict.of)
     beyond = use.value is not None and float(sizes.max()) * scale > (1 + SAME_TORQUE) * use.value

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from torsionnet.base.equal_remarks import condition_words
 from torsionnet.base.number_text import aligned_numbers
 from torsionnet.base.phrases import phrase
 from torsionnet.linear.modes.modes import OSCILLATORY
@@ -109,7 +108,7 @@ def _components(subject: ReportData, found: LimitConclusion) -> TableBlock:
         [_component(one) for one in worst],
         [as_words(one.verdict.criterion) for one in worst],
         [one.gravest for one in worst],
-        [condition_words(one.check.configuration) for one in worst],
+        [subject.titles.of(one.check.configuration) for one in worst],
         list(aligned_numbers([one.rpm for one in worst], 3)),
         list(aligned_numbers([value for value, _, _ in sizes], 3)),
         list(aligned_numbers([allowed for _, allowed, _ in sizes], 3)),
@@ -172,7 +171,7 @@ def summary_section(subject: ReportData) -> Section:
     blocks += [found for fit in subject.request.fits if (found := _fitted(subject, fit)) is not None]
     blocks += [_response(subject.by_drivetrain.for_pair(pair), pair) for pair in subject.pairs[:MOST_PAIRS]]
     if judged is not None:
-        blocks.append(conclusion(judged))
+        blocks.append(conclusion(subject, judged))
     if not blocks:
         blocks.append(Paragraph(("No vibration and no transfer function.",)))
     return Section("summary", ("Results at a glance",), tuple(blocks))
@@ -208,7 +207,7 @@ def _vibrations(subject: ReportData, shown: tuple[Modes, ...], caption: str, not
         [index for index, kind in enumerate(modes.kinds) if kind == OSCILLATORY][:MOST_VIBRATIONS] for modes in shown
     ]
     columns = [Heading("Configuration")]
-    cells: list[list[Cell]] = [[case.configuration for case in subject.cases]]
+    cells: list[list[Cell]] = [[case.title for case in subject.cases]]
     for place in range(max(map(len, found))):
         picked = [indices[place] if place < len(indices) else None for indices in found]
         pairs = list(zip(shown, picked, strict=True))
@@ -249,7 +248,7 @@ def _response(subject: ReportData, pair: Pair) -> TableBlock:
         Heading("Phase there", "deg", numeric=True),
     )
     rows = zip(
-        [case.configuration for case in subject.cases],
+        [case.title for case in subject.cases],
         aligned_numbers(static),
         aligned_numbers([None if peak is None else peak.magnitude * scale for peak in highest]),
         aligned_numbers([None if peak is None else peak.frequency for peak in highest]),

@@ -11,12 +11,13 @@ from torsionnet.machinery.excitations.reciprocating_engine import conditions_run
 from torsionnet.machinery.limits.society_rules import SOCIETIES
 from torsionnet.machinery.verdicts.limit_check import FAIL, OPEN, LimitCheck
 from torsionnet.machinery.verdicts.speed_spans import restriction_words
+from torsionnet.model.configurations import label
 from torsionnet.model.load.external_torques import ENGINE
 from torsionnet.report.document_tree import Block, Cell, Heading, Listing, Paragraph, Section, Strong, TableBlock, Text
 from torsionnet.report.plan import SECTIONS
 from torsionnet.report.report_conditions import alternative_words, load_words, speed_words, unexamined
 from torsionnet.report.report_cylinders import lost_torque_words
-from torsionnet.report.report_data import MOST_JUDGED_CASES, Case, ReportData
+from torsionnet.report.report_data import MOST_JUDGED_CASES, Case, ReportData, normal_choice
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import as_words, capital, choices_of_some, first_names
 
@@ -65,6 +66,13 @@ def _speeds_missing(subject: ReportData, highest: float | None) -> list[str]:
     ]
 
 
+NAMED = "Normal condition at rated load: {name}; sections begin with it."
+FIRST = (
+    "Normal condition at rated load: {name}, the first alternative of each choice, as the model names none; sections "
+    "begin with it."
+)
+MISSING = "The normal condition at rated load, {name}, is not in this document; sections begin with {first}."
+"""Sentences on the condition that counts as the normal one."""
 MOST_AXES = 5
 """Largest number of axes of configurations that have a column each, as more would not fit beside the verdict."""
 MOST_ROWS = 40
@@ -76,7 +84,8 @@ def conditions_section(subject: ReportData) -> Section | None:
     if not subject.has_excitations:
         return None
     model = subject.model
-    lead = joined(" ", filter(None, [speed_words(model), load_words(model), _idling(subject)]))
+    said = [speed_words(model), load_words(model), _normal(subject), _idling(subject)]
+    lead = joined(" ", filter(None, said))
     blocks: list[Block] = [Paragraph((lead,))]
     axes = model.definition.configurations
     if len(axes) > 1:
@@ -97,6 +106,18 @@ def _checks(subject: ReportData) -> Mapping[str, LimitCheck]:
     """Checks of limits by the name of the configuration; empty where no limits are judged."""
     found = subject.limit_conclusion
     return {} if found is None else {one.configuration: one for one in found.checks}
+
+
+def _normal(subject: ReportData) -> str:
+    """Sentence on the condition that counts as the normal one at rated load; empty where there is only one."""
+    if len(subject.judged_cases) < 2:
+        return ""
+    named = subject.request.plan.normal
+    wanted = label(normal_choice(subject.model, named), subject.model.definition.configurations)
+    title = subject.titles.of(wanted)
+    if wanted != subject.normal_case.configuration:
+        return phrase(MISSING, name=title, first=subject.normal_case.title)
+    return phrase(NAMED if named else FIRST, name=title)
 
 
 def _idling(subject: ReportData) -> str:

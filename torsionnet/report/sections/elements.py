@@ -65,14 +65,15 @@ Row = tuple[Cell, ...]
 
 def elements_section(subject: ReportData) -> Section:
     """Section of a report with tables of the elements and of inputs and sensors."""
-    rig = subject.cases[0].drivetrain
-    blocks: list[Block] = [_elements(rig, several=len(subject.cases) > 1)]
+    first = subject.cases[0]
+    rig = first.drivetrain
+    blocks: list[Block] = [_elements(rig, first.title if len(subject.cases) > 1 else "")]
     if rig.inputs or rig.sensors:
         blocks.append(_channels(rig))
     return Section("elements", ("Elements",), tuple(blocks))
 
 
-def _elements(rig: Drivetrain, *, several: bool) -> TableBlock:
+def _elements(rig: Drivetrain, title: str) -> TableBlock:
     columns = (
         Heading("Element"),
         Heading("Type"),
@@ -85,7 +86,7 @@ def _elements(rig: Drivetrain, *, several: bool) -> TableBlock:
     )
     shown = _alike(rig)
     rows = [row for group in shown[:MOST_ELEMENTS] for row in _rows(group, rig)]
-    where = phrase(" in configuration {name}", name=rig.configuration) if several and rig.configuration else ""
+    where = phrase(" in configuration {name}", name=title) if title else ""
     found = table(phrase("Elements{where}; values in SI units", where=where), columns, rows)
     return replace(found, more=sum(map(len, shown[MOST_ELEMENTS:])))
 
@@ -315,7 +316,7 @@ def _configurations(cases: tuple[Case, ...], names: list[str], rig: Drivetrain) 
         *(Heading(symbol_or_words(name), unit(units[name]), numeric=True) for name in shown),
     )
     values = [[NumberText(case.drivetrain.parameters[name], 6) for case in cases] for name in shown]
-    rows = [(case.configuration, *row) for case, row in zip(cases, zip(*values, strict=True), strict=True)]
+    rows = [(case.title, *row) for case, row in zip(cases, zip(*values, strict=True), strict=True)]
     rest = len(names) - len(shown)
     notes = [phrase("… and {count} more parameters", count=rest)] if rest > 0 else []
     return table("Parameters that differ between the configurations", columns, rows, notes)
@@ -328,9 +329,7 @@ def _switched(cases: tuple[Case, ...]) -> list[str]:
 
 def _switches(cases: tuple[Case, ...], names: list[str]) -> TableBlock:
     columns = (Heading("Configuration"), *(Heading(as_words(name)) for name in names))
-    rows = [
-        (case.configuration, *("on" if name in case.drivetrain.elements else "off" for name in names)) for case in cases
-    ]
+    rows = [(case.title, *("on" if name in case.drivetrain.elements else "off" for name in names)) for case in cases]
     return table("Elements that are switched", columns, rows)
 
 
@@ -342,7 +341,7 @@ def _operating_points(cases: tuple[Case, ...]) -> list[Block]:
         alike.setdefault((*rig.mean_speeds.items(), None, *rig.mean_torques.items()), []).append(case)
     found: list[Block] = []
     for group in alike.values():
-        names = ", ".join(case.configuration for case in group) if len(alike) > 1 else ""
+        names = "; ".join(case.title for case in group) if len(alike) > 1 else ""
         shown = _operating_point(group[0].drivetrain, phrase(", configuration {name}", name=names) if names else "")
         found += [shown] if shown else []
     return found
@@ -384,7 +383,7 @@ def schematic_section(subject: ReportData) -> Section:
 
     case = subject.cases[0]
     rig = case.drivetrain
-    where = phrase(", configuration {name}", name=case.configuration) if len(subject.cases) > 1 else ""
+    where = phrase(", configuration {name}", name=case.title) if len(subject.cases) > 1 else ""
     legend = " Discs are inertias; curved arrows mark inputs, dots sensors of motion and diamonds sensors of torque."
     nodes = first_names([as_words(node) for node in rig.nodes])
     alt = f"Schematic of {rig.name}: {len(rig.elements)} elements between the nodes {nodes}"

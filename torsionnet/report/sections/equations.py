@@ -107,7 +107,7 @@ def _is_short(system: SymbolicSystem) -> bool:
 
 
 def _where(cases: tuple[Case, ...]) -> str:
-    return ", ".join(case.configuration for case in cases)
+    return "; ".join(case.title for case in cases)
 
 
 def _form(form: SymbolicEquations, *, several: bool) -> list[Block]:
@@ -193,7 +193,7 @@ def _numbers(subject: ReportData) -> list[Block]:
     for key, matrices in found:
         alike = all(np.array_equal(matrices[0], other) for other in matrices[1:])
         shown = [("all" if len(matrices) > 1 else "", matrices[0])] if alike else [
-            (case.configuration, matrix) for case, matrix in zip(subject.cases, matrices, strict=True)
+            (case.title, matrix) for case, matrix in zip(subject.cases, matrices, strict=True)
         ]  # fmt: skip
         for number, (where, matrix) in enumerate(shown):
             head = (Math(rf"\mathbf{{{key}}}"), MATRIX_NAMES[key]) if not number else ("", "")
@@ -245,7 +245,7 @@ def _entries(subject: ReportData) -> list[Block]:
         Heading("Column"),
         *(Heading((Math(rf"\mathbf{{{key}}}"),), shown, numeric=True) for key, shown in MATRIX_UNITS.items()),
     )
-    where = phrase(" in configuration {name}", name=case.configuration) if case.configuration else ""
+    where = phrase(" in configuration {name}", name=case.title) if case.title else ""
     notes: list[Cell] = ["The matrices are symmetric: entries below the diagonal are those above it."]
     notes += ["In other configurations other values and ratios take their places."] if len(subject.cases) > 1 else []
     notes += [COMPLEX_NOTE] if any(one.drivetrain.assembly.system.dynamic for one in subject.cases) else []
@@ -339,7 +339,7 @@ def _relations(form: SymbolicEquations) -> TableBlock:
         given = [(coefficient, name) for coefficient, name in terms if coefficient != 0]
         numbers = [_ratio(case.drivetrain, node, given) for case in cases]
         rows.append((as_words(node), Math(f"{angle_latex(node)} = {_sum(given)}"), _owners(first, node), *numbers))
-    heads = [case.configuration for case in cases] if len(cases) > 1 else ["Ratio"]
+    heads = [case.title for case in cases] if len(cases) > 1 else ["Ratio"]
     columns = [Heading("Node"), Heading("Angle"), Heading("By", wide=True)]
     columns += [Heading(head, numeric=True) for head in heads]
     note = "Ratio: angle of the node over that of the coordinate."

@@ -192,7 +192,7 @@ def _changes(subject: ReportData) -> Iterator[Row]:
             for entry, spec in excitation.specs():
                 value = getattr(excitation, entry)
                 if name in written and value != getattr(written[name], entry, None):
-                    yield case.configuration, as_words(name), as_words(entry), _shown(spec, value)[0]
+                    yield case.title, as_words(name), as_words(entry), _shown(spec, value)[0]
 
 
 # Section of a report on the excitation: engines, propellers, and everything else that acts by order.

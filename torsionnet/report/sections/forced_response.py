@@ -8,7 +8,6 @@ from itertools import groupby
 import numpy as np
 
 from torsionnet.base.conventions import Conventions
-from torsionnet.base.equal_remarks import condition_words
 from torsionnet.base.errors import TorsionnetError
 from torsionnet.base.number_text import aligned_numbers
 from torsionnet.base.phrases import extended, phrase
@@ -159,7 +158,7 @@ def _worst_row(subject: ReportData, check: LimitCheck, one: LimitVerdict) -> tup
     assert at is not None
     return (
         (as_words(one.limit), " ", symbol_or_words(one.criterion)),
-        condition_words(check.configuration),
+        subject.titles.of(check.configuration),
         NumberText(float(check.rpm[at]), 4),
         limit_number(float(one.values[at]), one.unit, subject.conventions),
         limit_number(float(one.allowed[at]), one.unit, subject.conventions),
@@ -173,7 +172,7 @@ def _free_end(subject: ReportData) -> Picture:
     """Picture of the amplitude at the free end of the engine over speed, as a torsiograph there measures it."""
     from torsionnet.plot.order_response_plot import order_response
 
-    run, condition = subject.free_end_response, condition_words(subject.judged_cases[0].configuration)
+    run, condition = subject.free_end_response, subject.normal_case.title
     node = run.outputs[0].name
     where = phrase(" in condition {name}", name=condition) if condition else ""
     drawn = order_response(run, most=5, conventions=subject.conventions, title="", milli=True)
@@ -202,7 +201,7 @@ def _at_critical_speeds(subject: ReportData, found: GoverningPeaks) -> TableBloc
         alike = [list(those) for _, those in groupby(peaks, key=lambda one: (one.at, one.verdict.limit))]
         speeds = aligned_numbers([those[0].rpm for those in alike])
         rows = [_critical_row(subject, speed, those) for speed, those in zip(speeds, alike, strict=True)]
-        groups.append(Group(tuple(rows), condition_words(configuration) if len(subject.judged_cases) > 1 else ""))
+        groups.append(Group(tuple(rows), subject.titles.of(configuration) if len(subject.judged_cases) > 1 else ""))
     return TableBlock(
         ("Orders at the peaks of single orders that matter",), CRITICAL_COLUMNS, tuple(groups), ((PEAKS,),)
     )
@@ -263,11 +262,11 @@ def _output(subject: ReportData, name: str, number: int) -> list[Block]:
     runs = subject.order_responses
     place = runs[0].output(name)
     worst = int(np.argmax([run.half_range[:, place].max() for run in runs]))
-    shown = name if not runs[worst].title else f"{name}, {subject.cases[worst].configuration}".rstrip(", ")
+    shown = name if not runs[worst].title else f"{name}, {subject.cases[worst].title}".rstrip(", ")
     blocks: list[Block] = []
     if len(runs) > 1:
         chosen = runs[:MOST_CURVES]
-        labels = [case.configuration for case in subject.cases[:MOST_CURVES]]
+        labels = [case.title for case in subject.cases[:MOST_CURVES]]
         drawn = half_ranges(chosen, name, labels=labels, conventions=subject.conventions, title="")
         rest = (
             phrase("; the first {shown} of {count} configurations", shown=len(chosen), count=len(runs))
@@ -280,7 +279,7 @@ def _output(subject: ReportData, name: str, number: int) -> list[Block]:
         )
         blocks.append(Picture(f"half_range_{number}", drawn, caption, f"Half range of {as_words(name)} over speed"))
     drawn = order_response(runs[worst], name, conventions=subject.conventions, title="")
-    where = phrase(" in configuration {name}", name=subject.cases[worst].configuration) if len(runs) > 1 else ""
+    where = phrase(" in configuration {name}", name=subject.cases[worst].title) if len(runs) > 1 else ""
     caption = (symbol_or_words(name), phrase(": largest orders over speed{where}.", where=where))
     blocks.append(Picture(f"orders_{number}", drawn, caption, f"Orders of {shown} over speed"))
     return [*blocks, _worst_half_range(subject, name), *engine_angle_tables(subject, name)]
@@ -320,8 +319,8 @@ def _line_name(run: OrderResponse, number: int) -> str:
 def _condition(case: Case, run: OrderResponse, name: str, index: int) -> str:
     """Name of a configuration, with its worst case at a speed where the configuration has several cases."""
     if not isinstance(run, WorstResponse):
-        return case.configuration
-    return ": ".join(part for part in (case.configuration, as_words(run.cases(name)[index])) if part)
+        return case.title
+    return ": ".join(part for part in (case.title, as_words(run.cases(name)[index])) if part)
 
 
 # Section of a report on the motion over time under the scenarios of the model.
@@ -345,8 +344,8 @@ def _scenario(subject: ReportData, case: Case, name: str) -> Iterator[Block]:
     """Blocks of the report on one scenario: what happens, peaks, events and energies, and the signals drawn."""
     from torsionnet.plot.histories import scenario_motion
 
-    several = case.configuration and len(subject.cases) > 1
-    where = phrase(" in configuration {name}", name=case.configuration) if several else ""
+    several = case.title and len(subject.cases) > 1
+    where = phrase(" in configuration {name}", name=case.title) if several else ""
     try:
         record = case.drivetrain.simulate(scenario=name)
     except TorsionnetError as error:

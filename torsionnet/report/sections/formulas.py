@@ -64,7 +64,7 @@ def formulas_section(subject: ReportData) -> Section | None:
         part = subject.for_pair(pair)
         for form in _forms(part):
             if len(form.cases) < len(part.cases):
-                names = ", ".join(case.configuration for case in form.cases)
+                names = ", ".join(case.title for case in form.cases)
                 inner.append(Paragraph((Strong(phrase("Configuration {name}", name=names)),)))
             inner += _function(part, pair, form)
         blocks.append(Section(f"formula-{number}", (Math(pair_latex(pair)),), tuple(inner)))
@@ -153,7 +153,7 @@ def _terms(expression: Any) -> int:
 
 def _numbers(where: list[tuple[Any, Any]], pair: Pair, cases: tuple[Case, ...]) -> TableBlock:
     columns = [Heading("Coefficient")]
-    columns += [Heading(case.configuration or "Value", numeric=True) for case in cases]
+    columns += [Heading(case.title or "Value", numeric=True) for case in cases]
     values = [
         {
             sympy.Symbol(n): sympy.Rational(str(v)) if _exact(v) else sympy.Float(v)
@@ -270,10 +270,7 @@ def simplified_section(subject: ReportData) -> Section | None:
 
 def _pair(subject: ReportData, pair: Pair, tolerance: float) -> list[Block]:
     try:
-        found = {
-            case.configuration: _simplified(subject, number, pair, tolerance)
-            for number, case in enumerate(subject.cases)
-        }
+        found = {case.title: _simplified(subject, number, pair, tolerance) for number, case in enumerate(subject.cases)}
     except UsageError as error:
         return [Paragraph((phrase("Not simplified: {reason}.", reason=error),))]
     rows: list[tuple[Cell, ...]] = [

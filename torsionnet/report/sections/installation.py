@@ -6,7 +6,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import accumulate
 
-from torsionnet.base.equal_remarks import condition_words
 from torsionnet.base.errors import TorsionnetError, UsageError
 from torsionnet.base.phrases import joined, phrase
 from torsionnet.base.table import Table
@@ -14,6 +13,7 @@ from torsionnet.base.units import RPM
 from torsionnet.machinery.checks.rating_mismatches import rating_mismatches
 from torsionnet.machinery.holzer.mass_elastic_table import MassElasticTable
 from torsionnet.machinery.mean.static_state import PowerBalance
+from torsionnet.model.condition_titles import ConditionTitles
 from torsionnet.report.document_tree import (
     Block,
     Cell,
@@ -32,7 +32,7 @@ from torsionnet.report.report_cylinders import all_working
 from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_machines import machines
 from torsionnet.report.report_tables import HEADING_SYMBOLS, results_table, table
-from torsionnet.report.report_text import as_words, capital, choices_of_some, first_names, unit
+from torsionnet.report.report_text import as_words, capital, first_names, unit
 from torsionnet.report.report_units import quantity_text
 
 MOST_LOADS = 3
@@ -58,7 +58,7 @@ def installation_section(subject: ReportData) -> Section | None:
         several = len(subject.cases) > 1 and case.configuration
         blocks += [
             _rated(found),
-            _line(subject, case, found, f", {condition_words(case.configuration)}" if several else ""),
+            _line(subject, case, found, f", {case.title}" if several else ""),
         ]
     blocks += _ratings(subject)
     return Section("installation", ("Installation",), tuple(blocks)) if blocks else None
@@ -217,8 +217,8 @@ def mass_elastic_section(subject: ReportData) -> Section | None:
     except TorsionnetError:  # a controller acts, for which the table has no column
         return None
     names = [case.configuration for case in subject.cases]
-    block = _block(tables[0], f", {names[0]}" if len(names) > 1 else "")
-    changes = list(_changes(tables, names))
+    block = _block(tables[0], f", {subject.cases[0].title}" if len(names) > 1 else "")
+    changes = list(_changes(tables, names, subject.titles))
     more = [(phrase("… and {count} more", count=len(changes) - MOST_CHANGES),)] if len(changes) > MOST_CHANGES else []
     notes = (*block.notes, *changes[:MOST_CHANGES], *more)
     return Section("mass_elastic", ("Mass-elastic data",), (replace(block, notes=notes),))
@@ -303,7 +303,7 @@ def _notes(found: MassElasticTable, block: TableBlock, materials: dict[str, str]
         yield (f"{capital(as_words(note))}.",)
 
 
-def _changes(tables: Sequence[MassElasticTable], names: Sequence[str]) -> Iterator[Text]:
+def _changes(tables: Sequence[MassElasticTable], names: Sequence[str], titles: ConditionTitles) -> Iterator[Text]:
     """Sentences on the values that other conditions have, one for all values that the same conditions share."""
     written = _values(tables[0])
     places: dict[str, list[str]] = {}
@@ -318,13 +318,13 @@ def _changes(tables: Sequence[MassElasticTable], names: Sequence[str]) -> Iterat
             if written.get((quantity, about), text) != text:
                 values.setdefault((quantity, about, text), []).append(name)
     for text, where in places.items():
-        yield (f"{text} in {choices_of_some(where, names)}.",)
+        yield (f"{text} in {titles.several(where, names)}.",)
     shared: dict[tuple[str, ...], dict[str, dict[str, list[str]]]] = {}
     for (quantity, about, text), changed_in in values.items():
         shared.setdefault(tuple(changed_in), {}).setdefault(quantity, {}).setdefault(text, []).append(as_words(about))
     for conditions, quantities in shared.items():
         parts = "; ".join(_change(quantity, found) for quantity, found in quantities.items())
-        yield (f"{parts if parts[1] == ' ' else capital(parts)} in {choices_of_some(conditions, names)}.",)
+        yield (f"{parts if parts[1] == ' ' else capital(parts)} in {titles.several(conditions, names)}.",)
 
 
 def _change(quantity: str, found: dict[str, list[str]]) -> str:
@@ -363,7 +363,7 @@ def mean_torques_section(subject: ReportData) -> Section | None:
             continue
         if state.loads not in shown and len(shown) < MOST_LOADS:
             where = (
-                phrase(" in configuration {name}", name=case.configuration)
+                phrase(" in configuration {name}", name=case.title)
                 if case.configuration and len(subject.cases) > 1
                 else ""
             )

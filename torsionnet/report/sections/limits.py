@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from torsionnet.base.equal_remarks import condition_words, configurations_in_words, grouped_remarks
+from torsionnet.base.equal_remarks import configurations_in_words, grouped_remarks
 from torsionnet.base.number_text import aligned_numbers
 from torsionnet.base.phrases import phrase
 from torsionnet.linear.frequency_response import Channel
@@ -43,7 +43,12 @@ def limits_section(subject: ReportData) -> Section | None:
     found = subject.limit_conclusion
     if found is None:
         return None
-    blocks: list[Block] = [verdict(found), conclusion(found), *_instructions(subject, found), *engine_remarks(subject)]
+    blocks: list[Block] = [
+        verdict(found),
+        conclusion(subject, found),
+        *_instructions(subject, found),
+        *engine_remarks(subject),
+    ]
     names = list(dict.fromkeys(one.limit for check in found.checks for one in check.verdicts))
     blocks += [_verdicts(subject, found, name) for name in names]
     for number, name in enumerate(names[:MOST_DRAWN], 1):
@@ -58,11 +63,13 @@ def verdict(found: LimitConclusion) -> Paragraph:
     return Paragraph((Strong("Verdict on stresses and limits:"), " ", Strong(found.verdict), ".", *said))
 
 
-def conclusion(found: LimitConclusion) -> TableBlock:
+def conclusion(subject: ReportData, found: LimitConclusion) -> TableBlock:
     """Table with one sentence on the limits for every condition; of many conditions the gravest."""
     columns = (Heading("Configuration"), Heading("Verdict"), Heading("Conclusion", wide=True))
     kept = [one for one in found.checks if one.verdict != PASS] if len(found.checks) > MOST_ROWS else found.checks
-    rows = [(check.configuration, check.verdict, as_words(check.finding())) for check in kept[:MOST_ROWS]]
+    rows = [
+        (subject.titles.of(check.configuration), check.verdict, as_words(check.finding())) for check in kept[:MOST_ROWS]
+    ]
     rest = len(found.checks) - len(rows)
     notes = [phrase("{count} further configurations are in the verdict.", count=rest)] if rest else []
     return table("Conclusion on stresses and limits", columns, rows, notes)
@@ -94,7 +101,7 @@ def _verdicts(subject: ReportData, judged: LimitConclusion, name: str) -> TableB
     )
     worst = [_numbers(subject, check, one) for check, one in found]
     cells: list[list[Cell]] = [
-        [check.configuration for check, _ in found],
+        [subject.titles.of(check.configuration) for check, _ in found],
         [as_words(one.criterion) for _, one in found],
         list(aligned_numbers([row[0] for row in worst])),
         list(aligned_numbers([row[1] for row in worst])),
@@ -150,7 +157,8 @@ def _picture(subject: ReportData, judged: LimitConclusion, name: str, number: in
         return []
     check = judged.checks[int(np.nanargmax(use))]
     drawn = limit_check(replace(check, title=""), name, conventions=subject.conventions, title="")
-    where = phrase(" in configuration {name}", name=check.configuration) if check.configuration and len(use) > 1 else ""
+    title = subject.titles.of(check.configuration) if len(use) > 1 else ""
+    where = phrase(" in configuration {name}", name=title) if title else ""
     caption = (phrase("Limit {name} over speed{where}.", name=as_words(name), where=where),)
     return [Picture(f"limit_{number}", drawn, caption, f"{as_words(name)} over speed with its limits{where}")]
 
@@ -248,7 +256,7 @@ def _range(subject: ReportData, barred: PassedRange, number: int) -> Iterator[Bl
     if not passages:
         return
     low, high = barred.span.rpm_outward
-    where = f", {condition_words(check.configuration)}" if check.configuration else ""
+    where = f", {subject.titles.of(check.configuration)}" if check.configuration else ""
     yield Paragraph(
         (Strong(phrase("{low} to {high} rpm{where}:", low=low, high=high, where=where)), *_finding(passages, asked))
     )

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from torsionnet.base.conventions import Conventions
-from torsionnet.base.equal_remarks import condition_words
 from torsionnet.base.errors import UsageError
 from torsionnet.base.number_text import NumberText, aligned_numbers
 from torsionnet.base.phrases import phrase
@@ -44,7 +43,6 @@ from torsionnet.report.measurement_places import (
     MeasuringPlace,
     files_by_case,
     measuring_places,
-    planned_condition,
     within_calculated,
 )
 from torsionnet.report.report_cylinders import governing_misfire
@@ -106,7 +104,7 @@ def measurement_plan_section(subject: ReportData) -> Section | None:
         return None
     blocks: list[Block] = []
     reference = ""
-    for case, tests in files or ((planned_condition(subject), ()),):
+    for case, tests in files or ((subject.normal_case, ()),):
         reference, found = _of_condition(subject, case, places, tests)
         blocks += found
     blocks += [] if files else _with_cylinder_out(subject, places)
@@ -166,7 +164,7 @@ def _beside_limits(subject: ReportData, case: Case, files: Sequence[MeasuredFile
                 ranges += measured_ranges(case.drivetrain, check, read_tracked_orders(file.path))
     if not ranges:
         return []
-    where = phrase(" in configuration {name}", name=case.configuration) if case.configuration else ""
+    where = phrase(" in configuration {name}", name=case.title) if case.configuration else ""
     blocks: list[Block] = [
         measured_range_block(
             ranges, subject.conventions, phrase("Measured half ranges beside limits{where}", where=_where(case))
@@ -344,8 +342,8 @@ def _placed(place: MeasuringPlace, case: Case) -> tuple[str, str]:
     of = as_words(place.sensor.of)
     if not case.configuration:
         return phrase(place.means), f", {of}"
-    return phrase(place.means), phrase(", {of}; condition {name}", of=of, name=condition_words(case.configuration))
+    return phrase(place.means), phrase(", {of}; condition {name}", of=of, name=case.title)
 
 
 def _where(case: Case) -> str:
-    return phrase("; condition {name}", name=condition_words(case.configuration)) if case.configuration else ""
+    return phrase("; condition {name}", name=case.title) if case.configuration else ""

@@ -89,7 +89,7 @@ def modes_table(subject: ReportData, found: tuple[Modes, ...], caption: Text) ->
     """Table of modes with a group of rows for each configuration of the report."""
     groups = []
     for case, modes in zip(subject.cases, found, strict=True):
-        title = phrase("Configuration {name}", name=case.configuration) if len(subject.cases) > 1 else ""
+        title = phrase("Configuration {name}", name=case.title) if len(subject.cases) > 1 else ""
         groups.append(TableGroup(_rows(modes, case.drivetrain), title))
     return TableBlock(caption, COLUMNS, tuple(groups), tuple(_notes(subject, found)))
 
@@ -108,7 +108,7 @@ def listed_modes(
     if len(subject.cases) <= FEW_CASES:
         return full(subject, found, caption)
     first, rest = replace(subject, cases=subject.cases[:1]), replace(subject, cases=subject.cases[1:])
-    where = phrase(", configuration {name}", name=subject.cases[0].configuration)
+    where = phrase(", configuration {name}", name=subject.cases[0].title)
     folded = Details(
         (phrase("Modes of the other {count} configurations in full", count=len(rest.cases)),),
         tuple(full(rest, found[1:], caption)),
@@ -126,7 +126,7 @@ def _compared(subject: ReportData, found: tuple[Modes, ...], caption: Text, *, d
     swings = [[index for index, kind in enumerate(modes.kinds) if kind == OSCILLATORY] for modes in found]
     letter, shown = (r"\zeta", "%") if damping else ("f", "Hz")
     columns = [Heading("Configuration")]
-    lists: list[list[Cell]] = [[case.configuration for case in subject.cases]]
+    lists: list[list[Cell]] = [[case.title for case in subject.cases]]
     for place in range(max(map(len, swings))):
         values = [
             (100 * float(modes.damping_ratios[at[place]]) if damping else float(modes.natural_frequencies[at[place]]))
@@ -173,7 +173,7 @@ def _notes(subject: ReportData, found: tuple[Modes, ...]) -> list[Text]:
     """Texts of the notes under a table of modes: undamped natural frequencies, and notes of the calculation."""
     notes: list[Text] = []
     for case, modes in zip(subject.cases, found, strict=True):
-        where = f"{case.configuration}: " if len(subject.cases) > 1 else ""
+        where = f"{case.title}: " if len(subject.cases) > 1 else ""
         undamped = [f"{value:.4g}" for value in modes.undamped_natural_frequencies[:MOST_MODES] if value > 0]
         notes.append((f"{where}{', '.join(undamped)} Hz",))
     listed = "; ".join(str(note[0]) for note in notes)
@@ -195,7 +195,7 @@ def _energies(subject: ReportData, found: tuple[Modes, ...]) -> TableBlock:
     for case, modes in zip(subject.cases, found, strict=True):
         rows = tuple((modes.names[index], *_energy(modes, index)) for index in range(len(modes)))
         groups.append(
-            TableGroup(rows, phrase("Configuration {name}", name=case.configuration) if len(subject.cases) > 1 else "")
+            TableGroup(rows, phrase("Configuration {name}", name=case.title) if len(subject.cases) > 1 else "")
         )
     note = phrase("Shares of at least {share:.0f} %, the {count} largest.", share=100 * LEAST_SHARE, count=MOST_SHARES)
     return TableBlock(("Where the energy of each mode is",), columns, tuple(groups), ((note,),))
@@ -227,7 +227,7 @@ def _shapes(subject: ReportData) -> Picture:
     from torsionnet.plot.shapes import shape_view
 
     cases, modes = subject.cases[:MOST_DRAWN], subject.modes[:MOST_DRAWN]
-    drawn = shape_grid(modes, [case.drivetrain for case in cases], [case.configuration for case in cases])
+    drawn = shape_grid(modes, [case.drivetrain for case in cases], [case.title for case in cases])
     rest = len(subject.cases) - len(cases)
     views = [shape_view(one, case.drivetrain) for one, case in zip(modes, cases, strict=True)]
     geared = any(join.kind == "gear" for view in views for join in view.axis.joins)

@@ -26,7 +26,7 @@ from torsionnet.report.document_tree import (
 from torsionnet.report.report_data import ReportData, held_drivetrain
 from torsionnet.report.report_holzer import holzer_block
 from torsionnet.report.report_tables import merge_equal_rows, results_table, with_decimals
-from torsionnet.report.report_text import as_words, shared_choices
+from torsionnet.report.report_text import as_words
 
 if TYPE_CHECKING:
     from torsionnet.machinery.holzer.holzer_table import HolzerTable
@@ -103,7 +103,7 @@ def _range(subject: ReportData) -> str:
 
 def _where(subject: ReportData, place: int) -> str:
     cases = subject.judged_drivetrains[place]
-    return shared_choices([case.configuration for case in cases]) if cases[0].configuration else ""
+    return subject.titles.shared([case.configuration for case in cases]) if cases[0].configuration else ""
 
 
 def _first_table(subject: ReportData, rows: tuple[CountedVibration, ...]) -> TableBlock:

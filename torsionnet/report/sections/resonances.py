@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsionnet.base.equal_remarks import condition_words
 from torsionnet.base.number_text import aligned_numbers
 from torsionnet.base.phrases import phrase
 from torsionnet.base.units import RPM
@@ -305,7 +304,7 @@ def _with_limits(subject: ReportData, found: GoverningPeaks) -> list[Block]:
         mode_cells = _mode_cells([one.critical for one in peaks], subject.judged_case(peaks[0].check))
         limit_cells = (_limit_cells(subject, one) for one in peaks)
         rows = tuple((*left, *right) for left, right in zip(mode_cells, limit_cells, strict=True))
-        groups.append(Group(rows, condition_words(configuration) if len(subject.judged_cases) > 1 else ""))
+        groups.append(Group(rows, subject.titles.of(configuration) if len(subject.judged_cases) > 1 else ""))
     notes = (
         (PEAK_NOTE,),
         *([("A critical speed outside the speed range has the values of its nearer end.",)] if _beyond(found) else []),
@@ -403,7 +402,7 @@ def _without_limits(case: Case) -> tuple[list[CriticalSpeed], TableBlock]:
         if more
         else []
     )
-    condition = f", {condition_words(case.configuration)}" if case.configuration else ""
+    condition = f", {case.title}" if case.title else ""
     caption = phrase("Critical speeds{where}{few}", where=condition, few="")
     groups = (Group(tuple(_mode_cells(kept, case))),)
     return kept, TableBlock((caption,), MODE_COLUMNS, groups, ((f"{which}.",), *notes))
@@ -414,7 +413,7 @@ def _diagram(case: Case, lines: list[str] | None) -> Picture:
     from torsionnet.plot.interference_plot import interference_diagram
 
     found = case.drivetrain.critical_speeds(lines=lines)
-    where = f", {condition_words(case.configuration)}" if case.configuration else ""
+    where = f", {case.title}" if case.title else ""
     orders = "orders" if lines is None else phrase("the orders listed")
     caption = (
         phrase("Interference diagram{where}: natural frequencies and {orders} over speed.", where=where, orders=orders),

@@ -76,7 +76,7 @@ def left_out(subject: ReportData, pair: Pair) -> Iterator[Block]:
             if refusal is not None:
                 yield Paragraph(
                     sentence(
-                        phrase("Not in configuration {name}: {reason}.", name=case.configuration, reason=refusal),
+                        phrase("Not in configuration {name}: {reason}.", name=case.title, reason=refusal),
                         subject.model,
                     )
                 )
@@ -86,7 +86,7 @@ def _picture(subject: ReportData, pair: Pair, found: tuple[FrequencyResponse, ..
     from torsionnet.plot.bode_plot import bode
 
     shown = found[:MOST_CURVES]
-    labels = [case.configuration for case in subject.cases[:MOST_CURVES]] if len(shown) > 1 else None
+    labels = [case.title for case in subject.cases[:MOST_CURVES]] if len(shown) > 1 else None
     drawn = bode(shown, conventions=subject.conventions, labels=labels, title="")
     label_axes(drawn, pair)
     rest = (
@@ -120,7 +120,7 @@ def peaks_table(subject: ReportData, pair: Pair, found: tuple[FrequencyResponse,
     groups = []
     for case, response in zip(subject.cases, found, strict=True):
         points = static_value_and_peaks(subject, pair, response, list(subject.cases).index(case))
-        groups.append((case.configuration, points))
+        groups.append((case.title, points))
     several = len(groups) > 1
     columns = (
         *([Heading("Configuration")] if several else []),
@@ -150,7 +150,7 @@ def highest_peaks(subject: ReportData, pair: Pair, found: tuple[FrequencyRespons
     scale, shown = found[0].scale(subject.conventions), unit(found[0].unit(conventions=subject.conventions))
     read = [static_value_and_peaks(subject, pair, response, index) for index, response in enumerate(found)]
     columns = [Heading("Configuration"), Heading("Static value", shown, numeric=True)]
-    lists: list[list[Cell]] = [[case.configuration for case in subject.cases]]
+    lists: list[list[Cell]] = [[case.title for case in subject.cases]]
     lists.append(list(aligned_numbers([points[0][1].magnitude * scale for points in read])))
     best = [sorted(sorted((peak for _, peak in points[1:]), key=lambda peak: -peak.magnitude)[:FEW_PEAKS],
                    key=lambda peak: peak.frequency) for points in read]  # fmt: skip
@@ -219,7 +219,7 @@ def _test(subject: ReportData, test: Measured, number: int) -> list[Block]:
     case, measured = _case(subject, test), test.response
     model = calculated(case, measured, test.excitation)
     shown = subject.conventions
-    where = phrase(", configuration {name}", name=case.configuration) if case.configuration else ""
+    where = phrase(", configuration {name}", name=case.title) if case.title else ""
     pair = f"{channel_latex(measured.outputs[0].name)} / {channel_latex(measured.inputs[0].name)}"
     caption = (Math(pair), phrase(", test and model{where}. Differences are test minus model.", where=where))
     alt = f"Test over model of {measured.outputs[0].name}/{measured.inputs[0].name}{where}"
