@@ -34,9 +34,13 @@ if TYPE_CHECKING:
 
 LOAD = "load"
 """Prefix of the load's entries in a configuration, as in ``load.power``; no excitation can have this name."""
+SPEEDS = "speeds"
+"""Prefix of the entries of ``speeds:`` in a configuration, as in ``speeds.range``."""
 EXCITATIONS = "excitations"
 ELEMENTS = "elements"
 SCENARIOS = "scenarios"
+SINGLE_SECTIONS = (LOAD, SPEEDS)
+"""Sections that a configuration names by their key, as they stand once in a model."""
 
 
 class Tangents(Protocol):
@@ -191,14 +195,15 @@ class Definition(Declared):
     def _overridden(self, changes: Mapping[str, Any], elements: Mapping[str, Element]) -> dict[str, Any]:
         """Sections of the definition, by key, with changed entries put in.
 
-        Changes are written as ``box.engaged: II``, ``engine.misfire: [3]``, ``fault.phases: 3``, ``load.power: 1 MW``.
+        Changes are written as ``box.engaged: II``, ``engine.misfire: [3]``, ``fault.phases: 3``, ``load.power: 1 MW``,
+        ``speeds.range: 250..700 rpm``.
         """
-        found: dict[str, Any] = {ELEMENTS: dict(elements), LOAD: self.load}
+        found: dict[str, Any] = {ELEMENTS: dict(elements), LOAD: self.load, SPEEDS: self.speeds}
         found |= {table: dict(getattr(self, table)) for table in (EXCITATIONS, SCENARIOS)}
         # All entries of one section at once: each alone may contradict what the others change.
         for (table, name), fields in by_section(self, changes).items():
-            if table == LOAD:
-                found[LOAD] = replace(found[LOAD], **fields)
+            if table in SINGLE_SECTIONS:
+                found[table] = replace(found[table], **fields)
             else:
                 found[table][name] = replace(found[table][name], **fields)
         return found
@@ -228,8 +233,9 @@ def section_of(definition: Definition, key: str) -> tuple[str, str, Declared] | 
     Of an excitation, an element and a scenario of one name it is the first of these that has such an entry.
     """
     name, _, entry = key.rpartition(".")
-    if name == LOAD and definition.load is not None:
-        return LOAD, name, definition.load
+    single = getattr(definition, name) if name in SINGLE_SECTIONS else None
+    if single is not None and (name == LOAD or name not in {*definition.excitations, *definition.elements}):
+        return name, name, single
     tables: dict[str, Mapping[str, Declared]] = {
         EXCITATIONS: definition.excitations, ELEMENTS: definition.elements, SCENARIOS: definition.scenarios
     }  # fmt: skip
@@ -239,7 +245,7 @@ def section_of(definition: Definition, key: str) -> tuple[str, str, Declared] | 
 
 
 def by_section(definition: Definition, changes: Mapping[str, Any]) -> dict[tuple[str, str], dict[str, Any]]:
-    """Changes of entries of elements, excitations, scenarios and the load, by table and name of their section.
+    """Changes of entries of elements, excitations, scenarios, load and speeds, by table and name of their section.
 
     They are written as ``engine.misfire: [3]``. Changes of unknown sections are left out.
     """

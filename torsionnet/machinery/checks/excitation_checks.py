@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -120,7 +121,20 @@ def _remarks(definition: Definition, ratios: Mapping[str, float]) -> Iterator[Fa
             speeds = np.array(definition.speeds.values) * ratios[name]
         for fault in excitation.remarks(speeds):
             yield fault.under("excitations", name)
+        yield from _in_run_up(definition, name, ratios)
     yield from _between_engines(definition)
+
+
+def _in_run_up(definition: Definition, name: str, ratios: Mapping[str, float]) -> Iterator[Fault]:
+    """Faults and notes of an excitation at the load of a run-up, as of an engine without gas at so small a load."""
+    run_up = definition.speeds.run_up if definition.speeds is not None else None
+    if run_up is None or name not in ratios:
+        return
+    speeds = np.array(run_up.range) * ratios[name]
+    for fault in definition.excitations[name].at_load(run_up.load).remarks(speeds):
+        if fault.path[:1] == ("load",):
+            text = phrase("{0} in the run-up: {1}", ModelName(name), fault.message)
+            yield replace(fault, message=text, path=("speeds", "run_up", "load"))
 
 
 def _between_engines(definition: Definition) -> Iterator[Fault]:

@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -346,6 +346,35 @@ class EngineEntries(ReactingExcitation):
         motored = gas.motored_harmonics_at(self.crank, MEAN)[0].real
         return np.asarray(np.divide(motored, fired, out=nothing, where=np.broadcast_to(fired != 0, nothing.shape)))
 
+    def at_load(self, share: float) -> Self:
+        """Copy of the engine at a share of its rated mean indicated pressure.
+
+        Tables by pressure are read there at all speeds. Of a single trace or table each cylinder goes the same share
+        of the way from the motored to the fired gas torque, from nothing where there is no motored one.
+
+        Examples
+        --------
+        >>> engine = EngineEntries(speed_of="c1", cycle=2, cylinders={1: "c1", 2: "c2"}, firing_order=[1, 2],
+        ...     bore="100 mm", stroke="120 mm", rod_length="240 mm", gas={"harmonics":
+        ...         {"2 bar": {1: {"amplitude": "1 bar", "phase": 0}}, "20 bar": {1: {"amplitude": "3 bar", "phase": 0}}}},
+        ...     load={"mean_indicated_pressure": "20 bar"})
+        >>> engine.at_load(0.15).indicated_pressures(np.array([100.0])).tolist()
+        [300000.0]
+        """
+        if self.gas is None:
+            return self
+        if self.load is not None:
+            pressure = share * self.load.rated_pressure(self.swept_volume, self.revolutions)
+            return self.unchecked(load=self.load.unchecked(
+                mean_indicated_pressure=pressure, power=None, mechanical_efficiency=None, exponent=0.0, over_speed=()
+            ))  # fmt: skip
+        if self.gas.is_by_pressure:  # a single table holds at all loads
+            return self
+        silent = {*(() if self.misfire == EACH else self.misfire), *self.gas_off}
+        known = self.misfire_share or {}
+        lost = {str(one): 1 - share * (1 - known.get(str(one), 0.0)) for one in self.numbers if one not in silent}
+        return self.unchecked(misfire_share=lost)
+
     @cached_property
     def absorbs(self) -> bool:
         """Whether the pressure traces take work out of the shaft, as those of a compressor do.
@@ -410,6 +439,8 @@ class EngineEntries(ReactingExcitation):
         None without.
         """
         load, gas = self.load, self.gas
+        if load is not None and load.over_speed:
+            return None
         if load is not None and load.power is not None:
             speed, power = not_none(load.rated), load.power
             return Rating(power / speed, ("load", "power"), speed, ("load", "rated"), power, load.exponent)
@@ -427,7 +458,7 @@ class EngineEntries(ReactingExcitation):
         ``at`` is the entry with the rated speed.
         """
         # T = p_mi V_h z/(2 pi revolutions), the work of all cylinders in a cycle over its angle.
-        torque = pressure * self.crank.swept_volume * len(self.numbers) / (2 * math.pi * self.revolutions)
+        torque = pressure * self.swept_volume / (2 * math.pi * self.revolutions)
         speed_path: EntryPath = (key, "rated") if at.rated else ()
         shares = MECHANICAL_EFFICIENCIES if torque > 0 else (1.0, 1 / MECHANICAL_EFFICIENCIES[0])
         return Rating(torque, path, at.rated, speed_path, exponent=at.exponent, shares=shares)
@@ -439,4 +470,9 @@ class EngineEntries(ReactingExcitation):
         """
         if self.load is None:
             return None
-        return np.asarray(self.load.at(speeds, self.crank.swept_volume * len(self.numbers), self.revolutions))
+        return np.asarray(self.load.at(speeds, self.swept_volume, self.revolutions))
+
+    @property
+    def swept_volume(self) -> float:
+        """Swept volume of all cylinders of the engine in m^3."""
+        return self.crank.swept_volume * len(self.numbers)

@@ -14,6 +14,7 @@ from torsionnet.machinery.excitations.engine_entries import EACH, EngineEntries,
 from torsionnet.machinery.excitations.gas_torque import GasPressure
 from torsionnet.machinery.excitations.order_excitation import FloatArray
 from torsionnet.machinery.excitations.pressure_trace import PressureTrace
+from torsionnet.machinery.excitations.table_by_pressure import beyond
 
 # Faults of impossible or unusual engine sizes, with the unit that was probably meant.
 
@@ -304,9 +305,26 @@ def engine_remarks(engine: EngineEntries, speeds: FloatArray | None) -> Iterator
             )
     if speeds is not None:
         try:
-            gas.fired_harmonics(engine.crank, engine.acting_orders[:1], engine.indicated_pressures(speeds))
+            pressures = engine.indicated_pressures(speeds)
+            gas.fired_harmonics(engine.crank, engine.acting_orders[:1], pressures)
         except UsageError as error:
             yield Fault(str(error), ("load",))
+        else:
+            yield from _held(gas, pressures)
+
+
+def _held(gas: GasPressure, pressures: FloatArray | None) -> Iterator[Fault]:
+    """Note that the gas at an end of the tables is held for pressures that lie beyond it by less than rounding."""
+    known = sorted(pressure for pressure in (gas.traces or gas.harmonics or {}) if pressure is not None)
+    if pressures is None or not known:
+        return
+    asked = pressures[beyond(known, pressures)]
+    if len(asked):
+        furthest = float(asked[np.argmax(np.abs(np.log(asked / math.sqrt(known[0] * known[-1]))))])
+        end = known[-1] if furthest > known[-1] else known[0]
+        text = f"the load asks for a mean indicated pressure of {furthest / 1e5:.4g} bar, gas is known to "
+        text += f"{end / 1e5:.4g} bar; that holds, as {100 * abs(furthest / end - 1):.2g} % beyond is rounding"
+        yield Fault(text, ("load",), "note")
 
 
 def _stretched(engine: EngineEntries, path: EntryPath, trace: PressureTrace) -> Iterator[Fault]:

@@ -207,6 +207,11 @@ class OrderExcitation(Declared):
         """Mean torque of each cylinder over that of the same cylinder working, (n_speeds,), by cylinder number."""
         return {number: np.ones(len(speeds)) for number in self.numbers}
 
+    def at_load(self, share: float) -> Self:
+        """Copy of the excitation at a share of the rated load of the engine; without pistons it is as it is."""
+        del share
+        return self
+
     def channel(self, place: str) -> Input:
         """Input channel of the excitation at one of its nodes or elements."""
         return Input(self.quantity, place, self.reaction_node)

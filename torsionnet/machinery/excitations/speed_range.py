@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import builtins
+import math
 import re
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from torsionnet.base.entries.composite import Listed
+from torsionnet.base.entries.composite import Listed, Nested
 from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.scalars import SCALAR_SCHEMA, Value
 from torsionnet.base.entries.spec import EntryError, Json, Schema, Spec, entry, not_none
 from torsionnet.base.errors import Fault, got
+from torsionnet.base.units import RPM
 from torsionnet.model.element_base.element_entries import NodeName
 
 SPEED = Value("a speed", "speed", exclusive=True, below=1e6)
@@ -19,6 +21,8 @@ RANGE_EXAMPLES = "300..788 rpm or [300 rpm, 788 rpm]"
 """Examples of a range of speeds, for messages."""
 MOST_SPEEDS = 100_000
 """Largest number of speeds in a range, as more only come from a step in the wrong unit."""
+FEWEST_SPEEDS = 100
+"""Least number of steps of speed in a run-up before peaks between them are looked for."""
 _RANGE = re.compile(r"\s*([\d.eE+]+)\s*([A-Za-z/]*)\s*\.\.\s*([\d.eE+]+)\s*([A-Za-z/]*)\s*")
 
 
@@ -52,6 +56,41 @@ class SpeedBand(Spec[tuple[float, float]]):
 
 
 @dataclass(frozen=True, kw_only=True)
+class RunUp(Declared):
+    """Speeds that every start passes, with the load at which they are passed and the rate at which the speed rises.
+
+    Examples
+    --------
+    >>> run_up = RunUp(range="250..675 rpm", load="15 %", rate="20 rpm/s")
+    >>> run_up.load, round(run_up.rate, 4), round(run_up.seconds, 2)
+    (0.15, 2.0944, 21.25)
+    """
+
+    kind: ClassVar[str] = "run_up"
+    article: ClassVar[str] = "a run-up"
+    form: ClassVar[str] = "{range: 250..675 rpm, load: 15 %, rate: 20 rpm/s}"
+
+    range: tuple[float, float] = entry(SpeedBand("from the speed at which it fires to those at which it runs"))
+    load: float = entry(Value("share of rated indicated pressure and mean torque while it runs up", "1", below=1.5))
+    rate: float | None = entry(
+        Value("rise of the speed with time; default: judged as if each speed lasted", "acceleration", exclusive=True),
+        None,
+    )
+
+    @property
+    def seconds(self) -> float:
+        """Time in s from the lowest to the highest speed; infinite without a rate."""
+        low, high = self.range
+        return (high - low) / self.rate if self.rate else math.inf
+
+    def speeds(self, step: float | None) -> tuple[float, ...]:
+        """Speeds of the run-up in rad/s, rising, at most a step in rad/s apart."""
+        low, high = self.range
+        count = min(max(FEWEST_SPEEDS, math.ceil((high - low) / step) if step else 0), MOST_SPEEDS)
+        return tuple(low + (high - low) * number / count for number in builtins.range(count + 1))
+
+
+@dataclass(frozen=True, kw_only=True)
 class SpeedRange(Declared):
     """The speeds at which running machinery is examined.
 
@@ -71,6 +110,9 @@ class SpeedRange(Declared):
     step: float | None = entry(Value("from one speed to the next", "speed", exclusive=True), None)
     list: tuple[float, ...] = entry(Listed("the speeds one by one", SPEED, form="a list of speeds"), ())
     rated: float | None = entry(Value("speed to which rated torques belong", "speed", exclusive=True), None)
+    run_up: RunUp | None = entry(
+        Nested("the speeds that every start passes, at which load and how fast", lambda: RunUp, "run_up"), None
+    )
 
     def contradictions(self) -> builtins.list[Fault]:
         if bool(self.list) == bool(self.range):
@@ -82,6 +124,20 @@ class SpeedRange(Declared):
             return [Fault(f"a range of speeds needs its step: {self.form}", on_key=True)]
         if self.range and (self.range[1] - self.range[0]) / not_none(self.step) > MOST_SPEEDS:
             return [Fault(f"the range has more than {MOST_SPEEDS} speeds; take a larger step", ("step",))]
+        return self._unfit_run_up()
+
+    def _unfit_run_up(self) -> builtins.list[Fault]:
+        """Faults of a run-up that does not lead up to the speeds examined."""
+        if self.run_up is None:
+            return []
+        (low, high), first = self.run_up.range, self.values[0]
+        ends = (
+            f"the run-up goes from {low * RPM:.6g} to {high * RPM:.6g} rpm, the speeds begin at {first * RPM:.6g} rpm"
+        )
+        if low >= first * (1 - 1e-9):
+            return [Fault(f"{ends}: a run-up begins below them", ("run_up", "range"))]
+        if high < first * (1 - 1e-9):
+            return [Fault(f"{ends}: what lies between is passed by every start, too", ("run_up", "range"))]
         return []
 
     @property

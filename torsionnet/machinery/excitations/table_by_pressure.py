@@ -8,19 +8,22 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from torsionnet.base.entries.composite import Composite, Nested, one_exactly
 from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.scalars import Value
 from torsionnet.base.entries.spec import EntryError, Json, Schema, Spec, Stored_co, entry, not_none
-from torsionnet.base.errors import Fault, UsageError, got
+from torsionnet.base.errors import LEAVE_OUT, Fault, Remedy, UsageError, got
 from torsionnet.machinery.excitations.order_excitation import ComplexArray, FloatArray
+from torsionnet.model.load.load_section import TableOverSpeed, value_over_speed
 
 MEAN_PRESSURE = Value("a mean indicated pressure", "pressure")
 SMALLEST_MEAN_PRESSURE = 1e3
 """Smallest mean indicated pressure in Pa but zero, as a number in bar without its unit lies below."""
-PRESSURE_RTOL = 1e-6
-"""Relative distance beyond the ends of a pressure table that counts as rounding, as nothing is extrapolated."""
+PRESSURE_RTOL, HELD_RTOL = 1e-6, 0.005
+"""Relative distances beyond the ends of a pressure table that count as rounding, and up to which the row at the end
+holds with a note: pressures from powers and efficiencies are stated to three digits, and nothing is extrapolated."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -85,7 +88,7 @@ def interpolated(known: Sequence[float], values: ComplexArray, wanted: FloatArra
         A pressure outside of the table.
     """
     low, high = known[0], known[-1]
-    outside = wanted[(wanted < low * (1 - PRESSURE_RTOL)) | (wanted > high * (1 + PRESSURE_RTOL))]
+    outside = wanted[beyond(known, wanted, HELD_RTOL)]
     if len(outside):
         text = f"a mean indicated pressure of {outside[0] / 1e5:.4g} bar is asked for"
         there = f"{low / 1e5:.4g} to {high / 1e5:.4g} bar" if len(known) > 1 else f"{low / 1e5:.4g} bar only"
@@ -99,12 +102,28 @@ def interpolated(known: Sequence[float], values: ComplexArray, wanted: FloatArra
     return np.asarray(values[places - 1] * (1 - share) + values[places] * share)
 
 
+def beyond(known: Sequence[float], wanted: FloatArray, share: float = PRESSURE_RTOL) -> NDArray[np.bool_]:
+    """Flags (n_wanted,) of the pressures in Pa that lie further beyond the ends of a table than a share of the end.
+
+    Examples
+    --------
+    >>> beyond([2e5, 27e5], np.array([27e5, 27.03e5]), 0.005).tolist(), beyond([2e5, 27e5], np.array([27.03e5])).tolist()
+    ([False, False], [True])
+    """
+    return np.asarray((wanted < known[0] * (1 - share)) | (wanted > known[-1] * (1 + share)))
+
+
 # Load of an engine, its mean indicated pressure over speed.
+
+_THERE = Value("its mean indicated pressure", "pressure")
+_PRESSURES = "{300 rpm: 5 bar, 750 rpm: 27 bar}"
 
 
 @dataclass(frozen=True, kw_only=True)
 class EngineLoad(Declared):
     """Mean indicated pressure of an engine at rated speed, or the power it makes, and how it follows the speed.
+
+    On a curve of its own, as of a controllable pitch or a run-up, the pressures stand in a table over speed.
 
     Examples
     --------
@@ -126,8 +145,13 @@ class EngineLoad(Declared):
     exponent: float = entry(
         Value("mean indicated pressure follows (speed/rated) to this power: 2 on a propeller curve", "1", lower=None), 0
     )
+    over_speed: tuple[tuple[float, float], ...] = entry(
+        TableOverSpeed("instead of all others: mean indicated pressure over the speed", _THERE, _PRESSURES), ()
+    )
 
     def contradictions(self) -> list[Fault]:
+        if self.over_speed:
+            return self._wrong_table()
         wrong = one_exactly(self, "mean_indicated_pressure", "power", of="a load", form=self.form)
         if wrong:
             return wrong
@@ -146,19 +170,44 @@ class EngineLoad(Declared):
                 return [Fault(str(error), ("mean_indicated_pressure",))]
         return []
 
+    def _wrong_table(self) -> list[Fault]:
+        """Faults of a table over speed with other entries beside it, or with pressures too small for an engine."""
+        beside = [name for name in ("mean_indicated_pressure", "power", "rated") if getattr(self, name) is not None]
+        if beside:
+            text = f"a table over speed says it all; leave out {' and '.join(beside)}"
+            return [Fault(text, (beside[0],), on_key=True, remedy=Remedy(LEAVE_OUT))]
+        try:
+            for _, pressure in self.over_speed:
+                mean_pressure(pressure)
+        except EntryError as error:
+            return [Fault(str(error), ("over_speed",))]
+        return []
+
     def at(self, speeds: FloatArray, swept_volume: float, revolutions: int) -> FloatArray:
         """Mean indicated pressure in Pa at speeds in rad/s, shape (n_speeds,), of cycles of so many revolutions.
 
         ``swept_volume`` is that of all cylinders in m^3.
+
+        Raises
+        ------
+        UsageError
+            A speed is outside the table over speed.
         """
-        pressure = self.mean_indicated_pressure
-        if pressure is None:
-            # Indicated power P_e/eta_m, its work per cycle P 2 pi revolutions/Omega, over the swept volume.
-            power = not_none(self.power) / not_none(self.mechanical_efficiency)
-            work = power * 2 * math.pi * revolutions / not_none(self.rated)
-            pressure = work / swept_volume
+        if self.over_speed:
+            return np.array([value_over_speed(self.over_speed, float(speed)) for speed in speeds])
+        pressure = self.rated_pressure(swept_volume, revolutions)
         follows = (speeds / not_none(self.rated)) ** self.exponent if self.exponent else np.ones(len(speeds))
         return np.asarray(pressure * follows)
+
+    def rated_pressure(self, swept_volume: float, revolutions: int) -> float:
+        """Mean indicated pressure in Pa at the rated speed; the largest one of a table over speed."""
+        if self.over_speed:
+            return max(pressure for _, pressure in self.over_speed)
+        if self.mean_indicated_pressure is not None:
+            return self.mean_indicated_pressure
+        # Indicated power P_e/eta_m, its work per cycle P 2 pi revolutions/Omega, over the swept volume.
+        power = not_none(self.power) / not_none(self.mechanical_efficiency)
+        return power * 2 * math.pi * revolutions / not_none(self.rated) / swept_volume
 
 
 LOAD = Nested("mean indicated pressure over speed", lambda: EngineLoad, "engine_load")

@@ -194,6 +194,11 @@ class CouplingLimit(InSpeedBand, ElementLimit):
         del subject
         return ([self.torque], 1.0) if criterion == "T_KW" and self.frequency_factor == "none" else None
 
+    def passing_sensors(self, criterion: str, subject: LimitSubject) -> tuple[list[Sensor], float] | None:
+        del subject
+        sensor = {"T_Kmax": self.torque, "twist": self.twisting}.get(criterion)
+        return None if sensor is None else ([sensor], 1.0)
+
     def text(self, evidence: Evidence) -> RuleText:
         del evidence
         by_din = self.frequency_factor == "din_740_2"

@@ -195,6 +195,10 @@ class GearLimit(ElementLimit):
             else:
                 yield LimitLine("hammer", quantity, "N*m", size, np.abs(mean), (), orders)
 
+    def lines_in_passing(self, evidence: Evidence) -> list[LimitLine]:
+        # Teeth of an idling gear hammer in every start.
+        return [line for line in super().lines_in_passing(evidence) if line.criterion != "hammer"]
+
     def _rated_torque(self, evidence: Evidence) -> float | None:
         mean = evidence.rated_means.get(self.torque)
         if self.rated_torque is not None:

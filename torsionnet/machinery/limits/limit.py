@@ -41,6 +41,8 @@ TOLERANCE = Value("how wrong a tachometer may be, as 2 %: ranges are wider by it
 """Specification of a limit's entry for the error of a tachometer."""
 PASSING_TIME = Value("longest time in which a barred range is to be passed, as 10 s", "time", exclusive=True)
 """Specification of a limit's entry for the time in which the crew has to pass a barred range."""
+NO_LIMIT_IN_PASSING = "no limit in passing is given; the one for continuous operation is exceeded"
+"""Remark on a limit that is exceeded while speeds are passed, and of which nobody says what it bears then."""
 NOT_EXAMINED = ("no lower speed was examined", "no higher speed was examined")
 """Remarks on a barred range of speeds that is cut off at the lowest or the highest speed examined."""
 
@@ -125,6 +127,34 @@ class Limit(Declared):
         if off:
             return [replace(line_without_data("all", f"{off} is switched off in this condition"), absent=True)]
         return list(self.lines(evidence))
+
+    def lines_in_passing(self, evidence: Evidence) -> list[LimitLine]:
+        """Lines over speeds that are only passed: of what holds in passing, else of vibration in continuous operation.
+
+        Heat takes longer than a start, and is not among them.
+        """
+        known = self.known_lines(evidence)
+        lasting = [one for one in known if one.why_not or (one.vibratory and one.orders is not None)]
+        return [one for one in known if one.in_passing] or lasting
+
+    def passing_sensors(self, criterion: str, subject: LimitSubject) -> tuple[list[Sensor], float] | None:
+        """Sensors of which the largest half range is in the value of a criterion, and the factor from SI to its value.
+
+        The value may have a mean part besides. None where vibration is not in it.
+        """
+        return self.vibratory_sensors(criterion, subject)
+
+    def while_passed(self, line: LimitLine, name: str, evidence: Evidence) -> LimitVerdict:
+        """Verdict of the limit on a line over speeds that are only passed.
+
+        It holds, or it does not; above what continuous operation permits it is open where nothing is said of passing.
+        """
+        if line.why_not:
+            return replace(self.open(name, evidence, line.criterion, line.why_not), absent=line.absent)
+        found = self.peak(line, name, evidence)
+        if line.in_passing or found.verdict == PASS:
+            return found
+        return replace(found, verdict=OPEN, remarks=(*found.remarks, NO_LIMIT_IN_PASSING))
 
     def verdicts(self, name: str, evidence: Evidence, lines: Sequence[LimitLine] | None = None) -> list[LimitVerdict]:
         """Verdicts of the limit on a condition, from its lines if they are given."""

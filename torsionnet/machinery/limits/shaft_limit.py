@@ -93,6 +93,10 @@ class ShaftLimit(Limit):
             return None
         return self.order_sensors(subject), 1 / self.section(subject).modulus
 
+    def passing_sensors(self, criterion: str, subject: LimitSubject) -> tuple[list[Sensor], float] | None:
+        del criterion  # each is of a stress with vibration in it
+        return self.order_sensors(subject), 1 / self.section(subject).modulus
+
     def section(self, subject: LimitSubject) -> RoundSection:
         """Round section of the shaft in which the limit judges the stress."""
         own = _own(subject.elements[self.element], Values(subject.values))

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Annotated, ClassVar
 
 import numpy as np
 
 from torsionnet.base.conventions import SI, Conventions
-from torsionnet.base.entries.spec import Schema
+from torsionnet.base.entries.spec import Schema, not_none
 from torsionnet.base.equal_remarks import grouped_remarks
 from torsionnet.base.errors import UsageError, comma_list, did_you_mean
 from torsionnet.base.packages import NotebookResult
@@ -40,8 +40,8 @@ GRAVITY = (PASS, BARRED, REDUCED, INCOMPLETE, OPEN, FAIL)
 
 VERDICT: Schema = {"enum": [*GRAVITY]}
 """JSON Schema of a verdict on a limit."""
-STARTS = "starts and stops not examined"
-"""Words in every verdict on limits: each start passes speeds below the lowest that was examined."""
+STARTS, STARTS_EXAMINED = "starts and stops not examined", "starts examined from {speed:g} rpm on"
+"""Words in every verdict on limits: each start passes speeds below the lowest that was examined, unless a run-up is."""
 MOST_NAMES = 6
 """Largest number of configurations or limits that a sentence names; of more, the first are named."""
 
@@ -83,6 +83,42 @@ def starts_sentence(rpm: float, shaft: str) -> str:
     'starts and stops not examined: speeds below 675 rpm of flywheel'
     """
     return phrase("starts and stops not examined: speeds below {speed:g} rpm of {shaft}", speed=rpm, shaft=shaft)
+
+
+def starts_words(checks: Sequence[LimitCheck]) -> str:
+    """Words in a verdict on how far starts were examined in all its conditions."""
+    lows = [one.run_up.rpm[0] for one in checks if one.run_up]
+    return phrase(STARTS) if len(lows) < len(checks) else phrase(STARTS_EXAMINED, speed=max(lows))
+
+
+def starts_findings(checks: Sequence[LimitCheck], where: Callable[[Sequence[str]], str]) -> Iterator[str]:
+    """Sentences on the starts of all conditions; ``where`` makes the end of a sentence of names of configurations."""
+    known = [one for one in checks if one.run_up]
+    if len(known) < len(checks):
+        yield starts_sentence(max(one.rpm[0] for one in checks if not one.run_up), checks[0].reference)
+    found: dict[str, list[str]] = {}
+    for one in known:
+        for sentence in run_up_sentences(not_none(one.run_up)):
+            found.setdefault(sentence, []).append(one.configuration)
+    yield from (phrase("{sentence}{where}", sentence=text, where=where(names)) for text, names in found.items())
+
+
+def run_up_sentences(found: RunUpCheck) -> Iterator[str]:
+    """Sentences on a run-up: what does not hold, what nobody says, else that all limits in passing hold."""
+    (low, high), verdict = found.rpm, found.verdict
+    about = {"low": low, "high": high, "shaft": found.reference, "load": 100 * found.load}
+    for grave, template in ((FAIL, FAILS_IN_PASSING), (OPEN, OPEN_IN_PASSING)):
+        names = found.names(grave)
+        if names:
+            yield phrase(template, limits=listed_names(names), **about)
+    if verdict == PASS:
+        yield phrase(HOLDS_IN_PASSING, **about)
+
+
+FAILS_IN_PASSING = "starts from {low:g} to {high:g} rpm of {shaft} at {load:g} % load: {limits} not kept in passing"
+OPEN_IN_PASSING = "starts from {low:g} to {high:g} rpm of {shaft} at {load:g} % load: {limits} not judged in passing"
+HOLDS_IN_PASSING = "starts from {low:g} to {high:g} rpm of {shaft} at {load:g} % load: the limits in passing hold"
+"""Findings on a run-up."""
 
 
 def listed_names(names: Sequence[str]) -> str:
@@ -248,6 +284,110 @@ class LimitVerdict:
 
 
 @dataclass(frozen=True, eq=False)
+class PassedLimit:
+    """Verdict on one criterion of a limit while a start passes the speeds of a run-up.
+
+    Attributes
+    ----------
+    steady : LimitVerdict
+        By the vibration that each speed would have if it lasted.
+    rising : float, optional
+        Largest value in SI while the speed rises at the rate of the run-up; where the steady one holds, or no rate is
+        given, it is not calculated.
+    rising_rpm : float, optional
+        Speed in r/min at which that is reached.
+    """
+
+    SHOWN: ClassVar = ("steady.limit", "steady.of", "steady.criterion", "verdict", "rpm", "value", "allowed",
+                       "steady.unit", "utilisation", "steady_value")  # fmt: skip
+
+    steady: LimitVerdict
+    rising: float | None = None
+    rising_rpm: float | None = None
+
+    @property
+    def rpm(self) -> Annotated[float | None, Out("speed", "rpm", digits=5)]:
+        """Speed in r/min of the value that decides."""
+        return self.steady.worst_rpm if self.rising is None else self.rising_rpm
+
+    @property
+    def value(self) -> Annotated[float | None, Out("value", digits=5, unit_of="steady.unit")]:
+        """Value in SI that decides: while the speed rises, else as if each speed lasted."""
+        return self.steady.worst_value if self.rising is None else self.rising
+
+    @property
+    def steady_value(self) -> Annotated[float | None, Out("steady", digits=5, unit_of="steady.unit")]:
+        """Value in SI as if each speed lasted; None where it is not known."""
+        return self.steady.worst_value
+
+    @property
+    def allowed(self) -> Annotated[float | None, Out("allowed", digits=5, unit_of="steady.unit")]:
+        """Value in SI that is allowed at the speed of the value that decides."""
+        if self.rising_rpm is None:
+            return self.steady.worst_allowed
+        return float(np.interp(self.rising_rpm, self.steady.speeds * RPM, self.steady.allowed))
+
+    @property
+    def utilisation(self) -> Annotated[float | None, Out("utilisation", digits=4)]:
+        """Value over value allowed, without unit; None where it is not known."""
+        return None if self.value is None or self.allowed is None else self.value / self.allowed
+
+    @property
+    def verdict(self) -> Annotated[str, Out("verdict", schema=VERDICT)]:
+        """Name of the verdict: "pass", "fail", or "not judged" where nobody says what is permitted in passing."""
+        if self.rising is not None and self.utilisation is not None and self.utilisation <= 1:
+            return PASS
+        return self.steady.verdict
+
+
+@dataclass(frozen=True, eq=False)
+class RunUpCheck:
+    """Verdicts on what the limits permit in passing, over the speeds that every start passes, in one configuration.
+
+    Attributes
+    ----------
+    low, high : float
+        Ends of the run-up in rad/s.
+    reference : str
+        Node of the reference shaft.
+    load : float
+        Share of the rated load.
+    rate : float, optional
+        Rise of the speed in rad/s^2.
+    verdicts : tuple of PassedLimit
+    """
+
+    SHOWN: ClassVar = ("rpm", "load", "rate", "verdict", "verdicts")
+
+    low: float
+    high: float
+    reference: str
+    load: Annotated[float, Out("load")]
+    rate: Annotated[float | None, Out("rate", "rad/s^2")]
+    verdicts: Annotated[tuple[PassedLimit, ...], Out(json="limits")]
+
+    @property
+    def rpm(self) -> Annotated[tuple[float, float], Out(json="speeds_rpm")]:
+        """Lowest and highest speed of the run-up in r/min."""
+        return self.low * RPM, self.high * RPM
+
+    @property
+    def verdict(self) -> Annotated[str, Out(schema=VERDICT)]:
+        """Name of the gravest verdict on a limit in the run-up."""
+        return gravest(one.verdict for one in self.verdicts)
+
+    @property
+    def worst(self) -> PassedLimit | None:
+        """Verdict with the largest utilisation in the run-up; None where nothing is known."""
+        known = [one for one in self.verdicts if one.utilisation is not None]
+        return max(known, key=lambda one: one.utilisation or 0.0, default=None)
+
+    def names(self, verdict: str) -> list[str]:
+        """Names of the limits with a verdict in the run-up, each once."""
+        return list(dict.fromkeys(one.steady.limit for one in self.verdicts if one.verdict == verdict))
+
+
+@dataclass(frozen=True, eq=False)
 class LimitPoint:
     """Value and value allowed in SI of one criterion of a limit at one speed in rpm."""
 
@@ -284,6 +424,8 @@ class LimitCheck(NotebookResult):
         Configurations that this check is not about.
     left_out : tuple of str
         Limits and excitations that were left out, in words.
+    run_up : RunUpCheck, optional
+        Verdicts in passing over the speeds of a start; None where the model has no run-up.
     """
 
     picture: ClassVar[str] = "limit_check"
@@ -299,6 +441,7 @@ class LimitCheck(NotebookResult):
     configurations: tuple[str, ...] = ()
     others: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()
+    run_up: Annotated[RunUpCheck | None, Out(optional=True)] = None
 
     @property
     def rpm(self) -> Annotated[FloatArray, Out(json="speeds_rpm")]:
@@ -312,6 +455,7 @@ class LimitCheck(NotebookResult):
         "incomplete" instead of one that permits operation if no configuration was chosen although there are some.
         """
         found = [one.verdict for one in self.verdicts]
+        found += [self.run_up.verdict] if self.run_up else []
         return gravest([*found, *([INCOMPLETE] if self.others and not self.configuration else [])])
 
     @property
@@ -344,7 +488,7 @@ class LimitCheck(NotebookResult):
         """Texts that conclude from all verdicts on limits, on what was not examined and on what was found."""
         missing = unexamined_sentence(self.others, self.configurations, [self.configuration])
         where = phrase(" in {names}", names=self.configuration or "the model as written") if self.others else ""
-        return (*missing, *self.left_out, starts_sentence(self.rpm[0], self.reference), self.finding(where))
+        return (*missing, *self.left_out, *starts_findings([self], lambda _: ""), self.finding(where))
 
     def finding(self, where: str = "") -> str:
         """Sentence that concludes on the limits in one configuration, in which ``where`` names the configuration."""

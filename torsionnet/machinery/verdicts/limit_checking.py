@@ -6,7 +6,7 @@ Speeds are added until the largest utilisation of every limit and the ends of it
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -19,6 +19,7 @@ from torsionnet.linear.assembly.table_range import range_notes
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.checks.limit_checks import limit_subject
 from torsionnet.machinery.excitations.reciprocating_engine import running_engines_text
+from torsionnet.machinery.excitations.speed_range import RunUp
 from torsionnet.machinery.limits import Limit, limit_rules
 from torsionnet.machinery.limits.evidence import Evidence, LimitSubject
 from torsionnet.machinery.limits.limit import LimitLine, merged_line
@@ -28,15 +29,27 @@ from torsionnet.machinery.orders.order_response import OrderResponse
 from torsionnet.machinery.orders.order_solution import orders_at_speeds
 from torsionnet.machinery.orders.refined_response import ExaminedSpeeds, merged_responses
 from torsionnet.machinery.orders.speed_refinement import refine_speeds, speeds_to_refine
-from torsionnet.machinery.verdicts.limit_check import LimitCheck, listed_names
-from torsionnet.machinery.verdicts.speed_spans import spans_above
+from torsionnet.machinery.passage.passage_solution import passage_response
+from torsionnet.machinery.verdicts.limit_check import (
+    FAIL,
+    OPEN,
+    LimitCheck,
+    LimitVerdict,
+    PassedLimit,
+    RunUpCheck,
+    listed_names,
+)
+from torsionnet.machinery.verdicts.speed_spans import SpeedSpan, spans_above
 from torsionnet.model.channels import Sensor
 from torsionnet.model.definition import Definition
 from torsionnet.model.elements import Values
-from torsionnet.model.operating_values import running_notes
+from torsionnet.model.operating_values import running_notes, with_tangents
 
 NO_CYCLE = "the shafts have no short common cycle: half ranges of the shafts are added"
 """Text of the note of a limit check whose orders repeat only after many revolutions, so that half ranges are added."""
+RUN_IN_SHARE = 0.25
+"""Share of the width of the speeds at which a limit is exceeded by which a passage of them begins before and ends behind,
+where vibration is small and steady."""
 MISFIRING = "a cylinder misfires in this condition"
 """Text of the note of a limit check in a condition with a misfiring cylinder."""
 
@@ -94,6 +107,7 @@ def check_limits(
         for (name, limit), lines in zip(chosen.items(), found.lines, strict=True)
         for verdict in limit.verdicts(name, evidence, lines)
     )
+    run_up = _run_up(examination, evidence)
     notes = [NO_CYCLE] * (run.revolutions is None) + [MISFIRING] * subject.misfiring + [*run.engine_notes]
     notes += lost_power_notes(drivetrain, float(run.speeds[-1])) if evidence.means else ()
     notes += [running] if (running := running_engines_text(drivetrain.definition.excitations)) else []
@@ -101,8 +115,71 @@ def check_limits(
     return LimitCheck(
         run.speeds, run.reference, verdicts, tuple(map(str, run.lines)), drivetrain.title, drivetrain.configuration,
         subject.misfiring, tuple(notes), drivetrain.configurations, drivetrain.other_configurations,
-        _left_out(drivetrain.definition, chosen, excitations),
+        _left_out(drivetrain.definition, chosen, excitations), run_up,
     )  # fmt: skip
+
+
+def _run_up(running: _Examination, evidence: Evidence) -> RunUpCheck | None:
+    """Verdicts on what the limits permit while the speeds of a start are passed; None where the model has no run-up."""
+    drivetrain = running.drivetrain
+    speeds = drivetrain.definition.speeds
+    if speeds is None or speeds.run_up is None:
+        return None
+    run_up = speeds.run_up
+    acting, loaded = at_load(drivetrain, run_up.load)
+    passed = ExaminedSpeeds.of(
+        acting, run_up.speeds(speeds.step), speed_of=speeds.of, excitations=running.excitations, refine=True
+    )
+    try:
+        examination = _Examination(
+            acting, running.subject, running.limits, running.excitations, passed, loaded, evidence.rated_means
+        )
+        found = examination.at(passed.first(np.empty(0)))
+        found = refine_speeds(found, examination.wanted, examination.with_more)
+    except UsageError as error:
+        raise UsageError(f"run-up: {error}") from None
+    judged = []
+    for (name, limit), lines in zip(running.limits.items(), found.lines, strict=True):
+        for line in lines:
+            if not line.absent and (line.why_not or np.isfinite(line.allowed).any()):
+                steady = limit.while_passed(line, name, found.evidence)
+                judged.append(_at_its_rate(examination, run_up, limit, found.evidence, steady))
+    return RunUpCheck(*run_up.range, speeds.of, run_up.load, run_up.rate, tuple(judged))
+
+
+def _at_its_rate(
+    running: _Examination, run_up: RunUp, limit: Limit, evidence: Evidence, steady: LimitVerdict
+) -> PassedLimit:
+    """Verdict on a limit that steady vibration exceeds, by the vibration while the speed rises at its rate."""
+    found = limit.passing_sensors(steady.criterion, running.subject) if steady.verdict in (FAIL, OPEN) else None
+    if run_up.rate is None or found is None or not len(steady.values):
+        return PassedLimit(steady)
+    sensors, factor = found
+    above = spans_above(steady.speeds, steady.values, steady.allowed)
+    wide = RUN_IN_SHARE * (above[-1].high - above[0].low)
+    # Only the speeds around those at which the steady value is too large are passed in time.
+    span = SpeedSpan(above[0].low - wide, above[-1].high + wide).within(SpeedSpan(*run_up.range))
+    run = passage_response(
+        running.drivetrain, sensors, [0.0, (span.high - span.low) / run_up.rate], [span.low, span.high],
+        speed_of=running.speeds.reference, excitations=running.excitations,
+    )  # fmt: skip
+    peak = max((run.peak(str(sensor)) for sensor in sensors), key=lambda one: one.half_range)
+    # The mean part of the value, as of T_mean + T_v, is the same whether the speed rises or not.
+    mean = float(np.max(steady.values - factor * evidence.size(sensors)))
+    return PassedLimit(steady, factor * peak.half_range + mean, peak.rpm)
+
+
+def at_load(drivetrain: AssembledModel, share: float) -> tuple[AssembledModel, AssembledModel]:
+    """Copies of a drivetrain at a share of its load: with the engines at that share, and with their pressures kept.
+
+    The first gives the vibration, the second the mean torques, which the load alone makes smaller.
+    """
+    definition = drivetrain.definition
+    load = None if definition.load is None else definition.load.at_share(share)
+    loaded = with_tangents(replace(definition, load=load))
+    engines = {name: one.at_load(share) for name, one in definition.excitations.items()}
+    acting = replace(loaded, excitations=engines)
+    return drivetrain.with_definition(acting), drivetrain.with_definition(loaded)
 
 
 def _left_out(definition: Definition, limits: Iterable[str], excitations: Iterable[str] | None) -> tuple[str, ...]:
@@ -137,15 +214,23 @@ class _Examination:
     limits: Mapping[str, Limit]
     excitations: Any
     speeds: ExaminedSpeeds
+    loaded: AssembledModel | None = None
+    """Drivetrain with the mean torques of a run-up; None where speeds are examined in continuous operation."""
+    known_rated: Mapping[Sensor, float] = field(default_factory=dict)
+    """Mean values at rated speed that are known already, in SI units by sensor."""
 
     def at(self, speeds: FloatArray) -> _Examined:
         """Order responses, mean values and limit curves over the speeds (n_speeds,) in rad/s of the reference shaft."""
         run = orders_at_speeds(
             self.drivetrain, self._sensors, speeds=speeds, speed_of=self.speeds.reference, excitations=self.excitations
         )
-        means, why = _means(self.drivetrain, self.subject, self._here, run.speeds)
-        evidence = Evidence(run, means, why, self.subject, self._rated)
-        return _Examined(evidence, tuple(tuple(limit.known_lines(evidence)) for limit in self.limits.values()))
+        means, why = _means(self.loaded or self.drivetrain, self.subject, self._here, run.speeds)
+        evidence = Evidence(run, means, why, self.subject, self.known_rated or self._rated)
+        lines = [
+            limit.known_lines(evidence) if self.loaded is None else limit.lines_in_passing(evidence)
+            for limit in self.limits.values()
+        ]
+        return _Examined(evidence, tuple(map(tuple, lines)))
 
     @cached_property
     def _here(self) -> list[Limit]:

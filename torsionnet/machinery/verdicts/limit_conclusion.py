@@ -25,7 +25,8 @@ from torsionnet.machinery.verdicts.limit_check import (
     LimitVerdict,
     gravest,
     listed_names,
-    starts_sentence,
+    starts_findings,
+    starts_words,
     unexamined_sentence,
 )
 from torsionnet.machinery.verdicts.measured_range import MeasuredRange
@@ -106,6 +107,7 @@ class LimitConclusion:
         "incomplete" instead of one that permits operation if not all was examined.
         """
         found = [one.verdict for _, one in self._verdicts()]
+        found += [one.run_up.verdict for one in self.checks if one.run_up]
         return gravest([*found, *([INCOMPLETE] if self.not_examined or self.left_out else [])])
 
     @property
@@ -162,8 +164,12 @@ class LimitConclusion:
             return self.checks[0].findings
         examined = [one.configuration for one in self.checks]
         missing = unexamined_sentence(self.not_examined, self.configurations, examined)
-        lowest = max(one.rpm[0] for one in self.checks)
-        return (*missing, *self.left_out, starts_sentence(lowest, self._shaft), *self._found())
+        return (*missing, *self.left_out, *starts_findings(self.checks, self._where), *self._found())
+
+    @property
+    def starts(self) -> str:
+        """Words on how far starts were examined, as they stand beside the verdict."""
+        return starts_words(self.checks)
 
     def _verdicts(self) -> Iterator[tuple[LimitCheck, LimitVerdict]]:
         """Yield pairs of check and verdict, none on a switched-off element whose limit another check judges."""
@@ -256,7 +262,7 @@ class ConcludedCheck(LimitCheck):
 
     SHOWN: ClassVar = (
         "title", "configuration", "reference", "misfiring", "verdict", "overall", "barred_rpm", "rpm", "verdicts",
-        "notes", "measured",
+        "run_up", "notes", "measured",
     )  # fmt: skip
 
     overall: LimitConclusion = field(kw_only=True)

@@ -13,7 +13,7 @@ from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.phrases import extended, phrase
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Table, result_table
-from torsionnet.machinery.verdicts.limit_check import FAIL, LimitCheck, LimitVerdict, listed_names
+from torsionnet.machinery.verdicts.limit_check import FAIL, LimitCheck, LimitVerdict, listed_names, starts_words
 from torsionnet.machinery.verdicts.speed_spans import SpeedSpan, joined_spans, spans_above, spans_below
 
 
@@ -73,8 +73,8 @@ class Instruction:
         return extended(self.action, f"; {self.marking}")
 
 
-UNRESTRICTED = "No restrictions from {low:g} to {high:g} rpm of {shaft}; starts and stops not examined."
-UNRESTRICTED_ELSEWHERE = "No other restrictions from {low:g} to {high:g} rpm of {shaft}; starts and stops not examined."
+UNRESTRICTED = "No restrictions from {low:g} to {high:g} rpm of {shaft}; {starts}."
+UNRESTRICTED_ELSEWHERE = "No other restrictions from {low:g} to {high:g} rpm of {shaft}; {starts}."
 """Notes on the speeds that no instruction restricts."""
 NOTICE = "notice at each control station"
 """Marking of every range for the crew."""
@@ -167,14 +167,17 @@ def instruction_table(checks: Sequence[LimitCheck], conventions: Conventions = S
     """Table of operating instructions from checks of limits of one model, with a note on any other restriction."""
     rows = operating_instructions(checks)
     failed = dict.fromkeys(one.limit for check in checks for one in check.verdicts if one.verdict == FAIL)
+    failed |= dict.fromkeys(name for check in checks if check.run_up for name in check.run_up.names(FAIL))
     shown = [_in_units(one, conventions) for one in rows]
     low, high = max(check.rpm[0] for check in checks), min(check.rpm[-1] for check in checks)
     shaft = checks[0].reference
     template = UNRESTRICTED_ELSEWHERE if rows else UNRESTRICTED
-    last = phrase(template, low=low, high=high, shaft=shaft)
+    starts = starts_words(checks)
+    last = phrase(template, low=low, high=high, shaft=shaft, starts=starts)
     if failed:
-        template = "Not to be run as it is: {limits} not kept; starts and stops not examined."
-        last = phrase(template, limits=listed_names(list(failed)))
+        last = phrase(
+            "Not to be run as it is: {limits} not kept; {starts}.", limits=listed_names(list(failed)), starts=starts
+        )
     return result_table(title or "operating instructions", shown, Instruction, notes=[last])
 
 

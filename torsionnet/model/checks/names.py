@@ -20,6 +20,7 @@ from torsionnet.model.definition import (
     EXCITATIONS,
     LOAD,
     SCENARIOS,
+    SINGLE_SECTIONS,
     Definition,
     all_nodes,
     by_section,
@@ -47,7 +48,13 @@ def at_override(fault: Fault, definition: Definition, choice: Mapping[str, str])
 
     Where none does, to one that changes the section which the fault is about besides.
     """
-    section = fault.path if fault.path[:1] == (LOAD,) else fault.path[1:] if fault.path[:1] in _TABLES else ()
+    section = (
+        fault.path
+        if fault.path[:1] and fault.path[0] in SINGLE_SECTIONS
+        else fault.path[1:]
+        if fault.path[:1] in _TABLES
+        else ()
+    )
     if len(section) < 2:
         return fault
     key = f"{section[0]}.{section[1]}"
@@ -99,11 +106,14 @@ def _meaningless(definition: Definition, key: str, path: EntryPath) -> Fault | N
 
 def _no_section(definition: Definition, name: str, path: EntryPath) -> Fault:
     """Fault that an alternative cannot change entries of the section it names."""
-    if name in {declared.name for declared in definition.declared()} - {LOAD}:
-        text = f"a configuration does not change entries of {name}:; it may change parameters, and entries of elements"
-        text += ", excitations, scenarios and load: (box.engaged, engine.misfire, fault.phases, load.power)"
-        return Fault(text, path, on_key=True)
-    known = [*definition.excitations, *definition.elements, *definition.scenarios, *([LOAD] if definition.load else [])]
+    if name in {declared.name for declared in definition.declared()} - {*SINGLE_SECTIONS}:
+        text = (
+            f"a configuration does not change entries of {name}:; it may change parameters, and entries of elements, "
+        )
+        text += "excitations, scenarios, load: and speeds: (box.engaged, engine.misfire, fault.phases, load.power, "
+        return Fault(text + "speeds.range)", path, on_key=True)
+    sections = [key for key in SINGLE_SECTIONS if getattr(definition, key)]
+    known = [*definition.excitations, *definition.elements, *definition.scenarios, *sections]
     return unknown_name("element, excitation or scenario", name, known, path, on_key=True)
 
 
@@ -117,7 +127,7 @@ def _wrong_values(definition: Definition, table: str, name: str, changes: Mappin
         return error.faults
     if table == ELEMENTS:
         return tuple(_moved(definition.elements[name], changed.elements[name], changes))
-    if table == LOAD:
+    if table in SINGLE_SECTIONS:
         return ()
     # What was wrong before the change is told where it stands.
     faults_of_one = imported(OWNERS[table].faults_of_one)

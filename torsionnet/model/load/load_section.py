@@ -5,7 +5,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, cast
+from typing import Any, ClassVar, TypeVar, cast
 
 from torsionnet.base.entries.composite import Named, Nested
 from torsionnet.base.entries.declared import Declared
@@ -17,17 +17,24 @@ from torsionnet.model.operating_point import DriverName, TorquePlace, place_faul
 
 # Absorbers of power in a drivetrain, and the law of their torque over speed.
 
+A = TypeVar("A", bound="Absorber")
 _SPEED = Value("a speed", "speed", below=1e6)
-_TORQUE = Value("a torque", "torque")
+_TORQUE = Value("its torque", "torque")
+_TORQUES = "{300 rpm: 30 kN*m, 750 rpm: 188 kN*m}"
 MOST_EXPONENT = 10
 """Largest exponent of a torque over speed that a load accepts, as 1 to 3 are usual."""
 
 
-class TorqueOverSpeed(Plural[tuple[tuple[float, float], ...]]):
-    """Entry of a table of torque over speed, stored as pairs in rad/s and N m.
+@dataclass(frozen=True, eq=False, repr=False)
+class TableOverSpeed(Plural[tuple[tuple[float, float], ...]]):
+    """Entry of a table over speed, as of torque, stored as pairs of rad/s and the value in SI, by rising speed.
 
-    A file has ``{300 rpm: 30 kN*m}``; the pairs rise with the speed.
+    A file has ``{300 rpm: 30 kN*m, 750 rpm: 188 kN*m}``.
     """
+
+    of: Value
+    shown: str
+    """Example of the table as it stands in a file."""
 
     absent: ClassVar[Any] = ()
 
@@ -35,7 +42,8 @@ class TorqueOverSpeed(Plural[tuple[tuple[float, float], ...]]):
         if isinstance(raw, tuple):
             return raw, []
         if not isinstance(raw, Mapping) or len(raw) < 2:
-            return (), [Fault(f"expected two speeds or more, each with its torque: {self.example}; {got(raw)}")]
+            text = f"expected two speeds or more, each with {self.of.description}: {self.example}; {got(raw)}"
+            return (), [Fault(text)]
         found: dict[float, float] = {}
         faults: list[Fault] = []
         for key, value in raw.items():
@@ -46,20 +54,38 @@ class TorqueOverSpeed(Plural[tuple[tuple[float, float], ...]]):
                 continue
             if speed in found:
                 faults.append(Fault(f"the speed {key} stands twice", (key,), on_key=True))
-            torque, wrong = _TORQUE.read(value)
+            there, wrong = self.of.read(value)
             faults += [fault.under(key) for fault in wrong]
-            found[speed] = cast("float", torque)
+            found[speed] = cast("float", there)
         return tuple(sorted(found.items())) if not faults else (), faults
 
     @property
     def example(self) -> str:
-        return "{300 rpm: 30 kN*m, 750 rpm: 188 kN*m}"
+        return self.shown
 
     def plain(self, value: Any) -> Json:
-        return {f"{speed!r} rad/s": torque for speed, torque in value}
+        return {f"{speed!r} rad/s": self.of.plain(there) for speed, there in value}
 
     def schema(self) -> Schema:
         return {"type": "object", "description": self.description, "minProperties": 2, "additionalProperties": True}
+
+
+def value_over_speed(table: tuple[tuple[float, float], ...], speed: float) -> float:
+    """Value in SI at a speed in rad/s of a table over speed, on straight lines between its rows.
+
+    Raises
+    ------
+    UsageError
+        The speed is outside the table.
+    """
+    speeds = [pair[0] for pair in table]
+    low, high = speeds[0], speeds[-1]
+    if not low * (1 - 1e-9) <= speed <= high * (1 + 1e-9):
+        range_text = f"from {low * RPM:.6g} to {high * RPM:.6g} rpm"
+        raise UsageError(f"{speed * RPM:.6g} rpm is outside the table over speed, which goes {range_text}")
+    place = min(max(bisect_right(speeds, speed), 1), len(speeds) - 1)
+    (before, lower), (after, upper) = table[place - 1 : place + 1]
+    return float(lower + (upper - lower) * (speed - before) / (after - before))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,7 +118,7 @@ class Absorber(Declared):
         None,
     )
     over_speed: tuple[tuple[float, float], ...] = entry(
-        TorqueOverSpeed("instead of all others: torque over the speed of this node"), ()
+        TableOverSpeed("instead of all others: torque over the speed of this node", _TORQUE, _TORQUES), ()
     )
 
     def contradictions(self) -> list[Fault]:
@@ -139,21 +165,18 @@ class Absorber(Declared):
             The speed is outside the table.
         """
         if self.over_speed:
-            return self._from_table(speed)
+            return value_over_speed(self.over_speed, speed)
         own: Any = self.rated or rated
         # T = T_r (omega/omega_r)^m, and T_r = P/omega_r of a power.
         at_rated = self.torque if self.torque is not None else self.power / own
         return float(at_rated * (speed / own) ** self.torque_exponent)
 
-    def _from_table(self, speed: float) -> float:
-        speeds = [pair[0] for pair in self.over_speed]
-        low, high = speeds[0], speeds[-1]
-        if not low * (1 - 1e-9) <= speed <= high * (1 + 1e-9):
-            range_text = f"from {low * RPM:.6g} to {high * RPM:.6g} rpm"
-            raise UsageError(f"{speed * RPM:.6g} rpm is outside the table over speed, which goes {range_text}")
-        place = min(max(bisect_right(speeds, speed), 1), len(speeds) - 1)
-        (before, lower), (after, upper) = self.over_speed[place - 1 : place + 1]
-        return float(lower + (upper - lower) * (speed - before) / (after - before))
+
+def _at_share(absorber: A, share: float) -> A:
+    """Copy of an absorber that takes a share of its torque at every speed."""
+    sizes = {name: value * share for name in ("power", "torque") if (value := getattr(absorber, name)) is not None}
+    table = tuple((speed, torque * share) for speed, torque in absorber.over_speed)
+    return absorber.unchecked(**sizes, over_speed=table)
 
 
 _LAW = ("power", "torque", "torque_exponent", "rated", "over_speed")
@@ -219,6 +242,17 @@ class Load(Absorber):
             text = f"the shares of the drivers ({listed}) sum to {total:g}; they have to sum to 1"
             faults.append(Fault(text, ("driven_by",)))
         return faults
+
+    def at_share(self, share: float) -> Load:
+        """Copy of the load in which all absorbers take a share of their torque at every speed.
+
+        Examples
+        --------
+        >>> Load(absorbed_at="rotor", power="4 MW", torque_exponent=0).at_share(0.15).power
+        600000.0
+        """
+        absorbers = {place: _at_share(one, share) for place, one in (self.absorbers or {}).items()}
+        return _at_share(self, share).unchecked(absorbers=absorbers)
 
     @property
     def by_place(self) -> Mapping[str, Absorber]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from torsionnet.base.number_text import aligned_numbers
 from torsionnet.base.phrases import phrase
 from torsionnet.linear.modes.modes import OSCILLATORY
-from torsionnet.machinery.verdicts.limit_check import STARTS, listed_names
+from torsionnet.machinery.verdicts.limit_check import listed_names
 from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion, WorstLimit
 from torsionnet.machinery.verdicts.operating_instructions import instruction_table
 from torsionnet.machinery.verdicts.order_peaks import line_name, little_damped
@@ -61,7 +61,7 @@ def conclusion_section(subject: ReportData) -> Section:
 
 
 def _judged(subject: ReportData, found: LimitConclusion) -> Iterator[Block]:
-    yield Paragraph((Strong("Verdict:"), " ", Strong(found.verdict), "; ", Strong(STARTS)))
+    yield Paragraph((Strong("Verdict:"), " ", Strong(found.verdict), "; ", Strong(found.starts)))
     findings = [capital(as_words(finding)) for finding in found.findings]
     yield Listing(tuple((text,) for text in [*findings, *_by_small_damping(subject, found)]))
     yield _components(subject, found)
