@@ -355,9 +355,8 @@ class EngineEntries(ReactingExcitation):
         Examples
         --------
         >>> engine = EngineEntries(speed_of="c1", cycle=2, cylinders={1: "c1", 2: "c2"}, firing_order=[1, 2],
-        ...     bore="100 mm", stroke="120 mm", rod_length="240 mm", gas={"harmonics":
-        ...         {"2 bar": {1: {"amplitude": "1 bar", "phase": 0}}, "20 bar": {1: {"amplitude": "3 bar", "phase": 0}}}},
-        ...     load={"mean_indicated_pressure": "20 bar"})
+        ...     bore="100 mm", stroke="120 mm", rod_length="240 mm", load={"mean_indicated_pressure": "20 bar"},
+        ...     gas={"harmonics": {"20 bar": {1: {"amplitude": "3 bar", "phase": 0}}}})
         >>> engine.at_load(0.15).indicated_pressures(np.array([100.0])).tolist()
         [300000.0]
         """

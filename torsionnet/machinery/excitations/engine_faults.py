@@ -320,8 +320,7 @@ def _held(gas: GasPressure, pressures: FloatArray | None) -> Iterator[Fault]:
         return
     asked = pressures[beyond(known, pressures)]
     if len(asked):
-        furthest = float(asked[np.argmax(np.abs(np.log(asked / math.sqrt(known[0] * known[-1]))))])
-        end = known[-1] if furthest > known[-1] else known[0]
+        furthest, end = (asked.max(), known[-1]) if asked.max() > known[-1] else (asked.min(), known[0])
         text = f"the load asks for a mean indicated pressure of {furthest / 1e5:.4g} bar, gas is known to "
         text += f"{end / 1e5:.4g} bar; that holds, as {100 * abs(furthest / end - 1):.2g} % beyond is rounding"
         yield Fault(text, ("load",), "note")

@@ -56,12 +56,12 @@ class SpeedBand(Spec[tuple[float, float]]):
 
 
 @dataclass(frozen=True, kw_only=True)
-class RunUp(Declared):
+class StartingRange(Declared):
     """Speeds that every start passes, with the load at which they are passed and the rate at which the speed rises.
 
     Examples
     --------
-    >>> run_up = RunUp(range="250..675 rpm", load="15 %", rate="20 rpm/s")
+    >>> run_up = StartingRange(range="250..675 rpm", load="15 %", rate="20 rpm/s")
     >>> run_up.load, round(run_up.rate, 4), round(run_up.seconds, 2)
     (0.15, 2.0944, 21.25)
     """
@@ -110,8 +110,8 @@ class SpeedRange(Declared):
     step: float | None = entry(Value("from one speed to the next", "speed", exclusive=True), None)
     list: tuple[float, ...] = entry(Listed("the speeds one by one", SPEED, form="a list of speeds"), ())
     rated: float | None = entry(Value("speed to which rated torques belong", "speed", exclusive=True), None)
-    run_up: RunUp | None = entry(
-        Nested("the speeds that every start passes, at which load and how fast", lambda: RunUp, "run_up"), None
+    run_up: StartingRange | None = entry(
+        Nested("the speeds that every start passes, at which load and how fast", lambda: StartingRange, "run_up"), None
     )
 
     def contradictions(self) -> builtins.list[Fault]:

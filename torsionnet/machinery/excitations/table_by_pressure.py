@@ -107,8 +107,8 @@ def beyond(known: Sequence[float], wanted: FloatArray, share: float = PRESSURE_R
 
     Examples
     --------
-    >>> beyond([2e5, 27e5], np.array([27e5, 27.03e5]), 0.005).tolist(), beyond([2e5, 27e5], np.array([27.03e5])).tolist()
-    ([False, False], [True])
+    >>> [beyond([2e5, 27e5], np.array([27e5, 27.03e5]), share).tolist() for share in (0.005, 0.001)]
+    [[False, False], [False, True]]
     """
     return np.asarray((wanted < known[0] * (1 - share)) | (wanted > known[-1] * (1 + share)))
 

@@ -19,7 +19,7 @@ from torsionnet.linear.assembly.table_range import range_notes
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.checks.limit_checks import limit_subject
 from torsionnet.machinery.excitations.reciprocating_engine import running_engines_text
-from torsionnet.machinery.excitations.speed_range import RunUp
+from torsionnet.machinery.excitations.speed_range import StartingRange
 from torsionnet.machinery.limits import Limit, limit_rules
 from torsionnet.machinery.limits.evidence import Evidence, LimitSubject
 from torsionnet.machinery.limits.limit import LimitLine, merged_line
@@ -48,8 +48,8 @@ from torsionnet.model.operating_values import running_notes, with_tangents
 NO_CYCLE = "the shafts have no short common cycle: half ranges of the shafts are added"
 """Text of the note of a limit check whose orders repeat only after many revolutions, so that half ranges are added."""
 RUN_IN_SHARE = 0.25
-"""Share of the width of the speeds at which a limit is exceeded by which a passage of them begins before and ends behind,
-where vibration is small and steady."""
+"""Share of the width of the speeds at which a limit is exceeded by which their passage begins before and ends behind
+them, where vibration is small and steady."""
 MISFIRING = "a cylinder misfires in this condition"
 """Text of the note of a limit check in a condition with a misfiring cylinder."""
 
@@ -148,7 +148,7 @@ def _run_up(running: _Examination, evidence: Evidence) -> RunUpCheck | None:
 
 
 def _at_its_rate(
-    running: _Examination, run_up: RunUp, limit: Limit, evidence: Evidence, steady: LimitVerdict
+    running: _Examination, run_up: StartingRange, limit: Limit, evidence: Evidence, steady: LimitVerdict
 ) -> PassedLimit:
     """Verdict on a limit that steady vibration exceeds, by the vibration while the speed rises at its rate."""
     found = limit.passing_sensors(steady.criterion, running.subject) if steady.verdict in (FAIL, OPEN) else None

@@ -18,7 +18,6 @@ from torsionnet.model.configurations import Overlay
 from torsionnet.model.definition import (
     ELEMENTS,
     EXCITATIONS,
-    LOAD,
     SCENARIOS,
     SINGLE_SECTIONS,
     Definition,

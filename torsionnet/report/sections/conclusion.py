@@ -29,6 +29,7 @@ from torsionnet.report.document_tree import (
 )
 from torsionnet.report.plan import Pair
 from torsionnet.report.report_data import Case, ReportData, is_damped
+from torsionnet.report.report_run_up import run_up_blocks
 from torsionnet.report.report_tables import results_table, table
 from torsionnet.report.report_text import as_words, capital, pair_latex, symbol_or_words, unit
 from torsionnet.report.report_units import engineering_unit
@@ -65,6 +66,7 @@ def _judged(subject: ReportData, found: LimitConclusion) -> Iterator[Block]:
     findings = [capital(as_words(finding)) for finding in found.findings]
     yield Listing(tuple((text,) for text in [*findings, *_by_small_damping(subject, found)]))
     yield _components(subject, found)
+    yield from run_up_blocks(subject, found)
     instructions = instruction_table(found.checks, subject.conventions)
     if instructions.rows:
         yield results_table(instructions, "Operating instructions")

@@ -286,7 +286,8 @@ def _with_limits(subject: ReportData, found: GoverningPeaks) -> list[Block]:
         count=len(subject.judged_cases),
     )
     rest = phrase(
-        "Every other order uses less at all speeds: {names}.", names=first_names(list(map(as_words, found.others)), 30)
+        "Every other order uses less at all speeds examined: {names}.",
+        names=first_names(list(map(as_words, found.others)), 30),
     )
     blocks: list[Block] = [Paragraph((rule, *([rest] if found.others else [])))]
     if not found.peaks:

@@ -1,0 +1,103 @@
+"""Table of a report on starts: what the limits permit in passing, over the speeds of a run-up at its load."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from torsionnet.base.equal_remarks import condition_words
+from torsionnet.base.number_text import NumberText, aligned_numbers
+from torsionnet.base.phrases import phrase
+from torsionnet.base.units import RPM
+from torsionnet.machinery.verdicts.limit_check import LimitCheck, PassedLimit, RunUpCheck
+from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion
+from torsionnet.report.document_tree import Block, Heading
+from torsionnet.report.report_data import ReportData
+from torsionnet.report.report_tables import table
+from torsionnet.report.report_text import as_words, unit
+from torsionnet.report.report_units import engineering_unit
+
+OTHER_SHARE = 0.05
+"""Relative difference of utilisation from which on a condition has a row beside the first one, as it differs in what an
+analyst would round to."""
+AS_IF_LASTING = (
+    "Each value is that of steady vibration, as if the speed lasted; a start that rises quickly stays below it."
+)
+AT_ITS_RATE = (
+    "The speed rises by {rate:.3g} rpm a second. A value above what is allowed is that of this passage, any other that "
+    "of steady vibration, which is larger."
+)
+"""Notes on the values in the table of starts."""
+
+
+def run_up_blocks(subject: ReportData, found: LimitConclusion) -> Iterator[Block]:
+    """Table of a report with the limits in passing over the speeds of each run-up; nothing where none is given.
+
+    Each criterion has a row in the first condition, and one in its worst condition where that differs.
+    """
+    by_run_up: dict[tuple[float, ...], list[LimitCheck]] = {}
+    for check in found.checks:
+        if check.run_up:
+            by_run_up.setdefault((*check.run_up.rpm, check.run_up.load, check.run_up.rate or 0.0), []).append(check)
+    for checks in by_run_up.values():
+        yield _table(subject, checks)
+
+
+def _table(subject: ReportData, checks: list[LimitCheck]) -> Block:
+    rows = list(_rows(checks))
+    scaled = [_in_units(subject, one) for _, one in rows]
+    columns = (
+        Heading("Component"), Heading("Limit"), Heading("Condition"), Heading("Speed", "rpm", numeric=True),
+        Heading("Value", numeric=True), Heading("In passing", numeric=True), Heading("Unit"),
+        Heading("Utilisation", "%", numeric=True), Heading("Verdict"),
+    )  # fmt: skip
+    cells = zip(
+        [_component(one) for _, one in rows],
+        [as_words(one.steady.criterion) for _, one in rows],
+        [condition_words(check.configuration) for check, _ in rows],
+        aligned_numbers([one.rpm for _, one in rows], 3),
+        aligned_numbers([value for value, _, _ in scaled], 3),
+        aligned_numbers([allowed for _, allowed, _ in scaled], 3),
+        [unit(shown) if shown else "" for _, _, shown in scaled],
+        ["" if one.utilisation is None else NumberText(100 * one.utilisation, 3) for _, one in rows],
+        [one.verdict for _, one in rows],
+        strict=True,
+    )
+    run_up = _run_up(checks[0])
+    low, high = run_up.rpm
+    caption = phrase(
+        "Starts: {low:g} to {high:g} rpm of {shaft} at {load:g} % of the load, against what is allowed in passing",
+        low=low, high=high, shaft=as_words(run_up.reference), load=100 * run_up.load,
+    )  # fmt: skip
+    note = AS_IF_LASTING if run_up.rate is None else phrase(AT_ITS_RATE, rate=run_up.rate * RPM)
+    return table(caption, columns, list(cells), [note])
+
+
+def _run_up(check: LimitCheck) -> RunUpCheck:
+    assert check.run_up is not None
+    return check.run_up
+
+
+def _rows(checks: list[LimitCheck]) -> Iterator[tuple[LimitCheck, PassedLimit]]:
+    """Yield each criterion in the first condition that judges it, then in the worst one if it is clearly worse."""
+    of_criterion: dict[tuple[str, str], list[tuple[LimitCheck, PassedLimit]]] = {}
+    for check in checks:
+        for one in _run_up(check).verdicts:
+            of_criterion.setdefault((one.steady.limit, one.steady.criterion), []).append((check, one))
+    for found in of_criterion.values():
+        first, worst = found[0], max(found, key=lambda pair: pair[1].utilisation or 0.0)
+        yield first
+        if (worst[1].utilisation or 0.0) > (1 + OTHER_SHARE) * (first[1].utilisation or 0.0):
+            yield worst
+
+
+def _component(one: PassedLimit) -> str:
+    name, of = as_words(one.steady.limit), as_words(one.steady.of)
+    return name if of in name else f"{name} ({of})"
+
+
+def _in_units(subject: ReportData, one: PassedLimit) -> tuple[float | None, float | None, str]:
+    """Value, value allowed and their unit for engineers; None each where they are not known."""
+    if one.value is None or one.allowed is None:
+        return None, None, ""
+    scale, shown = engineering_unit(one.steady.unit, subject.conventions, one.allowed)
+    return one.value * scale, one.allowed * scale, shown
