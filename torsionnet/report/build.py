@@ -20,7 +20,7 @@ REVISION_HEADS = ("Revision", "Date", "Description", "Prepared", "Checked", "App
 """Headings of the table of revisions."""
 SIGNATURE_HEADS = ("", "Name", "Date", "Signature")
 """Headings of the table that is signed by hand."""
-TITLE_FACTS = ("Model", "Author", "Date", "Calculated with", "Model file", "SHA-256")
+TITLE_FACTS = ("Model", "Author", "Date", "Calculated with", "Model file", "SHA-256", "Input files")
 """Words of the facts that the title block holds, which the list of facts below it leaves out."""
 
 
@@ -45,7 +45,8 @@ def title_table(subject: ReportData, version: str) -> TitleTable | None:
             (("Rules", block.rules), ("Edition", block.edition)),
             (("Engine", block.engine), ("Rating", block.rating)),
             (("Model", subject.model.name), ("Calculated with", f"torsionnet {version}")),
-            (("Model file", f"{file}, SHA-256 {subject.digest}"),),
+            (("Model file", _hashed(file, subject.digest)),),
+            *((("Input file", _hashed(*one)),) for one in subject.inputs),
         ),
         revision_heads=REVISION_HEADS,
         revisions=tuple(map(_revision, block.revisions or (Revision(),))),
@@ -56,6 +57,11 @@ def title_table(subject: ReportData, version: str) -> TitleTable | None:
             ("Approved", block.approved),
         ),
     )
+
+
+def _hashed(name: str, digest: str) -> str:
+    """Text of a file with its hash, without which a result cannot be traced to its data."""
+    return f"{name}, SHA-256 {digest}"
 
 
 def _revision(one: Revision) -> tuple[str, ...]:
@@ -182,6 +188,8 @@ def _facts(subject: ReportData, version: str) -> Iterator[tuple[str, Text]]:
     yield "Calculated with", (f"torsionnet {version}",)
     yield "Model file" if subject.file else "Model", (subject.file or "described in Python",)
     yield "SHA-256", (subject.digest,)
+    if subject.inputs:
+        yield "Input files", ("; ".join(_hashed(*one) for one in subject.inputs),)
 
 
 def _others(subject: ReportData) -> str:

@@ -11,6 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from torsionnet.base.entries.declared import files_recorded
 from torsionnet.base.errors import ModelError, UsageError, comma_list, did_you_mean
 from torsionnet.base.version import __version__
 from torsionnet.loading import load
@@ -243,7 +244,7 @@ def make_report(
             raise UsageError(
                 f'expected {" or ".join(known)} as the {what} of a report, got "{chosen}"{did_you_mean(chosen, known)}'
             )
-    drivetrain, file, data = _read(model)
+    drivetrain, file, data, inputs = _read(model)
     if settings:
         drivetrain = drivetrain.configured(**settings)
     shown = tuple(studies)
@@ -277,7 +278,8 @@ def make_report(
     )
     _require_plan(request, drivetrain)
     cases = cases_of(drivetrain, plan.configurations, plan.kind, plan.normal)
-    subject = ReportData(drivetrain, cases, request, file.name, digest_of(data))
+    inputs += tuple((one.path.name, digest_of(one.path.read_bytes())) for one in request.measured)
+    subject = ReportData(drivetrain, cases, request, file.name, digest_of(data), inputs)
     require_answers(subject)
     from torsionnet.machinery.limits.society_rules import SOCIETIES
     from torsionnet.report.build import build
@@ -307,12 +309,19 @@ def _require_plan(request: ReportRequest, model: Drivetrain) -> None:
         raise UsageError(f"measured orders ({names}): {text}; add --section measurement_plan, or leave them out")
 
 
-def _read(model: Model) -> tuple[Drivetrain, Path, bytes]:
-    """Drivetrain of a model, the file it was read from if any, and the bytes that describe it."""
-    if isinstance(model, (str, os.PathLike)):
-        path = find_model(model)
-        return load(model), path, path.read_bytes()
-    return model, Path(), model.to_yaml().encode()
+def _read(model: Model) -> tuple[Drivetrain, Path, bytes, tuple[tuple[str, str], ...]]:
+    """Drivetrain of a model, the file it was read from if any, the bytes that describe it, and the further inputs.
+
+    These are the files that the model names, with their SHA-256; what is described in Python holds their numbers.
+    """
+    if not isinstance(model, (str, os.PathLike)):
+        return model, Path(), model.to_yaml().encode(), ()
+    path = find_model(model)
+    with files_recorded() as recorded:
+        drivetrain = load(model)
+    folder = path.parent.resolve()
+    inputs = sorted((one.relative_to(folder).as_posix(), digest_of(one.read_bytes())) for one in recorded)
+    return drivetrain, path, path.read_bytes(), tuple(inputs)
 
 
 def _template(folder: str | os.PathLike[str] | None) -> TemplateFolder | None:

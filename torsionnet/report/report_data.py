@@ -93,6 +93,8 @@ class ReportData:
     request : ReportRequest
     file, digest : str
         Name of the model's file and its SHA-256; of a model that has no file, those of its text.
+    inputs : tuple of (str, str)
+        Names and SHA-256 of the files that the model names, as traces, catalogues and parts, and of measured orders.
     warning_messages : list of WarningMessage
         What the calculation warned of on the way.
     table_reads : TableReads
@@ -104,6 +106,7 @@ class ReportData:
     request: ReportRequest
     file: str = ""
     digest: str = ""
+    inputs: tuple[tuple[str, str], ...] = ()
     warning_messages: list[warnings.WarningMessage] = field(default_factory=list)
     table_reads: TableReads = field(default_factory=TableReads)
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from torsionnet.base.equal_remarks import condition_words
 from torsionnet.base.number_text import NumberText, aligned_numbers
 from torsionnet.base.phrases import phrase
 from torsionnet.base.units import RPM
@@ -32,10 +31,13 @@ AT_ITS_RATE = (
 def run_up_blocks(subject: ReportData, found: LimitConclusion) -> Iterator[Block]:
     """Table of a report with the limits in passing over the speeds of each run-up; nothing where none is given.
 
-    Each criterion has a row in the first condition, and one in its worst condition where that differs.
+    Each criterion has a row in the normal condition, or the first one with that run-up, and one in its worst condition
+    where that differs.
     """
     by_run_up: dict[tuple[float, ...], list[LimitCheck]] = {}
-    for check in found.checks:
+    # The normal condition first, with which the others are compared.
+    normal = subject.normal_case.configuration
+    for check in sorted(found.checks, key=lambda one: one.configuration != normal):
         if check.run_up:
             by_run_up.setdefault((*check.run_up.rpm, check.run_up.load, check.run_up.rate or 0.0), []).append(check)
     for checks in by_run_up.values():
@@ -53,7 +55,7 @@ def _table(subject: ReportData, checks: list[LimitCheck]) -> Block:
     cells = zip(
         [_component(one) for _, one in rows],
         [as_words(one.steady.criterion) for _, one in rows],
-        [condition_words(check.configuration) for check, _ in rows],
+        [subject.titles.of(check.configuration) for check, _ in rows],
         aligned_numbers([one.rpm for _, one in rows], 3),
         aligned_numbers([value for value, _, _ in scaled], 3),
         aligned_numbers([allowed for _, allowed, _ in scaled], 3),

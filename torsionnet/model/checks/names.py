@@ -20,6 +20,7 @@ from torsionnet.model.definition import (
     EXCITATIONS,
     SCENARIOS,
     SINGLE_SECTIONS,
+    SPEEDS,
     Definition,
     all_nodes,
     by_section,
@@ -126,6 +127,10 @@ def _wrong_values(definition: Definition, table: str, name: str, changes: Mappin
         return error.faults
     if table == ELEMENTS:
         return tuple(_moved(definition.elements[name], changed.elements[name], changes))
+    if table == SPEEDS:
+        # An engine may have no gas at other speeds; what was wrong before the change is told where it stands.
+        before, after = map(imported(OWNERS[EXCITATIONS].faults), (definition, changed))
+        return tuple(one for one in after if one.severity == "error" and one not in before)
     if table in SINGLE_SECTIONS:
         return ()
     # What was wrong before the change is told where it stands.

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from torsionnet.base.errors import Fault, FreeTurningWarning, UsageError
-from torsionnet.base.phrases import phrase
+from torsionnet.base.phrases import joined, phrase
 from torsionnet.model.elements import (
     Differential,
     Gear,
@@ -45,6 +45,8 @@ if TYPE_CHECKING:
     from torsionnet.model.elements import Element
 
 
+WARNING = "warning"
+"""Severity of a fault that lets a model be calculated although something is probably wrong with it."""
 GEARED = (Gear, Planetary, Differential)
 MOST_NAMES = 6
 """Largest number of element names that a sentence on validity lists."""
@@ -96,8 +98,32 @@ IMPOSED = "Imposed angles ({names}): the drive follows its set-point whatever th
 
 
 def validity_section(subject: ReportData) -> Section:
-    """Section of a report with the assumptions behind the results, as far as they concern this model."""
-    return Section("validity", ("Validity",), (Listing(tuple(map(inlines, _notes(subject)))),))
+    """Section of a report with the assumptions behind the results, as far as they concern this model.
+
+    A document without the section on the checks has their warnings here.
+    """
+    blocks: list[Block] = [Listing(tuple(map(inlines, _notes(subject))))]
+    if not subject.request.wants("checks"):
+        blocks += _condition_warnings(subject)
+    return Section("validity", ("Validity",), tuple(blocks))
+
+
+def _condition_warnings(subject: ReportData) -> Iterator[Remark]:
+    """Warnings of the checks, each once, with the conditions that it concerns where these are not all."""
+    places: dict[str, list[str]] = {}
+    for case in subject.judged_cases:
+        for fault in case.drivetrain.check():
+            if fault.severity == WARNING:
+                places.setdefault(fault.text, []).append(case.configuration)
+    # A check of names and entries alone tells of the model as written, whatever the condition.
+    for fault in subject.model.check():
+        if fault.severity == WARNING and not fault.configuration:
+            places.setdefault(fault.text, [])
+    known = [case.configuration for case in subject.judged_cases]
+    for text, names in places.items():
+        where = subject.titles.several(names, known) if 0 < len(names) < len(known) else ""
+        words = joined("", (text, phrase(" (in {configurations})", configurations=where))) if where else text
+        yield Remark(WARNING, sentence(capital(words) + ".", subject.model))
 
 
 def _notes(subject: ReportData) -> Iterator[Cell]:
