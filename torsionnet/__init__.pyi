@@ -74,6 +74,7 @@ from torsionnet.model.elements.element_types import HystereticSpring as Hysteret
 from torsionnet.model.elements.element_types import InductionMachine as InductionMachine
 from torsionnet.model.elements.element_types import Inertia as Inertia
 from torsionnet.model.elements.element_types import Lock as Lock
+from torsionnet.model.elements.element_types import LumpedMatrices as LumpedMatrices
 from torsionnet.model.elements.element_types import MassElastic as MassElastic
 from torsionnet.model.elements.element_types import PendulumAbsorber as PendulumAbsorber
 from torsionnet.model.elements.element_types import Planetary as Planetary
@@ -130,6 +131,7 @@ __all__ = [
     "Inertia",
     "Input",
     "Lock",
+    "LumpedMatrices",
     "MassElastic",
     "Measurement",
     "MissingExtraError",

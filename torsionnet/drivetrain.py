@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence, Sized
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Any, Self
 
 from torsionnet.base.packages import AttributeHints, LazyMethod
 from torsionnet.linear.assembly.assembled import AssembledModel
 
 if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    import torsionnet.linear.assembly.matrices
     import torsionnet.linear.batch.batched_responses
     import torsionnet.linear.dynamic_stiffness.state_space
     import torsionnet.linear.modes.natural_modes
@@ -84,6 +87,7 @@ class Drivetrain(AssembledModel, AttributeHints):
 
     # A method is the function that solves it, with its docstring; the module is imported at the first call.
     graph = torsionnet.model.graph.graph
+    matrices = torsionnet.linear.assembly.matrices.matrices
     frequency_response = torsionnet.linear.responses.transfer.frequency_response
     frequency_responses = torsionnet.linear.batch.batched_responses.frequency_responses
     modes = torsionnet.linear.modes.natural_modes.modes
@@ -106,6 +110,56 @@ class Drivetrain(AssembledModel, AttributeHints):
     dissipated_power = torsionnet.machinery.mean.dissipation.dissipated_power
     check_limits = torsionnet.machinery.verdicts.limit_checking.check_limits
     damper_design = torsionnet.machinery.design.damper_design.damper_design
+
+    @classmethod
+    def from_matrices(
+        cls,
+        M: ArrayLike,
+        C: ArrayLike | None = None,
+        K: ArrayLike | None = None,
+        *,
+        names: Sequence[str] | None = None,
+        name: str = "matrices",
+        inputs: Mapping[str, Any] | None = None,
+        sensors: Mapping[str, Any] | None = None,
+    ) -> Self:
+        """Drivetrain of matrices M, C and K that were calculated elsewhere, with a node for each coordinate.
+
+        Parameters
+        ----------
+        M, C, K : (n, n) arrays
+            Inertia in kg m^2, damping in N m s/rad and stiffness in N m/rad; symmetric, without negative parts.
+        names : sequence of str, optional
+            Nodes in the order of the rows; default: ``q1``, ``q2``, ...
+        name : str
+            Title of the model.
+        inputs, sensors : mapping, optional
+            As those of the class.
+
+        Raises
+        ------
+        ModelError
+            A matrix is not symmetric, or a motion has negative inertia, damping or stiffness; nodes are named.
+
+        Notes
+        -----
+        The matrices become one element, :class:`LumpedMatrices`. Calculations that need shafts or machines, as
+        Holzer tables, have none there.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> rig = tn.Drivetrain.from_matrices([[0.5, 0], [0, 2]], None, [[900, -900], [-900, 900]], names=["a", "b"])
+        >>> [round(float(one), 4) for one in rig.modes().natural_frequencies if one]  # sqrt(900 (1/0.5 + 1/2))/(2 pi)
+        [7.5495]
+        """
+        from torsionnet.model.elements.lumped_matrices import LumpedMatrices
+
+        count = len(M) if isinstance(M, Sized) else 1  # what is no matrix is refused by the element
+        entries: dict[str, Any] = {"inertia": M, "damping": C, "stiffness": K}
+        nodes = [f"q{number}" for number in range(1, count + 1)] if names is None else list(names)
+        element = LumpedMatrices.from_entries("matrices", nodes=nodes, **entries)
+        return cls(name, [element], inputs=inputs, sensors=sensors)
 
     def check(self) -> tuple[Fault, ...]:
         """Warnings and notes about the model, unstable modes included (errors have already been refused)."""

@@ -189,7 +189,7 @@ PYTHON: Mapping[str, Mapping[str, str]] = {
 }
 """Python code by a name that a package has not, and by the package."""
 
-_MATRICES = "torsionnet show FILE --matrices on the command line, or model.symbolic() for formulas"
+_MATRICES = "model.matrices(), which has M, C and K in numbers, or model.symbolic() for formulas"
 METHODS: Mapping[str, Mapping[str, str]] = {
     "Drivetrain": {
         "C": _MATRICES,

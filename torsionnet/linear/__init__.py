@@ -9,6 +9,7 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "LoopMargins": "torsionnet.linear.responses.loop_margins",
         "Margin": "torsionnet.linear.responses.loop_margins",
         "ModeRow": "torsionnet.linear.modes.modes",
+        "SystemMatrices": "torsionnet.linear.assembly.matrices",
         "VibrationMode": "torsionnet.linear.modes.mode_pairs",
         "amplification": "torsionnet.linear.modes.mode_pairs",
     },

@@ -1,4 +1,5 @@
 # Written by `make generate`.
+from torsionnet.linear.assembly.matrices import SystemMatrices as SystemMatrices
 from torsionnet.linear.estimation import Estimation as Estimation
 from torsionnet.linear.modes.mode_pairs import VibrationMode as VibrationMode
 from torsionnet.linear.modes.mode_pairs import amplification as amplification
@@ -11,6 +12,7 @@ __all__ = [
     "LoopMargins",
     "Margin",
     "ModeRow",
+    "SystemMatrices",
     "VibrationMode",
     "amplification",
 ]

@@ -24,8 +24,8 @@ from torsionnet.linear.assembly.system import Assembly
 from torsionnet.linear.dynamic_stiffness.action_states import HIGHEST_POWER, LawStates, law_states
 from torsionnet.linear.dynamic_stiffness.reduction import complement_within
 from torsionnet.linear.dynamic_stiffness.row_algebra import unresisted_motions
-from torsionnet.linear.dynamic_stiffness.transfer_request import usable_channels
-from torsionnet.model.channels import Input, Sensor
+from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest, resolve_request, usable_channels
+from torsionnet.model.channels import Channels, Input, Sensor
 
 if TYPE_CHECKING:
     import control
@@ -65,31 +65,93 @@ class StateSpace:
     states: tuple[str, ...]
 
 
-def to_control(drivetrain: AssembledModel) -> control.StateSpace:
-    """State space with the model's inputs and sensors as named signals, for python-control.
+def to_control(
+    drivetrain: AssembledModel,
+    output: Channels | None = None,
+    input: Channels | None = None,
+    *,
+    excitation: str | Sequence[str] | None = None,
+) -> control.StateSpace:
+    """State space in SI units for python-control, with named inputs and outputs; also against measured inputs.
+
+    Parameters
+    ----------
+    output, input : str, Sensor or sequence of these, optional
+        As in :meth:`frequency_response`; default: all sensors and inputs of the model. A sensor as input is a
+        *measured* one: the state space of Y_out Y_in^-1 is that of the drivetrain with its excitations eliminated.
+        A warning names poles in it that no output shows.
+    excitation : str or sequence of str, optional
+        What drives the drivetrain when the input is measured; default: the model's only input.
 
     Raises
     ------
     UsageError
         No inputs or sensors, frequency-dependent laws, an imposed angle, or a reading with the rate of an input in it.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> space = tn.load("dmf_rig").to_control("theta_1", "T_T")
+    >>> [round(float(abs(pole)) / 6.283185307, 3) for pole in space.poles()]  # those of modes(measured_input="T_T")
+    [8.755, 8.755]
     """
     import control
 
+    if (output is None) != (input is None) or (output is None and excitation is not None):
+        raise UsageError("name output and input, or neither for all sensors and inputs of the model")
     present = active_channels(drivetrain)
-    if not present.inputs or not present.sensors:
+    if output is None and not (present.inputs and present.sensors):
         raise UsageError("a state space needs at least one input and one sensor in the model")
-    system = state_space(drivetrain)
+    outputs = list(present.sensors) if output is None else output
+    inputs = list(present.inputs) if input is None else input
+    system, request = requested_state_space(drivetrain, outputs, inputs, excitation)
     return control.StateSpace(
         system.A,
         system.B,
         system.C,
         system.D,
-        inputs=list(present.inputs),
-        outputs=list(present.sensors),
+        inputs=[reading.name for reading in request.measured],
+        outputs=[reading.name for reading in request.outputs],
         states=[name.replace(".", "_") for name in system.states],
         name=drivetrain.title.replace(".", "_"),  # python-control keeps dots for the signals of a system
         remove_useless_states=False,
     )
+
+
+def requested_state_space(
+    drivetrain: AssembledModel,
+    output: Channels,
+    input: Channels,
+    excitation: str | Sequence[str] | None = None,
+) -> tuple[StateSpace, TransferRequest]:
+    """State space in SI units between outputs and inputs, which may be measured, and the request resolved.
+
+    Raises
+    ------
+    UsageError
+        Frequency-dependent laws, an imposed angle, or a reading with the rate of an input in it.
+    """
+    request = resolve_request(drivetrain, output, input, excitation).with_reached_inputs()
+    form = first_order(drivetrain.assembly, request.excitations)
+    C, D = output_matrices(drivetrain.assembly, request.outputs, request.excitations, form)
+    if not request.is_measured:
+        return StateSpace(form.A, form.B, C, D, form.states), request
+    from torsionnet.linear.dynamic_stiffness.measured_state_space import (
+        LinearSystem,
+        against_measured,
+        warn_of_hidden_poles,
+        warn_of_lost_digits,
+    )
+
+    measured = output_matrices(drivetrain.assembly, request.measured, request.excitations, form)
+    names = [reading.name for reading in request.outputs]
+    system = against_measured(
+        LinearSystem(form.A, form.B, C, D), LinearSystem(form.A, form.B, *measured), request.names, names
+    )
+    warn_of_lost_digits(system, request)
+    warn_of_hidden_poles(system, f"{' and '.join(names)} against {request.names}")
+    states = tuple(f"state {number}" for number in range(1, len(system.A) + 1))
+    return StateSpace(system.A, system.B, system.C, system.D, states), request
 
 
 def state_space(drivetrain: AssembledModel) -> StateSpace:
@@ -108,7 +170,7 @@ def state_space(drivetrain: AssembledModel) -> StateSpace:
 
 
 @dataclass(frozen=True)
-class Channels:
+class ActiveChannels:
     """Inputs and sensors by name that act in the present configuration of a drivetrain."""
 
     inputs: dict[str, Input]
@@ -119,10 +181,10 @@ class Channels:
         return tuple(functional(drivetrain, sensor, name) for name, sensor in self.sensors.items())
 
 
-def active_channels(drivetrain: AssembledModel) -> Channels:
+def active_channels(drivetrain: AssembledModel) -> ActiveChannels:
     """Inputs and sensors of a drivetrain by name, without those on parts that are switched off or locked."""
     inputs, sensors = usable_channels(drivetrain)
-    return Channels(
+    return ActiveChannels(
         {name: drivetrain.inputs[name] for name in inputs}, {name: drivetrain.sensors[name] for name in sensors}
     )
 

@@ -32,6 +32,7 @@ from torsionnet.model.elements.flexible_couplings import HystereticSpring as _Hy
 from torsionnet.model.elements.electric_machines import InductionMachine as _InductionMachine
 from torsionnet.model.elements.rigid import Inertia as _Inertia
 from torsionnet.model.elements.rigid import Lock as _Lock
+from torsionnet.model.elements.lumped_matrices import LumpedMatrices as _LumpedMatrices
 from torsionnet.model.elements.mass_elastic import MassElastic as _MassElastic
 from torsionnet.model.elements.dampers import PendulumAbsorber as _PendulumAbsorber
 from torsionnet.model.elements.rigid import Planetary as _Planetary
@@ -1359,6 +1360,63 @@ class Lock(_Lock):
         description: str = '',
         enabled: bool = True,
         catalogue: PurePath | Catalogue | CatalogueRow | None = None,
+        size: str | float = '',
+        referred_to: str | None = None,
+    ) -> None: ...
+
+class LumpedMatrices(_LumpedMatrices):
+    r"""Matrices M, C and K of a drivetrain, or of a piece of it, that were calculated elsewhere.
+
+    Each matrix A is split into rows a_i with a coefficient d_i >= 0, so that A = sum d_i a_i a_i^T. Where its entries
+    off the diagonal are not positive and no row has a negative sum, these are the springs (inertias, dampers) between
+    two nodes and to ground,
+
+        A = sum_(i<j) (-A_ij) (e_i - e_j)(e_i - e_j)^T + sum_i (sum_j A_ij) e_i e_i^T
+
+    and otherwise the columns of A = L D L^T (G. H. Golub and C. F. Van Loan, Matrix Computations, 4th ed., 4.2.8, with
+    the largest pivot first), all in exact numbers. A matrix that is not symmetric, or in which a motion has
+    negative inertia, damping or stiffness, is refused. Differences of a matrix from symmetry, and negative parts, below
+    1e-9 of its diagonal count as zero, as do sums of a row that are rounding.
+
+    Parameters
+    ----------
+    nodes: the node of each row and column
+    inertia: inertia matrix M, symmetric, in rows
+    damping: damping matrix C, symmetric, in rows
+    stiffness: stiffness matrix K, symmetric, in rows
+    description: free text for tables and reports
+    enabled: whether the element takes part before a configuration says otherwise
+    catalogue: a table from which it takes the entries that are not given here, as couplings.csv
+    size: the row of the catalogue
+    referred_to: a node of the shaft at whose speed the values are quoted; default: its own shaft
+    """
+    @overload
+    def __init__(
+        self,
+        name: str,
+        nodes: tuple[str, ...] | list[str],
+        inertia: NumberRows | None = None,
+        damping: NumberRows | None = None,
+        stiffness: NumberRows | None = None,
+        *,
+        description: str = '',
+        enabled: bool = True,
+        catalogue: PurePath | Catalogue | CatalogueRow | None = None,
+        size: str | float = '',
+        referred_to: str | None = None,
+    ) -> None: ...
+    @overload
+    def __init__(
+        self,
+        name: str,
+        nodes: tuple[str, ...] | list[str] | None,
+        inertia: NumberRows | None = None,
+        damping: NumberRows | None = None,
+        stiffness: NumberRows | None = None,
+        *,
+        description: str = '',
+        enabled: bool = True,
+        catalogue: PurePath | Catalogue | CatalogueRow,
         size: str | float = '',
         referred_to: str | None = None,
     ) -> None: ...

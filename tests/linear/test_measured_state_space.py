@@ -1,0 +1,120 @@
+"""State space of transfer functions against measured inputs."""
+
+import numpy as np
+import pytest
+from support.models import geared_line
+
+import torsionnet as tn
+
+F = np.array([0.2, 3.0, 17.0, 60.0])
+
+
+def agrees(model, output, input, **asked):
+    """The state space has the response that elimination along the graph gives at each frequency.
+
+    States lose digits where a response is small beside its value at high frequency, as an acceleration near rest.
+    """
+    space = model.to_control(output, input, **asked)
+    H = model.frequency_response(output, input, F, **asked)
+    response = np.moveaxis(space(2j * np.pi * F, squeeze=False), 2, 0)
+    np.testing.assert_allclose(response, H.values, rtol=1e-8, atol=1e-9 * np.abs(H.values).max())
+    return space
+
+
+def poles_of(space):
+    """One pole of each conjugate pair, sorted."""
+    poles = space.poles()
+    return np.sort_complex(poles[poles.imag >= 0])
+
+
+def test_the_paper_s_transfer_function():
+    """theta_1/T_T of Galvagno et al. (2015), equation (13): the secondary on its spring alone, 8.755 Hz and 25.7 %."""
+    space = agrees(tn.load("dmf_rig"), "theta_1", "T_T")
+    assert (space.input_labels, space.output_labels) == (["T_T"], ["theta_1"])
+    slow = poles_of(space)[-1]
+    np.testing.assert_allclose([abs(slow) / (2 * np.pi), -slow.real / abs(slow)], [8.755, 0.257], rtol=1e-3)
+
+
+@pytest.mark.parametrize("gear", ["II", "V"])
+def test_poles_are_those_of_the_drivetrain_cut_at_the_meter(gear):
+    rig = tn.load("amt_rig").configured(gear)
+    found = poles_of(agrees(rig, "theta_1", "T_T"))
+    np.testing.assert_allclose(found, np.sort_complex(rig.modes(measured_input="T_T").eigenvalues), rtol=1e-9)
+
+
+def branched(seed):
+    """A line of five inertias with a branch, springs and dampers by chance, driven at its first node."""
+    draw = np.random.default_rng(seed)
+    nodes = ["a", "b", "c", "d", "e"]
+    pairs = [("a", "b"), ("b", "c"), ("c", "d"), ("b", "e"), ("d", "ground")]
+    elements = [tn.Inertia(f"J_{node}", node=node, inertia=float(draw.uniform(0.02, 2))) for node in nodes]
+    for number, pair in enumerate(pairs):
+        k, c = float(10 ** draw.uniform(2, 5)), float(draw.uniform(0.01, 3))
+        elements.append(tn.Spring(f"k_{number}", nodes=pair, stiffness=k, damping=c))
+    sensors = {"T": {"torque": "k_1"}, "phi": {"angle": "d"}, "speed": {"velocity": "b"}, "acc": {"acceleration": "c"}}
+    inputs = {"T_a": {"torque": "a"}, "T_d": {"torque": "d"}}
+    return tn.Drivetrain("line", elements, inputs=inputs, sensors=sensors)
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.filterwarnings("ignore:the state space")
+def test_every_kind_of_measured_input(seed):
+    model = branched(seed)
+    for output in ("T", "phi", "speed", "acc", "angle(e)"):
+        for measured in ("T", "phi", "speed", "acc"):
+            # An improper response grows without bound, by its frequency or quicker.
+            H = model.frequency_response(output, measured, [1e7, 1e8], excitation="T_a").values[:, 0, 0]
+            if abs(H[1] / H[0]) < 5:
+                agrees(model, output, measured, excitation="T_a")
+                continue
+            with pytest.raises(tn.UsageError, match="contains the rate of change of the measured input"):
+                model.to_control(output, measured, excitation="T_a")
+
+
+def test_two_measured_inputs():
+    model = branched(3)
+    space = agrees(model, ["speed", "angle(e)"], ["T", "phi"], excitation=["T_a", "T_d"])
+    assert (space.ninputs, space.noutputs) == (2, 2)
+
+
+def test_poles_that_no_output_shows_are_named():
+    """With the torque in the last spring known, so are all angles of the line; the branch swings on b: sqrt(k/J)."""
+    elements = [tn.Inertia(f"J_{node}", node=node, inertia=J) for node, J in zip("abce", (1, 2, 3, 0.5), strict=True)]
+    pairs = {"k_ab": ("a", "b"), "k_bc": ("b", "c"), "k_be": ("b", "e"), "k_c": ("c", "ground")}
+    elements += [tn.Spring(name, nodes=nodes, stiffness=800, damping=2) for name, nodes in pairs.items()]
+    sensors = {"T": {"torque": "k_bc"}, "phi": {"angle": "c"}}
+    model = tn.Drivetrain("line", elements, inputs={"T_a": {"torque": "a"}}, sensors=sensors)
+    hidden = f"{np.sqrt(800 / 0.5) / (2 * np.pi):.4g} Hz with a damping ratio of 5 %"
+    with pytest.warns(tn.TorsionnetWarning, match=f"phi against T has poles that no input .* shows: {hidden}"):
+        space = agrees(model, "phi", "T")
+    assert space.nstates == 6  # the branch, c on its spring, and two springs that relax at k/c = 400 1/s
+
+
+def test_lost_digits_are_told():
+    """A damper of 1 N m s/rad on 1e-9 kg m^2 has a pole at -1e9 1/s beside one of 1 rad/s."""
+    elements = [
+        tn.Inertia("J_a", node="a", inertia=1),
+        tn.Inertia("J_b", node="b", inertia=1e-9),
+        tn.Inertia("J_c", node="c", inertia=1),
+        tn.Spring("k_ab", nodes=("a", "b"), stiffness=1e6, damping=1),
+        tn.Spring("k_bc", nodes=("b", "c"), stiffness=1, damping=1),
+        tn.Spring("k_c", nodes=("c", "ground"), stiffness=1, damping=1e-4),
+    ]
+    sensors = {"acc": {"acceleration": "b"}, "phi": {"angle": "c"}}
+    model = tn.Drivetrain("line", elements, inputs={"T_a": {"torque": "a"}}, sensors=sensors)
+    with pytest.warns(tn.TorsionnetWarning, match="against acc has lost digits"):
+        model.to_control("phi", "acc")
+
+
+def test_inputs_by_name():
+    """Excitations and outputs may be named, as in a frequency response."""
+    space = agrees(geared_line(), "angle(g)", "T_M")
+    assert (space.input_labels, space.output_labels) == (["T_M"], ["angle(g)"])
+
+
+def test_requests_that_have_no_state_space():
+    model = branched(2)
+    with pytest.raises(tn.UsageError, match="name output and input"):
+        model.to_control("phi")
+    with pytest.raises(tn.UsageError, match="acc/phi contains the rate of change of the measured input"):
+        model.to_control("acc", "phi", excitation="T_a")

@@ -1,0 +1,120 @@
+"""Drivetrains of matrices M, C and K that were calculated elsewhere."""
+
+import numpy as np
+import pytest
+import scipy.linalg as la
+
+import torsionnet as tn
+
+
+def eigenvalues(M, C, K):
+    """Poles with Im >= 0 of M s^2 + C s + K by scipy's eigenvalues of the first-order form."""
+    n = len(M)
+    A = np.block([[np.zeros((n, n)), np.eye(n)], [-K, -C]])
+    poles = la.eig(A, la.block_diag(np.eye(n), M), right=False)
+    return np.sort_complex(poles[poles.imag >= -1e-9])
+
+
+def positive(draw, n):
+    """A full symmetric matrix without negative parts, which no springs between two nodes make."""
+    factor = draw.normal(size=(n, n))
+    return factor @ factor.T
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_full_matrices_keep_poles_and_responses(seed):
+    draw = np.random.default_rng(seed)
+    n = 4
+    M, K = positive(draw, n) + np.eye(n), 1e4 * positive(draw, n)
+    C = 3 * positive(draw, n)
+    rig = tn.Drivetrain.from_matrices(M, C, K, names=["a", "b", "c", "d"], inputs={"T": {"torque": "c"}})
+    found = rig.matrices()
+    for ours, theirs in zip((found.M, found.C, found.K), (M, C, K), strict=True):
+        np.testing.assert_allclose(ours, theirs, atol=1e-12 * np.abs(theirs).max())
+    np.testing.assert_allclose(np.sort_complex(rig.modes().eigenvalues), eigenvalues(M, C, K), rtol=1e-9)
+    s = 2j * np.pi * 7
+    H = rig.frequency_response(["a", "d"], "T", [7]).values[0, :, 0]
+    np.testing.assert_allclose(H, np.linalg.solve(M * s * s + C * s + K, np.eye(n)[2])[[0, 3]], rtol=1e-10)
+
+
+def test_a_free_line_turns_freely_whatever_its_sums_are_rounded_to():
+    """Three discs; 0.1 + 0.2 is no 0.3 in binary, and the row sums to 5.6e-17 of a spring to ground."""
+    K = np.array([[0.1, -0.1, 0], [-0.1, 0.1 + 0.2, -0.2], [0, -0.2, 0.2]])
+    for factor in (1, 1e5):
+        rig = tn.Drivetrain.from_matrices(np.diag([1, 2, 3]), None, factor * K)
+        assert min(rig.modes().natural_frequencies) == 0
+        assert [fault.message for fault in rig.check() if "turn freely" in fault.message]
+
+
+def test_a_reduced_model_is_free_but_for_rounding():
+    """Guyan's reduction K_mm - K_ms K_ss^-1 K_sm of a free line, calculated elsewhere, has zero sums but for rounding."""
+    draw = np.random.default_rng(5)
+    k = draw.uniform(1e3, 1e6, 9)
+    whole = sum(k[i] * np.outer(row, row) for i, row in enumerate(np.diff(np.eye(10), axis=0)))
+    kept, left = [0, 3, 6, 9], [1, 2, 4, 5, 7, 8]
+    solved = np.linalg.solve(whole[np.ix_(left, left)], whole[np.ix_(left, kept)])
+    K = whole[np.ix_(kept, kept)] - whole[np.ix_(kept, left)] @ solved
+    T = np.vstack([np.eye(4), -solved])
+    M = T.T @ np.diag(draw.uniform(0.1, 2, 10)[[*kept, *left]]) @ T
+    rig = tn.Drivetrain.from_matrices(M, None, K)
+    expected = np.sqrt(np.maximum(la.eigh(K, M, eigvals_only=True), 0)) / (2 * np.pi)
+    found = rig.modes().undamped_natural_frequencies
+    np.testing.assert_allclose(np.sort(found)[1:], expected[1:], rtol=1e-9)
+    assert min(found) < 1e-6
+
+
+def test_beside_other_elements_and_in_a_file(tmp_path):
+    text = """
+torsionnet: 1
+name: crankshaft of another program
+elements:
+  crank: {type: lumped_matrices, nodes: [nose, wheel], inertia: [[0.5, 0], [0, 2 kg*m^2]], stiffness: [[9 kN*m/rad, -9e3], [-9e3, 9e3]]}
+  gear: {type: gear, nodes: [wheel, out], ratio: 3}
+  load: {type: inertia, node: out, inertia: 18}
+"""
+    path = tmp_path / "rig.yaml"
+    path.write_text(text, encoding="utf-8")
+    rig = tn.load(path)
+    # 18 kg m^2 behind a ratio of 3 are 2 kg m^2 at the wheel.
+    frequency = np.sqrt(9e3 * (1 / 0.5 + 1 / 4)) / (2 * np.pi)
+    np.testing.assert_allclose(max(rig.modes().natural_frequencies), frequency, rtol=1e-12)
+    rig.to_yaml(tmp_path / "again.yaml")
+    assert tn.load(tmp_path / "again.yaml").elements["crank"] == rig.elements["crank"]
+
+
+@pytest.mark.parametrize(
+    ("K", "message"),
+    [
+        ([[1, 2], [3, 4]], "stiffness.1.0: error: the stiffness matrix is not symmetric: 2 in row a and 3 in row b"),
+        ([[-1, 0], [0, 1]], 'stiffness.0.0: error: the stiffness of "a" against itself is negative, -1'),
+        ([[1, 2], [2, 1]], "the stiffness matrix gives a motion of b with the others negative stiffness"),
+        ([[0, 2], [2, 0]], "the stiffness matrix gives a motion of a with the others negative stiffness"),
+        ([[1, -2], [-2, 1]], "the stiffness matrix gives a motion of b with the others negative stiffness"),
+        ([[1, 2, 3], [2, 1]], "a matrix has as many columns as rows, here 2; row 1 does not"),
+        ([[1]], "2 nodes have a matrix with as many rows, not 1 row"),
+        ([["k", 1], [1, 2]], "a matrix holds numbers, got 'k'"),
+        ([["1 kg", 1], [1, 2]], '"1 kg" is not a value of stiffness'),
+        ("stiff", "expected rows of numbers"),
+        ([[float("nan"), 1], [1, 2]], "stiffness.0.0"),
+    ],
+)
+def test_matrices_that_no_drivetrain_has(K, message):
+    with pytest.raises(tn.ModelError) as refused:
+        tn.Drivetrain.from_matrices(np.eye(2), None, K, names=["a", "b"])
+    assert message in str(refused.value)
+
+
+def test_all_faults_at_once():
+    with pytest.raises(tn.ModelError) as refused:
+        tn.Drivetrain.from_matrices([[1, 2], [3, 4]], [[1, 0], [0, -2]], [[1]], names=["a", "b"])
+    assert len(refused.value.faults) == 3
+    with pytest.raises(tn.ModelError, match='node "a" has two rows'):
+        tn.Drivetrain.from_matrices(np.eye(2), names=["a", "a"])
+    with pytest.raises(tn.ModelError, match="give at least one of inertia, damping and stiffness"):
+        tn.LumpedMatrices("e", nodes=["a"])
+
+
+def test_a_nearly_symmetric_matrix_is_taken_as_its_mean():
+    K = np.array([[3.0, -1 + 1e-13], [-1, 2]])
+    found = tn.Drivetrain.from_matrices(np.eye(2), None, K).matrices().K
+    np.testing.assert_allclose(found, [[3, -1], [-1, 2]], rtol=1e-12)

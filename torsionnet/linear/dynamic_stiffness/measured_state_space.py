@@ -1,0 +1,206 @@
+"""State space of transfer functions against measured inputs, Y_out Y_in^-1, by inversion of the readings.
+
+With x' = A x + B u, outputs y = C x + D u and measured inputs m = C_m x + D_m u the excitations u are unknown. Each
+measured input is differentiated until excitations show in it, r_i times (Isidori, Nonlinear Control Systems, 3rd ed.,
+section 5.1, for linear systems):
+
+    m^(r) = Q x + G u,   so that   u = G^-1 (m^(r) - Q x)
+
+The lower derivatives S x = (m, m', ...) fix as many states; the rest w turns by itself and under m:
+
+    x = N w + P (m, m', ...),   w' = L (A - B G^-1 Q) (N w + P_0 m)
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsionnet.base.errors import TorsionnetWarning, UsageError
+from torsionnet.linear.assembly.law_stiffness import law_stiffness
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
+from torsionnet.linear.dynamic_stiffness.quotient import transfer_functions
+from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest
+
+NEGLIGIBLE = 1e-9
+"""Size of a number over that of its terms below which it counts as zero, as the terms themselves are rounded."""
+CHECKED, TOLD_ERROR = 9, 1e-7
+"""Number of frequencies at which a state space is compared with the response, and error above which it is told."""
+HIDDEN, CLEAR = 1e-8, 1e6
+"""Share of a pole in what it is read or driven by, below which it is hidden, and condition up to which that counts."""
+
+
+@dataclass(frozen=True)
+class LinearSystem:
+    """Matrices of x' = A x + B u, y = C x + D u in SI units."""
+
+    A: FloatArray
+    B: FloatArray
+    C: FloatArray
+    D: FloatArray
+
+    def response(self, s: complex) -> ComplexArray:
+        """Outputs per input (n_out, n_in) at a Laplace variable s in rad/s."""
+        return np.asarray(self.C @ np.linalg.solve(s * np.eye(len(self.A)) - self.A, self.B) + self.D)
+
+
+def against_measured(outputs: LinearSystem, measured: LinearSystem, names: str, read: Sequence[str]) -> LinearSystem:
+    """State space from measured inputs to outputs of two systems with the same states and excitations.
+
+    Parameters
+    ----------
+    outputs, measured : LinearSystem
+        With as many measured inputs as excitations.
+    names : str
+        Names of the measured inputs.
+    read : sequence of str
+        Names of the outputs.
+
+    Raises
+    ------
+    UsageError
+        The measured inputs depend on each other, or an output contains the rate of change of a measured input.
+    """
+    # Angles and velocities differ by the size of the rates: states in units of their own lose fewer digits.
+    outputs, measured = balanced(outputs, measured)
+    A, B = outputs.A, outputs.B
+    # Rows of Q and G, and the chains c_i, c_i A, ... of the derivatives in which no excitation shows.
+    followed = [_until_driven(A, B, row, direct, names) for row, direct in zip(measured.C, measured.D, strict=True)]
+    Q, G = (np.array([getattr(one, part) for one in followed]) for part in ("states", "drive"))
+    sizes = np.abs(G).max(axis=1, keepdims=True)
+    if np.linalg.svd(G / sizes, compute_uv=False)[-1] < NEGLIGIBLE:
+        raise UsageError(f"{names} do not tell the excitations apart at once; there is no state space against them")
+    back = np.linalg.solve(G, np.eye(len(G)))
+    closed = A - B @ back @ Q
+    # P_(r-1) = B G^-1 e_i, P_(k-1) = (A - B G^-1 Q) P_k: then S P = 1, and w follows no derivative of m.
+    S, chains = [], []
+    for number, one in enumerate(followed):
+        column = B @ back[:, number]
+        own = []
+        for _ in one.chain:
+            own.append(column)
+            column = closed @ column
+        S += one.chain
+        chains.append(own[::-1])
+    P = np.array([column for own in chains for column in own]).reshape(len(S), len(A)).T
+    N = _null_space(np.array(S).reshape(len(S), len(A)))
+    L = np.linalg.solve(np.hstack([N, P]), np.eye(len(A)))[: N.shape[1]]
+    # What m itself does, as the start of a chain or, where excitations show in it at once, through G^-1.
+    first = np.array([own[0] if own else np.zeros(len(A)) for own in chains]).T.reshape(len(A), len(G))
+    at_once = np.array([not own for own in chains])
+    drive = closed @ first + (B @ back) * at_once
+    shown = outputs.C - outputs.D @ back @ Q
+    direct = shown @ first + (outputs.D @ back) * at_once
+    _refuse_rates(outputs, shown, back, chains, names, read)
+    return LinearSystem(L @ closed @ N, L @ drive, shown @ N, direct)
+
+
+def balanced(*systems: LinearSystem) -> list[LinearSystem]:
+    """Systems with the same states, in units of these in which rows and columns of A are of one size."""
+    from scipy.linalg import matrix_balance
+
+    _, (scale, _) = matrix_balance(systems[0].A, permute=False, separate=True)
+    return [
+        LinearSystem(one.A / scale[:, None] * scale, one.B / scale[:, None], one.C * scale, one.D) for one in systems
+    ]
+
+
+@dataclass(frozen=True)
+class _Followed:
+    """Derivatives of a measured input: those of the states alone, and the first that excitations drive at once."""
+
+    chain: list[FloatArray]
+    states: FloatArray
+    drive: FloatArray
+
+
+def _until_driven(A: FloatArray, B: FloatArray, row: FloatArray, direct: FloatArray, names: str) -> _Followed:
+    chain: list[FloatArray] = []
+    size = np.abs(row)
+    drive, scale = direct, np.abs(direct)
+    for _ in range(len(A) + 1):
+        if np.any(np.abs(drive) > NEGLIGIBLE * np.maximum(scale, 1e-300)):
+            return _Followed(chain, row, drive)
+        chain.append(row)
+        drive, scale = row @ B, size @ np.abs(B)
+        row, size = row @ A, size @ np.abs(A)
+    raise UsageError(f"{names} stay zero under the excitations at every frequency; they cannot be measured inputs")
+
+
+def _null_space(S: FloatArray) -> FloatArray:
+    """Basis (n_x, n) of the states that S leaves zero, each with one state of its own: those that S tells least."""
+    from scipy.linalg import qr
+
+    if not len(S):
+        return np.eye(S.shape[1])
+    # Rows of S, derivatives of one reading, differ in size by many decades.
+    _, R, order = qr(S / np.linalg.norm(S, axis=1, keepdims=True), mode="economic", pivoting=True)
+    told, free = order[: len(S)], order[len(S) :]
+    N = np.zeros((S.shape[1], len(free)))
+    N[free] = np.eye(len(free))
+    N[told] = -np.linalg.solve(R[:, : len(S)], R[:, len(S) :])
+    return N
+
+
+def _refuse_rates(
+    outputs: LinearSystem,
+    shown: FloatArray,
+    back: FloatArray,
+    chains: Sequence[Sequence[FloatArray]],
+    names: str,
+    read: Sequence[str],
+) -> None:
+    """Refuse outputs in which derivatives of a measured input are left, as of an acceleration against an angle."""
+    for number, own in enumerate(chains):
+        rates = [(shown @ column, np.abs(shown) @ np.abs(column)) for column in own[1:]]
+        if own:
+            rates.append((outputs.D @ back[:, number], np.abs(outputs.D) @ np.abs(back[:, number])))
+        for rate, size in rates:
+            for place in np.flatnonzero(np.abs(rate) > NEGLIGIBLE * np.maximum(size, 1e-300)).tolist():
+                raise UsageError(
+                    f"{read[place]}/{names} contains the rate of change of the measured input; it has a frequency "
+                    "response but no state space"
+                )
+
+
+def warn_of_lost_digits(system: LinearSystem, request: TransferRequest) -> None:
+    """Warn where the state space differs from the response solved along the graph, as with very fast poles."""
+    rates = np.abs(np.linalg.eigvals(system.A))
+    rates = rates[rates > 0]
+    if not len(rates):
+        return
+    # Half way, by their ratio, between the slowest and the fastest pole, and beside these.
+    omega = np.geomspace(rates.min() / 2, rates.max() * 2, CHECKED)
+    expected = transfer_functions(request, law_stiffness([request.assembly.system], omega)).values
+    found = np.array([system.response(1j * rate) for rate in omega])
+    error = np.abs(found - expected) / np.maximum(np.abs(expected).max(axis=0), 1e-300)
+    if not error.max(initial=0.0) <= TOLD_ERROR:
+        text = f"the state space against {request.names} has lost digits to its fastest poles, up to {error.max():.0e}"
+        warnings.warn(
+            f"{text} of the response's largest value; frequency_response has them", TorsionnetWarning, stacklevel=3
+        )
+
+
+def warn_of_hidden_poles(system: LinearSystem, names: str) -> None:
+    """Warn of poles of the state space that none of its outputs shows, or none of its inputs drives."""
+    poles, right = np.linalg.eig(system.A)
+    left = np.linalg.pinv(right)
+    # The condition of a pole: shares in repeated ones cannot be told apart.
+    clear = np.linalg.norm(left, axis=1) * np.linalg.norm(right, axis=0) < CLEAR
+    seen = np.abs(system.C @ right) / np.maximum(np.abs(system.C) @ np.abs(right), 1e-300)
+    driven = np.abs(left @ system.B) / np.maximum(np.abs(left) @ np.abs(system.B), 1e-300)
+    hidden = clear & ((seen.max(axis=0, initial=0.0) < HIDDEN) | (driven.max(axis=1, initial=0.0) < HIDDEN))
+    told = [_pole_text(pole) for pole in poles[hidden & (poles.imag >= 0)].tolist()]
+    if told:
+        text = f"the state space of {names} has poles that no input drives or no output shows: {', '.join(told)}"
+        warnings.warn(text, TorsionnetWarning, stacklevel=3)
+
+
+def _pole_text(pole: complex) -> str:
+    rate = abs(pole)
+    if not pole.imag:
+        return f"{pole.real:.4g} 1/s"
+    return f"{rate / (2 * np.pi):.4g} Hz with a damping ratio of {-100 * pole.real / rate:.3g} %"
