@@ -43,7 +43,7 @@ EVERY_ELEMENT = {
         "e", sense={"velocity": ["a", "b"]}, act=["c", "b"], law={"p": -3, "i": -5, "d": 1, "filter": 0.2}, delay=0.1
     ),
     "lumped_matrices": tn.LumpedMatrices(
-        "e", nodes=("a", "b"), inertia=[[2, 0.5], [0.5, 1]], damping=[[3, -2], [-2, 3]], stiffness=[[300, -300], [-300, 350]]
+        "e", nodes=("a", "b"), inertia=[[2, 0.5], [0.5, 1]], damping=[[2, -2], [-2, 2]], stiffness=[[300, -300], [-300, 300]]
     ),
     "synchronous_machine": tn.SynchronousMachine(
         "e", node="a", housing="b", pull_out_torque=500, torque=300, pole_pairs=2, damping=7, inertia=0.6

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
-from torsionnet.base.entries.composite import Typed
+from torsionnet.base.entries.composite import Listed, Typed
 from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.scalars import NumberTable, Value
 from torsionnet.base.entries.spec import Flag, Schema, Spec
@@ -49,7 +49,8 @@ def given(element: Element) -> Iterator[tuple[str, Spec[object], Any]]:
 
 def has_own_column(name: str, spec: Spec[object]) -> bool:
     """Whether a table of elements shows the entry in a column of its own: nodes, and remarks."""
-    nodes = isinstance(spec, NodeName | NodePair) and not isinstance(spec, ReferenceNode)
+    of = spec.of if isinstance(spec, Listed) else spec
+    nodes = isinstance(of, NodeName | NodePair) and not isinstance(of, ReferenceNode)
     return nodes or name in REMARKS
 
 
@@ -73,7 +74,11 @@ def in_words(spec: Spec[object], value: Any) -> str:
         return "yes" if value else "no"
     if isinstance(spec, NumberTable):
         return f"{len(value)} rows, {value[0][0]:g} to {value[-1][0]:g}"
-    return _listed_values(value if isinstance(value, str) else spec.plain(value))
+    plain = value if isinstance(value, str) else spec.plain(value)
+    if isinstance(plain, list) and plain and all(isinstance(row, list) for row in plain):
+        rows = "; ".join(map(_listed_values, plain))
+        return rows if len(plain) <= MOST_MATRIX_ROWS else f"{len(plain)} x {len(plain[0])}"
+    return _listed_values(plain)
 
 
 def _listed_values(plain: Any) -> str:
@@ -82,6 +87,8 @@ def _listed_values(plain: Any) -> str:
     return ", ".join(map(_listed_values, plain)) if isinstance(plain, list | tuple) else str(plain)
 
 
+MOST_MATRIX_ROWS = 3
+"""Largest number of rows of a matrix that a table of elements writes out."""
 MODEL_FILE: Schema = {"type": "object", "description": "a model file, see torsionnet schema"}
 """JSON Schema of the content of a model file, which it does not check in detail."""
 MOST_ROWS = 60

@@ -375,6 +375,7 @@ def dead_ends(definition: Definition) -> list[Fault]:
     loading = (*definition.load.by_place, *definition.load.driven_by) if definition.load else ()
     used |= {node for place in loading for node in torque_place(place).nodes}
     used |= {node for one in definition.scenarios.values() for node in one.places}
+    used |= {node for one in definition.elements.values() if one.may_end_anywhere for node in one.ports.values()}
     used |= {GROUND, *definition.ports, *definition.operating_point.speed, *definition.operating_point.loaded_nodes}
     faults: list[Fault] = []
     for node, names in touching.items():

@@ -116,6 +116,8 @@ class Element(Declared, ArgumentHints):
     """Whether a positive torque at the first port drives out of the element, as that of a machine does."""
     absorbs: ClassVar[bool] = False
     """Whether the element takes power out of the drivetrain at its node, as a propeller does."""
+    may_end_anywhere: ClassVar[bool] = False
+    """Whether the element may be the only one at a node, since it has inertia there."""
     may_feed: ClassVar[bool] = False
     """Whether the element may feed energy into a vibration, by an action or by negative damping."""
 

@@ -14,7 +14,7 @@ from torsionnet.base.errors import Fault, got
 from torsionnet.base.expressions import Number
 from torsionnet.model.element_base.element import Element, register
 from torsionnet.model.element_base.element_entries import TURNING_NODE
-from torsionnet.model.element_base.laws import Law, Part, Row, Values
+from torsionnet.model.element_base.laws import Law, Part, Row, Values, difference, make_row
 
 ROUNDING = Fraction(8, 2**52)
 """Size of a number over the diagonal entry of its row, per row of the matrix, below which it is rounding of a sum."""
@@ -101,6 +101,7 @@ class LumpedMatrices(Element):
 
     kind: ClassVar[str] = "lumped_matrices"
     glyph: ClassVar[str] = "matrices"
+    may_end_anywhere: ClassVar[bool] = True
     sign: ClassVar[str] = "positive when the drivetrain drives the first node in the positive sense"
 
     nodes: tuple[str, ...] = entry(NODES)
@@ -132,6 +133,11 @@ class LumpedMatrices(Element):
             else:
                 faults += [fault.under(name) for fault in matrix_faults(matrix, name, self.nodes)]
         return faults
+
+    def twist(self, value: Values) -> Row:
+        """Row of the first node against the second, or of a single node's angle."""
+        del value
+        return difference(*self.nodes[:2]) if len(self.nodes) > 1 else make_row([(self.nodes[0], 1)])
 
     def own_parts(self, value: Values) -> tuple[Part, ...]:
         del value
