@@ -1,16 +1,21 @@
 """The report as HTML, LaTeX, Markdown and PDF."""
 
+import base64
+import io
 import os
 import re
 import shutil
 import subprocess
 import sys
 from functools import cache
+from html import unescape
 from html.parser import HTMLParser
 from pathlib import Path
 
 import numpy as np
 import pytest
+from fontTools.ttLib import TTFont
+from support.command_line import run
 
 import torsionnet as tn
 from torsionnet.report import make_report
@@ -21,6 +26,7 @@ from torsionnet.report.writers import pdf as browser
 from torsionnet.report.writers.html import html_page
 from torsionnet.report.writers.latex import escaped as latex_escaped
 from torsionnet.report.writers.latex import latex_document
+from torsionnet.symbolic.symbol_names import GREEK
 
 HOSTILE = '<b>A & "B"</b> $x_1$ 100% #~^\\{} <script>alert(1)</script> 中 Ω `c` *d* | é'
 DATE = "2025-03-31"
@@ -83,6 +89,11 @@ def written(tmp_path_factory):
     return write
 
 
+def formula_font():
+    """The font that a page with formulas holds."""
+    return TTFont(io.BytesIO(base64.b64decode(re.search(r"base64,([^)]*)", html.font_face())[1])))
+
+
 @pytest.fixture(scope="module")
 def amt(written):
     return written("amt_rig").read_text(encoding="utf-8")
@@ -100,7 +111,7 @@ class TestHtml:
         assert all(link.startswith("#") for link in page.links)
         assert "script" not in page.tags
         assert "@import" not in amt
-        assert not re.findall(r"url\((?!#)", amt)
+        assert not re.findall(r"url\((?!#|data:font/woff;base64,)", amt)
 
     def test_is_small(self, amt):
         assert len(amt.encode()) < 1_500_000
@@ -135,6 +146,32 @@ class TestHtml:
         assert "\\mathrm" not in amt
         assert amt.count("<math>") > 50  # inside lines
         assert amt.count('<math display="block">') > 1
+
+    def test_font_of_formulas_is_in_a_page_with_formulas(self, amt):
+        assert amt.count("@font-face") == 1
+        assert "font-src data:" in amt
+        assert "@font-face" not in html_page(Report("r", "", Facts(()), (), ()))
+
+    def test_font_has_all_signs_of_formulas(self, amt):
+        """A sign that it lacks is an empty box on a system without such a font."""
+        formulas = " ".join(re.findall(r"<math.*?</math>", amt, re.DOTALL))
+        greek = "".join(html.mathml(rf"\{name}") for name in GREEK)
+        signs = html.mathml(r"\int \sqrt{a} \le \ge \ne \approx \cdot \times \pm \infty \to \partial \ldots")
+        shown = set(unescape(re.sub(r"<[^>]*>", "", formulas + greek + signs)))
+        letters = set(map(chr, range(0x1D434, 0x1D468))) - {"\U0001d455"} | {"ℎ"}  # italic; h has its own place
+        assert {chr(code) for code in formula_font()["cmap"].getBestCmap()} >= shown | letters
+
+    def test_brackets_of_the_font_grow(self):
+        font = formula_font()
+        variants = font["MATH"].table.MathVariants
+        growing = dict(zip(variants.VertGlyphCoverage.glyphs, variants.VertGlyphConstruction, strict=True))
+        for sign in "()[]|√":
+            assert growing[font["cmap"].getBestCmap()[ord(sign)]].VariantCount > 3 or sign == "|"
+
+    def test_dots_are_accents(self):
+        assert html.mathml(r"\ddot{\theta}_{1}").count('<mover accent="true"><mrow><mi>') == 1
+        both = html.mathml(r"\dot{\mathbf{q}} + \bar{x} + \ddot{q}")
+        assert [tag.count("accent") for tag in re.findall("<mover[^>]*>", both)] == [1, 0, 1]
 
     def test_columns_are_aligned_at_the_decimal_point(self):
         columns = (Heading("x", numeric=True),)
@@ -219,6 +256,23 @@ class TestPdf:
             tn.write_report("dmf_rig", tmp_path / "r.pdf", sections=["validity"])
         assert caught.value.exit_code == 4
         assert list(tmp_path.iterdir()) == []
+
+    @pytest.mark.parametrize("ending", ["pdf", "docx"])
+    def test_what_is_missing_is_told_before_the_calculation(self, monkeypatch, tmp_path, ending):
+        calculated = []
+        monkeypatch.setattr("torsionnet.report.report.make_report", lambda *_, **__: calculated.append("report"))
+        monkeypatch.setattr(browser, "_candidates", lambda: iter(()))
+        monkeypatch.delenv(browser.BROWSER_ENV, raising=False)
+        monkeypatch.setitem(sys.modules, "docx", None)
+        with pytest.raises(tn.MissingExtraError):
+            tn.write_report("dmf_rig", tmp_path / f"r.{ending}")
+        assert calculated == []
+
+    def test_campaign_tells_it_before_it_reads_records(self, monkeypatch, tmp_path):
+        """The records of the campaign do not exist here."""
+        monkeypatch.chdir(tmp_path)
+        monkeypatch.setenv(browser.BROWSER_ENV, "/no/such/program")
+        assert "/no/such/program" in run("campaign", "marine_campaign", "-o", "r.pdf", code=4).stderr
 
     def test_wrong_variable(self, monkeypatch):
         monkeypatch.setenv(browser.BROWSER_ENV, "/no/such/program")

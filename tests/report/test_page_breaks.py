@@ -1,13 +1,26 @@
 """Where tables of a report may be split between two pages, and how wide the columns of a Word table are."""
 
 import re
+import shutil
 from pathlib import Path
 
 import pytest
+from matplotlib.figure import Figure
 
 import torsionnet.report.writers as writers
 from torsionnet.report import make_report
-from torsionnet.report.document_tree import Facts, Heading, NumberText, Report, Section, TableBlock, TableGroup
+from torsionnet.report.document_tree import (
+    Facts,
+    Heading,
+    NumberText,
+    Paragraph,
+    Picture,
+    Report,
+    Section,
+    TableBlock,
+    TableGroup,
+)
+from torsionnet.report.writers import pdf
 from torsionnet.report.writers.docx_table import table_xml
 from torsionnet.report.writers.html import html_page
 from torsionnet.report.writers.table_layout import TableLayout
@@ -62,6 +75,18 @@ class TestBreaks:
 
     def test_two_rows_below_the_title_of_a_group_in_word(self):
         assert kept_in_word(table(4, 5, titled=True)) == ["group 0", "0.0", "group 1", "1.0", "1.3"]
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not any(map(shutil.which, pdf.BROWSER_COMMANDS)), reason="no browser on the path to print with")
+def test_text_goes_on_where_a_figure_does_not_fit(tmp_path):
+    """Text of 60 % of a page, a figure of 60 % and text of 60 % are two pages, if the figure makes way for the text."""
+    text = tuple(Paragraph(("A line of text.",)) for _ in range(22))
+    figure = Figure(figsize=(6.8, 6.2), facecolor="grey")
+    blocks = (*text, Picture("grey", figure, ("A grey square.",), "grey"), *text)
+    pdf.write(Report("T", "Kind", Facts(()), (), (Section("s", ("S",), blocks),)), tmp_path / "r.pdf")
+    data = (tmp_path / "r.pdf").read_bytes()
+    assert len(re.findall(rb"/Type /Page\b", data)) == 2
 
 
 class TestWidthsInWord:

@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
+from matplotlib.ticker import MaxNLocator
 
 import torsionnet.plot.drawing.style as style
 from torsionnet.base.units import RPM
@@ -21,10 +22,19 @@ SMALLEST_DOT, LARGEST_DOT = 14.0, 150.0
 HALO = withStroke(linewidth=2.5, foreground=style.PAPER)
 LEADER = {"arrowstyle": "-", "color": style.MUTED, "linewidth": 0.6, "relpos": (0, 0.4), "shrinkA": 0, "shrinkB": 0}
 """Arrow style of matplotlib for the thin line that joins a label standing apart with the line of its mode."""
+HEIGHT = 4.6
+"""Height of the figure in inches."""
+FARTHEST_LABEL = 2.0
+"""Heights of a label by which one may stand above the line of its mode on linear axes; where one has to stand farther
+above, many modes lie in a small part of the axis, and both axes are logarithmic."""
+BELOW = 0.7
+"""Ratio of the lower end of a logarithmic axis to the lowest mode or speed on it."""
+MOST_EVEN_TICKS = 8.0
+"""Ratio of the ends of a logarithmic axis of speeds up to which its ticks are evenly spaced in speed."""
 SPEED_POINTS = 601
 """Number of speeds at which the frequency of an order is calculated to draw its line: steps well below the width of a
 line on paper."""
-HEADROOM, NEAREST, NARROWEST = 1.12, 0.034, 0.036
+HEADROOM, NEAREST, NARROWEST = 1.12, 0.036, 0.036
 """Factor from the highest crossing to the end of the frequency axis, and least distances of two labels, upright as a
 share of the axes' height and sideways of their width."""
 INDENT = 0.035
@@ -37,7 +47,8 @@ def interference_diagram(result: CriticalSpeeds, *, highest: float | None = None
     """Interference (Campbell) diagram, frequency over speed, modes as level lines, orders as rays, crossings marked.
 
     The area of a mark grows with the generalised force of that crossing over the largest one; a cross is a crossing
-    that is not excited in this condition. The operating range is shaded, its margins in another colour.
+    that is not excited in this condition. The operating range is shaded, its margins in another colour. Where most
+    modes lie at the foot of the frequency axis, both axes are logarithmic, and orders parallel lines.
 
     Parameters
     ----------
@@ -51,19 +62,25 @@ def interference_diagram(result: CriticalSpeeds, *, highest: float | None = None
     -------
     matplotlib.figure.Figure
     """
-    figure, axes = style.one_panel(5.2)
+    figure, axes = style.one_panel(HEIGHT)
     low, high = (speed * RPM for speed in result.speed_range)
-    end = 1.06 * max([high, *(_speed(one) for one in result.crossings if math.isfinite(_speed(one)))])
-    met = {one.mode.number for one in result.crossings}
+    # Crossings that are neither excited nor in the range or its margin do not lengthen the axes.
+    near = [one for one in result.crossings if one.excited is not False or one.margin <= (one.required or 0.0)]
+    counted = near or result.crossings
+    speeds = [speed for one in counted if math.isfinite(speed := _speed(one))]
+    end = 1.06 * max([high, *speeds])
+    met = {one.mode.number for one in counted}
     # Modes that follow the speed have other frequencies at their crossings than at the operating point.
-    tops = [_natural(one.mode) for one in result.crossings]
+    tops = [_natural(one.mode) for one in counted]
     tops += [_natural(mode) for mode in result.modes if mode.number in met or (mode is result.modes[0] and not met)]
     if not tops:  # nothing vibrates: the lines of the orders alone
         tops = [float(np.abs(line.frequency(np.array(result.speed_range))).max()) for line in result.lines] or [1.0]
     top = highest or HEADROOM * max(tops)
     axes.set(xlim=(0, end), ylim=(0, top))
+    if _is_crowded(result, top):
+        _set_logarithmic(axes, BELOW * min([low, *speeds]), BELOW * min(filter(None, map(_natural, result.modes))))
     _shade(axes, result, low, high)
-    _modes(axes, result, top, end)
+    _modes(axes, result, top)
     _orders(axes, result, top, end)
     _marks(axes, [one for one in result.crossings if _natural(one.mode) <= top], _names(result))
     axes.set_xlabel(speed_label(result.reference))
@@ -71,6 +88,28 @@ def interference_diagram(result: CriticalSpeeds, *, highest: float | None = None
     axes.legend(fontsize=style.SMALL, frameon=False, loc="upper left", bbox_to_anchor=(0, -0.1), ncols=3)
     style.set_title(figure, result.title if title is None else title)
     return figure
+
+
+def _is_crowded(result: CriticalSpeeds, top: float) -> bool:
+    """Whether names of modes would stand far above their lines on linear axes with this upper end."""
+    shown = sorted(frequency for mode in result.modes if (frequency := mode.natural_frequency) <= top)
+    gap = NEAREST * top
+    return any(height - value > FARTHEST_LABEL * gap for value, height in zip(shown, _apart(shown, gap), strict=True))
+
+
+def _set_logarithmic(axes: Axes, slowest: float, lowest: float) -> None:
+    """Make both axes logarithmic, from a speed in r/min and a frequency in Hz on, with plain numbers at their ticks."""
+    axes.set(xscale="log", yscale="log", xlim=(slowest, axes.get_xlim()[1]), ylim=(lowest, axes.get_ylim()[1]))
+    style.log_ticks(axes.xaxis, *axes.get_xlim())
+    style.log_ticks(axes.yaxis, *axes.get_ylim())
+    if axes.get_xlim()[1] < MOST_EVEN_TICKS * slowest:
+        axes.xaxis.set_major_locator(MaxNLocator(7))
+
+
+def _share(axes: Axes, speed: float, frequency: float) -> tuple[float, float]:
+    """Place of a speed and a frequency as shares of the axes' width and height, whatever their scales."""
+    x, y = axes.transAxes.inverted().transform(axes.transData.transform((speed, frequency)))
+    return float(x), float(y)
 
 
 def _names(result: CriticalSpeeds) -> list[str]:
@@ -98,7 +137,7 @@ def _shade(axes: Axes, result: CriticalSpeeds, low: float, high: float) -> None:
         axes.axvspan(high, high * (1 + widest), color=style.PALETTE[6], alpha=0.16, linewidth=0)
 
 
-def _modes(axes: Axes, result: CriticalSpeeds, top: float, end: float) -> None:
+def _modes(axes: Axes, result: CriticalSpeeds, top: float) -> None:
     first = True
     for mode in result.modes:
         if mode.undamped_frequency <= top:
@@ -109,10 +148,11 @@ def _modes(axes: Axes, result: CriticalSpeeds, top: float, end: float) -> None:
     for number, mode in enumerate(shown):
         axes.axhline(mode.natural_frequency, color=style.INK, linewidth=1.4, zorder=1.6,
                      label=r"damped, $|\lambda|/2\pi$" if not number else None)  # fmt: skip
-    places = _label_places([mode.natural_frequency for mode in shown], NEAREST * top)
+    start = axes.get_xlim()[0]
+    places = _label_places([_share(axes, start, mode.natural_frequency)[1] for mode in shown], NEAREST)
     for mode, (height, moved) in zip(shown, places, strict=True):
-        axes.annotate(f"mode {mode.number}: {mode.natural_frequency:.4g} Hz", (0, mode.natural_frequency),
-                      xytext=((INDENT if moved else 0.004) * end, height + 0.1 * NEAREST * top), textcoords="data",
+        axes.annotate(f"mode {mode.number}: {mode.natural_frequency:.4g} Hz", (start, mode.natural_frequency),
+                      xytext=(INDENT if moved else 0.004, height + 0.1 * NEAREST), textcoords="axes fraction",
                       fontsize=style.SMALL - 1, color=style.INK, path_effects=[HALO], va="bottom", zorder=4,
                       bbox=GROUND if moved else None, arrowprops=LEADER if moved else None)  # fmt: skip
 
@@ -142,7 +182,7 @@ def _orders(axes: Axes, result: CriticalSpeeds, top: float, end: float) -> None:
     """Draw the line of each order over speed in its excitation's colour, and its name where it leaves the axes."""
     names = _names(result)
     labelled: list[tuple[float, float]] = []
-    speeds = np.linspace(0, end, SPEED_POINTS)
+    speeds = np.linspace(axes.get_xlim()[0], end, SPEED_POINTS)
     for line in sorted(result.lines, key=lambda one: (one.order <= 0, one.order != round(one.order), one.order)):
         frequencies = np.abs(line.frequency(speeds / RPM))
         seen = np.flatnonzero(frequencies <= top)
@@ -152,7 +192,7 @@ def _orders(axes: Axes, result: CriticalSpeeds, top: float, end: float) -> None:
         shown = np.where(frequencies <= top, frequencies, np.nan)
         axes.plot(speeds, shown, color=color, linewidth=0.7, alpha=0.75, zorder=1.4)
         last = (float(speeds[seen[-1]]), float(frequencies[seen[-1]]))
-        at = (last[0] / end, last[1] / top)
+        at = _share(axes, *last)
         if all(abs(at[0] - x) > NARROWEST or abs(at[1] - y) > NEAREST for x, y in labelled):
             labelled.append(at)
             above = last[0] < end

@@ -99,6 +99,8 @@ Model: TypeAlias = "str | os.PathLike[str] | Drivetrain"
 WRITERS = {".html": "html", ".htm": "html", ".pdf": "pdf", ".docx": "docx", ".tex": "latex", ".md": "markdown"}
 """Name of the module that writes a report, by the ending of the file: a module with a function ``write(report,
 path)``."""
+REQUIRED = {".pdf": "find_browser", ".docx": "require_docx"}
+"""Name of the function of such a module that refuses what is not installed, by the ending."""
 
 
 def write_report(model: Model, path: str | os.PathLike[str], **options: Any) -> tuple[Path, ...]:
@@ -148,13 +150,16 @@ def writer_for(path: str | os.PathLike[str]) -> Callable[[Report, Path], tuple[P
     ------
     UsageError
         There is none.
+    MissingExtraError
+        A package or, for PDF, a browser is missing.
     """
     ending = Path(path).suffix.lower()
     if ending not in WRITERS:
         raise UsageError(f'cannot write "{path}": a report ends in {", ".join(WRITERS)}')
-    write: Callable[[Report, Path], tuple[Path, ...]] = importlib.import_module(
-        f"torsionnet.report.writers.{WRITERS[ending]}"
-    ).write
+    writer = importlib.import_module(f"torsionnet.report.writers.{WRITERS[ending]}")
+    if ending in REQUIRED:
+        getattr(writer, REQUIRED[ending])()  # before minutes of calculation, not after them
+    write: Callable[[Report, Path], tuple[Path, ...]] = writer.write
     return write
 
 

@@ -30,6 +30,7 @@ from torsionnet.report.document_tree import (
     Inline,
     Math,
     NumberText,
+    Paragraph,
     Picture,
     Section,
     TableBlock,
@@ -370,8 +371,10 @@ def _operating_point(rig: Drivetrain, where: str) -> TableBlock | None:
 
 # Section of a report with the schematic of the drivetrain.
 
-HALF_PAGE = 135.0
-"""Largest height in mm of a part of the schematic: with its caption half a page, so that pages can be filled."""
+PART_HEIGHT = 105.0
+"""Largest height in mm of a part of the schematic: with its caption less than half a page, so that pages are filled."""
+LEGEND = "Discs are inertias; curved arrows mark inputs, dots sensors of motion and diamonds sensors of torque."
+"""Meaning of the signs of a schematic."""
 
 
 def schematic_section(subject: ReportData) -> Section:
@@ -384,10 +387,9 @@ def schematic_section(subject: ReportData) -> Section:
     case = subject.cases[0]
     rig = case.drivetrain
     where = phrase(", configuration {name}", name=case.title) if len(subject.cases) > 1 else ""
-    legend = " Discs are inertias; curved arrows mark inputs, dots sensors of motion and diamonds sensors of torque."
     nodes = first_names([as_words(node) for node in rig.nodes])
     alt = f"Schematic of {rig.name}: {len(rig.elements)} elements between the nodes {nodes}"
-    parts = schematic_parts(rig, HALF_PAGE)
+    parts = schematic_parts(rig, PART_HEIGHT)
     pictures = []
     for number, figure in enumerate(parts, 1):
         part = f", part {number} of {len(parts)}" if len(parts) > 1 else ""
@@ -397,5 +399,5 @@ def schematic_section(subject: ReportData) -> Section:
             else phrase("The drivetrain{where}.", where=where)
         )
         name = f"schematic_{number}" if part else "schematic"
-        pictures.append(Picture(name, figure, (caption, *([legend] if number == 1 else [])), f"{alt}{part}"))
-    return Section("schematic", ("Drivetrain",), tuple(pictures))
+        pictures.append(Picture(name, figure, (caption,), f"{alt}{part}"))
+    return Section("schematic", ("Drivetrain",), (Paragraph((LEGEND,)), *pictures))

@@ -48,6 +48,22 @@ LOGO_HEIGHT = 12
 """Height of the logo in mm."""
 
 
+def require_docx() -> None:
+    """Refuse to go on without python-docx.
+
+    Raises
+    ------
+    MissingExtraError
+        python-docx is not installed.
+    """
+    try:
+        import docx  # noqa: F401
+    except ImportError:
+        raise MissingExtraError(
+            'Word files need the package python-docx: pip install "torsionnet[docx]" (or write -o report.html)'
+        ) from None
+
+
 def empty_document(report: Report) -> Document:
     """Word document without content, with the page, styles and properties of a report.
 
@@ -56,12 +72,9 @@ def empty_document(report: Report) -> Document:
     MissingExtraError
         python-docx is not installed.
     """
-    try:
-        import docx
-    except ImportError:
-        raise MissingExtraError(
-            'Word files need the package python-docx: pip install "torsionnet[docx]" (or write -o report.html)'
-        ) from None
+    require_docx()
+    import docx
+
     document = docx.Document()
     template = report.template or TemplateFolder()
     _set_page(document, report, template)

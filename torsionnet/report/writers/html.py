@@ -10,7 +10,7 @@ import html
 import re
 import unicodedata
 from collections.abc import Sequence
-from functools import lru_cache
+from functools import cache, lru_cache
 from pathlib import Path
 
 from torsionnet.base.atomic import write_text
@@ -30,7 +30,7 @@ from torsionnet.report.document_tree import (
 from torsionnet.report.writers.blocks import CountedLabel
 from torsionnet.report.writers.inline import InlineWriter
 from torsionnet.report.writers.table_layout import TableLayout
-from torsionnet.report.writers.templating import PageWriter
+from torsionnet.report.writers.templating import SHIPPED, PageWriter
 
 MEDIA_TYPES = {".svg": "image/svg+xml", ".png": "image/png", ".jpg": "image/jpeg", ".jpeg": "image/jpeg"}
 """Media type of an image by the ending of its file."""
@@ -49,7 +49,10 @@ def html_page(report: Report, *, folds: bool = True) -> str:
 
 # MathML of formulas that are written in LaTeX.
 
+FORMULA_FONT = "formulas.woff"
+"""Name of the font of formulas, whose brackets grow with what they hold: many systems have none of this kind."""
 _MATHRM = re.compile(r"\\mathrm\{([^{}\\]{2,})\}")
+_DOTTED = re.compile(r"<mover>(<mrow>(?:(?!<mover>).)*?</mrow><mo>&#x00(?:2D9|0A8);</mo></mover>)")
 
 
 @lru_cache(maxsize=4096)
@@ -74,8 +77,16 @@ def mathml(latex: str, *, block: bool = False) -> str:
         ) from None
     whole = _MATHRM.sub(lambda match: rf"\text{{{match[1].replace('~', ' ')}}}", latex)  # one word, not its letters
     text = convert(whole, display="block" if block else "inline")
+    text = _DOTTED.sub(r'<mover accent="true">\1', text)  # dots in the size of the letter, close above it
     text = re.sub(r'<math xmlns="[^"]*" display="(\w+)">', r'<math display="\1">', text)
     return text.replace(' display="inline"', "").replace(' stretchy="true" fence="true"', "")
+
+
+@cache
+def font_face() -> str:
+    """Rule of a style sheet that holds the font of formulas."""
+    font = base64.b64encode((SHIPPED / FORMULA_FONT).read_bytes()).decode()
+    return f'@font-face{{font-family:"Report Formulas";src:url(data:font/woff;base64,{font}) format("woff")}}\n'
 
 
 def escaped(text: str) -> str:
@@ -134,6 +145,11 @@ class HtmlWriter(PageWriter):
     def __init__(self, report: Report, *, folds: bool) -> None:
         super().__init__(report)
         self.folds = folds
+
+    def page(self) -> str:
+        """Text of the whole report, with the font of formulas where it has any."""
+        text = super().page()
+        return text.replace("<style>\n", f"<style>\n{font_face()}", 1) if "<math" in text else text
 
     def image(self, name: str, data: bytes) -> str:
         return f"data:{MEDIA_TYPES[Path(name).suffix.lower()]};base64,{base64.b64encode(data).decode()}"

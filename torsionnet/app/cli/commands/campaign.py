@@ -63,7 +63,10 @@ class CampaignCommand(Command):
         from torsionnet.app.cli.terminal import stages
         from torsionnet.bench.campaign.campaign import load_campaign
         from torsionnet.bench.campaign.running_campaign import run_campaign
+        from torsionnet.report.report import writer_for
 
+        if self.report:
+            writer_for(self.report)  # tells what is not installed before the records are worked out
         campaign = load_campaign(self.file)
         with stages() as show:
             result = run_campaign(
