@@ -17,11 +17,10 @@ from support.study_runs import answers_as_text, processes_of_session, small_stud
 from torsionnet.app.cli.app import app
 from torsionnet.base.errors import SolveError, UsageError
 from torsionnet.study.quantities.evaluator import Evaluator
-from torsionnet.study.run import shared_blocks
-from torsionnet.study.run import shared_blocks as evaluation_memory
+from torsionnet.study.run import evaluation_memory, shared_blocks
 from torsionnet.study.run.answering import Workers, answer_study
+from torsionnet.study.run.evaluation_memory import EvaluationLog, EvaluationMemory, record_at, records
 from torsionnet.study.run.process_pool import ProcessExecutor
-from torsionnet.study.run.shared_blocks import EvaluationLog, EvaluationMemory, record_at, records
 from torsionnet.study.run.study_folder import LOCK
 
 FEW = ("shares", "worst", "map")
@@ -321,7 +320,7 @@ def test_small_calls_stay_here(monkeypatch):
         def map(self, *_):
             pytest.fail("handed out")
 
-    monkeypatch.setattr("torsionnet.study.run.answering.ProcessExecutor", Refusing)
+    monkeypatch.setattr("torsionnet.study.run.process_pool.ProcessExecutor", Refusing)
     answers_as_text(study_of_answers(("map",)), None, Workers(2))
 
 

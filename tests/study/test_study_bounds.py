@@ -13,10 +13,10 @@ from torsionnet.study.quantities.evaluator import Evaluator
 from torsionnet.study.quantities.natural_frequency import NaturalFrequency
 from torsionnet.study.reductions import summaries as histogram
 from torsionnet.study.reductions.summaries import GrowingHistogram, Histogram
-from torsionnet.study.run import calculating as reducing
+from torsionnet.study.run import chunk_values as reducing
 from torsionnet.study.run import run_chunks as workload
 from torsionnet.study.run.chunk_values import ChunkValues
-from torsionnet.study.run.process_pool import SerialExecutor
+from torsionnet.study.run.executor import SerialExecutor
 from torsionnet.study.run.run_chunks import Workload, run_study
 
 
@@ -54,7 +54,7 @@ def test_histograms_that_wait_are_few(monkeypatch):
 def test_chunks_in_memory_are_put_together_as_they_come(monkeypatch):
     """At most one of a serial run waits, and chunks that come in reverse give the same."""
     asked, added = [], []
-    add = reducing._Joined.add
+    add = reducing.JoinedValues.add
 
     class Watched(SerialExecutor):
         def map(self, work, numbers):
@@ -62,10 +62,10 @@ def test_chunks_in_memory_are_put_together_as_they_come(monkeypatch):
                 asked.append(len(added))
                 yield done
 
-    monkeypatch.setattr(reducing._Joined, "add", lambda self, chunk: (added.append(0), add(self, chunk))[1])
+    monkeypatch.setattr(reducing.JoinedValues, "add", lambda self, chunk: (added.append(0), add(self, chunk))[1])
     study = small_study(60)
     found = run_study(study, executor=Watched())
-    assert asked == list(range(6))
+    assert asked == list(range(1, 12, 2))  # the block of a chunk, then the chunk
 
     class Reversed(SerialExecutor):
         def map(self, work, numbers):
@@ -81,7 +81,7 @@ def test_remarks_of_many_chunks_are_few():
     def chunk(number):
         return ChunkValues({}, {}, {}, 0, Counter({f"text {number}, {place}": 2 for place in range(40)}))
 
-    joined = reducing._Joined()
+    joined = reducing.JoinedValues()
     for number in range(100):
         joined.add(chunk(number))
     assert len(joined.remarks) <= counted_remarks.MOST_REMARKS + 1

@@ -17,6 +17,7 @@ from support.study_runs import CHUNK, VARIANTS, contents, deadly, deaf, processe
 
 from torsionnet.base.errors import SolveError, TorsionnetWarning, UsageError
 from torsionnet.study.run import calculating
+from torsionnet.study.run import chunk_files as chunk_store
 from torsionnet.study.run import run_chunks as workload
 from torsionnet.study.run import study_folder as folder_lock
 from torsionnet.study.run import study_folder as study_record
@@ -189,19 +190,19 @@ class TestFolder:
 
     @pytest.mark.slow
     def test_full_disk(self, tmp_path, monkeypatch, whole):
-        folder, write, left = tmp_path / "study", calculating.write_bytes, iter(range(5))
+        folder, write, left = tmp_path / "study", chunk_store.write_bytes, iter(range(5))
 
         def full(path, data):
             if next(left, None) is None:
                 raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
             write(path, data)
 
-        monkeypatch.setattr(calculating, "write_bytes", full)
+        monkeypatch.setattr(chunk_store, "write_bytes", full)
         with pytest.raises(SolveError, match="disk is full; the chunks in it are whole"):
             run_study(small_study(), folder)
         assert len(chunk_files(folder)) == 5
         assert not (folder / LOCK).exists()
-        monkeypatch.setattr(calculating, "write_bytes", write)
+        monkeypatch.setattr(chunk_store, "write_bytes", write)
         run_study(small_study(), folder)
         assert contents(folder) == contents(whole)
 

@@ -14,7 +14,7 @@ import torsionnet as tn
 from torsionnet.app.cli.app import app
 from torsionnet.base.errors import ModelError, UsageError
 from torsionnet.study import define, run_study, study_result
-from torsionnet.study.reductions.limit_counts import MOST_LIMITS, LimitBits, LimitCounts
+from torsionnet.study.reductions.limit_counts import MOST_LIMITS, LimitCounts, LimitFlags
 from torsionnet.study.run import chunk_values as chunks
 from torsionnet.study.run import run_chunks as workload
 from torsionnet.study.run.chunk_values import kept_every
@@ -198,7 +198,7 @@ def test_counts_of_as_many_limits_as_there_may_be():
     counts = LimitCounts()
     for start in range(0, 500, 33):
         each = beyond[:, start : start + 33]
-        counts.add(LimitBits.of(each, np.zeros(MOST_LIMITS, dtype=np.int64)))
+        counts.add(LimitFlags(each, np.zeros(MOST_LIMITS, dtype=np.int64)))
     for wanted in ([0], [MOST_LIMITS - 1], [3, 17, 40], range(MOST_LIMITS)):
         assert counts.beyond(wanted) == beyond[list(wanted)].any(axis=0).sum()
     assert sum(counts.sets.values()) == beyond.any(axis=0).sum()
@@ -266,9 +266,7 @@ class TestPart:
 
     @pytest.mark.slow
     def test_has_no_more_values_than_may_be_kept(self, part):
-        held = part.kept
-        kept = [*held.numbers.values(), *held.extremes.values(), *held.parameters.values()]
-        assert 1000 < sum(column.size for column in kept) <= 2000 + 7 * len(CASES)
+        assert 1000 < sum(column.size for column in part.kept.values.values()) <= 2000 + 7 * len(CASES)
 
     def test_extremes_of_curves(self, whole):
         one = whole.study

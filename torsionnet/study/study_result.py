@@ -158,6 +158,11 @@ class StudyResult(NotebookResult):
             raise UsageError(f"the study is of the configurations {', '.join(cases)}; name one of them")
         return case, quantity
 
+    @property
+    def _numbers(self) -> Cases:
+        """Kept values (n,) in SI of the quantities of a single point, by configuration and quantity."""
+        return {key: self.kept.values[key] for key in self.summaries if self.kept.values[key].ndim == 1}
+
     def summary(self, quantity: str, configuration: str | None = None) -> Summary:
         """Statistics (mean, deviation, extremes, percentiles) in SI of a quantity in one configuration."""
         return self.summaries[self._key(quantity, configuration)]
@@ -173,22 +178,21 @@ class StudyResult(NotebookResult):
             The quantity is a curve, or of so many variants only a part is kept.
         """
         key = self._key(quantity, configuration)
-        if key not in self.kept.numbers:
+        if key not in self._numbers:
             raise UsageError(f"{quantity} is a curve; summary() has its mean, extremes and percentiles")
         if self.kept.every > 1:
             raise UsageError(
                 f"{quantity} has too many values: those of one in {self.kept.every} variants are kept, which are in "
                 "kept_values(); summary() has mean, extremes and percentiles of all"
             )
-        return self.kept.numbers[key]
+        return self.kept.values[key]
 
     def kept_values(self, quantity: str, configuration: str | None = None) -> FloatArray:
         """Values of a quantity in SI of the kept variants, (n,), or smallest and largest value (n, 2) of a curve.
 
         The variants are those with the indices 0, m, 2 m, ..., where m is ``kept.every``; all where that is 1.
         """
-        key = self._key(quantity, configuration)
-        return self.kept.numbers[key] if key in self.kept.numbers else self.kept.extremes[key]
+        return self.kept.values[self._key(quantity, configuration)]
 
     def parameters(self, configuration: str | None = None) -> dict[str, FloatArray]:
         """Values (n,) in SI of every varied parameter, by name, for all variants of one configuration."""
@@ -201,7 +205,7 @@ class StudyResult(NotebookResult):
         if self.kept.every == 1:
             return self.parameters(configuration)
         case, _ = self._key(next(iter(self.study.quantities)), configuration)
-        return {name: self.kept.parameters[case, name] for name in self.study.space.names}
+        return {name: self.kept.values[case, name] for name in self.study.space.names}
 
     def percentiles(self, quantity: str, shares: ArrayLike, configuration: str | None = None) -> FloatArray:
         """Percentiles (n_shares, n_points) in SI of a quantity at shares in per cent.
@@ -209,7 +213,7 @@ class StudyResult(NotebookResult):
         Exact where all values are kept.
         """
         key = self._key(quantity, configuration)
-        values = self.kept.numbers.get(key, np.empty(0))
+        values = self._numbers.get(key, np.empty(0))
         if self.kept.every == 1 and np.isfinite(values).any():
             return np.asarray(np.percentile(values[np.isfinite(values)], np.asarray(shares), method="inverted_cdf"))[
                 :, None
@@ -254,7 +258,7 @@ class StudyResult(NotebookResult):
         if count:
             texts.append(f"{count} of {self.study.count} variants are no drivetrains and have no values")
         texts += self._missing()
-        if self.kept.every > 1 or not self.kept.numbers:
+        if self.kept.every > 1 or not self._numbers:
             texts.append(f"percentiles are within {ACCURACY:.1%} of themselves")
         if self.kept.every > 1:
             texts.append(f"values of single variants are kept of {self.kept.words(self.study.count)}")
@@ -337,7 +341,7 @@ class StudyResult(NotebookResult):
         curves = [key for key, one in self.summaries.items() if one.measure.is_curve]
         bands = {(case, name): self.percentiles(name, SHOWN, case) for case, name in curves}
         parameters = {case: self.kept_parameters(case) for case in self.study.configurations}
-        found = labelled_variants(self.summaries, self.kept.numbers, bands, SHOWN, parameters, self._about)
+        found = labelled_variants(self.summaries, self._numbers, bands, SHOWN, parameters, self._about)
         indices = np.arange(0, self.study.space.count, self.kept.every)
         return found if self.kept.every == 1 else found.assign_coords(variant=indices)
 

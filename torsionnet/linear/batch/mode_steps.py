@@ -49,7 +49,7 @@ def mode_states(found: BatchedModes, places: NDArray[np.intp]) -> ComplexArray:
     given = None if found.batch is None else stacked_coefficients(found.batch)
     if given is None:
         return states
-    for count in np.unique(counts[counts > 0]).tolist():
+    for count in sorted(set(counts[counts > 0].tolist())):
         some = np.flatnonzero(counts == count)  # a product's bits may depend on the number of its columns
         coefficients = given.inertia[places[some]], given.stiffness[places[some]]
         states[some, :, :count] = _states(assembly, *coefficients, found, places[some], count)

@@ -307,7 +307,7 @@ def damped_vibrations(directions: SharedDirections, given: Coefficients) -> Iter
     found = found._replace(values=values)
     # Beyond critical damping a vibration is two real poles, so that variants differ in their number of modes.
     counts = kept.sum(axis=1)
-    for count in np.unique(counts):
+    for count in sorted(set(counts.tolist())):
         some = np.flatnonzero(counts == count)
         yield some, found.columns_of(some, order[some, :count])
 
@@ -334,7 +334,7 @@ def hysteretic_vibrations(directions: SharedDirections, given: Coefficients) -> 
     counts = real.sum(axis=1)
     # Every vibration takes two eigenvalues of the form, every real pole one.
     total = 2 * directions.vibrations if not directions.dissipating.size else found.values.shape[1]
-    for count in np.unique(counts):
+    for count in sorted(set(counts.tolist())):
         some = np.flatnonzero(counts == count)
         vibrating = found.columns_of(some, least[some, : (total - count) // 2])
         still = rest.columns_of(some, first_real[some, :count])

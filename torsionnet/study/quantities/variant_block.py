@@ -19,11 +19,9 @@ from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.linear.assembly.table_range import told_of_reads
 from torsionnet.linear.batch.batch import Batch
 from torsionnet.linear.batch.batched_modes import BatchedModes, batched_modes, single_modes
-from torsionnet.linear.batch.batched_responses import batched_responses, responses_at_own_frequencies
 from torsionnet.linear.batch.mode_tracking import TrackedModes, track_modes
 from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest, cached_request
 from torsionnet.linear.modes.modes import Modes
-from torsionnet.linear.responses.transfer import responses, warn_infinite
 from torsionnet.model.channels import Input, Sensor
 
 # Counter of the warnings of a study by their text, with a bound on the number of texts.
@@ -51,6 +49,8 @@ def single_response(
     model: AssembledModel, outputs: Any, inputs: Any, frequencies: FloatArray, excitation: str | None = None
 ) -> ComplexArray:
     """Transfer functions (n_f, n_out, n_in) in SI of one model at frequencies (n_f,) >= 0 in Hz."""
+    from torsionnet.linear.responses.transfer import responses, warn_infinite
+
     request = cached_request(model, outputs, inputs, excitation)
     found = responses([model], request, frequencies, GRAPH)
     warn_infinite(found.values, found.conditioning, frequencies)
@@ -217,6 +217,8 @@ class VariantBlock:
         request = cached_request(self.model, outputs, inputs, excitation)
         self.reads(frequencies)
         if self.batch is not None:
+            from torsionnet.linear.batch.batched_responses import batched_responses, responses_at_own_frequencies
+
             if frequencies.ndim == 2:
                 return responses_at_own_frequencies(self.batch, request, frequencies, self.method)
             return batched_responses(self.batch, request, frequencies, self.method, self._refused).values

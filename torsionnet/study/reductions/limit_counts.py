@@ -1,8 +1,8 @@
 """Counts of the variants beyond each combination of limits, taken in chunks.
 
-A chunk keeps a bit for each variant and limit, so that chunks of other configurations with the same draws can be united
-with it. All chunks together keep how often each set of limits was exceeded; whole numbers add up to the same whatever
-the order, and any limits can be asked for together afterwards.
+A chunk keeps a flag for each variant and limit, so that chunks of other configurations with the same draws can be
+united with it. All chunks together keep how often each set of limits was exceeded; whole numbers add up to the same
+whatever the order, and any limits can be asked for together afterwards.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.base.errors import UsageError
+from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.study.quantities.quantity import QuantityLimit
 
 MOST_LIMITS = 64
@@ -22,30 +23,37 @@ MOST_LIMITS = 64
 
 
 @dataclass(frozen=True, eq=False)
-class LimitBits:
-    """Bits that say for each variant of a chunk which limits it is beyond.
+class LimitFlags:
+    """Flags that say for each of n variants which limits it is beyond.
 
     Attributes
     ----------
-    bits : (n_limits, n_bytes) integers
-        A bit for each variant, those of a byte from its highest one.
+    flags : (n_limits, n) booleans
     missing : (n_limits,) integers
         Variants whose quantity has no value; they are beyond.
     """
 
-    bits: NDArray[np.uint8]
+    flags: NDArray[np.bool_]
     missing: NDArray[np.int64]
 
     @classmethod
-    def of(cls, beyond: NDArray[np.bool_], missing: NDArray[np.int64]) -> Self:
-        """Bits from a boolean array (n_limits, n), true where a variant is beyond a limit, and missing values."""
-        return cls(np.packbits(beyond, axis=1), missing)
+    def of(cls, found: Sequence[tuple[QuantityLimit, FloatArray]]) -> Self:
+        """Flags by each limit and the values (n, n_points) in SI of its quantity."""
+        missing = [np.isnan(values).any(axis=1).sum() for _, values in found]
+        return cls(np.stack([limit.beyond(values) for limit, values in found]), np.array(missing, dtype=np.int64))
 
     @classmethod
-    def union(cls, parts: Sequence[LimitBits]) -> Self:
-        """Bits of the variants that are beyond a limit in any of several configurations with the same draws."""
+    def joined(cls, parts: Sequence[LimitFlags]) -> Self:
+        """Flags of the variants of several parts, one after the other."""
         return cls(
-            np.bitwise_or.reduce([part.bits for part in parts]), np.sum([part.missing for part in parts], axis=0)
+            np.concatenate([part.flags for part in parts], axis=1), np.sum([part.missing for part in parts], axis=0)
+        )
+
+    @classmethod
+    def union(cls, parts: Sequence[LimitFlags]) -> Self:
+        """Flags of the variants that are beyond a limit in any of several configurations with the same draws."""
+        return cls(
+            np.bitwise_or.reduce([part.flags for part in parts]), np.sum([part.missing for part in parts], axis=0)
         )
 
 
@@ -64,7 +72,7 @@ class LimitCounts:
     >>> import numpy as np
     >>> beyond = np.array([[True, True, False], [False, True, True]])
     >>> counts = LimitCounts()
-    >>> counts.add(LimitBits.of(beyond, np.zeros(2, dtype=np.int64)))
+    >>> counts.add(LimitFlags(beyond, np.zeros(2, dtype=np.int64)))
     >>> counts.beyond([0]), counts.beyond([1]), counts.beyond([0, 1])
     (2, 2, 3)
     """
@@ -72,11 +80,10 @@ class LimitCounts:
     sets: dict[int, int] = field(default_factory=dict)
     missing: NDArray[np.int64] | None = None
 
-    def add(self, part: LimitBits) -> None:
+    def add(self, part: LimitFlags) -> None:
         """Count the variants beyond limits of one more chunk."""
         self.missing = part.missing if self.missing is None else self.missing + part.missing
-        every = np.unpackbits(part.bits, axis=1)
-        some = every[:, every.any(axis=0)]
+        some = part.flags[:, part.flags.any(axis=0)]
         places = np.arange(len(some), dtype=np.uint64)[:, None]
         # The set of limits that a variant exceeds, as bits of a number.
         sets = np.bitwise_or.reduce(some.astype(np.uint64) << places, axis=0)

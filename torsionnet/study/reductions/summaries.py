@@ -300,18 +300,13 @@ class KeptValues:
     ----------
     every : int
         m; 1 where all are kept.
-    numbers : mapping
-        (configuration, quantity that is a number) -> (n,) values.
-    extremes : mapping
-        (configuration, quantity of several points) -> (n, 2), its smallest and largest value over them.
-    parameters : mapping
-        (configuration, parameter) -> (n,) values; empty where all are kept, as they follow from the index then.
+    values : mapping
+        (configuration, quantity) -> (n,) values, or (n, 2), the smallest and largest value of a quantity over several
+        points; (configuration, parameter) -> (n,) values where not all are kept, else they follow from the index.
     """
 
     every: int = 1
-    numbers: Cases = field(default_factory=dict)
-    extremes: Cases = field(default_factory=dict)
-    parameters: Cases = field(default_factory=dict)
+    values: Cases = field(default_factory=dict)
 
     def words(self, count: int) -> str:
         """Words for the part of ``count`` variants whose values are kept; empty where all are.

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, fields, replace
 from functools import partial
 from pathlib import Path
-from typing import cast
+from typing import TYPE_CHECKING, cast
 
 from torsionnet.base.errors import SolveError, UsageError
 from torsionnet.base.packages import drawn, thinned
@@ -17,13 +17,15 @@ from torsionnet.study.answers.answer import Conclusion, Conclusions, VariantValu
 from torsionnet.study.quantities.evaluator import BlockCalculator, Evaluator
 from torsionnet.study.run import run_chunks
 from torsionnet.study.run.chunk_values import Chunks
-from torsionnet.study.run.process_pool import Executor, ProcessExecutor, SerialExecutor
+from torsionnet.study.run.executor import Executor, SerialExecutor
 from torsionnet.study.run.run_chunks import Workload, no_variants
-from torsionnet.study.run.shared_blocks import EvaluationMemory, SharedBlocks
-from torsionnet.study.run.study_folder import StudyFolder, locked, study_record, writing
 from torsionnet.study.shown_units import ShownUnits, shown_units
 from torsionnet.study.study import Study
 from torsionnet.study.study_result import StudyResult, read_notes
+
+if TYPE_CHECKING:
+    from torsionnet.study.run.evaluation_memory import EvaluationMemory
+    from torsionnet.study.run.shared_blocks import SharedBlocks
 
 # Choice of the processes or the cluster that calculate a study.
 
@@ -67,6 +69,8 @@ class Workers:
             with self._of_cluster(folder) as found:
                 yield found
         elif self.processes > 1:
+            from torsionnet.study.run.process_pool import ProcessExecutor
+
             with ProcessExecutor(self.processes) as pool:
                 yield pool
         else:
@@ -84,7 +88,7 @@ class Workers:
             yield DaskExecutor(client, folder, self.waiting)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class SharedStudy(Study):
     """Study whose evaluators leave the calculation of blocks of variants to a :class:`BlockCalculator`."""
 
@@ -93,11 +97,6 @@ class SharedStudy(Study):
     def evaluator(self, configuration: str = "", names: tuple[str, ...] = (), method: str = "") -> Evaluator:
         """Evaluator of the study's quantities in one configuration, which leaves blocks of variants to others."""
         return replace(super().evaluator(configuration, names, method), calculator=self.calculator)
-
-
-def with_calculator(study: Study, calculator: BlockCalculator) -> SharedStudy:
-    """Copy of a study whose evaluators leave the calculation of blocks of variants to ``calculator``."""
-    return SharedStudy(**{one.name: getattr(study, one.name) for one in fields(study)}, calculator=calculator)
 
 
 Answering = Callable[[str, int, int | None], None]
@@ -203,6 +202,8 @@ def answer_study(
             result = run_chunks.run_study(
                 study, place, executor=executor, progress=progress, announce=announce, longest=longest
             )
+        if not study.answers:
+            return AnsweredStudy(result, {}, units=shown_units(study))
         with study_for_answers(study, place, executor) as (asked, calculator):
             return _answered(asked, result, calculator, answering)
 
@@ -212,9 +213,12 @@ def study_for_answers(
     study: Study, folder: Path | None, executor: Executor | None = None
 ) -> Iterator[tuple[SharedStudy, SharedBlocks]]:
     """Yield the study with a calculator for its answers that reads back what is in the folder, and that calculator."""
+    from torsionnet.study.run.shared_blocks import SharedBlocks
+
     with _memory(study, folder) as memory:
         calculator = SharedBlocks(executor or SerialExecutor(), memory)
-        yield with_calculator(study, calculator), calculator
+        entries = {one.name: getattr(study, one.name) for one in fields(study)}
+        yield SharedStudy(**entries, calculator=calculator), calculator
 
 
 @contextmanager
@@ -223,6 +227,9 @@ def _memory(study: Study, folder: Path | None) -> Iterator[EvaluationMemory | No
     if folder is None or all(one.of_variants for one in study.answers.values()):
         yield None
         return
+    from torsionnet.study.run.evaluation_memory import EvaluationMemory
+    from torsionnet.study.run.study_folder import StudyFolder, locked, study_record, writing
+
     place = StudyFolder(folder.resolve())
     with writing(place.path):
         if not study.count:

@@ -1,124 +1,123 @@
-"""Results of a chunk of variants (kept values, moments, histograms, bits of limits) and their file format."""
+"""Results of some variants of a study (kept values, moments, histograms, limits), and how they are joined."""
 
 from __future__ import annotations
 
-import hashlib
-import io
-import json
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import ceil, gcd
+from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.study.quantities.quantity import QuantityLimit
-from torsionnet.study.quantities.variant_block import NOTHING_READ
-from torsionnet.study.reductions.limit_counts import LimitBits
-from torsionnet.study.reductions.summaries import Histogram, Moments
+from torsionnet.study.quantities.variant_block import NOTHING_READ, VariantBlock, remark
+from torsionnet.study.reductions.limit_counts import LimitFlags
+from torsionnet.study.reductions.summaries import GrowingHistogram, Histogram, Moments, extremes, kept_indices
 from torsionnet.study.study import Study
-
-PARTS = ("count", "mean", "squares", "smallest", "largest", "smallest_at", "largest_at")
-"""Names of the arrays of moments in the file of a chunk of variants."""
-CHECKSUM_BYTES = hashlib.sha256().digest_size
-"""Length in bytes of the SHA-256 checksum behind the end of a chunk's file."""
-
-
-class DamagedChunk(Exception):  # noqa: N818  (it is no fault of anybody: the chunk is done again)
-    """Error of a chunk's file whose bytes are incomplete, changed or of another chunk."""
 
 
 @dataclass(frozen=True, eq=False)
 class ChunkValues:
-    """Results of a chunk of n variants, their kept values and statistics in SI.
+    """Results of a block or chunk of n variants, their kept values and statistics in SI.
 
     Attributes
     ----------
-    values : mapping
-        Quantity that is a number -> values of the kept variants, all n or fewer; NaN where a variant has none.
+    kept : mapping
+        Quantity -> values (n,) of the variants that are kept, NaN where one has none; of a quantity of several points
+        its smallest and largest value over them, (n, 2). Where not all are kept, also parameter -> (n,) values.
     moments, histograms : mappings
         Quantity -> moments, histogram.
     impossible : int
         Number of variants whose values the model refuses.
     remarks : mapping
         Text of a warning -> how often.
-    extremes : mapping
-        Quantity of several points -> (n, 2), its smallest and largest value over them, of the variants that are kept.
-    parameters : mapping
-        Parameter -> (n,) values, where only a part of the variants is kept; else empty.
-    beyond : LimitBits or None
+    beyond : LimitFlags or None
         Variants beyond the limits; None where all values are kept.
     read : (2,) array
         Lowest and highest frequency in Hz at which laws over frequency are read.
     """
 
-    values: Mapping[str, FloatArray]
+    kept: Mapping[str, FloatArray]
     moments: Mapping[str, Moments]
     histograms: Mapping[str, Histogram]
     impossible: int
     remarks: Mapping[str, int]
-    extremes: Mapping[str, FloatArray] = field(default_factory=dict)
-    parameters: Mapping[str, FloatArray] = field(default_factory=dict)
-    beyond: LimitBits | None = None
+    beyond: LimitFlags | None = None
     read: FloatArray = field(default_factory=lambda: np.array(NOTHING_READ))
 
-    def to_bytes(self, number: int) -> bytes:
-        """Content of the file of chunk ``number``, an npz archive and its checksum, equal bytes for equal values."""
-        arrays: dict[str, NDArray[np.generic]] = {"read": self.read}
-        for place, name in enumerate(self.moments):
-            if name in self.values:
-                arrays[f"values_{place}"] = self.values[name]
-            if name in self.extremes:
-                arrays[f"extremes_{place}"] = self.extremes[name]
-            for part in PARTS:
-                arrays[f"{part}_{place}"] = getattr(self.moments[name], part)
-            arrays[f"bins_{place}"] = self.histograms[name].bins
-            arrays[f"counts_{place}"] = self.histograms[name].counts
-        for place, column in enumerate(self.parameters.values()):
-            arrays[f"parameter_{place}"] = column
-        if self.beyond is not None:
-            arrays |= {"beyond": self.beyond.bits, "missing": self.beyond.missing}
-        head = {
-            "chunk": number,
-            "quantities": list(self.moments),
-            "parameters": list(self.parameters),
-            "impossible": self.impossible,
-            "remarks": dict(sorted(self.remarks.items())),
-        }
-        arrays["head"] = np.frombuffer(json.dumps(head).encode(), dtype=np.uint8)
-        stream = io.BytesIO()
-        np.savez_compressed(stream, allow_pickle=False, **arrays)
-        return stream.getvalue() + hashlib.sha256(stream.getvalue()).digest()
-
     @classmethod
-    def from_bytes(cls, data: bytes, number: int) -> ChunkValues:
-        """Read the results of chunk ``number`` of variants from the content of its file.
+    def of(cls, block: VariantBlock, start: int, every: int, limits: Mapping[str, QuantityLimit]) -> Self:
+        """Results of a block of variants, the first of which has the index ``start``.
 
-        Raises
-        ------
-        DamagedChunk
-            Something is missing or changed, or it is another chunk.
+        Parameters
+        ----------
+        block : VariantBlock
+        start : int
+        every : int
+            Every how many-th variant keeps its values; with 1 all do, and parameters are not kept.
+        limits : mapping
+            Quantity -> limit by which variants are counted.
         """
-        whole, checksum = data[:-CHECKSUM_BYTES], data[-CHECKSUM_BYTES:]
-        if hashlib.sha256(whole).digest() != checksum:
-            raise DamagedChunk
-        with np.load(io.BytesIO(whole), allow_pickle=False) as arrays:
-            found = {name: arrays[name] for name in arrays.files}
-        head = json.loads(found["head"].tobytes())
-        if head["chunk"] != number:
-            raise DamagedChunk
-        places = dict(enumerate(head["quantities"]))
+        chosen = kept_indices(start, start + len(block), every)
+        found = {name: block.of(name) for name in block.quantities}
+        kept = {name: one[chosen, 0] if one.shape[1] == 1 else extremes(one[chosen]) for name, one in found.items()}
+        if every > 1:
+            kept |= {name: column[chosen] for name, column in block.values.items()}
         return cls(
-            {name: found[f"values_{place}"] for place, name in places.items() if f"values_{place}" in found},
-            {name: Moments(*(found[f"{part}_{place}"] for part in PARTS)) for place, name in places.items()},
-            {name: Histogram(found[f"bins_{place}"], found[f"counts_{place}"]) for place, name in places.items()},
-            int(head["impossible"]),
-            head["remarks"],
-            {name: found[f"extremes_{place}"] for place, name in places.items() if f"extremes_{place}" in found},
-            {name: found[f"parameter_{place}"] for place, name in enumerate(head["parameters"])},
-            LimitBits(found["beyond"], found["missing"]) if "beyond" in found else None,
-            found.get("read", np.array(NOTHING_READ)),
+            kept,
+            {name: Moments.of(one, start) for name, one in found.items()},
+            {name: Histogram.of(one) for name, one in found.items()},
+            int(block.impossible.sum()),
+            block.remarks,
+            LimitFlags.of([(limit, found[name]) for name, limit in limits.items()]) if limits else None,
+            block.read,
+        )
+
+
+@dataclass
+class JoinedValues:
+    """Results of blocks or chunks of variants that are joined in their order, in bounded memory.
+
+    Attributes
+    ----------
+    sharing : int
+        How many of these grow side by side, in the same memory.
+    """
+
+    sharing: int = 1
+    kept: dict[str, list[FloatArray]] = field(default_factory=dict)
+    moments: dict[str, Moments] = field(default_factory=dict)
+    histograms: dict[str, GrowingHistogram] = field(default_factory=dict)
+    impossible: int = 0
+    remarks: Counter[str] = field(default_factory=Counter)
+    beyond: list[LimitFlags] = field(default_factory=list)
+    read: FloatArray = field(default_factory=lambda: np.array(NOTHING_READ))
+
+    def add(self, part: ChunkValues) -> None:
+        """Add the results of the next variants."""
+        for name, moments in part.moments.items():
+            self.moments[name] = self.moments[name].joined(moments) if name in self.moments else moments
+            self.histograms.setdefault(name, GrowingHistogram(sharing=self.sharing)).add(part.histograms[name])
+        for name, values in part.kept.items():
+            self.kept.setdefault(name, []).append(values)
+        self.impossible += part.impossible
+        for text, count in part.remarks.items():
+            remark(self.remarks, text, count)
+        self.beyond += [] if part.beyond is None else [part.beyond]
+        self.read = widest([self.read, part.read])
+
+    def whole(self) -> ChunkValues:
+        """Results of all variants added."""
+        return ChunkValues(
+            {name: np.concatenate(parts) for name, parts in self.kept.items()},
+            self.moments,
+            {name: parts.whole() for name, parts in self.histograms.items()},
+            self.impossible,
+            self.remarks,
+            LimitFlags.joined(self.beyond) if self.beyond else None,
+            self.read,
         )
 
 

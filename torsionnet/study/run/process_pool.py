@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import multiprocessing
 import os
-import pickle
 import signal
 import threading
 from collections import Counter
@@ -13,55 +12,16 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import lru_cache
 from itertools import islice
 from multiprocessing import resource_tracker
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeVar
 
 from torsionnet.base.errors import SolveError
 from torsionnet.base.threads import one_thread
-
-# Protocol of executors, which call a function for the chunks of a study or the blocks of its answers.
+from torsionnet.study.run.executor import PackedWork, part_name
 
 S = TypeVar("S")
 T = TypeVar("T")
-
-
-class Executor(Protocol):
-    """Executor that calls a function for every part of a study, the number of a chunk, or a block of variants."""
-
-    def map(self, work: Callable[[S], T], parts: Iterable[S]) -> Iterator[tuple[S, T]]:
-        """Yield each part of a study with its result, in the order in which they are done.
-
-        Function and parts can be pickled.
-        """
-        ...
-
-
-@dataclass(frozen=True)
-class SerialExecutor:
-    """Executor that does one part of a study after the other in this process.
-
-    Examples
-    --------
-    >>> list(SerialExecutor().map(abs, [-1, 2]))
-    [(-1, 1), (2, 2)]
-    """
-
-    def map(self, work: Callable[[S], T], parts: Iterable[S]) -> Iterator[tuple[S, T]]:
-        """Yield each part of a study with its result, in the order of the parts."""
-        for part in parts:
-            yield part, work(part)
-
-
-def part_name(part: object) -> str:
-    """Words for a part of a study in messages.
-
-    >>> part_name(7)
-    'chunk 7'
-    """
-    return f"chunk {part}" if isinstance(part, int) else str(part)
-
 
 QUEUED_PER_WORKER = 2
 """Chunks of variants that wait for each worker, enough that none is idle, few enough to be ended soon."""
@@ -98,15 +58,9 @@ def _end_with_parent() -> None:
         os._exit(1)
 
 
-@lru_cache(maxsize=1)
-def _unpacked(packed: bytes) -> Callable[[Any], Any]:
-    work: Callable[[Any], Any] = pickle.loads(packed)  # noqa: S301  (packed by the process that asks)
-    return work
-
-
-def _call(packed: bytes, part: Any) -> Any:
+def _call(work: PackedWork, part: Any) -> Any:
     with one_thread():
-        return _unpacked(packed)(part)
+        return work(part)
 
 
 @dataclass(eq=False)
@@ -136,7 +90,7 @@ class ProcessExecutor:
         SolveError
             Processes die of a part again and again.
         """
-        packed = pickle.dumps(work)
+        packed = PackedWork.of(work)
         left, again, deaths = iter(parts), list[S](), Counter[S]()
         try:
             while True:
@@ -174,7 +128,7 @@ class ProcessExecutor:
                 "it too. What was calculated is kept: the study goes on from there when it is run again"
             )
 
-    def _submitted(self, packed: bytes, part: S) -> Future[Any]:
+    def _submitted(self, packed: PackedWork, part: S) -> Future[Any]:
         """Submit a part of a study to the pool, which starts its processes by spawning on every system alike."""
         if self._pool is None:
             context = multiprocessing.get_context("spawn")

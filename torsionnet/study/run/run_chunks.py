@@ -9,16 +9,19 @@ from dataclasses import dataclass
 from itertools import chain
 from math import ceil
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from torsionnet.base.errors import SolveError, UsageError
 from torsionnet.study.reductions.limit_counts import MOST_LIMITS
 from torsionnet.study.run.calculating import ChunkWork, merge_chunks
 from torsionnet.study.run.chunk_values import Chunks, ChunkValues, kept_every
-from torsionnet.study.run.process_pool import Executor, SerialExecutor
-from torsionnet.study.run.study_folder import StudyFolder, locked, study_record, writing
+from torsionnet.study.run.executor import Executor, SerialExecutor
 from torsionnet.study.space.space import Space
 from torsionnet.study.study import Study
 from torsionnet.study.study_result import StudyResult
+
+if TYPE_CHECKING:
+    from torsionnet.study.run.study_folder import StudyFolder
 
 # Amount of work of a study, measured on a few variants before it begins.
 
@@ -178,23 +181,28 @@ def run_study(
     if every > 1 and len(study.limits) > MOST_LIMITS:
         raise UsageError(f"a study of so many variants has at most {MOST_LIMITS} limits, not {len(study.limits)}")
     chunks = Chunks(len(study.configurations), study.space.count, workload.chunk_size)
+    executor = executor or SerialExecutor()
     if folder is None:
-        work = ChunkWork(study, chunks, every, None)
-        return _in_memory(study, work, executor or SerialExecutor(), progress)
-    place = StudyFolder(Path(folder).resolve())
-    with writing(place.path):
-        place.open(study_record(study, chunks, every))
-    work = ChunkWork(study, chunks, every, place.path)
-    with writing(place.path), locked(place.path):
+        return _in_memory(ChunkWork(study, chunks, every, None), executor, progress)
+    place = Path(folder).resolve()
+    return _in_folder(ChunkWork(study, chunks, every, place), place, executor, progress)
+
+
+def _in_folder(work: ChunkWork, path: Path, executor: Executor, progress: Progress) -> StudyResult:
+    """Result of a study of which only those chunks are calculated that are not in its folder."""
+    from torsionnet.study.run.study_folder import StudyFolder, locked, study_record, writing
+
+    place, total = StudyFolder(path), work.chunks.total
+    with writing(path):
+        place.open(study_record(work.study, work.chunks, work.every))
+    with writing(path), locked(path):
         place.remove_temporary_files()
-        done = {number for number in place.chunk_numbers(chunks.total) if place.chunk(number) is not None}
-        left = (number for number in range(chunks.total) if number not in done)
-        progress(len(done), chunks.total)
-        count = len(done)
-        for _ in (executor or SerialExecutor()).map(work, left):
-            count += 1
-            progress(count, chunks.total)
-        return merge_chunks(study, chunks, _stored(place, work), every, place.path)
+        done = {number for number in place.chunk_numbers(total) if place.chunk(number) is not None}
+        left = (number for number in range(total) if number not in done)
+        progress(len(done), total)
+        for count, _ in enumerate(executor.map(work, left), start=len(done) + 1):
+            progress(count, total)
+        return merge_chunks(work.study, work.chunks, _stored(place, work), work.every, path)
 
 
 def _stored(place: StudyFolder, work: ChunkWork) -> Callable[[int], ChunkValues]:
@@ -215,7 +223,7 @@ def _stored(place: StudyFolder, work: ChunkWork) -> Callable[[int], ChunkValues]
     return chunk
 
 
-def _in_memory(study: Study, work: ChunkWork, executor: Executor, progress: Progress) -> StudyResult:
+def _in_memory(work: ChunkWork, executor: Executor, progress: Progress) -> StudyResult:
     """Result of a study that is calculated without a folder.
 
     Only chunks done before their turn are held, as all would not fit.
@@ -231,4 +239,4 @@ def _in_memory(study: Study, work: ChunkWork, executor: Executor, progress: Prog
             progress(count, work.chunks.total)
         return waiting.pop(number)
 
-    return merge_chunks(study, work.chunks, chunk, work.every)
+    return merge_chunks(work.study, work.chunks, chunk, work.every)

@@ -20,9 +20,8 @@ from typing import Any
 from torsionnet.base.atomic import write_text
 from torsionnet.base.errors import SolveError, TorsionnetWarning, UsageError
 from torsionnet.base.version import __version__
-from torsionnet.study.run.calculating import chunk_file
-from torsionnet.study.run.chunk_values import Chunks, ChunkValues, DamagedChunk, counted_limits
-from torsionnet.study.run.shared_blocks import ANSWERS
+from torsionnet.study.run.chunk_files import CHUNKS, read_chunk
+from torsionnet.study.run.chunk_values import Chunks, ChunkValues, counted_limits
 from torsionnet.study.study import Study
 
 # Record of what the results in a folder depend on (model, study, versions, method), and its differences.
@@ -110,6 +109,8 @@ def _version(name: str) -> str:
         return ""
 
 
+ANSWERS = "answers"
+"""Name of the folder of logs of stored evaluations in that of the study."""
 RECORD = "study.json"
 """Name of the file with the record of the study in its folder."""
 TEMPORARY_SECONDS = 3600.0
@@ -134,12 +135,12 @@ class StudyFolder:
             The folder holds results of something else, or cannot be written.
         """
         try:
-            (self.path / "chunks").mkdir(parents=True, exist_ok=True)
+            (self.path / CHUNKS).mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise UsageError(f"{self.path} cannot be a folder of results: {error.strerror}") from None
         file = self.path / RECORD
         if not file.exists():
-            if any(any((self.path / part).glob("*.*")) for part in ("chunks", ANSWERS)):
+            if any(any((self.path / part).glob("*.*")) for part in (CHUNKS, ANSWERS)):
                 text = f"{self.path} holds results but no {RECORD}, which says what study they are of"
                 raise UsageError(f"{text}; choose another folder, or put a copy of {RECORD} back")
             write_text(file, record_text(record))
@@ -176,21 +177,18 @@ class StudyFolder:
 
     def chunk(self, number: int) -> ChunkValues | None:
         """Results of a chunk of variants, None where its file is missing or damaged."""
-        try:
-            return ChunkValues.from_bytes(chunk_file(self.path, number).read_bytes(), number)
-        except (OSError, DamagedChunk):
-            return None
+        return read_chunk(self.path, number)
 
     def remove_temporary_files(self) -> None:
         """Remove temporary files older than :data:`TEMPORARY_SECONDS`, which writers that were killed have left."""
-        for entry in (self.path / "chunks").glob(".*"):
+        for entry in (self.path / CHUNKS).glob(".*"):
             with suppress(OSError):
                 if time.time() - entry.stat().st_mtime > TEMPORARY_SECONDS:
                     entry.unlink()
 
     def chunk_numbers(self, total: int) -> list[int]:
         """Numbers of the chunks that have a file in the folder, complete or not."""
-        names = [entry.name for entry in os.scandir(self.path / "chunks")]
+        names = [entry.name for entry in os.scandir(self.path / CHUNKS)]
         numbers = (int(name[:-4]) for name in names if name.endswith(".npz") and name[:-4].isdigit())
         return sorted(number for number in numbers if number < total)
 

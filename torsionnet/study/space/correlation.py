@@ -8,7 +8,6 @@ from itertools import combinations
 from typing import ClassVar
 
 import numpy as np
-from numpy.polynomial.legendre import leggauss
 
 from torsionnet.base.entries.composite import Listed
 from torsionnet.base.entries.declared import Declared
@@ -108,6 +107,8 @@ class HermiteSeries:
 
 def _nodes() -> tuple[FloatArray, FloatArray]:
     """Nodes (n,) and weights (n,) of the quadrature over a standard normal variable."""
+    from numpy.polynomial.legendre import leggauss
+
     # Gauss and Legendre's rule in equal panels, with the weight exp(-x^2/2), summing up to 1.
     inner, weights = leggauss(NODES)
     edges = np.linspace(-INTEGRATED_DEVIATIONS, INTEGRATED_DEVIATIONS, PANELS + 1)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from hashlib import sha256
 from math import isqrt, log2
 from typing import Any, ClassVar, Protocol
 
@@ -118,6 +117,8 @@ class RandomPoints:
 
 
 def _seed(name: str, *further: int) -> np.random.SeedSequence:
+    from hashlib import sha256
+
     words = np.frombuffer(sha256(name.encode()).digest(), dtype="<u4")
     return np.random.SeedSequence(words.tolist(), spawn_key=further)
 

@@ -65,11 +65,11 @@ class StudyCommand(Command):
     )
 
     def answer(self) -> Answer:
-        from torsionnet.app.cli.output import study_json
-        from torsionnet.signals.formats.extras import require_extra
         from torsionnet.study.study import load_study
 
         if (self.variants_file or "").endswith(".parquet"):
+            from torsionnet.signals.formats.extras import require_extra
+
             require_extra("parquet")
         study = load_study(self.file)
         print_faults(study.findings)
@@ -79,7 +79,7 @@ class StudyCommand(Command):
             message("error", f"{name}: {error}")
         return Answer(
             screen=lambda: _screen(answered),
-            data=lambda: study_json(study, answered),
+            data=lambda: _data(study, answered),
             csv=lambda: _tables(result, conclusions),
             files=[(self.variants_file, lambda file: _write_variants(study, result, file))],
             figures=lambda plot: _figures(plot, study, conclusions or _usual(study, result)),
@@ -132,6 +132,12 @@ def _announce(workload: Workload) -> None:
         message("note", workload.words)
 
 
+def _data(study: Study, answered: AnsweredStudy) -> object:
+    from torsionnet.app.cli.output import study_json
+
+    return study_json(study, answered)
+
+
 def _screen(answered: AnsweredStudy) -> Iterator[Table | str]:
     if answered.result is not None:
         yield answered.result.table()
@@ -175,7 +181,7 @@ def _usual(study: Study, result: StudyResult | None) -> Conclusions:
     found: dict[str, Conclusion] = {}
     for name in dict.fromkeys(curves):
         found[name] = PercentileBands(quantity=name).conclude(study, result)
-    if result.kept.numbers:
+    if len(found) < len(study.quantities):
         with suppress(SolveError):  # too few variants for a correlation
             found["scatter"] = Scatter().conclude(study, result)
     if not found:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from torsionnet.base.errors import TorsionnetError
 from torsionnet.base.threads import one_thread
-from torsionnet.study.run.process_pool import part_name
+from torsionnet.study.run.executor import part_name
 
 if TYPE_CHECKING:
     from distributed import Client, Future
@@ -220,8 +220,6 @@ def _of_process(reported: Mapping[str, Any]) -> Versions:
 S = TypeVar("S")
 T = TypeVar("T")
 
-_works: dict[str, Callable[[Any], Any]] = {}
-
 
 @dataclass(frozen=True)
 class DoneChunk(Generic[T]):
@@ -239,13 +237,9 @@ class DoneChunk(Generic[T]):
     seconds: float
 
 
-def done_chunks(work: Callable[[S], T], name: str, parts: Sequence[S], needed: Versions) -> list[DoneChunk[T]]:
-    """Reports on some chunks of variants, calculated in this worker, which must have the versions ``needed``.
-
-    Work of the same ``name`` is the same: what a process prepares for the first task serves for those after it.
-    """
+def done_chunks(work: Callable[[S], T], parts: Sequence[S], needed: Versions) -> list[DoneChunk[T]]:
+    """Reports on some chunks of variants, calculated in this worker, which must have the versions ``needed``."""
     _check(tuple(sorted(needed.items())))
-    work = _remembered(name, work)
     done: list[DoneChunk[T]] = []
     with one_thread():
         for part in parts:
@@ -253,12 +247,6 @@ def done_chunks(work: Callable[[S], T], name: str, parts: Sequence[S], needed: V
             result = work(part)
             done.append(DoneChunk(result, perf_counter() - began))
     return done
-
-
-def _remembered(name: str, work: Callable[[S], T]) -> Callable[[S], T]:
-    if name not in _works:
-        _works.clear()
-    return _works.setdefault(name, work)
 
 
 @cache

@@ -34,6 +34,7 @@ from torsionnet.study.run.cluster.chunk_task import (
     scheduler_errors,
     worker_errors,
 )
+from torsionnet.study.run.executor import PackedWork
 from torsionnet.study.run.process_pool import ENVIRONMENT
 
 if TYPE_CHECKING:
@@ -161,7 +162,7 @@ class DaskExecutor:
             await_workers(lambda: sum(self.client.nthreads().values()), self.notify)
             needed = self._versions
         running: _Running[S] = _Running(self.client, self.folder.name, needed, WorkerAbsence(self.notify))
-        yield from running.results(work, deque(parts))
+        yield from running.results(PackedWork.of(work), deque(parts))
 
     @cached_property
     def _versions(self) -> Versions:
@@ -202,7 +203,7 @@ class _Running(Generic[S]):
             parts = tuple(left.popleft() for _ in range(self.size.chunks(len(left), self.threads)))
             key = (self.key, self.submitted)
             self.submitted += 1
-            asked = (work, self.key, parts, self.needed)
+            asked = (work, parts, self.needed)
             task = self.client.submit(done_chunks, *asked, key=key, pure=False, retries=TASK_RETRIES)
             self.tasks[task] = parts
             self.finished.add(task)
