@@ -5,6 +5,7 @@ import re
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 from support.command_line import run
 from support.running_plants import FOLDER
 from validation.build import build, read_case
@@ -160,18 +161,129 @@ class TestReferred:
         section = math.pi * (0.1**4 - 0.04**4) / (16 * 0.1)
         assert station.link.stress == pytest.approx(station.torque / section)
 
-    def test_shaft_with_inertia(self):
-        """A consistent shaft in two segments: half of each segment at its ends, and its torque is still k times twist."""
-        shaft = tn.Shaft("shaft", nodes=("a", "b"), outer_diameter=0.2, length=2, segments=2)
-        plant = tn.Drivetrain(
-            "one shaft", [tn.Inertia("A", node="a", inertia=2), shaft, tn.Inertia("B", node="b", inertia=3)]
-        )
+
+STEEL = {"density": 7850.0, "shear_modulus": 79.3e9}
+
+
+def two_discs(segments=1, **more):
+    """Two discs of 10 and 1150 kg m^2 on a shaft of 280 mm and 1.9 m, whose own inertia is 9 kg m^2."""
+    shaft = tn.Shaft("s", nodes=("a", "b"), outer_diameter=0.28, length=1.9, segments=segments, **STEEL, **more)
+    discs = [tn.Inertia("A", node="a", inertia=10), tn.Inertia("B", node="b", inertia=1150)]
+    return tn.Drivetrain("two discs and a heavy shaft", [discs[0], shaft, discs[1]])
+
+
+def section_of(steel=STEEL, diameter=0.28, length=1.9):
+    """Stiffness in N m/rad and inertia in kg m^2 of the shaft of ``two_discs``."""
+    polar = math.pi * diameter**4 / 32
+    return steel["shear_modulus"] * polar / length, steel["density"] * polar * length
+
+
+def exact_frequency(first=10.0, second=1150.0):
+    """Lowest natural frequency in Hz of a uniform shaft with a disc at each end, from the wave equation.
+
+    With theta = cos(beta x) - (omega^2 J_1/(G I_p beta)) sin(beta x), beta = omega sqrt(rho/G), the torque at the far
+    end is omega^2 J_2 theta(L).
+    """
+    stiffness, inertia = section_of()
+
+    def unbalance(omega):
+        beta = omega * math.sqrt(inertia / stiffness)  # over the length
+        ratio = omega**2 * first / (stiffness * beta)
+        angle = math.cos(beta) - ratio * math.sin(beta)
+        slope = -beta * (math.sin(beta) + ratio * math.cos(beta))
+        return stiffness * slope - omega**2 * second * angle
+
+    return brentq(unbalance, 2 * np.pi * 150, 2 * np.pi * 300) / (2 * np.pi)
+
+
+class TestShaftsWithInertia:
+    """Tables at the frequency of the solver, whose rows close with the torque of the shafts' own inertia."""
+
+    def test_frequency_is_that_of_the_solver(self):
+        assert exact_frequency() == pytest.approx(221.85, abs=0.02)
+        assert two_discs().holzer_table(1).frequency == pytest.approx(223.07, abs=0.02)
+        assert two_discs(40).holzer_table(1).frequency == pytest.approx(exact_frequency(), rel=1e-5)
+
+    def test_own_inertia_of_one_segment(self):
+        """Consistent mass m/6 (2, 1; 1, 2): omega^2 (m/3 theta_1 + m/6 theta_2) at the first end."""
+        holzer = two_discs().holzer_table(1)
+        (first, second), omega = holzer.branches[0].stations, 2 * np.pi * holzer.frequency
+        stiffness, mass = section_of()
+        one, two = first.amplitude, second.amplitude
+        assert (first.inertia, second.inertia) == (10, 1150)
+        assert first.inertia_torque == pytest.approx(omega**2 * 10 * one)
+        assert first.distributed == pytest.approx(omega**2 * mass * (one / 3 + two / 6))
+        assert second.distributed == pytest.approx(omega**2 * mass * (one / 6 + two / 3))
+        assert first.torque == pytest.approx(stiffness * (one - two))
+        assert first.torque == pytest.approx(25.5e6, rel=2e-3)  # not 28.5 MN m, as with half of the shaft at each end
+
+    @pytest.mark.parametrize("inertia", ["consistent", "lumped"])
+    @pytest.mark.parametrize("segments", [1, 2, 7])
+    def test_a_divided_shaft_is_one_row(self, segments, inertia):
+        plant, (stiffness, mass) = two_discs(segments, inertia=inertia), section_of()
         holzer = plant.holzer_table(1)
-        whole = 7850 * math.pi * 0.2**4 / 32 * 2
-        stations = holzer.branches[0].stations
-        assert [one.inertia for one in stations] == pytest.approx([2 + whole / 4, whole / 2, 3 + whole / 4])
-        assert stations[0].torque == pytest.approx(stations[0].link.stiffness * stations[0].link.twist)
+        fine = plant.holzer_table(1, segments=True)
+        assert len(fine.branches[0].stations) == segments + 1
+        first, second = holzer.branches[0].stations
+        assert first.link.stiffness == pytest.approx(stiffness)
+        assert first.link.stress == pytest.approx(max(one.link.stress for one in fine.branches[0].stations[:-1]))
+        assert first.inertia_torque + first.distributed == pytest.approx(first.torque)
+        assert first.torque == pytest.approx(stiffness * (first.amplitude - second.amplitude))
+        assert first.torque + second.inertia_torque + second.distributed == pytest.approx(0, abs=1e-8 * first.torque)
+        # What the ends take over is all that the shaft has: omega^2 times the integral of theta dm.
+        own = sum(one.distributed for one in fine.branches[0].stations)
+        assert first.distributed + second.distributed == pytest.approx(own)
         assert holzer.relative_remainder < 1e-12
+        table = plant.mass_elastic_table()
+        assert [row.shaft_inertia for row in table.rows] == pytest.approx([mass / 2, mass / 2])
+        assert [row.inertia - row.shaft_inertia for row in table.rows] == pytest.approx([10, 1150])
+
+    def test_a_divided_shaft_that_joins_a_line(self):
+        """A branch whose last link is a shaft: its far share counts at the junction, and the branch brings the rest."""
+        branch = tn.Shaft("branch", nodes=("c", "hub"), outer_diameter=0.1, length=1, segments=2)
+        discs = [tn.Inertia(f"J_{node}", node=node, inertia=size) for node, size in zip("abc", (4, 5, 2), strict=True)]
+        springs = [
+            tn.Spring("k_a", nodes=("a", "hub"), stiffness=2e5),
+            tn.Spring("k_b", nodes=("hub", "b"), stiffness=4e5),
+            tn.Spring("k_d", nodes=("b", "d"), stiffness=1e6),
+            tn.Spring("k_e", nodes=("e", "a"), stiffness=1e6),
+            tn.Spring("k_f", nodes=("d", "f"), stiffness=1e6),
+        ]
+        more = [
+            tn.Inertia(f"J_{node}", node=node, inertia=size)
+            for node, size in (("hub", 1), ("d", 3), ("e", 2), ("f", 2))
+        ]
+        plant = tn.Drivetrain("branched", [*discs, *more, *springs, branch])
+        whole, fine = (plant.holzer_table(2, first="e", segments=segments) for segments in (False, True))
+        assert [one.joins for one in whole.branches] == [None, "hub"]
+        assert [one.node for one in whole.branches[1].stations] == ["c"]
+        hub, same = whole.station("hub"), fine.station("hub")
+        assert hub.torque == pytest.approx(same.torque)
+        assert hub.distributed + hub.joined == pytest.approx(same.distributed + same.joined)
+        end = whole.station("c")
+        assert end.torque == pytest.approx(end.link.stiffness * (end.amplitude - hub.amplitude))
+        assert hub.joined == pytest.approx(end.torque)
+
+    def test_trial_frequency(self):
+        plant = two_discs(5)
+        assert plant.holzer_table(at=100).remainder == pytest.approx(
+            plant.holzer_table(at=100, segments=True).remainder
+        )
+
+    def test_column_stands_only_where_shafts_have_inertia(self):
+        assert "distributed" in [one.name for one in two_discs().holzer_table(1).tables()[0].columns]
+        assert "distributed" not in [one.name for one in chain(ENGINE).holzer_table(1).tables()[0].columns]
+
+    def test_ring_in_a_film_counts_with_what_swings_along(self):
+        """A ring that oil alone drags along: J/(1 + (omega J/c)^2) in phase with the hub, by its own equation of motion."""
+        damper = tn.ViscousDamper("damper", node="a", ring_inertia=3, damping=900)
+        elements = [*two_discs().elements.values(), damper]
+        holzer = tn.Drivetrain("damped", elements).holzer_table(1)
+        assert holzer.frequency == pytest.approx(two_discs().holzer_table(1).frequency)
+        omega = 2 * np.pi * holzer.frequency
+        ring = 1j * omega * 900 / (1j * omega * 900 - omega**2 * 3)  # theta_r over theta of the hub
+        note = next(one for one in holzer.notes if "damper.ring" in one)
+        assert float(re.search(r"with damping (\S+) of its 3 kg", note)[1]) == pytest.approx((3 * ring).real, rel=1e-3)
 
 
 class TestWholePlants:

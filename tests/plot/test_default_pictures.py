@@ -145,7 +145,7 @@ sensors: {T_s: {torque: shaft}}
 
 
 def test_large_torques_are_drawn_in_kilonewtonmetres():
-    """In every picture with an axis of torque; up to 9.9 kN m in N m."""
+    """In every picture with an axis of torque; up to 990 N m in N m."""
     model = tn.loads(LARGE)
     run = model.order_response("T_s")
     largest = float(abs(run.values).max())
@@ -166,7 +166,7 @@ def test_large_torques_are_drawn_in_kilonewtonmetres():
     assert effect.lines[1].get_ydata()[0] == pytest.approx(design.after.level / 1e3)
     (bar,) = [text.get_text() for text in plot.waterfall(run).axes[0].texts if "N" in text.get_text()]
     assert bar == f"{float(f'{largest:.1g}') / 1e3:g} kN·m"
-    small = Recording((Signal("T_s", "torque", np.array([0, -9.9e3])),), RATE)
+    small = Recording((Signal("T_s", "torque", np.array([0, -990.0])),), RATE)
     assert plot.time_histories(small).axes[0].get_ylabel() == "T_s [N·m]"
 
 

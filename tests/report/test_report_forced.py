@@ -212,7 +212,7 @@ class TestFamilies:
 class TestAxes:
     @pytest.mark.parametrize(
         ("unit", "largest", "expected"),
-        [("N*m", 9999.0, "N·m"), ("N*m", 1e4, "kN·m"), ("N*m", 1e7, "MN·m"), ("Pa", 3e7, "N/mm²")],
+        [("N*m", 999.0, "N·m"), ("N*m", 1e3, "kN·m"), ("N*m", 9e7, "kN·m"), ("N*m", 1e8, "MN·m"), ("Pa", 3e7, "N/mm²")],
     )
     def test_unit_of_an_axis(self, unit, largest, expected):
         from torsionnet.plot.drawing.labels import axis_unit

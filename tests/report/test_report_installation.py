@@ -230,15 +230,15 @@ class TestInstallation:
     def test_line_has_the_torques_of_the_static_state(self, installation):
         line = rows(of(TableBlock, blocks(installation, "installation"))[1])
         assert [row[0] for row in line] == ["rubber", "mesh", "mesh", "line"]
-        assert line[0][2:4] == ("1500.0", "1910")  # 300 kW / (1500 pi/30 rad/s)
-        assert line[3][2:4] == ("-600.0", "-4775")
+        assert line[0][2:4] == ("1500.0", "1.910")  # 300 kW / (1500 pi/30 rad/s)
+        assert line[3][2:4] == ("-600.0", "-4.775")
 
     def test_each_load_has_its_line_once(self):
         """Behind a smaller wheel the shaft turns 20/40 as fast with as much power; the rubber changes no mean torque."""
         plant = PLANT.replace('"off": {off: [pump]}', "small: {mesh.teeth: [20, -40]}")
         tables = of(TableBlock, blocks(section(tn.loads(plant), "installation"), "installation"))
         lines = [rows(one)[-1] for one in tables if "along the line" in str(one.caption)]
-        assert [row[2:4] for row in lines] == [("-600.0", "-4775"), ("-750.0", "-3820")]
+        assert [row[2:4] for row in lines] == [("-600.0", "-4.775"), ("-750.0", "-3.820")]
 
 
 class TestConditions:

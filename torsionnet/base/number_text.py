@@ -28,6 +28,9 @@ USUAL_DIGITS, FEWEST_DIGITS, MOST_DIGITS = 5, 2, 9
 RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 """Raised digits and minus by the plain ones, for powers."""
 
+TORQUE_MEGA_FROM = 1e8
+"""Torque in N m from which on a column, text or axis has MN m."""
+
 
 def is_missing(value: Any) -> bool:
     """Whether a value is None or NaN."""
@@ -77,6 +80,21 @@ def typeset_unit(unit: str) -> str:
     ('rad/(N·m)', 'kg·m²')
     """
     return unit.replace("*", "·").replace("^2", "²").replace("^3", "³")
+
+
+def prefix_of(unit: str, largest: float) -> tuple[str, float]:
+    """Prefix of torques, stiffnesses and dampings in SI, and the factor that it stands for, by the largest of them.
+
+    The one rule of texts, tables and pictures: kN m from 1000 N m, and MN m/rad from 1 000 000 N m/rad. Torques stay
+    in kN m, as ships and turbines have them, up to ``TORQUE_MEGA_FROM``, which only modes of unit amplitude reach.
+
+    >>> prefix_of("N*m", 388e3), prefix_of("N*m/rad", 6.2e7), prefix_of("N*m", 610.9), prefix_of("Hz", 5e3)
+    (('k', 1000.0), ('M', 1000000.0), ('', 1.0), ('', 1.0))
+    """
+    if not unit.startswith("N*m"):
+        return "", 1.0
+    mega_from = TORQUE_MEGA_FROM if unit == "N*m" else 1e6
+    return ("M", 1e6) if abs(largest) >= mega_from else ("k", 1e3) if abs(largest) >= 1e3 else ("", 1.0)
 
 
 @dataclass(frozen=True)

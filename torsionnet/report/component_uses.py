@@ -99,7 +99,7 @@ def _uses(worst: WorstLimit, model: Definition, conventions: Conventions) -> Ite
         area = not_none(limit.area)
         use = replace(use, what=(f"power loss per area, {area:g} m²",))
         value, allowed, si_unit = value / area, allowed / area, "W/m^2"
-    scale, shown = engineering_unit(si_unit, conventions, max(value, allowed))
+    scale, shown = engineering_unit(si_unit, conventions)
     if isinstance(limit, MachineAngleLimit):
         # The angle of a generator is electrical first; divided by its pole pairs it is that of the shaft.
         scale, shown = Conventions(angle="deg").scale(si_unit), "deg"

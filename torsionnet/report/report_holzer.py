@@ -8,59 +8,53 @@ from itertools import islice
 
 from torsionnet.base.phrases import phrase
 from torsionnet.base.table import Table
-from torsionnet.machinery.holzer.holzer_table import NEGLIGIBLE_TORQUE, HolzerStation, HolzerTable
-from torsionnet.report.document_tree import TableBlock, TableGroup
+from torsionnet.machinery.holzer.holzer_table import DISTRIBUTED, NEGLIGIBLE_TORQUE, HolzerStation, HolzerTable
+from torsionnet.report.document_tree import Cell, NumberText, TableBlock, TableGroup
 from torsionnet.report.report_tables import results_table
 from torsionnet.report.report_text import as_words
 
-SHORT_HEADINGS = {"J referred": "J", "k referred": "k", "sum of torque": "sum"}
+SHORT_HEADINGS = {"J referred": "J", "k referred": "k", "sum of torque": "sum", DISTRIBUTED: "shafts"}
 """Shorter headings of a Holzer table in which all values are referred to one shaft."""
 REAL_COLUMNS = ("J", "k")
 """Headings of the Holzer table's columns with values at a shaft's own speed, beside which it has referred ones."""
-
+CLOSING_DIGITS, OWN_DIGITS = 7, 6
+"""Digits of the largest angle or torque of a Holzer table, and of each other number, with which its sums close."""
+ANGLES_AND_TORQUES = ("rad", "N·m", "kN·m", "MN·m")
+"""Units of the columns of a Holzer table whose digits must close."""
+DISTRIBUTED_NOTE = (
+    "Shafts: torque of their own inertia, ω² times the sum of M θ over both ends, which J ω² θ leaves out; J is that "
+    "of the masses alone. The sum of torques is k times the twist, and θ less the twist is that of the next station."
+)
+CLOSING_NOTE = "The sum of torques is k times the twist, and θ less the twist is that of the next station."
 
 ROUNDED_AMPLITUDE = 1e-9
 """Amplitude over the largest of a mode below which a mass stands still: rounding errors are smaller."""
 
 
-def holzer_blocks(holzer: HolzerTable) -> list[TableBlock]:
-    """Tables of a report with the stations of a Holzer table, one for each branch."""
-    first = as_words(holzer.branches[0].stations[0].node)
-    blocks = []
-    for place, branch in enumerate(holzer.tables(referred=True), 1):
-        part = phrase(", branch {number}", number=place) if len(holzer.branches) > 1 else ""
-        caption = phrase(
-            "Holzer table of mode {number}, {frequency:.5g} Hz{branch}; 1 rad at {first}, referred to {node}",
-            number=holzer.mode,
-            frequency=holzer.frequency,
-            branch=part,
-            first=first,
-            node=as_words(holzer.referred_to),
-        )
-        blocks.append(results_table(_short(branch), caption))
-    return blocks
-
-
 def holzer_block(holzer: HolzerTable, stress_unit: str = "MPa") -> TableBlock:
     """Table of a report with the stations of a Holzer table, with a group of rows for each branch.
 
-    Branches that stand still are left out; ``stress_unit`` is the name of 10^6 Pa in the heading.
+    Branches that stand still are left out; ``stress_unit`` is the name of 10^6 Pa in the heading. Numbers have the
+    digits with which each row closes when it is calculated again from what is printed.
     """
-    found = _without_rounding(holzer)
+    found = _without_rounding(holzer.whole_shafts())
     moving = [branch for branch in found.branches if any(one.amplitude for one in branch.stations)]
     found = replace(found, branches=tuple(moving) or found.branches)
     made = _short(found.table(referred=True))  # the number of the branch in front, for stations that look alike
     columns = tuple(replace(one, unit=stress_unit) if one.unit == "MPa" else one for one in made.columns)
     node = found.branches[0].stations[0].node
     caption = phrase(
-        "Holzer table of mode {number}, {frequency:.5g} Hz; 1 rad at {first}, referred to {node}",
+        "Holzer table of mode {number}, {frequency:.5g} Hz, ω² = {square:.7g} 1/s²; 1 rad at {first}, referred to "
+        "{node}",
         number=found.mode,
         frequency=found.frequency,
+        square=(2 * math.pi * found.frequency) ** 2,
         first=phrase("the mass that moves most") if found.first_rests else as_words(node),
         node=as_words(found.referred_to),
     )
-    made = replace(made, columns=columns, notes=found.notes)
-    block = results_table(made, caption)
+    explained = DISTRIBUTED_NOTE if found.has_distributed else CLOSING_NOTE
+    made = replace(made, columns=columns, notes=(explained, *found.notes))
+    block = _with_closing_digits(results_table(made, caption))
     cells = iter(row[1:] for row in block.groups[0].rows)
     several = len(found.branches) > 1
     groups = [
@@ -68,6 +62,30 @@ def holzer_block(holzer: HolzerTable, stress_unit: str = "MPa") -> TableBlock:
         for one in found.branches
     ]
     return replace(block, columns=block.columns[1:], groups=tuple(groups))
+
+
+def _with_closing_digits(block: TableBlock) -> TableBlock:
+    """Copy of a Holzer table with decimals of angles and torques by the largest of them, others with their own."""
+    (group,) = block.groups
+    # A twist is small beside the angles, but k times the twist is the torque: it has digits of its own.
+    places = {
+        unit: [at for at, one in enumerate(block.columns) if one.unit == unit and one.text != "Twist"]
+        for unit in ANGLES_AND_TORQUES
+    }
+    decimals: dict[int, int] = {}
+    for columns in places.values():
+        cells = [row[at] for row in group.rows for at in columns]
+        sizes = [abs(cell.value) for cell in cells if isinstance(cell, NumberText) and cell.value]
+        largest = math.floor(math.log10(max(sizes, default=1.0)))
+        decimals |= dict.fromkeys(columns, max(0, CLOSING_DIGITS - 1 - largest))
+
+    def closing(at: int, cell: Cell) -> Cell:
+        if not isinstance(cell, NumberText) or block.columns[at].text == "Stress":
+            return cell
+        return replace(cell, digits=OWN_DIGITS, decimals=decimals.get(at) if cell.value else None)
+
+    rows = tuple(tuple(closing(at, cell) for at, cell in enumerate(row)) for row in group.rows)
+    return replace(block, groups=(replace(group, rows=rows),))
 
 
 def _without_rounding(holzer: HolzerTable) -> HolzerTable:
@@ -80,10 +98,17 @@ def _without_rounding(holzer: HolzerTable) -> HolzerTable:
         link = one.link
         if link is not None and abs(one.torque) <= torque:
             link = replace(link, twist=0.0, stress=link.stress if math.isnan(link.stress) else 0.0)
-        joined = one.joined if abs(one.joined) > torque else 0.0
+        joined, distributed = (part if abs(part) > torque else 0.0 for part in (one.joined, one.distributed))
         moves = abs(one.amplitude) > least
         amplitude, inertia_torque = (one.amplitude, one.inertia_torque) if moves else (0.0, 0.0)
-        return replace(one, link=link, joined=joined, amplitude=amplitude, inertia_torque=inertia_torque)
+        return replace(
+            one,
+            link=link,
+            joined=joined,
+            distributed=distributed,
+            amplitude=amplitude,
+            inertia_torque=inertia_torque,
+        )
 
     branches = tuple(replace(one, stations=tuple(map(cleaned, one.stations))) for one in holzer.branches)
     return replace(holzer, branches=branches)

@@ -7,11 +7,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from torsionnet.base.number_text import aligned_numbers
+from torsionnet.base.number_text import aligned_numbers, prefix_of
 from torsionnet.base.table import Column, Table
 from torsionnet.report.document_tree import Cell, Heading, Inline, Math, NumberText, TableBlock, TableGroup, inlines
 from torsionnet.report.report_text import as_words, capital, unit
-from torsionnet.report.report_units import column_prefix
 from torsionnet.study.shown_units import ShownUnits
 
 MOST_DIGITS = 4
@@ -69,11 +68,12 @@ def results_table(
     """
     columns = []
     cells: list[list[Cell]] = []
+    largest = _largest_by_unit(found)
     for index, column in enumerate(found.columns):
         values = [row[index] for row in found.rows]
         heading = HEADING_SYMBOLS[column.name] if column.name in HEADING_SYMBOLS else heads(column.name)
         if found.is_numeric(index):
-            prefix, factor = column_prefix(values, column.unit)
+            prefix, factor = prefix_of(column.unit, largest[column.unit])
             columns.append(Heading(heading, unit(prefix + column.unit) if column.unit else "", numeric=True))
             cells.append(_numbers(values, column.digits, factor))
         else:
@@ -82,6 +82,16 @@ def results_table(
             cells.append([unit(value) if is_unit and value else _text(value, words) for value in values])
     rows = list(zip(*cells, strict=True))
     return table(caption, columns, rows, [as_words(note) for note in found.notes] if notes else [], most)
+
+
+def _largest_by_unit(found: Table) -> dict[str, float]:
+    """Largest size in each unit of a table: columns of one unit have one prefix, so that they can be added up."""
+    largest: dict[str, float] = {}
+    for index, column in enumerate(found.columns):
+        if found.is_numeric(index):
+            sizes = [abs(row[index]) for row in found.rows if row[index] is not None and not math.isnan(row[index])]
+            largest[column.unit] = max([largest.get(column.unit, 0.0), *sizes])
+    return largest
 
 
 def with_decimals(block: TableBlock, decimals: Mapping[str, int]) -> TableBlock:

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 from torsionnet.base.equal_remarks import condition_words
 from torsionnet.base.errors import comma_list
 from torsionnet.base.number_text import MISSING_TYPESET, UNBROKEN_PERCENT, typeset_unit
-from torsionnet.base.phrases import PLACEHOLDER, Phrase, with_values
+from torsionnet.base.phrases import PLACEHOLDER, Phrase, phrase, with_values
+from torsionnet.base.units import RPM
 from torsionnet.model.channels import parse_sensor
 from torsionnet.model.condition_titles import ConditionTitles
 from torsionnet.model.definition import all_nodes
@@ -24,6 +25,20 @@ if TYPE_CHECKING:
 def as_words(name: str) -> str:
     """Name of a node or element from the model as words: ``input_shaft`` is the input shaft."""
     return with_values(name, lambda value: value.replace("_", " "))
+
+
+def operating_speed_sentence(rig: Drivetrain) -> tuple[str, ...]:
+    """Sentence on the speed of which values that follow the operating point are shown; none where nothing follows."""
+    external = rig.external_torques
+    if not external.definition.following:
+        return ()
+    return (
+        phrase(
+            "Stiffness and damping that follow the speed are those at {speed:.6g} rpm of {node}.",
+            speed=external.operating_speed * RPM,
+            node=as_words(external.reference),
+        ),
+    )
 
 
 def names_in_reports(rig: Drivetrain) -> frozenset[str]:

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import Any
 
 from torsionnet.base.conventions import Conventions
-from torsionnet.base.number_text import NumberText
+from torsionnet.base.number_text import NumberText, prefix_of
 from torsionnet.base.units import RPM, expected_unit
 from torsionnet.report.report_text import unit
 
@@ -15,8 +13,6 @@ DIGITS = 3
 """Significant digits of stresses, torques and shares: a torsional calculation is not known better."""
 KILO = {"W": "kW", "W/m^2": "kW/m^2"}
 """Unit of a thousand, by SI unit, for what machinery has in thousands."""
-KILO_FROM = 1e3
-"""Torque in N m from which on it is given in kN m, as on the drawings of engines."""
 UNITS = {
     "length": ("mm", 1e3),
     "power": ("kW", 1e-3),
@@ -25,13 +21,6 @@ UNITS = {
     "angle": ("deg", 180 / math.pi),
 }
 """Unit of engineers and its factor over SI, by dimension."""
-PREFIXES = (("M", 1e7, 1e6), ("k", 1e3, 1e3))
-"""Prefixes of N m and units that begin with it, the size in SI from which each is used, and its factor.
-
-Torques of ships are told in kN m.
-"""
-PREFIX_FROM = 100
-"""Multiple of a unit from which on a column of a table uses its prefix: k from 100 kN*m, M from 100 MN*m."""
 FACTOR_UNITS = {"m": (1e3, "mm"), "m^3": (1e6, "cm^3"), "Pa": (1e-6, "N/mm^2"), "1": (1.0, "")}
 """Factor and unit in which rules state the factors of a shaft, by SI unit."""
 
@@ -39,7 +28,7 @@ FACTOR_UNITS = {"m": (1e3, "mm"), "m^3": (1e6, "cm^3"), "Pa": (1e-6, "N/mm^2"), 
 def engineering_unit(unit: str, conventions: Conventions, size: float = 1e3) -> tuple[float, str]:
     """Factor from an SI unit to the unit of engineers, without unit, and the name of that unit.
 
-    ``size`` is that of the values in SI units, by which torques of small plants stay in N m.
+    Torques are in kN m, so that those of one component have one unit in all tables, unless a ``size`` in N m is given.
 
     Examples
     --------
@@ -52,8 +41,9 @@ def engineering_unit(unit: str, conventions: Conventions, size: float = 1e3) -> 
         return 1e-3, KILO[unit]
     if unit == "rad" and conventions.angle == "rad":
         return 1e3, "mrad"
-    if unit == "N*m" and size >= KILO_FROM:
-        return 1e-3, "kN*m"
+    if unit == "N*m":
+        prefix, factor = prefix_of(unit, size)
+        return 1 / factor, prefix + unit
     return conventions.scale(unit), conventions.unit(unit)
 
 
@@ -83,20 +73,6 @@ def quantity_text(number: float, dimension: str) -> str:
         return f"{number:.5g}".replace("-", "−")
     name, factor = UNITS.get(dimension, (expected_unit(dimension), 1.0))
     if name.startswith("N*m"):
-        prefix, _, size = next((one for one in PREFIXES if abs(number) >= one[1]), ("", 0.0, 1.0))
+        prefix, size = prefix_of(name, number)
         name, factor = prefix + name, 1 / size
     return f"{number * factor:.5g} {unit(name)}".replace("-", "−")
-
-
-def column_prefix(values: Sequence[Any], si_unit: str) -> tuple[str, float]:
-    """Prefix and factor that make torques and stiffnesses of large machines short enough for a table's column.
-
-    >>> column_prefix([2.5e5, 1e3], "N*m/rad"), column_prefix([2.5e5], "Hz")
-    (('k', 1000.0), ('', 1.0))
-    """
-    if si_unit.startswith("N*m"):
-        largest = max((abs(value) for value in values if value is not None), default=0.0)
-        for prefix, size in (("M", 1e6), ("k", 1e3)):
-            if largest >= PREFIX_FROM * size:
-                return prefix, size
-    return "", 1.0

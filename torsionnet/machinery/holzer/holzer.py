@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Annotated
 
 import numpy as np
 
 from torsionnet.base.errors import TorsionnetError, UsageError, did_you_mean
+from torsionnet.base.phrases import phrase
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Table, result_table
 from torsionnet.linear.assembly.assembled import AssembledModel
@@ -29,6 +30,7 @@ from torsionnet.machinery.holzer.holzer_balance import (
     trial_angles,
 )
 from torsionnet.machinery.holzer.holzer_table import HolzerBranch, HolzerLink, HolzerStation, HolzerTable
+from torsionnet.machinery.holzer.mass_elastic_lines import hidden_nodes
 from torsionnet.model.elements import Values
 from torsionnet.model.elements.shaft import Shaft
 from torsionnet.model.operating_values import law_notes
@@ -46,6 +48,7 @@ def holzer_table(
     first: str | None = None,
     amplitude: float = 1.0,
     referred_to: str | None = None,
+    segments: bool = False,
 ) -> HolzerTable:
     """Holzer table of a mode or trial frequency: amplitudes, torques and twists station by station, undamped.
 
@@ -61,6 +64,8 @@ def holzer_table(
         rad at the first station.
     referred_to : str, optional
         Node of the shaft that referred quantities belong to; default: the first station.
+    segments : bool
+        Whether the nodes inside of shafts are stations too; else a shaft is one link, however finely it is divided.
 
     Raises
     ------
@@ -99,11 +104,37 @@ def holzer_table(
     shaft = referred_to or start
     ratios = speeds_by_reference(drivetrain.definition, drivetrain.exact_values, shaft)
     own = ratios.get(shaft) or 1.0
-    walk = _HolzerWalk(drivetrain, balance, tree, {node: speed / own for node, speed in ratios.items() if speed})
-    branches = tuple(walk.branches(order))
+    relative = {node: speed / own for node, speed in ratios.items() if speed}
+    inside = hidden_nodes(drivetrain, tree, balance.inertias).names
+    branches = tuple(_HolzerWalk(drivetrain, balance, tree, relative, omega, inside).branches(order))
     hertz = omega / (2 * math.pi)
-    notes = (*notes, *law_notes(drivetrain.definition), *range_notes(drivetrain.assembly, [hertz]))
-    return HolzerTable(hertz, mode, shaft, branches, drivetrain.title, notes, bool(rests), drivetrain.configuration)
+    films = _film_notes(drivetrain, omega, balance)
+    notes = (*notes, *films, *law_notes(drivetrain.definition), *range_notes(drivetrain.assembly, [hertz]))
+    found = HolzerTable(hertz, mode, shaft, branches, drivetrain.title, notes, bool(rests), drivetrain.configuration)
+    return found if segments else found.whole_shafts()
+
+
+def _film_notes(drivetrain: AssembledModel, omega: float, balance: HolzerBalance) -> Iterator[str]:
+    """Sentences on the rings of dampers that only a film drags along, at omega in rad/s.
+
+    The ring follows a hub at rest, theta_r (c + j omega J) = c theta_h, so that J/(1 + (omega J/c)^2) of its inertia
+    acts in phase with the hub; without damping it is 0.
+    """
+    held = {node for load in balance.loads for node in load.row}
+    damping_laws = [law for law in drivetrain.assembly.laws if law.damping]
+    for ring in (node for node in balance.angles if node not in held):
+        laws = [law for law in damping_laws if ring in law.row]
+        if len(laws) != 1 or len(laws[0].row) != 2:
+            continue
+        (law,) = laws
+        hub = next(node for node in law.row if node != ring)
+        inertia, damping = balance.inertias[ring], float(law.damping) * float(law.row[ring]) ** 2
+        swinging = inertia / (1 + (omega * inertia / damping) ** 2)
+        yield phrase(
+            "{ring} hangs on {hub} by damping alone and does not count in this undamped table; with damping "
+            "{part:.4g} of its {inertia:.4g} kg*m^2 swing along",
+            ring=ring, hub=hub, part=swinging, inertia=inertia,
+        )  # fmt: skip
 
 
 def _trial_rate(at: float | None) -> float:
@@ -140,6 +171,9 @@ class _HolzerWalk:
     balance: HolzerBalance
     tree: Neighbours
     ratios: Mapping[str, float]
+    omega: float
+    inside: Container[str]
+    """Names of the nodes inside of divided shafts."""
     branch_torques: dict[str, float] = field(default_factory=dict)
     """Torques in N m that branches bring to the node they join, by node."""
 
@@ -169,20 +203,24 @@ class _HolzerWalk:
         carried = 0.0
         for node, after in line.steps():
             joined = self.branch_torques.get(node, 0.0)
-            inertia_torque = self.balance.inertia_torques[node]
-            # T_i = T_(i-1) + omega^2 J_i theta_i + torques of branches that join here.
-            torque = carried + inertia_torque + joined
+            inertia, angle = self.balance.masses[node], self.balance.angles[node]
+            inertia_torque = self.omega**2 * inertia * angle
+            distributed = self.balance.distributed_torques[node]
+            # T_i = T_(i-1) + omega^2 J_i theta_i + omega^2 sum(M_ij theta_j) of shafts + torques that join here.
+            torque = carried + inertia_torque + distributed + joined
             link = self._link(node, after, torque) if after else None
             stations.append(
                 HolzerStation(
                     node,
                     self.ratios.get(node, math.nan),
-                    self.balance.inertias[node],
-                    self.balance.angles[node],
+                    inertia,
+                    angle,
                     inertia_torque,
                     joined,
                     torque,
                     link,
+                    distributed,
+                    node in self.inside,
                 )
             )
             # A rigid link passes power on: torque times angle is the same at both ends.

@@ -21,6 +21,7 @@ from torsionnet.base.errors import SolveError
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.rows import FloatArray, refuse_actions
 from torsionnet.linear.assembly.system import Assembly
+from torsionnet.model.elements.shaft import Shaft
 
 Coefficients = Mapping[str, float]
 """Coefficients of the angles in one spring's twist or one rigid connection, by node."""
@@ -59,11 +60,25 @@ class NodeLoad:
 
 @dataclass(frozen=True, eq=False)
 class HolzerBalance:
-    """Angles (rad), inertias (kg m^2), inertia torques (N m) by node, and torques of springs and rigid links."""
+    """Angles (rad), inertias (kg m^2), inertia torques (N m) by node, and torques of springs and rigid links.
+
+    Attributes
+    ----------
+    angles : mapping
+        Node -> angle, rad.
+    masses : mapping
+        Node -> inertia of the masses at the node alone, kg m^2.
+    inertias : mapping
+        Node -> inertia with half of that of adjacent shafts, kg m^2.
+    distributed_torques : mapping
+        Node -> torque of the shafts' own inertia, omega^2 sum(M_ij theta_j), N m.
+    loads : tuple of NodeLoad
+    """
 
     angles: Mapping[str, float]
+    masses: Mapping[str, float]
     inertias: Mapping[str, float]
-    inertia_torques: Mapping[str, float]
+    distributed_torques: Mapping[str, float]
     loads: tuple[NodeLoad, ...]
 
 
@@ -102,27 +117,32 @@ def balance_of(drivetrain: AssembledModel, omega: float, angles: FloatArray, las
     assembly = drivetrain.assembly
     refuse_actions(assembly.system.actions, "a Holzer table is")
     angle = dict(zip(assembly.nodes, angles.tolist(), strict=True))
-    inertias, torques = dict.fromkeys(angle, 0.0), dict.fromkeys(angle, 0.0)
+    masses, inertias = dict.fromkeys(angle, 0.0), dict.fromkeys(angle, 0.0)
+    distributed, rest = dict.fromkeys(angle, 0.0), dict.fromkeys(angle, 0.0)
     loads = []
-    rest = dict.fromkeys(angle, 0.0)
     stiffnesses, own = (part.tolist() for part in _coefficients(assembly, omega))
     numbers = zip(assembly.owners, assembly.laws, stiffnesses, own, strict=True)
     for owner, law, stiffness, inertia in numbers:
         row = {node: float(value) for node, value in law.row.items() if node in angle}
         motion = sum(value * angle[node] for node, value in row.items())
+        is_mass = len(row) == 1 and not isinstance(drivetrain.elements[owner], Shaft)
         for node, value in row.items():
             # Row sum of J b b^T where the law is of a shaft: its nodes count as moving alike, which gives half to
             # each end.
             inertias[node] += inertia * value * (sum(row.values()) if _is_shaft(row) else value)
-            # omega^2 J gamma b, and what springs leave of it for rigid connections.
-            torques[node] += omega**2 * inertia * motion * value
+            # A mass has J omega^2 theta; what turns with two nodes, as a shaft does, has omega^2 J gamma b.
+            if is_mass:
+                masses[node] += inertia * value**2
+            else:
+                distributed[node] += omega**2 * inertia * motion * value
+            # What springs leave of the torques of inertia for rigid connections.
             rest[node] += (omega**2 * inertia - stiffness) * motion * value
         if stiffness:
             housing = _housing(drivetrain.elements[owner])
             loads.append(NodeLoad(owner, row, stiffness * motion, stiffness, housing))
     for owner, held, torque in _of_constraints(assembly, rest, last):
         loads.append(NodeLoad(owner, held, torque, math.inf, _housing(drivetrain.elements[owner])))
-    return HolzerBalance(angle, inertias, torques, tuple(loads))
+    return HolzerBalance(angle, masses, inertias, distributed, tuple(loads))
 
 
 def _is_shaft(row: Coefficients) -> bool:

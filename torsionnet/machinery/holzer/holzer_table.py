@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, ClassVar
 
 from torsionnet.base.entries.scalars import Value
@@ -24,6 +24,9 @@ MPA_PER_PA = 1e-6
 """Factor from stresses in Pa to MPa, as Holzer tables show them."""
 NEGLIGIBLE_TORQUE = 1e-9
 """Ratio of a torque to the largest one of a Holzer table below which the table shows 0: it is what rounding leaves."""
+
+DISTRIBUTED = "distributed"
+"""Heading of the column with the torque of inertia that is no disc's, as that of shafts."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +69,7 @@ class HolzerStation:
     ratio : float
         Speed over that of the shaft that quantities are referred to; nan without a fixed ratio.
     inertia : float
-        Inertia in kg m^2, with half of that of adjacent shafts.
+        Inertia of the masses at the node in kg m^2, without that of shafts.
     amplitude : float
         Angle, rad.
     inertia_torque : float
@@ -77,6 +80,10 @@ class HolzerStation:
         Sum of torques up to this station, N m: the torque of the link, or the remainder at the end of a branch.
     link : HolzerLink or None
         To the next station, for the last station of a branch to the one it joins.
+    distributed : float
+        Torque of the shafts' own inertia, ``omega^2 sum(M_ij theta_j)``, N m.
+    inside : bool
+        Whether it is a node inside a shaft that the model divides into segments.
     """
 
     node: str
@@ -87,6 +94,8 @@ class HolzerStation:
     joined: float
     torque: float
     link: HolzerLink | None
+    distributed: Annotated[float, Out(after="inertia_torque")] = 0.0
+    inside: Annotated[bool, Out(json=None)] = False
 
 
 @dataclass(frozen=True)
@@ -176,6 +185,20 @@ class HolzerTable(NotebookResult):
         """Station of a Holzer table by the name of its node."""
         return next(one for one in self._stations() if one.node == node)
 
+    def whole_shafts(self) -> HolzerTable:
+        """Copy of a Holzer table in which every divided shaft is one link, with the stiffness of all its segments.
+
+        With 1/k = sum 1/k_s, twists add to (T + sum_i (1 - x_i) tau_i)/k, T being the torque that enters the shaft and
+        tau_i that of its own inertia at an inner node, which lies at the share x_i of the shaft's flexibility. So
+        (1 - x_i) tau_i counts at the near end and x_i tau_i at the far one, and every row still closes.
+        """
+        if not any(one.inside for one in self._stations()):
+            return self
+        # A branch hands its torque to the line that it joins, which therefore comes after it.
+        moved: dict[str, tuple[float, float]] = {}
+        found = [_with_whole_shafts(branch, moved) for branch in reversed(self.branches)]
+        return replace(self, branches=tuple(reversed(found)))
+
     def tables(self, *, referred: bool = False) -> tuple[Table, ...]:
         """Tables of the branches of a Holzer table, each with a row per station.
 
@@ -195,6 +218,11 @@ class HolzerTable(NotebookResult):
         what = f"mode {self.mode}, " if self.mode else "trial at "
         return f"{self.title}: {what}{self.frequency:.6g} Hz, {self.frequency * 60:.6g} per minute"
 
+    @property
+    def has_distributed(self) -> bool:
+        """Whether inertia other than that of discs, as that of shafts, acts in a Holzer table."""
+        return any(one.distributed for one in self._stations())
+
     def _stations(self) -> Iterator[HolzerStation]:
         for branch in self.branches:
             yield from branch.stations
@@ -206,6 +234,7 @@ class HolzerTable(NotebookResult):
             Column("J referred", "kg*m^2", 5),
             Column("theta", "rad", 5),
             Column("J w^2 theta", "N*m", 5),
+            Column(DISTRIBUTED, "N*m", 5),
             Column("joined", "N*m", 5),
             Column("sum of torque", "N*m", 5),
             Column("k", "N*m/rad", 5),
@@ -218,7 +247,10 @@ class HolzerTable(NotebookResult):
         name = f"branch {number}, " if len(self.branches) > 1 else ""
         last = number == len(self.branches)
         heading = f"{self.heading}\n" if number == 1 else ""
-        return Table(f"{heading}{name}{branch.title}", columns, rows, self._notes() if last else ())
+        found = Table(f"{heading}{name}{branch.title}", columns, rows, self._notes() if last else ())
+        if self.has_distributed:
+            return found
+        return found.chosen([place for place, one in enumerate(columns) if one.name != DISTRIBUTED])
 
     def _notes(self) -> tuple[str, ...]:
         at = self.branches[0].stations[-1].node
@@ -228,12 +260,66 @@ class HolzerTable(NotebookResult):
         return (f"{remainder}; referred to {self.referred_to}", *self.notes)
 
 
+def _with_whole_shafts(branch: HolzerBranch, moved: dict[str, tuple[float, float]]) -> HolzerBranch:
+    """Branch with whole shafts; ``moved`` has what joined and distributed torques of a junction change by, N m.
+
+    A far end that lies on another line is written into ``moved``.
+    """
+    stations: list[HolzerStation] = []
+    carried, far = 0.0, 0.0
+    for group in _shaft_groups(branch.stations):
+        near, links = group[0], [one.link for one in group if one.link is not None]
+        joined, distributed = moved.get(near.node, (0.0, 0.0))
+        near = replace(near, joined=near.joined + joined, distributed=near.distributed + distributed + far)
+        shares = _far_shares(links)
+        inner = [one.inertia_torque + one.distributed + one.joined for one in group[1:]]
+        far = sum(share * torque for share, torque in zip(shares, inner, strict=False))
+        near = replace(near, distributed=near.distributed + sum(inner) - far)
+        torque = carried + near.inertia_torque + near.distributed + near.joined
+        stations.append(replace(near, torque=torque, link=_joined_links(links)))
+        carried = torque * links[-1].ratio if links else 0.0
+    if branch.joins:
+        last = branch.stations[-1]
+        before = last.torque * last.link.ratio if last.link else 0.0
+        joined, distributed = moved.get(branch.joins, (0.0, 0.0))
+        moved[branch.joins] = joined + carried - before, distributed + far
+    return replace(branch, stations=tuple(stations))
+
+
+def _shaft_groups(stations: tuple[HolzerStation, ...]) -> Iterator[list[HolzerStation]]:
+    """Yield each station with those behind it that lie inside the shaft which leads on from it."""
+    group: list[HolzerStation] = []
+    for one in stations:
+        if group and not one.inside:
+            yield group
+            group = []
+        group.append(one)
+    if group:
+        yield group
+
+
+def _far_shares(links: list[HolzerLink]) -> list[float]:
+    """Share of a shaft's flexibility that lies before each of its inner nodes."""
+    flexibility = [1 / one.stiffness for one in links]
+    return [before / sum(flexibility) for before in itertools.accumulate(flexibility[:-1])]
+
+
+def _joined_links(links: list[HolzerLink]) -> HolzerLink | None:
+    """Link of several in series; its stress is the largest of theirs."""
+    if len(links) < 2:
+        return links[0] if links else None
+    names = tuple(dict.fromkeys(name for one in links for name in one.elements))
+    twist, stress = sum(one.twist for one in links), max(one.stress for one in links)
+    return HolzerLink(names, 1 / sum(1 / one.stiffness for one in links), twist, stress, links[-1].ratio)
+
+
 def _row(one: HolzerStation, rounding: float, *, referred: bool) -> tuple[object, ...]:
     # Referred to the shaft of speed 1: J n^2, k n^2, T n and theta/n, so that T theta stays.
     angle, torque = (1 / one.ratio, one.ratio) if referred else (1.0, 1.0)
     link = one.link
     own = [one.node, one.inertia, one.inertia * one.ratio**2, one.amplitude * angle, one.inertia_torque * torque]
-    own += [one.joined * torque if one.joined else None, one.torque * torque if abs(one.torque) > rounding else 0.0]
+    own += [part * torque if part else None for part in (one.distributed, one.joined)]
+    own.append(one.torque * torque if abs(one.torque) > rounding else 0.0)
     if link is None:
         return (*own, None, None, None, None, "")
     stiff = not math.isinf(link.stiffness)

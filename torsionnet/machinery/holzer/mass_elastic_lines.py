@@ -220,7 +220,8 @@ class _Walk:
                 ratio = self.ratios.get(node, math.nan)
                 # Inner nodes of a divided shaft give their inertia to its ends, so that the sum stays.
                 inertia = self.balance.inertias[node] + self.hidden.shares.get(node, 0.0)
-                rows.append(MassElasticRow(number, node, inertia, self._absolute(node), ratio, shaft))
+                of_shafts = inertia - self.balance.masses[node]
+                rows.append(MassElasticRow(number, node, inertia, self._absolute(node), ratio, shaft, of_shafts))
             yield MassElasticLine(joins, tuple(rows))
 
     def _absolute(self, node: str) -> float:

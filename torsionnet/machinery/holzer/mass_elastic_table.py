@@ -10,12 +10,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from torsionnet.base.packages import NotebookResult
+from torsionnet.base.phrases import phrase
 from torsionnet.base.table import Column, Table
 
 SAME_SPEED_SHARE = 1e-9
 """Relative difference of two speed ratios up to which they count as equal, as rounding of ratios is smaller."""
 MM_PER_M, CM3_PER_M3 = 1e3, 1e6
 """Factors from m to mm and from m^3 to cm^3, in which diameters and section moduli are given."""
+LEAST_SHARE = 1e-9
+"""Share of an inertia below which that of shafts is what rounding leaves."""
 
 
 @dataclass(frozen=True)
@@ -85,6 +88,8 @@ class MassElasticRow:
         Speed over that of the shaft that values are referred to; nan without a fixed ratio.
     shaft : MassElasticShaft, optional
         To the next mass, in the last row of a branch to the one that the branch joins.
+    shaft_inertia : float
+        What adjacent shafts have of the inertia, kg m^2.
     """
 
     number: int
@@ -93,6 +98,7 @@ class MassElasticRow:
     damping: float
     ratio: float
     shaft: MassElasticShaft | None = None
+    shaft_inertia: float = 0.0
 
     @property
     def referred_inertia(self) -> float:
@@ -204,8 +210,19 @@ class MassElasticTable(NotebookResult):
             if line.flexibility:
                 where = f", {line.title}" if len(self.lines) > 1 else ""
                 yield f"sum of 1/k referred to {self.referred_to}{where}: {line.flexibility:.5g} rad/(N*m)"
+        yield from self.shares_of_shafts()
         yield from self.divided()
         yield from self.notes
+
+    def shares_of_shafts(self) -> Iterator[str]:
+        """Yield the sentence that says how much of each inertia is that of adjacent shafts, if any is.
+
+        A Holzer table has the masses alone.
+        """
+        shares = [(row.node, row.shaft_inertia) for row in self.rows if row.shaft_inertia > LEAST_SHARE * row.inertia]
+        if shares:
+            each = ", ".join(f"{node} {size:.5g}" for node, size in shares)
+            yield phrase("of J, half of each adjacent shaft, kg*m^2: {masses}", masses=each)
 
     def divided(self) -> Iterator[str]:
         """Yield the sentence that says into how many segments the model divides which shafts, if it does."""

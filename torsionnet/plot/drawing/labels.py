@@ -12,7 +12,7 @@ from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.entries.scalars import QuantityKind
 from torsionnet.base.entries.spec import Spec, spec_of
 from torsionnet.base.expressions import Name
-from torsionnet.base.number_text import NumberText, typeset_unit
+from torsionnet.base.number_text import NumberText, prefix_of, typeset_unit
 from torsionnet.base.phrases import phrase
 from torsionnet.base.units import expected_unit
 from torsionnet.model.damping import MEASURES, DampingMeasure
@@ -66,8 +66,8 @@ def quantity(value: float, dimension: str) -> str:
         return str(NumberText(value))
     if unit == "m" and abs(value) < 1:
         return f"{NumberText(1000 * value)} mm"
-    factor, prefix = 1.0, ""
-    if unit.startswith(("N", "Pa")):
+    prefix, factor = prefix_of(unit, value)
+    if unit.startswith("Pa") or unit == "N":
         factor, prefix = next(((f, p) for f, p in PREFIXES if abs(value) >= f), (1.0, ""))
     return f"{NumberText(value / factor)} {prefix}{typeset_unit(unit)}"
 
@@ -144,9 +144,6 @@ def _shaft_lines(element: Any, values: Mapping[str, Any]) -> list[str]:
 
 # Units and labels of axes of plots, with large torques in kN m or MN m, stresses in N/mm2 and speeds in rpm.
 
-LARGE_PREFIXES = (("M", 1e7, 1e-6), ("k", 1e4, 1e-3))
-"""Prefixes of N m, each as (letter, torque in N m from which it is used, factor from N m to the unit with it)."""
-
 
 def axis_unit(unit: str, largest: float, conventions: Conventions = SI) -> tuple[float, str]:
     """Factor from an SI unit to the unit of an axis, and text of that unit, for values up to ``largest``.
@@ -156,9 +153,9 @@ def axis_unit(unit: str, largest: float, conventions: Conventions = SI) -> tuple
     >>> axis_unit("N*m", 45e3), axis_unit("N*m", 900.0), axis_unit("rad", 0.1, Conventions(angle="deg"))[1]
     ((0.001, 'kN·m'), (1.0, 'N·m'), 'deg')
     """
-    for prefix, least, factor in LARGE_PREFIXES:
-        if unit == "N*m" and abs(largest) >= least:
-            return factor, typeset_unit(prefix + unit)
+    if unit == "N*m":
+        prefix, size = prefix_of(unit, largest)
+        return 1 / size, typeset_unit(prefix + unit)
     return conventions.scale(unit), typeset_unit(conventions.unit(unit))
 
 

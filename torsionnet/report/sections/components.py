@@ -226,7 +226,7 @@ def _throws(subject: ReportData, uses: Sequence[ComponentUse]) -> Iterator[Block
     run = case.drivetrain.order_response([Sensor("torque", name) for name in elements], refine=True)
     places = run.half_range.argmax(axis=0)
     sizes = run.half_range.max(axis=0)
-    scale, shown = engineering_unit("N*m", subject.conventions, float(sizes.max()))
+    scale, shown = engineering_unit("N*m", subject.conventions)
     columns = (
         Heading("Throw"),
         Heading("Between"),

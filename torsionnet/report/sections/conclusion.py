@@ -131,7 +131,7 @@ def _sizes(subject: ReportData, worst: WorstLimit) -> tuple[float | None, float 
     one, at = worst.verdict, worst.verdict.worst
     if at is None:
         return None, None, ""
-    scale, shown = engineering_unit(one.unit, subject.conventions, float(one.allowed[at]))
+    scale, shown = engineering_unit(one.unit, subject.conventions)
     return float(one.values[at]) * scale, float(one.allowed[at]) * scale, shown
 
 

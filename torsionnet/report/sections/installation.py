@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import accumulate
 
 from torsionnet.base.errors import TorsionnetError, UsageError
+from torsionnet.base.number_text import prefix_of
 from torsionnet.base.phrases import joined, phrase
 from torsionnet.base.table import Table
 from torsionnet.base.units import RPM
@@ -32,7 +34,7 @@ from torsionnet.report.report_cylinders import all_working
 from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_machines import machines
 from torsionnet.report.report_tables import HEADING_SYMBOLS, results_table, table
-from torsionnet.report.report_text import as_words, capital, first_names, unit
+from torsionnet.report.report_text import as_words, capital, first_names, operating_speed_sentence, unit
 from torsionnet.report.report_units import quantity_text
 
 MOST_LOADS = 3
@@ -220,7 +222,8 @@ def mass_elastic_section(subject: ReportData) -> Section | None:
     block = _block(tables[0], f", {subject.cases[0].title}" if len(names) > 1 else "")
     changes = list(_changes(tables, names, subject.titles))
     more = [(phrase("… and {count} more", count=len(changes) - MOST_CHANGES),)] if len(changes) > MOST_CHANGES else []
-    notes = (*block.notes, *changes[:MOST_CHANGES], *more)
+    speed = [(text,) for text in operating_speed_sentence(subject.cases[0].drivetrain)]
+    notes = (*block.notes, *speed, *changes[:MOST_CHANGES], *more)
     return Section("mass_elastic", ("Mass-elastic data",), (replace(block, notes=notes),))
 
 
@@ -289,17 +292,20 @@ def _notes(found: MassElasticTable, block: TableBlock, materials: dict[str, str]
         if line.flexibility:
             where = f", {as_words(line.title)}" if len(found.lines) > 1 else ""
             size = NumberText(line.flexibility, 5)
-            stiffness = NumberText(1e-6 / line.flexibility, 5)
+            # The unit of the table's columns of stiffness.
+            shafts = [(row.shaft.stiffness, row.referred_stiffness) for row in found.rows if row.shaft is not None]
+            prefix, factor = prefix_of("N*m/rad", max(size for one in shafts for size in one if math.isfinite(size)))
+            stiffness = NumberText(1 / line.flexibility / factor, 5)
             yield (
                 phrase("Sum of 1/k, referred{where}: ", where=where),
                 size,
                 " rad/(N·m), as one shaft of ",
                 stiffness,
-                " MN·m/rad.",
+                f" {unit(prefix + 'N*m/rad')}.",
             )
     if materials:
         yield ("; ".join(f"{letter}: {material}" for material, letter in materials.items()) + ".",)
-    for note in (*found.divided(), *found.notes):
+    for note in (*found.shares_of_shafts(), *found.divided(), *found.notes):
         yield (f"{capital(as_words(note))}.",)
 
 

@@ -217,7 +217,7 @@ def _out_rows(
 ) -> Iterator[tuple[Cell, ...]]:
     """Yield a row for each planned speed: half range and largest orders at a place, and the cylinder worst there."""
     channel = run.outputs[0]
-    scale, shown = engineering_unit(channel.unit, subject.conventions, float(run.half_range[:, 0].max()))
+    scale, shown = _unit_of(run, subject)
     rows = planned_amplitudes(run, speeds, channel.name)
     for at, one in enumerate(speeds):
         found = [row for row in rows if row.speed == one.speed][:MOST_ORDERS_OUT]
@@ -277,6 +277,12 @@ def _stress(case: Case, place: MeasuringPlace) -> list[Sensor]:
     return [Sensor("stress", place.sensor.of)]
 
 
+def _unit_of(run: OrderResponse, subject: ReportData) -> tuple[float, str]:
+    """Factor and unit of a measured output: torques as in the tables of limits, without limits by their own size."""
+    size = {} if subject.model.definition.limits else {"size": float(run.half_range[:, 0].max())}
+    return engineering_unit(run.outputs[0].unit, subject.conventions, **size)
+
+
 def _table(
     subject: ReportData,
     case: Case,
@@ -287,8 +293,7 @@ def _table(
 ) -> TableBlock:
     """Table of one place: speed, order, expected amplitude, half range, and what was measured."""
     rows = planned_amplitudes(run, speeds, run.outputs[0].name)
-    largest = float(run.half_range[:, 0].max())
-    scale, shown = engineering_unit(run.outputs[0].unit, subject.conventions, largest)
+    scale, shown = _unit_of(run, subject)
     tests = [measured_at(row, measured) for row in rows]
     columns = [
         Heading("Speed", "rpm", numeric=True),

@@ -26,7 +26,7 @@ from torsionnet.report.document_tree import (
 from torsionnet.report.report_data import ReportData, held_drivetrain
 from torsionnet.report.report_holzer import holzer_block
 from torsionnet.report.report_tables import merge_equal_rows, results_table, with_decimals
-from torsionnet.report.report_text import as_words
+from torsionnet.report.report_text import as_words, operating_speed_sentence
 
 if TYPE_CHECKING:
     from torsionnet.machinery.holzer.holzer_table import HolzerTable
@@ -42,10 +42,10 @@ FREQUENCY_DECIMALS, PER_MINUTE_DECIMALS, DAMPING_DECIMALS = 2, 1, 2
 """Decimals of frequencies in Hz and per minute, and of damping ratios in percent: finer ones are known of no plant."""
 COUNTING = (
     "Mode 1 is the lowest vibration; rigid-body motion has no number, overdamped modes count behind all others. The "
-    "numbers are the same in all sections. Nodes are counted in the undamped shape, that of the Holzer table. Damping "
-    "that follows the speed is that of the operating point here, and that of each critical speed where those are "
-    "listed."
+    "numbers are the same in all sections. Nodes are counted in the undamped shape, that of the Holzer table."
 )
+AT_CRITICAL_SPEEDS = "Where critical speeds are listed, it is that of each of them."
+"""Sentence behind the one on the speed at which damping is shown."""
 BRANCHED = (
     "Nodes are not counted where an element ties three shafts; those along the branches, which it does not tie, are "
     "named."
@@ -111,7 +111,9 @@ def _first_table(subject: ReportData, rows: tuple[CountedVibration, ...]) -> Tab
     where = phrase(" in configuration {name}", name=_where(subject, 0)) if several else ""
     placed = _placed(subject, rows)
     short = tuple(one if len(one.nodes) <= MOST_PLACES else replace(one, nodes=()) for one in placed)
-    made = natural_frequency_table("", short, (COUNTING, *([BRANCHED] if placed != rows else [])))
+    speed = operating_speed_sentence(subject.judged_drivetrains[0][0].drivetrain)
+    notes = (COUNTING, *([BRANCHED] if placed != rows else []), *speed, *([AT_CRITICAL_SPEEDS] if speed else []))
+    made = natural_frequency_table("", short, notes)
     found = results_table(made, phrase("Natural frequencies{where}", where=where), most=MOST_MODES_LISTED)
     shown = {subject.conventions.frequency: FREQUENCY_DECIMALS, "1/min": PER_MINUTE_DECIMALS, "%": DAMPING_DECIMALS}
     return with_decimals(found, shown)
@@ -204,7 +206,7 @@ def _holzer_tables(subject: ReportData, modes: Sequence[int]) -> tuple[dict[int,
     found, missing = {}, []
     for mode in modes:
         try:
-            found[mode] = holzer_table(held, mode)
+            found[mode] = holzer_table(held, mode, segments=True)
         except TorsionnetError as error:
             missing.append(f"{mode}: {error}")
     return found, missing

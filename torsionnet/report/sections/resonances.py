@@ -30,7 +30,7 @@ from torsionnet.report.document_tree import (
 )
 from torsionnet.report.document_tree import TableGroup as Group
 from torsionnet.report.report_data import Case, ReportData
-from torsionnet.report.report_holzer import holzer_blocks
+from torsionnet.report.report_holzer import holzer_block
 from torsionnet.report.report_tables import results_table, table
 from torsionnet.report.report_text import as_words, distinct_choices, first_names, shared_choices, symbol_or_words
 from torsionnet.report.report_units import DIGITS, limit_number, limit_unit
@@ -160,7 +160,7 @@ def _crossings_diagram(found: CriticalSpeeds, number: int, where: str) -> Pictur
 def _holzer_tables(case: Case, excited: CriticalSpeeds) -> list[Block]:
     """Holzer tables of the lowest modes that any excitation reaches."""
     modes = sorted({one.mode.number for one in excited.crossings})[:MOST_HOLZER_TABLES]
-    return [block for mode in modes for block in holzer_blocks(case.drivetrain.holzer_table(mode))]
+    return [holzer_block(case.drivetrain.holzer_table(mode), "N/mm^2") for mode in modes]
 
 
 # Table of a report with the separation margins of a train from shaft speeds and electrical frequencies.
