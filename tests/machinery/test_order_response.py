@@ -424,8 +424,8 @@ class TestFiles:
             tn.loads(text)
 
     def test_a_section_that_configurations_do_not_change_is_called_by_its_name(self):
-        text = TWO_FANS.replace("smooth: {", "smooth: {speeds.of: f, ")
-        with pytest.raises(tn.ModelError, match=r":11:35: error: a configuration does not change entries of speeds:"):
+        text = TWO_FANS.replace("smooth: {", "smooth: {report.title: f, ")
+        with pytest.raises(tn.ModelError, match=r":11:35: error: a configuration does not change entries of report:"):
             tn.loads(text, file="plant.yaml")
 
     def test_an_excitation_on_what_is_locked_is_refused(self):

@@ -10,6 +10,7 @@ from support.forced_plants import reference
 import torsionnet as tn
 from torsionnet.model.elements import Values
 from torsionnet.model.speeds import total_ratio
+from torsionnet.report.report import make_report
 
 RPM = 30 / np.pi
 
@@ -333,6 +334,24 @@ class TestWindTurbine:
         run = plant.order_response("T_hs", speeds=[1.2], excitations=["generator"])
         ratio = (1 + 99 / 21) * (1 + 94 / 20) * 97 / 29
         assert sorted(float(line.relative) for line in run.lines) == pytest.approx([2 * ratio, 12 * ratio])
+
+    def test_a_rotor_locked_by_its_brake_has_no_orders(self, plant):
+        """With the brake on, the rotor could turn with the housing alone, which stands on torque arms."""
+        locked = plant.configured("locked")
+        message = "hub is locked by brake_on in this configuration: a shaft that does not turn has no orders"
+        with pytest.raises(tn.UsageError, match=message):
+            locked.order_response("T_ms", speeds=[1.2])
+        with pytest.raises(tn.UsageError, match=message):
+            locked.critical_speeds()
+        # Its ratios and mean speeds are those of the turbine that runs, and the housing stands still.
+        assert locked.ratio_between("gen", "hub") == plant.ratio_between("gen", "hub")
+        assert locked.mean_speeds == plant.mean_speeds
+        assert "hous" not in locked.mean_speeds
+
+    def test_reports_leave_a_locked_rotor_out_of_orders_and_say_so(self, plant):
+        (section,) = make_report(plant, sections=["critical_speeds"], date=None).sections
+        lead = "".join(map(str, section.blocks[0].text))
+        assert lead.endswith(" Not in locked: hub is locked by brake on there and has no orders.")
 
     @pytest.mark.slow
     def test_weight_of_three_blades_does_not_reach_the_shaft(self, plant):

@@ -57,38 +57,51 @@ def _hold_where_possible(rows: Rows, speeds: Elimination) -> None:
             speeds.add(row)
 
 
-def _clamps(definition: Definition) -> Iterator[dict[str, Fraction]]:
-    """Rows over node speeds of the clamps, first on members of planetary sets and gears."""
+def _at_rest(definition: Definition, rest: Rows) -> Iterator[tuple[str, dict[str, Fraction]]]:
+    """Rows over node speeds of what holds nodes still, each with the name of its clamp, empty for springs to ground.
+
+    First what holds members of planetary sets and gears, clamps before the springs of a housing on mounts.
+    """
     branching = {node for element in definition.active if element.glyph in BRANCHING for node in element.ports.values()}
-    clamps = [element for element in definition.active if element.glyph == "clamp"]
-    for element in sorted(clamps, key=lambda clamp: branching.isdisjoint(clamp.ports.values())):
-        yield {node: Fraction(1) for node in element.ports.values()}
+    clamps = [
+        (element.name, {node: Fraction(1) for node in element.ports.values()})
+        for element in definition.active
+        if element.glyph == "clamp"
+    ]
+    yield from sorted([*clamps, *(("", row) for row in rest)], key=lambda one: branching.isdisjoint(one[1]))
 
 
-def _clamp(definition: Definition, speeds: Sequence[Elimination]) -> Rows:
-    """Rows of clamps that leave the speeds in question possible, as on planetary sets; adds them to ``speeds``."""
-    added: Rows = []
-    if not any(speed.blocked for speed in speeds):
-        for row in _clamps(definition):
-            if not any(speed.blocks(row) for speed in speeds):
-                added.append(row)
-                for speed in speeds:
-                    speed.add(row)
-    return added
-
-
-def _held_by_springs(rest: Rows, speeds: Sequence[Elimination]) -> Rows:
-    """Rows of nodes on springs to ground, as housings on mounts, if the speeds in question stay possible.
+def _held_still(
+    definition: Definition, rest: Rows, speeds: Sequence[Elimination]
+) -> list[tuple[str, dict[str, Fraction]]]:
+    """Rows that hold nodes still and leave the speeds in question possible, as :func:`_at_rest` gives them.
 
     Adds them to ``speeds``.
     """
-    added: Rows = []
-    for row in rest:
+    added: list[tuple[str, dict[str, Fraction]]] = []
+    for name, row in _at_rest(definition, rest):
         if not any(speed.blocked or speed.blocks(row) for speed in speeds):
-            added.append(row)
+            added.append((name, row))
             for speed in speeds:
                 speed.add(row)
     return added
+
+
+def locking_clamp(definition: Definition, values: Mapping[str, Any], node: str) -> str:
+    """Name of the clamp that keeps a node from turning at a mean speed; empty where none does.
+
+    Springs to ground alone do not count: they hold a housing, and what they would stop turns by convention.
+    """
+    nodes = all_nodes(definition.active)
+    order = {one: index for index, one in enumerate(nodes)}
+    rows, rest = _rows_on_average(definition, values)
+    turning = _eliminated([{node: Fraction(1), UNIT: Fraction(-1)}, *rows], order)
+    for name, row in _at_rest(definition, rest) if node in order and not turning.blocked else ():
+        if not turning.blocks(row):
+            turning.add(row)
+        elif name:
+            return name
+    return ""
 
 
 def _eliminated(rows: Rows, order: Mapping[str, int]) -> Elimination:
@@ -117,7 +130,7 @@ def total_ratio(definition: Definition, values: Mapping[str, Any], first: str, s
     turning = [
         _eliminated([{node: Fraction(1), UNIT: Fraction(-1)}, *rows], order) for node in dict.fromkeys((first, second))
     ]
-    still = [*_clamp(definition, turning), *_held_by_springs(rest, turning)]
+    still = [row for _, row in _held_still(definition, rest, turning)]
     reduction = reduce_rows([*rows, *still], order)
     # Both speeds by free ones, in proportion to each other if there is a ratio.
     row, other = (reduction.reduced({node: Fraction(1)}) for node in (first, second))
@@ -142,11 +155,15 @@ def mean_speeds(definition: Definition, values: Mapping[str, Any]) -> dict[str, 
     given = _numbers(definition.operating_point, values)
     order = {node: index for index, node in enumerate(all_nodes(definition.active))}
     rows: Rows = [{node: Fraction(1), UNIT: -speed} for node, speed in given.items() if node in order]
-    holding, friction = _apart_from_friction(definition, values, holding_rows(definition, values))
+    holding, rest = _rows_on_average(definition, values)
+    holding, friction = _apart_from_friction(definition, values, holding)
     elimination = _eliminated([*rows, *holding], order)
     # Friction sticks unless the speeds given make it slip.
     _hold_where_possible(friction, elimination)
-    _clamp(definition, [elimination])
+    # A housing on springs does not turn, so that a clamp elsewhere may stop the speeds given; they stand all the same.
+    for name, row in _held_still(definition, rest, [elimination.copy(order, {UNIT})]):
+        if name:
+            elimination.add(row)
     if elimination.blocked:
         raise ModelError([Fault(_contradiction(definition, rows), ("operating_point", "speed"))])
     reduction = Reduction(elimination)
@@ -175,8 +192,8 @@ def speeds_by_reference(
     holding, friction = _apart_from_friction(definition, values, holding)
     elimination = _eliminated([*turning, *holding], order)
     _hold_where_possible(friction, elimination)
-    _clamp(definition, [elimination])
-    _hold_where_possible([*rest, *_alike(definition)], elimination)
+    _held_still(definition, rest, [elimination])
+    _hold_where_possible(list(_alike(definition)), elimination)
     reduction = Reduction(elimination)
     speeds = {node: reduction.in_floats({node: 1}) for node in order if not reduction.is_free(node)}
     return {node: row.get(UNIT, 0.0) for node, row in speeds.items() if row.keys() <= {UNIT}}

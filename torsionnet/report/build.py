@@ -121,6 +121,24 @@ DRIVETRAIN_SECTIONS = (
 """Names of report sections without excitations, in which configurations with equal drivetrains are one case."""
 
 
+ORDER_SECTIONS = (
+    "conclusion",
+    "conditions",
+    "installation",
+    "excitations",
+    "harmonics",
+    "critical_speeds",
+    "resonances",
+    "orders",
+    "forced_response",
+    "limits",
+    "components",
+    "passage",
+    "measurement_plan",
+)
+"""Names of report sections on speeds and orders, which a shaft that is locked in a configuration does not have."""
+
+
 def build(subject: ReportData, version: str, progress: Callable[[str, int, int], None] = lambda *_: None) -> Report:
     """Report on a model as a tree of sections, texts, tables and figures.
 
@@ -136,7 +154,7 @@ def build(subject: ReportData, version: str, progress: Callable[[str, int, int],
         with told_of_reads(subject.table_reads.add):
             for done, name in enumerate(wanted):
                 progress(name, done, len(wanted))
-                made[name] = _builder(name)(subject.by_drivetrain if name in DRIVETRAIN_SECTIONS else subject)
+                made[name] = _builder(name)(_view(subject, name))
     title_block = title_table(subject, version)
     facts = _facts(subject, version)
     return Report(
@@ -149,6 +167,13 @@ def build(subject: ReportData, version: str, progress: Callable[[str, int, int],
         date=subject.request.date.isoformat() if subject.request.date else "",
         title_block=title_block,
     )
+
+
+def _view(subject: ReportData, name: str) -> ReportData:
+    """Data of a report as a section sees them: equal drivetrains are one there, or what is locked is left out."""
+    if name in DRIVETRAIN_SECTIONS:
+        return subject.by_drivetrain
+    return subject.turning if name in ORDER_SECTIONS else subject
 
 
 def _builder(name: str) -> Callable[[ReportData], Section | None]:

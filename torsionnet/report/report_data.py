@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from torsionnet.base.conventions import Conventions
+from torsionnet.base.entries.spec import not_none
 from torsionnet.base.errors import UsageError
 from torsionnet.base.phrases import phrase
 from torsionnet.linear.assembly.table_range import TableReads
@@ -23,6 +24,7 @@ from torsionnet.model.condition_titles import ConditionTitles
 from torsionnet.model.configurations import label, parse_choice
 from torsionnet.report.plan import Pair
 from torsionnet.report.report_request import ReportRequest
+from torsionnet.report.report_text import as_words
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
@@ -95,6 +97,8 @@ class ReportData:
         Name of the model's file and its SHA-256; of a model that has no file, those of its text.
     inputs : tuple of (str, str)
         Names and SHA-256 of the files that the model names, as traces, catalogues and parts, and of measured orders.
+    locked : mapping
+        Clamp that keeps the shaft of the speeds from turning, by the name of each configuration left out for that.
     warning_messages : list of WarningMessage
         What the calculation warned of on the way.
     table_reads : TableReads
@@ -107,6 +111,7 @@ class ReportData:
     file: str = ""
     digest: str = ""
     inputs: tuple[tuple[str, str], ...] = ()
+    locked: Mapping[str, str] = field(default_factory=dict)
     warning_messages: list[warnings.WarningMessage] = field(default_factory=list)
     table_reads: TableReads = field(default_factory=TableReads)
 
@@ -200,7 +205,23 @@ class ReportData:
         known = {case.configuration: case for case in self.cases}
         plan = self.request.plan
         names = ordered_configurations(self.model, plan.kind, plan.normal)[:MOST_JUDGED_CASES]
-        return tuple(known.get(name) or Case(name, self.model.configured(name)) for name in names)
+        cases = tuple(known.get(name) or Case(name, self.model.configured(name)) for name in names)
+        return tuple(case for case in cases if not locking_clamp_of(case)) or cases
+
+    @cached_property
+    def turning(self) -> ReportData:
+        """Copy of the report's data without configurations in which the shaft of the speeds is locked.
+
+        The same data where all or none of them are.
+        """
+        if not self.has_excitations:
+            return self
+        locked = {case.configuration: clamp for case in self.cases if (clamp := locking_clamp_of(case))}
+        if not 0 < len(locked) < len(self.cases):
+            return self
+        return replace(
+            self, cases=tuple(case for case in self.cases if case.configuration not in locked), locked=locked
+        )
 
     @cached_property
     def normal_case(self) -> Case:
@@ -235,7 +256,17 @@ class ReportData:
                 all=len(self.model.configurations),
                 count=len(self.cases),
             ),
+            *self.locked_notes,
         )
+
+    @property
+    def locked_notes(self) -> Iterator[str]:
+        """Sentences on configurations whose shaft of the speeds is locked, so that it has no orders."""
+        speeds = self.model.definition.speeds
+        for name, clamp in self.locked.items() if speeds else ():
+            shaft, title = as_words(not_none(speeds).of), self.titles.of(name)
+            text = " Not in {condition}: {shaft} is locked by {clamp} there and has no orders."
+            yield phrase(text, condition=title, shaft=shaft, clamp=as_words(clamp))
 
     @cached_property
     def limit_conclusion(self) -> LimitConclusion | None:
@@ -319,7 +350,7 @@ class ReportData:
         from torsionnet.machinery.criticals.critical_speed_search import excited_frequencies, excited_lines
 
         found = []
-        for case in self.cases:
+        for case in self.turning.cases:
             if any(one.enabled for one in case.drivetrain.definition.excitations.values()):
                 lines, _, speeds = excited_lines(case.drivetrain, None, None, None)
                 found += [(line, excited_frequencies(line, speeds)[1]) for group in lines.values() for line in group]
@@ -398,6 +429,14 @@ def held_drivetrain(case: Case) -> AssembledModel:
 
     acting = {name: one for name, one in case.drivetrain.definition.excitations.items() if one.enabled}
     return with_motions_held(case.drivetrain, acting)
+
+
+def locking_clamp_of(case: Case) -> str:
+    """Name of the clamp that keeps the shaft of the speeds from turning in a configuration; empty where none does."""
+    from torsionnet.machinery.orders.operating_groups import cached_locking_clamp
+
+    speeds = case.drivetrain.definition.speeds
+    return "" if speeds is None else cached_locking_clamp(case.drivetrain, speeds.of)
 
 
 def is_damped(case: Case) -> bool:

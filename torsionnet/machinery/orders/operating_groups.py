@@ -30,7 +30,7 @@ from torsionnet.model.definition import Definition
 from torsionnet.model.load.external_torques import reference_node
 from torsionnet.model.operating_values import OperatingPoints
 from torsionnet.model.parameters import VIBRATORY_TORQUE
-from torsionnet.model.speeds import total_ratio
+from torsionnet.model.speeds import locking_clamp, total_ratio
 
 # Revolutions of one shaft per revolution of another, kept for all drivetrains with the same rows.
 
@@ -44,6 +44,15 @@ def cached_total_ratio(drivetrain: AssembledModel, node: str, reference: str) ->
         Fraction,
         ("total ratio", node, reference),
         lambda: total_ratio(drivetrain.definition, drivetrain.exact_values, node, reference),
+    )
+
+
+def cached_locking_clamp(drivetrain: AssembledModel, node: str) -> str:
+    """Name of the clamp that keeps a node from turning; see :func:`torsionnet.model.speeds.locking_clamp`."""
+    return drivetrain.assembly.system.memo.once(
+        str,
+        ("locking clamp", node),
+        lambda: locking_clamp(drivetrain.definition, drivetrain.exact_values, node),
     )
 
 

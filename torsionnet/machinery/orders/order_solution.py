@@ -29,6 +29,7 @@ from torsionnet.machinery.orders.operating_groups import (
     IteratedValues,
     batch_over_speeds,
     blocks_of_speeds,
+    cached_locking_clamp,
     cached_total_ratio,
     drivetrains_at_speeds,
     values_by_vibration,
@@ -460,4 +461,10 @@ def _turning(drivetrain: AssembledModel, node: str, reference: str) -> Fraction:
         raise UsageError(
             f'"{node}" is not part of this configuration, so that its orders have no speed; name another shaft'
         )
+    for shaft in dict.fromkeys((reference, node)):
+        clamp = cached_locking_clamp(drivetrain, shaft)
+        if clamp:
+            raise UsageError(
+                f"{shaft} is locked by {clamp} in this configuration: a shaft that does not turn has no orders"
+            )
     return cached_total_ratio(drivetrain, node, reference)

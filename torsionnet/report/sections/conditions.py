@@ -207,7 +207,8 @@ def _not_examined(subject: ReportData) -> Iterator[Text]:
         yield (Strong(what), f": {why.rstrip('.')}.")
     judged = [case.configuration for case in subject.judged_cases]
     every = subject.model.configurations
-    missing = [name for name in every if name not in judged] if len(judged) < len(every) else []
+    yield from ((note.strip(),) for note in subject.locked_notes)
+    missing = [name for name in every if name not in [*judged, *subject.locked]] if len(judged) < len(every) else []
     if missing:
         reason = "this document is on chosen conditions" if len(judged) < MOST_JUDGED_CASES else ""
         reason = reason or phrase("the first {count} are judged unless others are named", count=MOST_JUDGED_CASES)
