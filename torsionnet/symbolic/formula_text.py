@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import sympy
 
 from torsionnet.symbolic.algebra.algebras import S, evaluate_expression
-from torsionnet.symbolic.algebra.network import ARITHMETIC, Program, ProgramNode, Stiffness
+from torsionnet.symbolic.algebra.network import ARITHMETIC, Program, ProgramAlgebra, ProgramNode, Stiffness
 
 if TYPE_CHECKING:
     from torsionnet.symbolic.symbolic_request import SymbolicFraction
@@ -84,7 +84,7 @@ def with_where(result: str, table: Mapping[Any, Any]) -> str:
 
 
 @dataclass(frozen=True)
-class Lowered:
+class Lowered(ProgramAlgebra):
     """Algebra that writes a program as single operations (+, *, /) on s, parameters and numbers."""
 
     program: Program

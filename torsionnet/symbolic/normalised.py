@@ -176,9 +176,7 @@ def _factors(function: SymbolicFraction, node: ProgramNode) -> tuple[Any, int, t
 def _irreducible(function: SymbolicFraction, index: int) -> list[tuple[list[Any], int]]:
     """Irreducible factors of one program step, each as coefficients in ascending powers of s and a power."""
     (polynomial,) = function.steps.run(InPowersOfS(Program().leaf), [function.steps.at(index)])
-    coefficients = [
-        sympy.Integer(0) if surely_zero(value) else to_expression(value) for value in polynomial.coefficients
-    ]
+    coefficients = [sympy.Integer(0) if surely_zero(value) else to_expression(value) for value in polynomial]
     (count,) = function.steps.run(TermCounts(), [function.steps.at(index)])
     whole = in_s(coefficients)
     if count > MOST_TERMS or len(coefficients) < 3 or whole.has(sympy.I):

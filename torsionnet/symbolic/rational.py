@@ -143,8 +143,7 @@ def rational(function: SymbolicFraction) -> Rational:
         algebra = monomials_for(program.payloads(outputs))
         above, below = program.run(algebra, outputs)
         return Rational(ExpandedCoefficients(above, below, algebra))
-    polynomials = program.run(InPowersOfS(Program().leaf), outputs)
-    return Rational(ProgramCoefficients(*(polynomial.coefficients for polynomial in polynomials)))
+    return Rational(ProgramCoefficients(*program.run(InPowersOfS(Program().leaf), outputs)))
 
 
 @dataclass(frozen=True)
@@ -201,8 +200,7 @@ def to_expressions(nodes: Sequence[ProgramNode]) -> list[Any]:
         node.index: algebra.expression(part.terms, part.scale**part.depth)
         for node, part in zip(short, program.run(algebra, short), strict=True)
     }
-    raw = zip(long, program.run(RawExpressions(), long), strict=True)
-    written |= {node.index: part.expression for node, part in raw}
+    written |= zip((node.index for node in long), program.run(RawExpressions(), long), strict=True)
     return [written[node.index] for node in nodes]
 
 
@@ -225,8 +223,8 @@ def require_readable(function: SymbolicFraction) -> None:
     if sum(function.steps.run(TermCounts(), outputs)) <= MOST_TERMS_EXPANDED_WHOLE:
         return
     polynomials = function.steps.run(InPowersOfS(Program().leaf), outputs)
-    nodes = [value for polynomial in polynomials for value in polynomial.coefficients if isinstance(value, ProgramNode)]
-    leaves = sum(part.leaves for part in nodes[0].program.run(Lengths(), nodes)) if nodes else 0
+    nodes = [value for polynomial in polynomials for value in polynomial if isinstance(value, ProgramNode)]
+    leaves = sum(nodes[0].program.run(Lengths(), nodes)) if nodes else 0
     if leaves > MOST_WRITTEN:
         raise UsageError(f'the coefficients would be written with {leaves:,} elements and numbers; ask for "program"')
 
@@ -361,7 +359,7 @@ def lowest_terms_in_s(function: SymbolicFraction, coefficient: Any, vanishes: An
     while True:
         algebra = InPowersNearRest(coefficient, limit, delays_of(function.used_tables))
         found = [
-            first_term(polynomial.coefficients, vanishes)
+            first_term(polynomial, vanishes)
             for polynomial in function.steps.run(algebra, [function.numerator, function.denominator])
         ]
         # A numerator that vanishes in more powers of s than the program has steps counts as zero.
@@ -404,7 +402,7 @@ def high_frequency(function: SymbolicFraction) -> Any:
     refuse_delays(function.used_tables, "leading term at high frequency")
     algebra = InPowersOfS(Program().leaf)
     above, below = (
-        (len(polynomial.coefficients), first_term(polynomial.coefficients[::-1], surely_zero))
+        (len(polynomial), first_term(polynomial[::-1], surely_zero))
         for polynomial in function.steps.run(algebra, [function.numerator, function.denominator])
     )
     if above[1] is None or below[1] is None:

@@ -272,7 +272,7 @@ class SymbolicFraction:
     def nested_leaves(self) -> int:
         """Number of leaves (stiffnesses, ratios, numbers) of the nested form, repeated ones counted again."""
         above, below = self.steps.run(Lengths(), [self.numerator, self.denominator])
-        return int(above.leaves + below.leaves)
+        return int(above + below)
 
     @cached_property
     def continued_fraction(self) -> Any:

@@ -146,10 +146,10 @@ class TransferFunction(SymbolicFraction):
                     "torsionnet.linear.sensitivity, which has it in numbers"
                 )
         algebra = Derivatives(program, symbol)
-        above, below = self.steps.run(algebra, [self.numerator, self.denominator])
+        (above, slope_above), (below, slope_below) = self.steps.run(algebra, [self.numerator, self.denominator])
         # (N / D)' = (N' D - N D') / D^2
-        numerator = above.slope * below.value + below.slope * above.value * -1
-        numerator, denominator = program.reduced(numerator, below.value * below.value)
+        numerator = slope_above * below + slope_below * above * -1
+        numerator, denominator = program.reduced(numerator, below * below)
         return replace(self, numerator=numerator, denominator=denominator, request=None)
 
     def subs(self, values: Mapping[str, Any] | None = None, /, **more: Any) -> TransferFunction:

@@ -9,18 +9,18 @@ import random
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from typing import Any, TypeAlias
 
 import sympy
 
-from torsionnet.symbolic.algebra.network import Program, ProgramNode, Stiffness
+from torsionnet.symbolic.algebra.network import Program, ProgramAlgebra, ProgramNode, Stiffness
 
 S = sympy.Symbol("s")
 HALF = sympy.Rational(1, 2)
 
 
 @dataclass(frozen=True)
-class Expressions:
+class Expressions(ProgramAlgebra):
     """Algebra of sympy expressions, nested as the program is, with ``change`` applied to every input of the program."""
 
     change: Callable[[Any], Any] = lambda expression: expression
@@ -38,32 +38,44 @@ def in_s(coefficients: Iterable[Any]) -> Any:
     return sympy.Add(*(sympy.Mul(part, S**power) for power, part in enumerate(coefficients) if part != 0))
 
 
-class PolynomialInS:
-    """Polynomial in s with coefficients of 1, s, s^2, ... in any algebra, the first ``limit`` of them.
+def is_zero(value: Any) -> bool:
+    """Whether an element of an algebra is zero exactly, as can be told without any calculation."""
+    return value.is_zero if isinstance(value, ProgramNode) else bool(value == 0)
+
+
+@dataclass(frozen=True)
+class InPowersOfS(ProgramAlgebra):
+    """Algebra of polynomials in s as tuples of the coefficients of 1, s, s^2, ...
+
+    ``coefficient`` makes the coefficients from Fractions and sympy expressions. With a ``limit``, only that many are
+    calculated, from the lowest.
 
     Examples
     --------
-    >>> (PolynomialInS((1, 2)) * PolynomialInS((0, 3)) + PolynomialInS((1,))).coefficients
+    >>> polynomials = InPowersOfS(int)
+    >>> polynomials.add(polynomials.multiply((1, 2), (0, 3)), (1,))
     (1, 3, 6)
     """
 
-    __slots__ = ("coefficients", "limit")
+    coefficient: Callable[[Any], Any]
+    limit: int | None = None
 
-    def __init__(self, coefficients: tuple[Any, ...], limit: int | None = None) -> None:
-        self.coefficients: tuple[Any, ...] = coefficients[:limit]
-        self.limit: int | None = limit
+    def leaf(self, payload: Any) -> tuple[Any, ...]:
+        if isinstance(payload, Stiffness):
+            parts = [self.coefficient(part) if part != 0 else 0 for part in payload.parts]
+            while parts and is_zero(parts[-1]):
+                parts.pop()
+            return tuple(parts[: self.limit])
+        return (self.coefficient(payload),)[: self.limit]
 
-    def __add__(self, other: PolynomialInS) -> PolynomialInS:
-        longer, shorter = self.coefficients, other.coefficients
-        if len(longer) < len(shorter):
-            longer, shorter = shorter, longer
+    def add(self, left: tuple[Any, ...], right: tuple[Any, ...]) -> tuple[Any, ...]:
+        longer, shorter = (right, left) if len(left) < len(right) else (left, right)
         both = tuple(a + b for a, b in zip(longer, shorter, strict=False))
-        return PolynomialInS(both + longer[len(both) :], self.limit)
+        return both + longer[len(both) :]
 
-    def __mul__(self, other: PolynomialInS) -> PolynomialInS:
-        left, right = self.coefficients, other.coefficients
+    def multiply(self, left: tuple[Any, ...], right: tuple[Any, ...]) -> tuple[Any, ...]:
         if not left or not right:
-            return PolynomialInS((), self.limit)
+            return ()
         size = len(left) + len(right) - 1
         # Lower coefficients do not depend on higher ones, so that none beyond the limit is ever needed.
         total: list[Any] = [0] * (size if self.limit is None else min(size, self.limit))
@@ -73,35 +85,10 @@ class PolynomialInS:
             for j, b in enumerate(right[: len(total) - i]):
                 if not is_zero(b):
                     total[i + j] = a * b if is_zero(total[i + j]) else total[i + j] + a * b
-        return PolynomialInS(tuple(total), self.limit)
+        return tuple(total)
 
 
-def is_zero(value: Any) -> bool:
-    """Whether an element of an algebra is zero exactly, as can be told without any calculation."""
-    return value.is_zero if isinstance(value, ProgramNode) else bool(value == 0)
-
-
-@dataclass(frozen=True)
-class InPowersOfS:
-    """Algebra of polynomials in s, whose coefficients ``coefficient`` makes from Fractions and sympy expressions.
-
-    With a ``limit``, only that many coefficients are calculated, from the lowest.
-    """
-
-    coefficient: Callable[[Any], Any]
-    limit: int | None = None
-
-    def leaf(self, payload: Any) -> PolynomialInS:
-        if isinstance(payload, Stiffness):
-            parts = [self.coefficient(part) if part != 0 else 0 for part in payload.parts]
-            while parts and is_zero(parts[-1]):
-                parts.pop()
-            return PolynomialInS(tuple(parts), self.limit)
-        return PolynomialInS((self.coefficient(payload),), self.limit)
-
-
-@dataclass(frozen=True)
-class TermCounts:
+class TermCounts(ProgramAlgebra):
     """Algebra of upper bounds of the number of terms of a program's results when multiplied out."""
 
     def leaf(self, payload: Any) -> int:
@@ -118,52 +105,37 @@ def terms_of(expression: Any) -> int:
     return len(sympy.Add.make_args(sympy.expand(expression)))
 
 
-class Length:
-    """Length of a nested expression in symbols, stiffnesses and numbers, each counted as often as it appears."""
+class Lengths(ProgramAlgebra):
+    """Algebra that counts symbols, stiffnesses and numbers of nested expressions, each as often as it appears."""
 
-    __slots__ = ("leaves",)
-
-    def __init__(self, leaves: int) -> None:
-        self.leaves: int = leaves
-
-    def __add__(self, other: Length) -> Length:
-        return Length(self.leaves + other.leaves)
-
-    __mul__ = __add__
-
-
-class Lengths:
-    """Algebra that counts the symbols, stiffnesses and numbers of nested expressions; see :class:`Length`."""
-
-    def leaf(self, payload: Any) -> Length:
+    def leaf(self, payload: Any) -> int:
         del payload
-        return Length(1)
+        return 1
+
+    def multiply(self, left: int, right: int) -> int:
+        return left + right
 
 
-class DualNode:
-    """Result of a program step with its derivative to one symbol, with + and * by the rules of differentiation."""
-
-    __slots__ = ("slope", "value")
-
-    def __init__(self, value: Any, slope: Any) -> None:
-        self.value, self.slope = value, slope
-
-    def __add__(self, other: DualNode) -> DualNode:
-        return DualNode(self.value + other.value, self.slope + other.slope)
-
-    def __mul__(self, other: DualNode) -> DualNode:
-        return DualNode(self.value * other.value, self.slope * other.value + self.value * other.slope)
+NodePair: TypeAlias = tuple[ProgramNode, ProgramNode]
+"""Result of a program step, and its derivative to one symbol."""
 
 
 @dataclass(frozen=True)
-class Derivatives:
+class Derivatives(ProgramAlgebra):
     """Algebra that records a program's results together with their derivatives with respect to one symbol."""
 
     program: Program
     symbol: Any
 
-    def leaf(self, payload: Any) -> DualNode:
-        return DualNode(self.program.leaf(payload), self.program.leaf(self._slope(payload)))
+    def leaf(self, payload: Any) -> NodePair:
+        return self.program.leaf(payload), self.program.leaf(self._slope(payload))
+
+    def add(self, left: NodePair, right: NodePair) -> NodePair:
+        return left[0] + right[0], left[1] + right[1]
+
+    def multiply(self, left: NodePair, right: NodePair) -> NodePair:
+        # (a b)' = a' b + a b'
+        return left[0] * right[0], left[1] * right[0] + left[0] * right[1]
 
     def _slope(self, payload: Any) -> Any:
         if isinstance(payload, Fraction):
@@ -175,7 +147,7 @@ class Derivatives:
 
 
 @dataclass(frozen=True)
-class SubstitutedLeaves:
+class SubstitutedLeaves(ProgramAlgebra):
     """Algebra that copies a program and substitutes expressions for symbols in its inputs (leaves)."""
 
     program: Program
@@ -220,7 +192,7 @@ def _power(base: Any, exponent: int) -> Any:
 
 
 @dataclass(frozen=True)
-class NumericValues:
+class NumericValues(ProgramAlgebra):
     """Algebra that evaluates a program with numbers or arrays for its symbols; ``number`` converts Fractions."""
 
     values: Mapping[Any, Any]
@@ -255,7 +227,7 @@ def vanishes(node: ProgramNode) -> bool:
     if node.is_zero:
         return True
     (polynomial,) = node.program.run(InPowersOfS(Program().leaf), [node])
-    return all(surely_zero(value) for value in polynomial.coefficients)
+    return all(surely_zero(value) for value in polynomial)
 
 
 def surely_zero(node: ProgramNode | int) -> bool:
@@ -273,7 +245,7 @@ def surely_zero(node: ProgramNode | int) -> bool:
             return exact_fraction(expression)
         return chosen.setdefault(expression, Fraction(random.Random(str(expression)).randrange(10**6, 10**7)))
 
-    class Chance:
+    class Chance(ProgramAlgebra):
         def leaf(self, payload: Any) -> Fraction:
             return payload if isinstance(payload, Fraction) else evaluate_expression(payload, number)
 

@@ -11,7 +11,7 @@ import sympy
 from torsionnet.base.errors import UsageError
 from torsionnet.linear.assembly.symbolic import OMEGA
 from torsionnet.model.element_base.dynamic_stiffness import DynamicStiffness
-from torsionnet.symbolic.algebra.algebras import Expressions, InPowersOfS, PolynomialInS
+from torsionnet.symbolic.algebra.algebras import Expressions, InPowersOfS
 
 if TYPE_CHECKING:
     from torsionnet.model.element_base.dynamic_stiffness import Complexes, Floats
@@ -96,31 +96,23 @@ class InPowersNearRest(InPowersOfS):
 
     delays: Mapping[Any, Delay] | None = None
 
-    def leaf(self, payload: Any) -> PolynomialInS:
+    def leaf(self, payload: Any) -> tuple[Any, ...]:
         delay = (self.delays or {}).get(payload) if isinstance(payload, sympy.Basic) else None
         if delay is None:
             return super().leaf(payload)
         # e^(-s tau) = sum of (-tau)^n s^n / n!
         terms = [(-delay.time) ** power / sympy.factorial(power) for power in range(self.limit or 1)]
-        return PolynomialInS(tuple(self.coefficient(term) for term in terms), self.limit)
+        return tuple(self.coefficient(term) for term in terms)
 
 
-# Sympy expressions built without sorting their terms, for results too long to be sorted.
+class RawExpressions(Expressions):
+    """Algebra of sympy expressions whose terms are not sorted, for results too long to be sorted."""
 
+    def add(self, left: Any, right: Any) -> Any:
+        return _joined(sympy.Add, left, right)
 
-class Raw:
-    """Sympy expression under construction, whose terms are not sorted."""
-
-    __slots__ = ("expression",)
-
-    def __init__(self, expression: Any) -> None:
-        self.expression = expression
-
-    def __add__(self, other: Raw) -> Raw:
-        return Raw(_joined(sympy.Add, self.expression, other.expression))
-
-    def __mul__(self, other: Raw) -> Raw:
-        return Raw(_joined(sympy.Mul, self.expression, other.expression))
+    def multiply(self, left: Any, right: Any) -> Any:
+        return _joined(sympy.Mul, left, right)
 
 
 def _joined(operation: Any, left: Any, right: Any) -> Any:
@@ -133,10 +125,3 @@ def _joined(operation: Any, left: Any, right: Any) -> Any:
 
 def _is_neutral(operation: Any, left: Any, right: Any) -> bool:
     return operation.identity in (left, right)
-
-
-class RawExpressions(Expressions):
-    """Algebra of sympy expressions with unsorted terms; see :class:`Raw`."""
-
-    def leaf(self, payload: Any) -> Raw:
-        return Raw(super().leaf(payload))

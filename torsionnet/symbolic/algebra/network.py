@@ -14,7 +14,7 @@ from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, S
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from typing import Any, Generic, Protocol, TypeAlias, TypeVar
+from typing import Any, Generic, TypeAlias, TypeVar
 
 import sympy
 
@@ -194,12 +194,24 @@ ARITHMETIC = ("+", "*", "/")
 """Operations of a program step that combine two other steps, all that a determinant without subtraction needs."""
 
 
-class ProgramAlgebra(Protocol):
-    """Protocol of an algebra that evaluates programs, whose elements for their inputs (leaves) have +, * and /."""
+class ProgramAlgebra:
+    """Base of the algebras that evaluate programs; elements add, multiply and divide as Python's +, * and / do."""
 
     def leaf(self, payload: Any) -> Any:
         """Element of an algebra for an input (leaf) of a program, from the input's payload or a Fraction."""
-        ...
+        raise NotImplementedError
+
+    def add(self, left: Any, right: Any) -> Any:
+        """Sum of two elements of the algebra."""
+        return left + right
+
+    def multiply(self, left: Any, right: Any) -> Any:
+        """Product of two elements of the algebra."""
+        return left * right
+
+    def divide(self, above: Any, below: Any) -> Any:
+        """Quotient of two elements of the algebra."""
+        return above / below
 
 
 @dataclass(eq=False)
@@ -279,13 +291,13 @@ class Program:
     def run(self, algebra: ProgramAlgebra, outputs: Sequence[ProgramNode]) -> list[Any]:
         """Values of the output nodes, in the order given, when the program is evaluated in an algebra."""
         results: dict[int, Any] = {}
+        combine = {"+": algebra.add, "*": algebra.multiply, "/": algebra.divide}
         for index in self.needed(outputs):
-            step = self.steps[index]
-            if step[0] == "leaf":
-                results[index] = algebra.leaf(step[1])
+            sign, *operands = self.steps[index]
+            if sign == "leaf":
+                results[index] = algebra.leaf(*operands)
             else:
-                left, right = results[step[1]], results[step[2]]
-                results[index] = left + right if step[0] == "+" else left * right if step[0] == "*" else left / right
+                results[index] = combine[sign](*(results[operand] for operand in operands))
         return [results[node.index] for node in outputs]
 
     def factors(self, node: ProgramNode) -> Counter[int]:

@@ -12,7 +12,7 @@ from typing import Any
 import sympy
 
 from torsionnet.symbolic.algebra.algebras import S
-from torsionnet.symbolic.algebra.network import Stiffness
+from torsionnet.symbolic.algebra.network import ProgramAlgebra, Stiffness
 
 EXPONENT_BITS = 12
 """Number of bits for the exponent of one generator in a packed monomial, enough for exponents up to 4095."""
@@ -20,6 +20,7 @@ EXPONENT_MASK = (1 << EXPONENT_BITS) - 1
 """Bit mask that extracts the exponent of one generator from a packed monomial."""
 
 
+@dataclass(frozen=True, eq=False, slots=True)
 class Sparse:
     """Sparse polynomial in parameters and s, a sum of integer * monomial over scale^depth.
 
@@ -27,22 +28,9 @@ class Sparse:
     multiply by adding. Fractions are kept out: all numbers have one common denominator, the scale.
     """
 
-    __slots__ = ("depth", "scale", "terms")
-
-    def __init__(self, terms: dict[int, int], depth: int, scale: int) -> None:
-        self.terms: dict[int, int] = terms
-        self.depth: int = depth
-        self.scale: int = scale
-
-    def __add__(self, other: Sparse) -> Sparse:
-        depth = max(self.depth, other.depth)
-        left, right = self.at_depth(depth), other.at_depth(depth)
-        if len(left) < len(right):
-            left, right = right, left
-        total = dict(left)
-        for monomial, number in right.items():
-            total[monomial] = total.get(monomial, 0) + number
-        return Sparse(total, depth, self.scale)
+    terms: dict[int, int]
+    depth: int
+    scale: int
 
     def at_depth(self, depth: int) -> dict[int, int]:
         """Integer coefficients of a sparse polynomial by packed monomial, for the common denominator scale^depth."""
@@ -51,24 +39,9 @@ class Sparse:
         factor = self.scale ** (depth - self.depth)
         return {monomial: number * factor for monomial, number in self.terms.items()}
 
-    def __mul__(self, other: Sparse) -> Sparse:
-        shorter, longer = self.terms, other.terms
-        if len(shorter) > len(longer):
-            shorter, longer = longer, shorter
-        total: dict[int, int] = {}
-        for monomial, number in shorter.items():
-            if not total:
-                # Multiplied by one monomial, different monomials stay different: nothing to add up yet.
-                total = {monomial + more: number * times for more, times in longer.items()}
-                continue
-            for more, times in longer.items():
-                key = monomial + more
-                total[key] = total.get(key, 0) + number * times
-        return Sparse(total, self.depth + other.depth, self.scale)
-
 
 @dataclass(frozen=True)
-class Monomials:
+class Monomials(ProgramAlgebra):
     """Algebra of sparse polynomials in s, parameters, and inverses and roots of parameters."""
 
     generators: tuple[Any, ...]
@@ -89,6 +62,31 @@ class Monomials:
                 value = number * self.scale**depth
                 found[key] = found.get(key, 0) + value.numerator
         return Sparse(found, depth, self.scale)
+
+    def add(self, left: Sparse, right: Sparse) -> Sparse:
+        depth = max(left.depth, right.depth)
+        shorter, longer = left.at_depth(depth), right.at_depth(depth)
+        if len(shorter) >= len(longer):
+            shorter, longer = longer, shorter
+        total = dict(longer)
+        for monomial, number in shorter.items():
+            total[monomial] = total.get(monomial, 0) + number
+        return Sparse(total, depth, self.scale)
+
+    def multiply(self, left: Sparse, right: Sparse) -> Sparse:
+        shorter, longer = left.terms, right.terms
+        if len(shorter) > len(longer):
+            shorter, longer = longer, shorter
+        total: dict[int, int] = {}
+        for monomial, number in shorter.items():
+            if not total:
+                # Multiplied by one monomial, different monomials stay different: nothing to add up yet.
+                total = {monomial + more: number * times for more, times in longer.items()}
+                continue
+            for more, times in longer.items():
+                key = monomial + more
+                total[key] = total.get(key, 0) + number * times
+        return Sparse(total, left.depth + right.depth, self.scale)
 
     def by_power(self, polynomial: Sparse) -> list[dict[int, int]]:
         """Coefficients by packed monomial of a sparse polynomial, for each power of s from 0 on, no cancelled ones."""
