@@ -353,6 +353,7 @@ class CrossingSearch:
             star=star_diagram(excitation, one.excitation, one.order, shape, title, force.part),
             excited=force.acts,
             case=force.case,
+            force_by_case=force.by_case,
             modal_inertia=self._modal_inertia(one.mode),
         )
 

@@ -96,6 +96,8 @@ class CriticalSpeed:
         Other conditions (configurations) that excite the mode.
     case : str
         Case with the largest generalised force where several are examined, such as a misfire of each cylinder.
+    force_by_case : tuple of (str, float)
+        Name of each case and its generalised force in N m.
     peaks : tuple of SpeedPeak
     modal_inertia : float
         ``sum_n J_n |phi_n|^2`` in kg m^2, for the shape with its largest angle 1; nan where no torque is given.
@@ -127,6 +129,7 @@ class CriticalSpeed:
     excited: Annotated[bool | None, Out(schema=EXCITED)] = None
     excited_in: tuple[str, ...] = ()
     case: str = ""
+    force_by_case: tuple[tuple[str, float], ...] = ()
     peaks: tuple[SpeedPeak, ...] = ()
     modal_inertia: float = math.nan
     undamped_speed: Annotated[float, Out(json="undamped_rad_per_s")] = math.nan
@@ -134,6 +137,14 @@ class CriticalSpeed:
     damped_speed: Annotated[float, Out(json="damped_rad_per_s")] = math.nan
     nearest_speed: Annotated[float, Out(json="margin_at_rad_per_s")] = math.nan
     leaps: bool = False
+
+    def in_case(self, case: str) -> CriticalSpeed:
+        """Critical speed with the generalised force of one case, such as a misfire of one cylinder, by its name.
+
+        The critical speed itself, with the force of its worst case, where no force of that case is known.
+        """
+        force = dict(self.force_by_case).get(case)
+        return self if force is None else replace(self, generalised_force=force, case=case)
 
     @property
     def of_reference(self) -> float:

@@ -258,8 +258,7 @@ class CouplingLimit(InSpeedBand, ElementLimit):
         if self.frequency_factor == "din_740_2":
             # DIN 740-2: T_KW falls with sqrt(10 Hz/f) above 10 Hz, so that each order counts sqrt(f/10 Hz) times.
             weights = np.sqrt(np.maximum(evidence.run.frequencies, REFERENCE_HZ) / REFERENCE_HZ)
-        values = evidence.weighted_size(self.torque, weights)
-        orders = evidence.orders([self.torque]) * weights
+        values, orders = evidence.weighted(self.torque, weights)
         allowed = constant_over_speed(not_none(self.T_KW) / self.torque_temperature_factor, evidence)
         return LimitLine("T_KW", "vibratory torque, half range", "N*m", values, allowed, (), orders)
 

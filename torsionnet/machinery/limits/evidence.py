@@ -10,6 +10,7 @@ import numpy as np
 
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.mean.power_flow import mean_power, power_flows
+from torsionnet.machinery.orders.order_amplitudes import OrderAmplitudes
 from torsionnet.machinery.orders.order_line import summed_sizes
 from torsionnet.machinery.orders.order_response import OrderResponse
 from torsionnet.machinery.orders.worst_response import WorstResponse
@@ -104,9 +105,9 @@ class Evidence:
         places = [self._place(sensor) for sensor in sensors]
         return np.stack([case.half_range[:, places].max(axis=1) for case in self.run.each], axis=1)
 
-    def orders(self, sensors: Sequence[Sensor]) -> FloatArray:
-        """Amplitude of every order, the largest of sensors and cases, in SI units, shape (n_speeds, n_lines)."""
-        return np.asarray(np.max([self.run.sizes[:, :, self._place(one)] for one in sensors], axis=0))
+    def orders(self, sensors: Sequence[Sensor]) -> OrderAmplitudes:
+        """Amplitudes of every order in SI units, those of the sensor with the largest half range at each speed."""
+        return OrderAmplitudes.of(self.run, [self._place(one) for one in sensors])
 
     def summed_orders(self, sensor: Sensor) -> FloatArray:
         """Amplitudes of a sensor by frequency in SI units, shape (n_speeds, n_frequencies).
@@ -115,15 +116,22 @@ class Evidence:
         """
         return summed_sizes(self.run)[:, :, self._place(sensor)]
 
-    def weighted_size(self, sensor: Sensor, weights: FloatArray) -> FloatArray:
-        """Half range of the sum of a sensor's lines times their weights, largest of all cases, shape (n_speeds,)."""
-        place, found = self._place(sensor), []
+    def weighted(self, sensor: Sensor, weights: FloatArray) -> tuple[FloatArray, OrderAmplitudes]:
+        """Half range (n_speeds,) of the sum of a sensor's lines times their weights, and the lines in that case.
+
+        The largest of all cases at each speed.
+        """
+        place, found, values = self._place(sensor), [], []
         for case in self._cases:
-            values = case.values[:, :, place : place + 1] * weights[:, :, None]
+            values.append(case.values[:, :, place] * weights)
             # Weights belong to lines before they are added: each case is summed over its cycle anew.
-            one = OrderResponse(case.speeds, case.reference, case.lines, values, (case.outputs[place],))
+            one = OrderResponse(case.speeds, case.reference, case.lines, values[-1][:, :, None], (case.outputs[place],))
             found.append(one.half_range[:, 0])
-        return np.asarray(np.max(found, axis=0))
+        worst, speeds = np.argmax(found, axis=0), np.arange(len(self.speeds))
+        plain = self.orders([sensor]).times(weights)
+        # The first of the responses is the worst combination, which has cases of its own at each speed.
+        cases = np.where(worst == 0, plain.cases, worst - 1)
+        return np.max(found, axis=0), OrderAmplitudes(plain.largest, np.array(values)[worst, speeds], cases)
 
     @property
     def _cases(self) -> tuple[OrderResponse, ...]:

@@ -15,6 +15,7 @@ from torsionnet.base.errors import EntryPath, Fault
 from torsionnet.base.units import expected_unit
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.limits.evidence import Evidence, LimitSubject
+from torsionnet.machinery.orders.order_amplitudes import OrderAmplitudes
 from torsionnet.machinery.orders.worst_response import ALL_CASES_EQUAL
 from torsionnet.machinery.verdicts.limit_check import (
     BARRED,
@@ -273,7 +274,8 @@ class LimitLine:
     criterion, quantity, unit : str
     values, allowed : (n_speeds,) arrays
     remarks : tuple of str
-    orders : (n_speeds, n_lines) array, optional
+    orders : OrderAmplitudes, optional
+        Amplitudes of the orders behind the values.
     vibratory : bool
         Whether vibration is in the value, so that it depends on the case of excitation.
     in_passing : bool
@@ -294,7 +296,7 @@ class LimitLine:
     values: FloatArray
     allowed: FloatArray
     remarks: tuple[str, ...] = ()
-    orders: FloatArray | None = None
+    orders: OrderAmplitudes | None = None
     vibratory: bool = True
     in_passing: bool = False
     cases: FloatArray | None = None
@@ -329,16 +331,18 @@ def merged_line(parts: Sequence[LimitLine], order: NDArray[np.intp]) -> LimitLin
 
     ``order`` sorts their concatenated speeds.
     """
-
-    def every(arrays: Sequence[FloatArray | None]) -> FloatArray | None:
-        known = [array for array in arrays if array is not None]
-        return np.concatenate(known)[order] if known else None
-
     values, allowed = (np.concatenate([getattr(part, name) for part in parts]) for name in ("values", "allowed"))
     if parts[0].why_not:
         return parts[0]
-    orders, cases = (every([getattr(part, name) for part in parts]) for name in ("orders", "cases"))
-    return replace(parts[0], values=values[order], allowed=allowed[order], orders=orders, cases=cases)
+    by_case = [part.cases for part in parts if part.cases is not None]
+    by_order = [part.orders for part in parts if part.orders is not None]
+    return replace(
+        parts[0],
+        values=values[order],
+        allowed=allowed[order],
+        orders=OrderAmplitudes.joined(by_order, order) if by_order else None,
+        cases=np.concatenate(by_case)[order] if by_case else None,
+    )
 
 
 def _worst_case(evidence: Evidence, line: LimitLine, sensor: Sensor) -> tuple[str, str]:

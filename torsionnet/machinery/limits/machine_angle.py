@@ -162,6 +162,6 @@ class MachineAngleLimit(InSpeedBand):
     def lines(self, evidence: Evidence) -> Iterator[LimitLine]:
         angle = self.order_sensors(evidence.subject)
         # Electrical angle = pole pairs times mechanical angle.
-        values, orders = self.pole_pairs * evidence.size(angle), self.pole_pairs * evidence.orders(angle)
+        values, orders = self.pole_pairs * evidence.size(angle), evidence.orders(angle).times(self.pole_pairs)
         allowed = constant_over_speed(self.angle, evidence)
         yield LimitLine("angle", "electrical angle, half range", "rad", values, allowed, (), orders)

@@ -16,6 +16,7 @@ from torsionnet.base.phrases import ModelName, phrase
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.limits.evidence import Evidence, LimitSubject, torques_of
 from torsionnet.machinery.limits.limit import Limit, LimitLine, line_without_data, register_rule
+from torsionnet.machinery.orders.order_amplitudes import OrderAmplitudes
 from torsionnet.machinery.verdicts.limit_check import RuleText
 from torsionnet.model.channels import Sensor
 from torsionnet.model.element_base.element_entries import ElementName
@@ -104,10 +105,10 @@ class ShaftLimit(Limit):
         inner = self.bore if self.bore is not None else own.inner if own else 0.0
         return RoundSection(float(outer), float(inner))
 
-    def stress(self, evidence: Evidence) -> tuple[FloatArray, FloatArray]:
-        """Half range (n_speeds,) and amplitudes by order (n_speeds, n_lines) of the nominal shear stress in Pa."""
+    def stress(self, evidence: Evidence) -> tuple[FloatArray, OrderAmplitudes]:
+        """Half range (n_speeds,) and amplitudes by order of the nominal shear stress in Pa."""
         torques, modulus = torques_of(evidence.subject.active[self.element]), self.section(evidence.subject).modulus
-        return evidence.size(torques) / modulus, evidence.orders(torques) / modulus
+        return evidence.size(torques) / modulus, evidence.orders(torques).times(1 / modulus)
 
     def stress_by_case(self, evidence: Evidence) -> FloatArray | None:
         """Half range in Pa of the nominal shear stress in each case of excitation, shape (n_speeds, n_cases).

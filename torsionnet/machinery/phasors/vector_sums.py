@@ -162,13 +162,14 @@ class GeneralisedForce:
 
     ``relative`` is this force over the torque of one cylinder at the largest amplitude of the shape, all angles
     referred to the shaft of the excitation. ``case`` names the worst case and ``part`` the part out of action in it,
-    where there are several cases.
+    where there are several cases; ``by_case`` has pairs of the name of each case and its force in N m.
     """
 
     value: float
     relative: float
     case: str = ""
     part: str = ""
+    by_case: tuple[tuple[str, float], ...] = ()
 
     @property
     def acts(self) -> bool:
@@ -215,7 +216,8 @@ def generalised_force(
     worst = [one for one in cases if one[0] >= (1 - CANCELLED) * value]
     _, case, part = worst[0]  # equal cases are named together; where all are equal none is named
     case = "" if 1 < len(worst) == len(cases) else " or ".join(label for _, label, _ in worst)
-    return GeneralisedForce(value, value / single if single > 0 else 0.0, case, part)
+    by_case = tuple((label, force) for force, label, _ in cases)
+    return GeneralisedForce(value, value / single if single > 0 else 0.0, case, part, by_case)
 
 
 def _cases(found: OrderTorques, at: tuple[int, int], shape: Mapping[str, complex]) -> list[tuple[float, str, str]]:

@@ -19,6 +19,7 @@ from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Table, result_table
 from torsionnet.base.units import RPM
 from torsionnet.linear.frequency_response import FloatArray
+from torsionnet.machinery.orders.order_amplitudes import OrderAmplitudes, SummedOrder
 from torsionnet.machinery.verdicts.rule_factors import RuleFactor
 from torsionnet.machinery.verdicts.speed_spans import (
     SpeedSpan,
@@ -183,7 +184,7 @@ class LimitVerdict:
     seconds_to_pass : float, optional
         Longest time in s in which ranges in ``passed`` are to be passed.
     remarks : tuple of str
-    orders : (n_speeds, n_lines) array, optional
+    orders : OrderAmplitudes, optional
         Amplitudes of the orders behind ``values``.
     absent : bool
         Whether the limit is not judged because its element is switched off.
@@ -215,7 +216,7 @@ class LimitVerdict:
     in_passing: bool = False
     seconds_to_pass: float | None = None
     remarks: tuple[str, ...] = ()
-    orders: FloatArray | None = None
+    orders: OrderAmplitudes | None = None
     absent: bool = False
     case: str = ""
     steady_temperature: float | None = None
@@ -426,6 +427,10 @@ class LimitCheck(NotebookResult):
         Limits and excitations that were left out, in words.
     run_up : RunUpCheck, optional
         Verdicts in passing over the speeds of a start; None where the model has no run-up.
+    summed : tuple of SummedOrder
+        Orders as a test measures them: the sums of those in ``lines`` that have one frequency.
+    cases : tuple of str
+        Names of the cases of excitation, such as misfires, by their index in ``LimitVerdict.orders``.
     """
 
     picture: ClassVar[str] = "limit_check"
@@ -442,6 +447,8 @@ class LimitCheck(NotebookResult):
     others: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()
     run_up: Annotated[RunUpCheck | None, Out(optional=True)] = None
+    summed: tuple[SummedOrder, ...] = ()
+    cases: tuple[str, ...] = ()
 
     @property
     def rpm(self) -> Annotated[FloatArray, Out(json="speeds_rpm")]:

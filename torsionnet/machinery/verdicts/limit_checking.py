@@ -25,10 +25,12 @@ from torsionnet.machinery.limits.evidence import Evidence, LimitSubject
 from torsionnet.machinery.limits.limit import LimitLine, merged_line
 from torsionnet.machinery.mean.mean_solution import lost_power_notes, means_of
 from torsionnet.machinery.mean.power_flow import power_flows, power_sensors
+from torsionnet.machinery.orders.order_amplitudes import summed_orders
 from torsionnet.machinery.orders.order_response import OrderResponse
 from torsionnet.machinery.orders.order_solution import orders_at_speeds
 from torsionnet.machinery.orders.refined_response import ExaminedSpeeds, merged_responses
 from torsionnet.machinery.orders.speed_refinement import refine_speeds, speeds_to_refine
+from torsionnet.machinery.orders.worst_response import WorstResponse
 from torsionnet.machinery.passage.passage_solution import passage_response
 from torsionnet.machinery.verdicts.limit_check import (
     FAIL,
@@ -115,7 +117,8 @@ def check_limits(
     return LimitCheck(
         run.speeds, run.reference, verdicts, tuple(map(str, run.lines)), drivetrain.title, drivetrain.configuration,
         subject.misfiring, tuple(notes), drivetrain.configurations, drivetrain.other_configurations,
-        _left_out(drivetrain.definition, chosen, excitations), run_up,
+        _left_out(drivetrain.definition, chosen, excitations), run_up, summed_orders(run),
+        run.labels if isinstance(run, WorstResponse) else (),
     )  # fmt: skip
 
 

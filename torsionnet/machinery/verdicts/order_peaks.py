@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,9 +19,9 @@ such orders at one speed would use the limit up. A smaller value lists more crit
 PEAK_WINDOW = 0.1
 """Distance from a critical speed, as a share of that speed, within which the peak of its order is looked for: damping
 moves peaks by less, unless it leaves none."""
-RANGE_REACH = 0.2
-"""Distance beyond an end of the speed range, as a share of that speed, up to which critical speeds count: a usual
-barred range does not reach further."""
+HALF_WIDTHS, OWN_DROP = 3, 0.3
+"""Half widths of a resonance within which the amplitude of its order drops on both sides, and by which share of the
+peak at least: what a mode makes by half drops by more."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +63,7 @@ class OrderPeak:
 
 
 def order_peaks(check: LimitCheck, found: CriticalSpeeds) -> tuple[OrderPeak, ...]:
-    """Peak amplitudes (SI) of each order at its critical speeds near the speed range, each with the limit used most.
+    """Peak amplitudes (SI) of each order at its critical speeds in the speed range, each with the limit used most.
 
     Parameters
     ----------
@@ -75,9 +75,8 @@ def order_peaks(check: LimitCheck, found: CriticalSpeeds) -> tuple[OrderPeak, ..
     Returns
     -------
     tuple of OrderPeak
-        In the order of the critical speeds, without those of overdamped modes and those further than
-        :data:`RANGE_REACH` from the range of speeds. Of a critical speed outside the range the value at its nearer end.
-        A mode that an order hardly excites is among them only if there is a peak of that order.
+        In the order of the critical speeds, without those of overdamped modes. A critical speed at which the order has
+        no local maximum that the mode makes is not among them: one outside the range, or on the flank of another.
 
     Examples
     --------
@@ -88,12 +87,9 @@ def order_peaks(check: LimitCheck, found: CriticalSpeeds) -> tuple[OrderPeak, ..
     >>> worst.critical.mode.number, worst.critical.line, worst.verdict.limit, round(worst.rpm)
     (1, '6', 'propeller_shaft', 51)
     """
-    return tuple(
-        peak
-        for critical in found.crossings
-        if not math.isnan(critical.mode.natural_frequency)
-        if (peak := _peak(check, found, critical)) is not None
-    )
+    found_there = (max(peaks_in_limits(check, found, one), key=lambda one: one.share, default=None)
+                   for one in found.crossings)  # fmt: skip
+    return tuple(peak for peak in found_there if peak is not None)
 
 
 def order_shares(check: LimitCheck) -> FloatArray:
@@ -103,7 +99,7 @@ def order_shares(check: LimitCheck) -> FloatArray:
         assert one.orders is not None
         with np.errstate(invalid="ignore", divide="ignore"):
             # Without a finite value allowed above 0 there is no share.
-            shares = np.where(_counts(one)[:, None], one.orders / one.allowed[:, None], 0.0)
+            shares = np.where(_counts(one)[:, None], one.orders.largest / one.allowed[:, None], 0.0)
         found.append(shares.max(axis=0, initial=0.0))
     return np.asarray(np.max(found, axis=0))
 
@@ -114,11 +110,49 @@ def vibratory_verdicts(check: LimitCheck) -> list[LimitVerdict]:
 
 
 def largest_orders(check: LimitCheck, verdict: LimitVerdict, at: int, most: int = 3) -> list[tuple[str, float]]:
-    """Pairs of name and amplitude (SI) of the largest orders of a limit's value at a speed, given by its index."""
+    """Pairs of name and amplitude (SI) of the largest orders behind a limit's value at a speed, given by its index.
+
+    They are those of the case of excitation to which the value belongs. Lines of one frequency are one order, their
+    sum with their phases, as a test measures it.
+    """
     if verdict.orders is None:
         return []
-    sizes = verdict.orders[at]
-    return [(check.lines[place], float(sizes[place])) for place in np.argsort(-sizes, kind="stable")[:most].tolist()]
+    phasors = verdict.orders.phasors[at]
+    sizes = [(one.name, float(abs(phasors[[*one.places]].sum()))) for one in check.summed]
+    return sorted(sizes, key=lambda pair: -pair[1])[:most]
+
+
+def line_index(check: LimitCheck, found: CriticalSpeeds, critical: CriticalSpeed) -> int | None:
+    """Index among the orders of a check of the one that meets a critical speed; None where it does not act there."""
+    name = next((str(line) for line in found.lines if _is_of(critical, line)), "")
+    return check.lines.index(name) if name in check.lines else None
+
+
+def peaks_in_limits(check: LimitCheck, found: CriticalSpeeds, critical: CriticalSpeed) -> tuple[OrderPeak, ...]:
+    """Peaks of an order at one of its critical speeds, one for each limit in which the mode makes one."""
+    line = line_index(check, found, critical)
+    if line is None or math.isnan(critical.mode.natural_frequency):
+        return ()
+    peaks = []
+    for one in vibratory_verdicts(check):
+        assert one.orders is not None
+        sizes = one.orders.largest[:, line]
+        at = _made_by_mode(check.speeds, sizes, critical, found.crossings)
+        if at is not None and _counts(one)[at]:
+            peaks.append(OrderPeak(critical, one, check, at, float(sizes[at])))
+    return tuple(peaks)
+
+
+def local_maxima(values: FloatArray) -> list[int]:
+    """Indices of the local maxima of a curve over speed, without its ends.
+
+    Examples
+    --------
+    >>> local_maxima(np.array([3.0, 1.0, 2.0, 2.0, 1.0, 4.0]))
+    [2]
+    """
+    inner = values[1:-1]
+    return (np.flatnonzero((inner > values[:-2]) & (inner >= values[2:])) + 1).tolist()
 
 
 def _counts(one: LimitVerdict) -> FloatArray:
@@ -126,54 +160,39 @@ def _counts(one: LimitVerdict) -> FloatArray:
     return np.asarray(np.isfinite(one.allowed) & (one.allowed > 0))
 
 
-def _peak(check: LimitCheck, found: CriticalSpeeds, critical: CriticalSpeed) -> OrderPeak | None:
-    speed = critical.natural_speed
-    low, high = float(check.speeds.min()), float(check.speeds.max())
-    if not low * (1 - RANGE_REACH) <= speed <= high * (1 + RANGE_REACH):
+def _made_by_mode(
+    speeds: FloatArray, sizes: FloatArray, critical: CriticalSpeed, crossings: Sequence[CriticalSpeed]
+) -> int | None:
+    """Index of the local maximum of an order's amplitude that the mode of a critical speed makes; None without one."""
+    low, high = _reach(critical, crossings)
+    near = [at for at in local_maxima(sizes) if low <= speeds[at] <= high]
+    if not near:
         return None
-    name = next((str(line) for line in found.lines if _is_of(critical, line)), "")
-    if name not in check.lines:
-        return None
-    place = check.lines.index(name)
-    near = _window(check.speeds, critical, found.crossings)
-    peaks = _in_limits(check, critical, place, near) if near else ()
-    return max(peaks, key=lambda one: one.share, default=None)
+    top = max(near, key=lambda at: sizes[at])
+    # A mode alone drops to a third within three half widths, zeta n each; on what other modes and the torques
+    # themselves make, it is a ripple that hardly drops.
+    away = HALF_WIDTHS * critical.mode.damping_ratio * critical.natural_speed
+    drops = []
+    for side in (slice(top, None, -1), slice(top, None)):
+        far = np.abs(speeds[side] - speeds[top]) >= away * (1 - 1e-9)
+        if far[1:].any():
+            drops.append(float(sizes[side][: max(2, int(np.argmax(far)) + 1)].min()) <= (1 - OWN_DROP) * sizes[top])
+    return top if all(drops) else None
 
 
-def _in_limits(check: LimitCheck, critical: CriticalSpeed, line: int, near: list[int]) -> Iterator[OrderPeak]:
-    """Yield the peak of an order line in each limit, at one of the speeds with the indices ``near``."""
-    nearest = min(near, key=lambda place: abs(check.speeds[place] - critical.natural_speed))
-    for one in vibratory_verdicts(check):
-        assert one.orders is not None
-        sizes = one.orders[:, line]
-        at = max(near, key=lambda place: sizes[place])
-        # An order that only rises towards another resonance, or to the end of the range, has no peak here.
-        is_peak = at not in near[:1] + near[-1:]
-        if not is_peak and critical.excited is False:
-            continue
-        if not is_peak and 0 < at < len(sizes) - 1:
-            at = nearest
-        if _counts(one)[at]:
-            yield OrderPeak(critical, one, check, at, float(sizes[at]))
+def _reach(critical: CriticalSpeed, crossings: Sequence[CriticalSpeed]) -> tuple[float, float]:
+    """Lowest and highest speed in rad/s at which the peak of a critical speed may lie.
 
-
-def _window(speeds: FloatArray, critical: CriticalSpeed, crossings: Sequence[CriticalSpeed]) -> list[int]:
-    """Indices of the speeds at which the peak of a critical speed may lie: those within ``PEAK_WINDOW``.
-
-    Of a critical speed further outside the range the nearer end; none that is nearer to another critical speed of the
-    same order.
+    None is nearer to another critical speed of the same order.
     """
     speed = critical.natural_speed
-    low, high = 0.0, math.inf
+    low, high = speed * (1 - PEAK_WINDOW), speed * (1 + PEAK_WINDOW)
     for other in crossings:
         if other is not critical and _is_of(other, critical):
             # Speeds beyond halfway to the next critical speed of this order belong to that.
             middle = (speed + other.natural_speed) / 2
             low, high = (max(low, middle), high) if middle < speed else (low, min(high, middle))
-    inside = (speeds >= low) & (speeds <= high)
-    near = np.flatnonzero(inside & (np.abs(speeds - speed) <= PEAK_WINDOW * speed)).tolist()
-    nearest = int(np.argmin(np.abs(speeds - speed)))
-    return near or ([nearest] if inside[nearest] else [])
+    return low, high
 
 
 def _is_of(one: object, other: object) -> bool:
