@@ -121,7 +121,8 @@ def _draw(
     )
     if first.orders is not None:
         for number, line in enumerate(np.argsort(-first.orders.largest.max(axis=0), kind="stable")[:most].tolist()):
-            panel.plot(check.rpm, first.orders.largest[:, line] * scale, label=check.lines[line], **style.line_style(number))
+            sizes = first.orders.largest[:, line] * scale
+            panel.plot(check.rpm, sizes, label=check.lines[line], **style.line_style(number))
     for number, one in enumerate(verdicts):
         dashes = LIMIT_DASHES[number % len(LIMIT_DASHES)]
         panel.plot(

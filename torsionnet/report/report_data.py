@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from torsionnet.machinery.holzer.holzer import CountedVibration
     from torsionnet.machinery.orders.order_line import OrderLine
     from torsionnet.machinery.orders.order_response import OrderResponse
+    from torsionnet.machinery.verdicts.condition_peaks import ConditionPeaks
     from torsionnet.machinery.verdicts.limit_check import LimitCheck
     from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion
     from torsionnet.machinery.verdicts.order_peaks import GoverningPeaks
@@ -292,6 +293,33 @@ class ReportData:
     def judged_case(self, check: LimitCheck) -> Case:
         """Configuration of the report that a check of its limits is about."""
         return next(case for case in self.judged_cases if case.drivetrain.configuration == check.configuration)
+
+    @cached_property
+    def normal_peaks(self) -> ConditionPeaks | None:
+        """All critical speeds and peaks of the normal condition; None for a model without limits."""
+        if self.limit_conclusion is None:
+            return None
+        normal = self.normal_case.drivetrain.configuration
+        check = next(one for one in self.limit_conclusion.checks if one.configuration == normal)
+        return self._peaks(check, None)
+
+    @cached_property
+    def further_peaks(self) -> tuple[ConditionPeaks, ...]:
+        """Critical speeds and peaks of other conditions, of the orders that matter there and differ from the normal."""
+        from torsionnet.machinery.verdicts.order_peaks import differing_lines
+
+        if self.normal_peaks is None or self.limit_conclusion is None:
+            return ()
+        normal = self.normal_peaks.check
+        checks = [normal, *(one for one in self.limit_conclusion.checks if one is not normal)]
+        return tuple(self._peaks(checks[place], lines) for place, lines in differing_lines(checks).items())
+
+    def _peaks(self, check: LimitCheck, lines: Sequence[str] | None) -> ConditionPeaks:
+        from torsionnet.machinery.verdicts.condition_peaks import condition_peaks
+
+        drivetrain, speeds = self.judged_case(check).drivetrain, self.model.definition.speeds
+        found = drivetrain.critical_speeds(lines=lines)
+        return condition_peaks(drivetrain, check, found, speeds.rated if speeds else None)
 
     @cached_property
     def free_end_response(self) -> OrderResponse:

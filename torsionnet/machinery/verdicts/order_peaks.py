@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
@@ -327,3 +328,54 @@ def _worst_conditions(checks: Sequence[LimitCheck], least: float) -> dict[str, t
         taken += [] if known else [place]
         found[line] = (largest[line], place)
     return found
+
+
+def differing_lines(checks: Sequence[LimitCheck], least: float = LEAST_SHARE) -> dict[int, list[str]]:
+    """Names of the orders that matter in conditions and differ there, by index of the condition.
+
+    Orders that use at least the share ``least`` of a limit, and whose largest share, its speed, or the use by all
+    orders there, differs by more than ``SAME_SHARE`` from those in the first condition and in each condition named
+    before. Of conditions in which an order is alike that in which limits are used most is named.
+
+    Parameters
+    ----------
+    checks : sequence of LimitCheck
+        One for each condition, the normal one first.
+    least : float
+    """
+    tops = [_largest_shares(check, least) for check in checks]
+    found: dict[int, list[str]] = {}
+    for line in dict.fromkeys(name for one in tops for name in one):
+        places = [place for place, one in enumerate(tops) if place and one.get(line)]
+        known = [tops[0].get(line, {})]
+        for place in sorted(places, key=lambda one: -max(use for *_, use in tops[one][line].values())):
+            if not any(_alike(tops[place][line], other) for other in known):
+                known.append(tops[place][line])
+                found.setdefault(place, []).append(line)
+    return dict(sorted(found.items()))
+
+
+Top: TypeAlias = tuple[float, float, float]
+"""Largest share of a limit that an order uses, its speed in rad/s, and the utilisation by all orders at that speed."""
+
+
+def _largest_shares(check: LimitCheck, least: float) -> dict[str, dict[tuple[str, str], Top]]:
+    """Largest share of each limit that an order alone uses by ``least`` or more, by order and by limit."""
+    found: dict[str, dict[tuple[str, str], Top]] = {line: {} for line in check.lines}
+    for one in vibratory_verdicts(check):
+        assert one.orders is not None
+        with np.errstate(invalid="ignore", divide="ignore"):
+            shares = np.where(_counts(one)[:, None], one.orders.largest / one.allowed[:, None], 0.0)
+        for number, at in enumerate(shares.argmax(axis=0).tolist()):
+            if shares[at, number] >= least:
+                top = float(shares[at, number]), float(check.speeds[at]), float(one.utilisation[at])
+                found[check.lines[number]][one.limit, one.criterion] = top
+    return found
+
+
+def _alike(own: Mapping[tuple[str, str], Top], other: Mapping[tuple[str, str], Top]) -> bool:
+    """Whether an order has the same largest shares at the same speeds in two conditions, within ``SAME_SHARE``."""
+    return all(
+        limit in other and all(abs(a - b) <= SAME_SHARE * b for a, b in zip(top, other[limit], strict=True))
+        for limit, top in own.items()
+    )

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from itertools import groupby
+from collections.abc import Iterator
 
 import numpy as np
 
-from torsionnet.base.conventions import Conventions
 from torsionnet.base.errors import TorsionnetError
 from torsionnet.base.number_text import aligned_numbers
 from torsionnet.base.phrases import extended, phrase
@@ -17,13 +15,10 @@ from torsionnet.machinery.orders.worst_response import WorstResponse
 from torsionnet.machinery.verdicts.limit_check import LimitCheck, LimitVerdict
 from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion
 from torsionnet.machinery.verdicts.order_peaks import (
-    GoverningPeaks,
-    OrderPeak,
-    largest_orders,
-    line_name,
     vibratory_verdicts,
 )
 from torsionnet.motion.motion_summary import energy_table, event_table, peak_table
+from torsionnet.report.condition_tables import condition_cell, further_response, normal_response, orders_cell
 from torsionnet.report.document_tree import (
     Block,
     Cell,
@@ -45,17 +40,10 @@ from torsionnet.report.report_units import DIGITS, limit_number, limit_unit
 
 MOST_PANELS = 6
 """Largest number of components in one picture, three rows of two: more would not fit a page with their caption."""
-MOST_ORDERS = 3
-"""Number of largest orders that are named at a peak."""
 INTRODUCTION = (
     "All orders act together with their phases (synthesis): the value shown is the half range, (max − min)/2, of their "
     "sum over a cycle. Amplitudes of single orders are peak values; they need not add up to the half range."
 )
-PEAKS = (
-    "The speed is that at which the order alone is largest in this component. Damping moves it off the critical speed, "
-    "where order and natural frequency meet, and the sum of all orders is largest at a speed of its own."
-)
-"""Note below the table of peaks that tells apart the speeds of one resonance."""
 SUMS = "The speed is that at which the sum of all orders uses the limit most."
 """Note below the table of worst values."""
 WORST_COLUMNS = (
@@ -68,14 +56,6 @@ WORST_COLUMNS = (
     Heading("Utilisation", "%", numeric=True),
     Heading("Largest orders there", wide=True),
 )
-CRITICAL_COLUMNS = (
-    Heading("Peak at", "rpm", numeric=True),
-    Heading("Peak of"),
-    Heading("Component"),
-    Heading("All orders", numeric=True),
-    Heading("Unit"),
-    Heading("Largest orders there", wide=True),
-)
 
 
 def forced_response_section(subject: ReportData) -> Section | None:
@@ -83,11 +63,9 @@ def forced_response_section(subject: ReportData) -> Section | None:
     found = subject.limit_conclusion
     if found is None:
         return None
-    # Pictures of many components fill a page of their own: what fits in front of them comes first.
-    blocks: list[Block] = [Paragraph((INTRODUCTION,)), *_worst(subject, found), _free_end(subject)]
-    blocks += _families(subject, found)
-    if subject.governing_peaks is not None and subject.governing_peaks.peaks:
-        blocks.append(_at_critical_speeds(subject, subject.governing_peaks))
+    blocks: list[Block] = [Paragraph((INTRODUCTION,)), normal_response(subject), *_worst(subject, found)]
+    further = further_response(subject)
+    blocks += [*([further] if further else []), _free_end(subject), *_families(subject, found)]
     return Section("forced_response", ("Forced response",), tuple(blocks))
 
 
@@ -158,13 +136,13 @@ def _worst_row(subject: ReportData, check: LimitCheck, one: LimitVerdict) -> tup
     assert at is not None
     return (
         (as_words(one.limit), " ", symbol_or_words(one.criterion)),
-        subject.titles.of(check.configuration),
+        condition_cell(subject, check, as_words(one.case)),
         NumberText(float(check.rpm[at]), 4),
         limit_number(float(one.values[at]), one.unit, subject.conventions),
         limit_number(float(one.allowed[at]), one.unit, subject.conventions),
         limit_unit(one.unit, subject.conventions),
         NumberText(100 * float(one.utilisation[at]), DIGITS),
-        _order_list(largest_orders(check, one, at, MOST_ORDERS), one, subject.conventions),
+        orders_cell(subject, check, one, at),
     )
 
 
@@ -191,37 +169,6 @@ def _free_end(subject: ReportData) -> Picture:
         speed=run.rpm[worst],
     )
     return Picture("free_end", drawn, caption, alt)
-
-
-def _at_critical_speeds(subject: ReportData, found: GoverningPeaks) -> TableBlock:
-    """Table of the largest orders at each critical speed that matters, in the component that it uses most."""
-    groups = []
-    for configuration, some in groupby(found.peaks, key=lambda one: one.check.configuration):
-        peaks = sorted(some, key=lambda one: (one.at, one.verdict.limit))
-        alike = [list(those) for _, those in groupby(peaks, key=lambda one: (one.at, one.verdict.limit))]
-        speeds = aligned_numbers([those[0].rpm for those in alike])
-        rows = [_critical_row(subject, speed, those) for speed, those in zip(speeds, alike, strict=True)]
-        groups.append(Group(tuple(rows), subject.titles.of(configuration) if len(subject.judged_cases) > 1 else ""))
-    return TableBlock(
-        ("Orders at the peaks of single orders that matter",), CRITICAL_COLUMNS, tuple(groups), ((PEAKS,),)
-    )
-
-
-def _critical_row(subject: ReportData, speed: Cell, those: Sequence[OrderPeak]) -> tuple[Cell, ...]:
-    """Row of one speed at which one or several orders have a peak in one component."""
-    one = those[0]
-    limit = one.verdict
-    return (
-        speed,
-        "; ".join(
-            phrase("{order}, mode {mode}", order=as_words(line_name(peak)), mode=peak.critical.mode.number)
-            for peak in those
-        ),
-        as_words(limit.limit),
-        limit_number(float(limit.values[one.at]), limit.unit, subject.conventions),
-        limit_unit(limit.unit, subject.conventions),
-        _order_list(largest_orders(one.check, limit, one.at, MOST_ORDERS), limit, subject.conventions),
-    )
 
 
 # Section of a report on the response to all excitations over speed: each order, and all orders together.
@@ -380,9 +327,3 @@ def _scenario(subject: ReportData, case: Case, name: str) -> Iterator[Block]:
     caption = phrase("The scenario {name}{where}: signals over time, events as dashed lines.", name=name, where=where)
     number = subject.cases.index(case) + 1
     yield Picture(f"scenario_{name}_{number}", drawn, (caption,), caption)
-
-
-def _order_list(orders: list[tuple[str, float]], one: LimitVerdict, conventions: Conventions) -> Cell:
-    """Names of orders with their amplitudes in the unit of a limit as one text, such as "engine 6: 46.3"."""
-    numbers = ((name, limit_number(size, one.unit, conventions)) for name, size in orders)
-    return "; ".join(f"{as_words(name)}: {number}" for name, number in numbers)

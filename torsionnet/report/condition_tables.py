@@ -1,0 +1,436 @@
+"""Tables of a report on critical speeds and peaks by condition: the normal one whole, of others what differs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from itertools import groupby
+
+from torsionnet.base.entries.spec import not_none
+from torsionnet.base.number_text import NumberText
+from torsionnet.base.phrases import joined, phrase
+from torsionnet.base.units import RPM
+from torsionnet.machinery.criticals.critical_speeds import CriticalSpeed
+from torsionnet.machinery.orders.operating_groups import damping_shares
+from torsionnet.machinery.orders.order_amplitudes import SummedOrder
+from torsionnet.machinery.verdicts.condition_peaks import ConditionPeaks, CriticalRecord, LimitPoint, SumPeak
+from torsionnet.machinery.verdicts.limit_check import LimitCheck, LimitVerdict
+from torsionnet.machinery.verdicts.order_peaks import LEAST_SHARE, largest_orders
+from torsionnet.report.document_tree import Cell, Heading, TableBlock, Text
+from torsionnet.report.document_tree import TableGroup as Group
+from torsionnet.report.report_data import Case, ReportData
+from torsionnet.report.report_text import as_words, first_names, symbol_or_words
+from torsionnet.report.report_units import DIGITS, limit_number, limit_unit
+
+SAME_VALUE = 0.05
+"""Relative difference up to which values of two conditions count as the same: readings on board differ by as much."""
+SMALL_SHARE = 0.01
+"""Ratio of the amplitude of one order to the value that a limit allows below which a critical speed is named alone."""
+MOST_ROWS = 40
+"""Largest number of critical speeds of the normal condition in the table, those of which the limits are used most."""
+MOST_NAMED = 40
+"""Largest number of further critical speeds that a note names."""
+MOST_SHARES, SMALLEST_SHARE_NAMED = 3, 0.05
+"""Number of elements whose share in the damping of a mode is named, and the share below which they are summed up."""
+MOST_ORDERS = 3
+"""Number of largest orders that are named at a peak."""
+WORST = "worst"
+"""Mark of the condition in which a limit is used most at a peak, of all conditions."""
+GENERAL_CRITERIA = ("continuous", "in passing", "tau_C", "tau_T", "tau_1", "tau_2", "tau_W", "angle")
+"""Criteria that need no name beside their component, as the headings of the table say them."""
+COMMON = (
+    Heading("Critical speed", "rpm", numeric=True),
+    Heading("Equil. ampl.", "mrad", numeric=True),
+    Heading("Gen. force", "kN·m", numeric=True),
+    Heading("Magnifier", numeric=True),
+)
+VALUES = (
+    Heading("Peak at", "rpm", numeric=True),
+    Heading("Order alone", numeric=True),
+    Heading("All orders", numeric=True),
+    Heading("Allowed", numeric=True),
+    Heading("In passing", numeric=True),
+)
+CRITICAL_NOTES = (
+    "Critical speed: where the order meets the natural frequency with damping. Peak at: where the order alone is "
+    "largest in the component, apart from it by damping. The sum of all orders is largest at speeds of its own.",
+    "Order alone: its amplitude, peak value; all orders: half range of their sum at the same speed. Allowed: in "
+    "continuous operation; in passing: while the speed is passed, where a rule says it.",
+)
+"""Notes below the table of critical speeds that say what its columns are."""
+NO_PEAK = "Without a speed of its peak the order has no maximum of its own; values are those at the critical speed."
+SUM_NOTE = (
+    "Peaks of the sum are its local maxima; the order named makes it, as its amplitude drops most beside it. Orders of "
+    "several sources at one frequency are given as their sum, as measured."
+)
+
+
+def normal_criticals(subject: ReportData) -> TableBlock:
+    """Table of all critical speeds of the normal condition in the range of speeds, grouped by mode."""
+    peaks, case = not_none(subject.normal_peaks), subject.normal_case
+    inside = [one for one in peaks.criticals if one.point is not None]
+    ranked = sorted((one for one in inside if one.share >= SMALL_SHARE), key=lambda one: -one.share)[:MOST_ROWS]
+    shown = [one for one in inside if one in ranked] or inside[:MOST_ROWS]
+    columns = (
+        Heading("Order"), *COMMON, Heading("Damping by", wide=True), Heading("Component"), *VALUES,
+        Heading("Used at peak", "%", numeric=True), Heading("At rated", "%", numeric=True),
+    )  # fmt: skip
+    groups = []
+    for mode, some in groupby(shown, key=lambda one: one.critical.mode.number):
+        records = list(some)
+        title = phrase(
+            "Mode {number}, undamped {frequency:.5g} Hz",
+            number=mode,
+            frequency=records[0].critical.mode.undamped_frequency,
+        )
+        groups.append(Group(tuple(_normal_row(subject, case, *pair) for pair in _with_sums(records)), title))
+    caption = phrase("Critical speeds in normal operation{where}", where=_where(case))
+    return TableBlock((caption,), columns, tuple(groups), tuple(_notes(subject, peaks, shown)))
+
+
+def _with_sums(records: Sequence[CriticalRecord]) -> Iterator[tuple[CriticalRecord, SummedOrder | None]]:
+    """Yield records of one mode, and behind those of one frequency the one of the larger order with their sum.
+
+    What a test measures is the sum of the lines of one frequency.
+    """
+    for number, one in enumerate(records):
+        yield one, None
+        summed = next(those for those in not_none(one.point).check.summed if one.line in those.places)
+        own = [other for other in records if other.line in summed.places and other.key[0] == one.key[0]]
+        if len(own) > 1 and all(other not in own for other in records[number + 1 :]):
+            yield max(own, key=lambda other: other.share), summed
+
+
+def _normal_row(subject: ReportData, case: Case, one: CriticalRecord, summed: SummedOrder | None) -> tuple[Cell, ...]:
+    """Row of a critical speed in the normal condition, or of a sum of orders at the peak of the largest of them."""
+    rated = math.nan if one.rated is None else 100 * one.rated.utilisation
+    return (
+        _unbroken(as_words(summed.name if summed else one.name)),
+        *_common(one, summed),
+        "" if summed else damping_cell(case, one.critical),
+        *_values(subject, one, summed),
+        NumberText(100 * one.utilisation, DIGITS),
+        NumberText(rated, DIGITS),
+    )
+
+
+def further_criticals(subject: ReportData) -> TableBlock | None:
+    """Table of critical speeds in further conditions, where they differ by more than 5 % from the normal condition.
+
+    None where none does.
+    """
+    first = not_none(subject.normal_peaks).criticals
+    normal = {one.key: one for one in first}
+    kept = [
+        (peaks, [one for one in peaks.criticals if _matters(one) and not _alike(one, normal.get(one.key))])
+        for peaks in subject.further_peaks
+    ]
+    worst = _worst(one for records in (first, *(those for _, those in kept)) for one in records)
+    columns = (
+        Heading("Order"), *COMMON, Heading("Component"), Heading("Case"), *VALUES,
+        Heading("Used at peak", "%", numeric=True), Heading("Worst"),
+    )  # fmt: skip
+    groups = []
+    for peaks, records in kept:
+        rows = []
+        for one, summed in _with_sums(records):
+            component, *values = _values(subject, one, summed)
+            order = as_words(summed.name if summed else one.name)
+            named = phrase("{order}, mode {mode}", order=order, mode=one.critical.mode.number)
+            mark = WORST if one in worst and not summed else ""
+            used = NumberText(100 * one.utilisation, DIGITS)
+            rows.append((named, *_common(one, summed), component, as_words(one.critical.case), *values, used, mark))
+        if rows:
+            groups.append(Group(tuple(rows), subject.titles.of(peaks.check.configuration)))
+    if not groups:
+        return None
+    rule = phrase(
+        "Listed where one order uses {share:g} % of a limit or more and a value differs by more than {same:g} % from "
+        "normal operation; conditions that differ less from another one are left out.",
+        share=100 * LEAST_SHARE,
+        same=100 * SAME_VALUE,
+    )
+    usual = [as_words(one.name) for one in first if one in worst and _matters(one)]
+    rest = phrase("Normal operation is the worst of all conditions at {names}.", names=first_names(usual))
+    notes = ((rule,), *([(rest,)] if usual else []))
+    return _without_empty(TableBlock(("Critical speeds in further conditions",), columns, tuple(groups), notes))
+
+
+def _worst(records: Iterator[CriticalRecord]) -> list[CriticalRecord]:
+    """Records in which each order uses a limit most at each of its modes, of all conditions."""
+    found: dict[tuple[int, str], CriticalRecord] = {}
+    for one in records:
+        known = found.get(one.key)
+        if one.point is not None and (known is None or one.utilisation > known.utilisation):
+            found[one.key] = one
+    return list(found.values())
+
+
+def _matters(one: CriticalRecord) -> bool:
+    return one.is_peak and one.share >= LEAST_SHARE
+
+
+def _alike(one: CriticalRecord, other: CriticalRecord | None) -> bool:
+    """Whether a critical speed and its peak agree with those of another condition within ``SAME_VALUE``."""
+    if other is None or one.point is None or other.point is None:
+        return False
+    pairs = [
+        (one.critical.natural_speed, other.critical.natural_speed),
+        (one.critical.generalised_force, other.critical.generalised_force),
+        (one.critical.mode.amplification, other.critical.mode.amplification),
+        (one.amplitude, other.amplitude),
+        (one.utilisation, other.utilisation),
+    ]
+    same_place = one.point.verdict.limit == other.point.verdict.limit
+    return same_place and all(_same(*pair) for pair in pairs)
+
+
+def _same(one: float, other: float) -> bool:
+    return bool(abs(one - other) <= SAME_VALUE * abs(other)) or (math.isnan(one) and math.isnan(other))
+
+
+def _common(one: CriticalRecord, summed: SummedOrder | None) -> tuple[Cell, ...]:
+    """Cells on speed, equilibrium amplitude, generalised force and magnifier; of a sum of orders on speed alone."""
+    critical = one.critical
+    speed = NumberText(critical.natural_speed * RPM, 4, 1)
+    if summed:
+        return speed, "", "", ""
+    return (
+        speed,
+        NumberText(1e3 * critical.equilibrium_amplitude, DIGITS),
+        NumberText(1e-3 * critical.generalised_force, DIGITS),
+        NumberText(critical.mode.amplification, DIGITS),
+    )
+
+
+def _values(subject: ReportData, one: CriticalRecord, summed: SummedOrder | None) -> tuple[Cell, ...]:
+    """Cells on the component that an order, or a sum of orders, uses most: name, speed, values and values allowed."""
+    point = not_none(one.point)
+    sizes = (point.order(summed.places if summed else (one.line,)), point.value, point.continuous, point.in_passing)
+    return (
+        component_cell(subject, point.verdict),
+        NumberText(point.rpm if one.is_peak else math.nan, 4, 1),
+        *(limit_number(size, point.verdict.unit, subject.conventions) for size in sizes),
+    )
+
+
+def component_cell(subject: ReportData, verdict: LimitVerdict, *, with_unit: bool = True) -> Text:
+    """Cell with the name of a limit, its criterion where that is no general one, and the unit of its values."""
+    unit = f", {limit_unit(verdict.unit, subject.conventions)}" if with_unit else ""
+    named = () if verdict.criterion in GENERAL_CRITERIA else (" ", symbol_or_words(verdict.criterion))
+    return (as_words(verdict.limit), *named, *([unit] if unit else []))
+
+
+def damping_cell(case: Case, one: CriticalSpeed) -> str:
+    """Largest shares of elements in the damping of a mode as a text, such as "propeller 79 %, others 21 %"."""
+    found = damping_shares(case.drivetrain, one)
+    named = [(name, share) for name, share in found.items() if share >= SMALLEST_SHARE_NAMED][:MOST_SHARES]
+    if not found:
+        return ""
+    texts = [f"{as_words(name)} {100 * share:.0f}\N{NO-BREAK SPACE}%" for name, share in named]
+    rest = 100 * (sum(found.values()) - sum(share for _, share in named))
+    more = [phrase("others {share:.0f}\N{NO-BREAK SPACE}%", share=rest)] if rest >= 1 else []
+    return joined(", ", [*texts, *more])
+
+
+def _notes(subject: ReportData, peaks: ConditionPeaks, shown: Sequence[CriticalRecord]) -> Iterator[Text]:
+    yield from ((note,) for note in CRITICAL_NOTES)
+    if any(not one.is_peak for one in shown):
+        yield (NO_PEAK,)
+    rest = [one for one in peaks.criticals if one.point is not None and one not in shown]
+    if rest:
+        yield (
+            phrase(
+                "At other critical speeds in the range the order alone uses less than {share:g} % of a limit: {names}.",
+                share=100 * max([SMALL_SHARE, *(one.share for one in rest)]),
+                names=_places(rest),
+            ),
+        )
+    strongest = max((one.critical.resonant_amplitude for one in shown), default=0.0)
+    beyond = [
+        one
+        for one in peaks.criticals
+        if one.point is None and one.critical.resonant_amplitude >= LEAST_SHARE * strongest
+    ]
+    if beyond:
+        low, high = peaks.check.rpm[0], peaks.check.rpm[-1]
+        text = "Beside the range of {low:.6g} to {high:.6g} rpm, not examined: {names}."
+        yield (phrase(text, low=low, high=high, names=_places(beyond)),)
+    yield from _distances(subject, shown)
+
+
+def _places(records: Sequence[CriticalRecord]) -> str:
+    """Text with order, mode and critical speed in rpm of some critical speeds."""
+    return first_names(
+        [
+            phrase(
+                "{order}, mode {mode} at {speed:.1f}",
+                order=as_words(one.name),
+                mode=one.critical.mode.number,
+                speed=one.critical.natural_speed * RPM,
+            )
+            for one in records
+        ],
+        MOST_NAMED,
+    )
+
+
+def _distances(subject: ReportData, shown: Sequence[CriticalRecord]) -> Iterator[Text]:
+    """Sentence on how far the critical speeds listed lie from rated speed, the nearest of each order; or nothing."""
+    speeds = subject.model.definition.speeds
+    if speeds is None or not speeds.rated:
+        return
+    nearest: dict[str, float] = {}
+    for one in shown:
+        off = one.critical.natural_speed / speeds.rated - 1
+        if one.share >= LEAST_SHARE and abs(off) < abs(nearest.get(one.name, math.inf)):
+            nearest[one.name] = off
+    closest = sorted(nearest.items(), key=lambda pair: abs(pair[1]))
+    shares = [f"{100 * off:+.1f}".replace("-", "\N{MINUS SIGN}") for _, off in closest]
+    each = [f"{as_words(name)} {share} %" for (name, _), share in zip(closest, shares, strict=True)]
+    if each:
+        yield (
+            phrase(
+                "Distance of the critical speeds from rated speed, {speed:.6g} rpm: {distances}.",
+                speed=speeds.rated * RPM,
+                distances=", ".join(each),
+            ),
+        )
+
+
+def _unbroken(text: str) -> str:
+    """Text in which no line breaks within the name of an order."""
+    return " + ".join(part.replace(" ", "\N{NO-BREAK SPACE}") for part in text.split(" + "))
+
+
+def _where(case: Case) -> str:
+    return f", {case.title}" if case.title else ""
+
+
+def _without_empty(block: TableBlock) -> TableBlock:
+    """Table without the columns in which no row has anything."""
+    rows = [row for group in block.groups for row in group.rows]
+    used = [place for place, _ in enumerate(block.columns) if any(row[place] not in ("", ()) for row in rows)]
+    groups = tuple(Group(tuple(tuple(row[at] for at in used) for row in one.rows), one.title) for one in block.groups)
+    return TableBlock(block.caption, tuple(block.columns[at] for at in used), groups, block.notes, block.more)
+
+
+# Tables of the peaks of the sum of all orders, by component.
+
+LEAST_USE_ELSEWHERE = 0.5
+"""Utilisation from which on a peak of the sum in a further condition is listed."""
+
+
+def normal_response(subject: ReportData) -> TableBlock:
+    """Table of every component in the normal condition, at rated speed and at the peaks of the sum of all orders."""
+    peaks = not_none(subject.normal_peaks)
+    columns = (Heading("Component"), Heading("Place"), *_response_columns())
+    rows: list[tuple[Cell, ...]] = []
+    for verdict, those in _by_component(peaks):
+        found: list[tuple[str, LimitPoint, str]] = []
+        if peaks.rated is not None:
+            found.append(("rated speed", LimitPoint(peaks.points, verdict, peaks.rated), ""))
+        found += [("peak" if one.is_peak else "largest, no peak", one.point, maker(one)) for one in those]
+        rows += [
+            (component_cell(subject, verdict, with_unit=False), place, *_response_cells(subject, point, made))
+            for place, point, made in found
+        ]
+    where = _where(subject.normal_case)
+    caption = phrase("Components in normal operation{where}", where=where)
+    return _without_empty(TableBlock((caption,), columns, (Group(tuple(rows)),), ((SUM_NOTE,),)))
+
+
+def further_response(subject: ReportData) -> TableBlock | None:
+    """Table of the peaks of the sum of all orders in further conditions that differ from the normal one; or None."""
+    further = subject.further_peaks
+    known = [*not_none(subject.normal_peaks).sums]
+    kept: dict[int, list[SumPeak]] = {}
+    every = [(place, one) for place, peaks in enumerate(further) for one in peaks.sums]
+    # The most used first, so that it stands for others that are as large.
+    for place, one in sorted(every, key=lambda pair: -pair[1].point.utilisation):
+        if one.point.utilisation >= LEAST_USE_ELSEWHERE and not any(_alike_peaks(one, other) for other in known):
+            known.append(one)
+            kept.setdefault(place, []).append(one)
+    columns = (Heading("Component"), *_response_columns())
+    groups = [
+        Group(
+            tuple(
+                (component_cell(subject, one.point.verdict, with_unit=False),
+                 *_response_cells(subject, one.point, maker(one)))
+                for one in further[place].sums if one in kept[place]
+            ),
+            subject.titles.of(further[place].check.configuration),
+        )
+        for place in sorted(kept)
+    ]  # fmt: skip
+    rule = phrase(
+        "Listed where a limit is used by {use:g} % or more, and by over {same:g} % otherwise than in normal operation "
+        "and in conditions listed.",
+        use=100 * LEAST_USE_ELSEWHERE,
+        same=100 * SAME_VALUE,
+    )
+    caption = ("Peaks of the sum of all orders in further conditions",)
+    return _without_empty(TableBlock(caption, columns, tuple(groups), ((rule,),))) if groups else None
+
+
+def _by_component(peaks: ConditionPeaks) -> Iterator[tuple[LimitVerdict, list[SumPeak]]]:
+    """Yield each criterion of vibration in continuous operation at the speeds of the peaks, with its peaks."""
+    for verdict in peaks.points.verdicts:
+        if verdict.orders is not None and not verdict.in_passing and len(verdict.values):
+            name = verdict.limit, verdict.criterion
+            yield verdict, [one for one in peaks.sums if (one.point.verdict.limit, one.point.verdict.criterion) == name]
+
+
+def maker(one: SumPeak) -> str:
+    """Text with the order and mode that make a peak of the sum; the order alone where no mode is near."""
+    if one.mode is None:
+        return as_words(one.order)
+    return phrase("{order}, mode {mode}", order=as_words(one.order), mode=one.mode)
+
+
+def _response_columns() -> tuple[Heading, ...]:
+    return (
+        Heading("Speed", "rpm", numeric=True),
+        Heading("Value", numeric=True),
+        Heading("Allowed", numeric=True),
+        Heading("In passing", numeric=True),
+        Heading("Unit"),
+        Heading("Used", "%", numeric=True),
+        Heading("Made by"),
+        Heading("Case"),
+        Heading("Largest orders there", wide=True),
+    )
+
+
+def _response_cells(subject: ReportData, point: LimitPoint, made: str) -> tuple[Cell, ...]:
+    sizes = (point.value, point.continuous, point.in_passing)
+    return (
+        NumberText(point.rpm, 4, 1),
+        *(limit_number(size, point.verdict.unit, subject.conventions) for size in sizes),
+        limit_unit(point.verdict.unit, subject.conventions),
+        NumberText(100 * point.utilisation, DIGITS),
+        made,
+        as_words(point.case),
+        orders_cell(subject, point.check, point.verdict, point.at),
+    )
+
+
+def condition_cell(subject: ReportData, check: LimitCheck, case: str) -> str:
+    """Text with the title of a condition and the case of excitation in it, "misfire, full: misfire of cylinder 4"."""
+    chosen = subject.titles.of(check.configuration).split(", ")
+    lead = ", ".join(title for title in chosen if not title or not case.startswith(title))
+    return ": ".join(text for text in (lead, case) if text)
+
+
+def orders_cell(subject: ReportData, check: LimitCheck, verdict: LimitVerdict, at: int) -> str:
+    """Text with the largest orders at one speed in the unit of a limit, such as "engine 6: 46.3"."""
+    found = largest_orders(check, verdict, at, MOST_ORDERS)
+    numbers = ((name, limit_number(size, verdict.unit, subject.conventions)) for name, size in found)
+    return "; ".join(f"{as_words(name)}: {number}" for name, number in numbers)
+
+
+def _alike_peaks(one: SumPeak, other: SumPeak) -> bool:
+    """Whether two peaks of the sum are those of one component at one speed and of one size, within ``SAME_VALUE``."""
+    first, second = one.point, other.point
+    named = [(point.verdict.limit, point.verdict.criterion) for point in (first, second)]
+    return named[0] == named[1] and _same(first.rpm, second.rpm) and _same(first.utilisation, second.utilisation)
