@@ -15,7 +15,7 @@ from torsionnet.machinery.orders.operating_groups import damping_shares
 from torsionnet.machinery.orders.order_amplitudes import SummedOrder
 from torsionnet.machinery.verdicts.condition_peaks import ConditionPeaks, CriticalRecord, LimitPoint, SumPeak
 from torsionnet.machinery.verdicts.limit_check import LimitCheck, LimitVerdict
-from torsionnet.machinery.verdicts.order_peaks import LEAST_SHARE, largest_orders
+from torsionnet.machinery.verdicts.order_peaks import LEAST_SHARE, SMALL_SHARE, largest_orders
 from torsionnet.report.document_tree import Cell, Heading, TableBlock, Text
 from torsionnet.report.document_tree import TableGroup as Group
 from torsionnet.report.report_data import Case, ReportData
@@ -24,8 +24,6 @@ from torsionnet.report.report_units import DIGITS, limit_number, limit_unit
 
 SAME_VALUE = 0.05
 """Relative difference up to which values of two conditions count as the same: readings on board differ by as much."""
-SMALL_SHARE = 0.01
-"""Ratio of the amplitude of one order to the value that a limit allows below which a critical speed is named alone."""
 MOST_ROWS = 40
 """Largest number of critical speeds of the normal condition in the table, those of which the limits are used most."""
 MOST_NAMED = 40

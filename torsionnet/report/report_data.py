@@ -30,14 +30,12 @@ if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
     from torsionnet.linear.assembly.assembled import AssembledModel
     from torsionnet.linear.frequency_response import FloatArray
-    from torsionnet.machinery.criticals.critical_speeds import CriticalSpeeds
     from torsionnet.machinery.holzer.holzer import CountedVibration
     from torsionnet.machinery.orders.order_line import OrderLine
     from torsionnet.machinery.orders.order_response import OrderResponse
-    from torsionnet.machinery.verdicts.condition_peaks import ConditionPeaks
+    from torsionnet.machinery.verdicts.condition_peaks import ConditionPeaks, CriticalRecord
     from torsionnet.machinery.verdicts.limit_check import LimitCheck
     from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion
-    from torsionnet.machinery.verdicts.order_peaks import GoverningPeaks
     from torsionnet.symbolic.symbolic_system import SymbolicSystem
 
 MOST_CASES, MOST_JUDGED_CASES = 12, 200
@@ -278,30 +276,21 @@ class ReportData:
 
         return LimitConclusion(tuple(case.drivetrain.check_limits() for case in self.judged_cases))
 
-    @cached_property
-    def governing_peaks(self) -> GoverningPeaks | None:
-        """Critical speeds that matter in the judged configurations, each order in its worst; None without limits."""
-        if self.limit_conclusion is None:
-            return None
-        from torsionnet.machinery.verdicts.order_peaks import governing_peaks
-
-        def critical_speeds(check: LimitCheck, lines: Sequence[str]) -> CriticalSpeeds:
-            return self.judged_case(check).drivetrain.critical_speeds(lines=lines)
-
-        return governing_peaks(self.limit_conclusion.checks, critical_speeds)
-
     def judged_case(self, check: LimitCheck) -> Case:
         """Configuration of the report that a check of its limits is about."""
         return next(case for case in self.judged_cases if case.drivetrain.configuration == check.configuration)
 
     @cached_property
     def normal_peaks(self) -> ConditionPeaks | None:
-        """All critical speeds and peaks of the normal condition; None for a model without limits."""
+        """Critical speeds and peaks of all orders of note in the normal condition; None for a model without limits."""
         if self.limit_conclusion is None:
             return None
         normal = self.normal_case.drivetrain.configuration
         check = next(one for one in self.limit_conclusion.checks if one.configuration == normal)
-        return self._peaks(check, None)
+        from torsionnet.machinery.verdicts.order_peaks import SMALL_SHARE, order_shares
+
+        shares = zip(check.lines, order_shares(check).tolist(), strict=True)
+        return self._peaks(check, [line for line, share in shares if share >= SMALL_SHARE], refine=True)
 
     @cached_property
     def further_peaks(self) -> tuple[ConditionPeaks, ...]:
@@ -312,14 +301,21 @@ class ReportData:
             return ()
         normal = self.normal_peaks.check
         checks = [normal, *(one for one in self.limit_conclusion.checks if one is not normal)]
-        return tuple(self._peaks(checks[place], lines) for place, lines in differing_lines(checks).items())
+        wanted = differing_lines(checks)
+        return tuple(self._peaks(checks[place], lines, refine=False) for place, lines in wanted.items())
 
-    def _peaks(self, check: LimitCheck, lines: Sequence[str] | None) -> ConditionPeaks:
+    @property
+    def critical_records(self) -> tuple[CriticalRecord, ...]:
+        """Critical speeds of the normal condition and of further ones, as far as they matter there."""
+        normal = () if self.normal_peaks is None else self.normal_peaks.criticals
+        return (*normal, *(one for peaks in self.further_peaks for one in peaks.criticals))
+
+    def _peaks(self, check: LimitCheck, lines: Sequence[str], *, refine: bool) -> ConditionPeaks:
         from torsionnet.machinery.verdicts.condition_peaks import condition_peaks
 
         drivetrain, speeds = self.judged_case(check).drivetrain, self.model.definition.speeds
         found = drivetrain.critical_speeds(lines=lines)
-        return condition_peaks(drivetrain, check, found, speeds.rated if speeds else None)
+        return condition_peaks(drivetrain, check, found, speeds.rated if speeds else None, refine=refine)
 
     @cached_property
     def free_end_response(self) -> OrderResponse:

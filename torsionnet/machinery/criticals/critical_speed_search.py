@@ -274,10 +274,12 @@ class CrossingSearch:
 
         It counts where the margin is less than required, or than the reach from a frequency without a speed.
         """
-        nearest = self.nearest(mode, line)
-        is_close = nearest.margin < (nearest.required or 0.0)
         beside = self._beside(line)
         every = [beside.meetings(mode.number, curve) for curve in (UNDAMPED, NATURAL, DAMPED)]
+        if self.rule is None and line.order and not any(every):
+            return  # nothing that counts by its margin alone
+        nearest = self.nearest(mode, line)
+        is_close = nearest.margin < (nearest.required or 0.0)
         # A margin that a rule misses is listed with its crossing even beyond the reach asked for.
         reach, count = (self.widest if is_close else self.reach), 0
         low, high = self.speed_range[0] * (1 - reach), self.speed_range[1] * (1 + reach)

@@ -1,7 +1,7 @@
 """Peaks of single orders and of their sum in one condition, each a record of mode, order, component and limits.
 
-Peaks are looked for over the speeds of a check of limits, and calculated once more at their own speeds, which the steps
-of the check miss by up to half a step.
+Peaks are looked for over the speeds of a check of limits, and may be calculated once more at their own speeds, which
+the steps of the check miss by up to half a step.
 """
 
 from __future__ import annotations
@@ -17,7 +17,8 @@ from torsionnet.machinery.criticals.critical_speeds import CriticalSpeed, Critic
 from torsionnet.machinery.orders.order_amplitudes import SummedOrder
 from torsionnet.machinery.orders.speed_refinement import vertex_speed
 from torsionnet.machinery.verdicts.limit_check import LimitCheck, LimitVerdict
-from torsionnet.machinery.verdicts.limit_checking import check_limits
+from torsionnet.machinery.verdicts.limit_checking import limits_at
+from torsionnet.machinery.verdicts.limit_conclusion import WorstLimit
 from torsionnet.machinery.verdicts.order_peaks import (
     LEAST_SHARE,
     OrderPeak,
@@ -179,7 +180,7 @@ class ConditionPeaks:
     check : LimitCheck
         Over the speeds of the condition.
     points : LimitCheck
-        At the speeds of the peaks and at rated speed.
+        At the speeds of the peaks and at rated speed; ``check`` itself where these were not calculated.
     rated : int or None
         Index of the rated speed in ``points``; None where it is not in the range.
     criticals : tuple of CriticalRecord
@@ -196,7 +197,12 @@ class ConditionPeaks:
 
 
 def condition_peaks(
-    drivetrain: AssembledModel, check: LimitCheck, found: CriticalSpeeds, rated: float | None = None
+    drivetrain: AssembledModel,
+    check: LimitCheck,
+    found: CriticalSpeeds,
+    rated: float | None = None,
+    *,
+    refine: bool = True,
 ) -> ConditionPeaks:
     """Critical speeds and peaks of one condition with the values of its limits at their own speeds.
 
@@ -210,6 +216,9 @@ def condition_peaks(
         In the same condition.
     rated : float, optional
         Rated speed in rad/s of the reference shaft.
+    refine : bool
+        Whether limits are calculated once more at the speeds of the peaks and at rated speed. Otherwise the nearest
+        speeds of the check stand for them: values there are lower by 1 % or less where its steps resolve a resonance.
 
     Examples
     --------
@@ -231,7 +240,7 @@ def condition_peaks(
     speeds = np.clip(np.unique(np.array(wanted)), low, high)
     if not len(speeds):
         return ConditionPeaks(check, check, None, (), ())
-    points = check_limits(drivetrain, speeds=speeds, refine=False)
+    points = limits_at(drivetrain, speeds) if refine else check
     index = _index(points, inside[0]) if inside else None
     criticals = tuple(_record(check, points, index, one, own, line) for one, line, own in peaks)
     sums = tuple(_sum_peaks(check, points, tops, [peak for _, _, own in peaks for peak in own]))
@@ -359,3 +368,40 @@ def _same(points: LimitCheck, verdict: LimitVerdict) -> LimitVerdict:
 
 def _index(points: LimitCheck, speed: float) -> int:
     return int(np.argmin(np.abs(points.speeds - speed)))
+
+
+# Limits whose worst speed is at a resonance that hardly anything damps.
+
+LITTLE_DAMPING = 0.005
+"""Damping ratio, a magnifier of 100, below which a governing value at a resonance is said to depend on it. What models
+leave out, such as friction in the steel of shafts and in joints, makes about a tenth of a per cent; below five times as
+much it changes the peak by more than a fifth."""
+LEAST_USE = 0.5
+"""Utilisation from which on that is said: below it the limit still holds with half the damping."""
+SAME_PLACE = 0.01
+"""Relative difference up to which the peak of an order and the worst speed of a limit count as one resonance."""
+
+
+def little_damped(
+    worst: Sequence[WorstLimit], records: Sequence[CriticalRecord]
+) -> tuple[tuple[WorstLimit, CriticalRecord], ...]:
+    """Limits whose worst speed is at a resonance with a damping ratio below ``LITTLE_DAMPING``, each with that peak.
+
+    Limits used by less than ``LEAST_USE`` are left out, and orders that use less than ``LEAST_SHARE`` of the limit.
+    """
+    found = []
+    for one in worst:
+        there = [
+            (record.share, record)
+            for record in records
+            if record.point is not None and record.is_peak and one.rpm is not None
+            if record.point.verdict.limit == one.verdict.limit
+            and record.point.verdict.criterion == one.verdict.criterion
+            and (one.utilisation or 0.0) >= LEAST_USE
+            and record.share >= LEAST_SHARE
+            and abs(record.point.rpm / one.rpm - 1) <= SAME_PLACE
+            and 0 <= record.critical.mode.damping_ratio < LITTLE_DAMPING
+        ]
+        if there:
+            found.append((one, max(there, key=lambda pair: pair[0])[1]))
+    return tuple(found)

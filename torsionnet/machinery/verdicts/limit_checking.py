@@ -93,6 +93,24 @@ def check_limits(
     >>> fan.check_limits().of("shaft").verdict
     'pass'
     """
+    return _check(drivetrain, limits, speeds, excitations, refine, starts=True)
+
+
+def limits_at(drivetrain: AssembledModel, speeds: FloatArray) -> LimitCheck:
+    """Check of all limits of a model at some speeds in rad/s alone, without its starts."""
+    return _check(drivetrain, None, speeds, None, refine=False, starts=False)
+
+
+def _check(
+    drivetrain: AssembledModel,
+    limits: str | Iterable[str] | None,
+    speeds: ArrayLike | None,
+    excitations: Iterable[str] | None,
+    refine: bool | None,
+    *,
+    starts: bool,
+) -> LimitCheck:
+    """Check of limits over speed, with that of starts along the model's run-up where these are asked for."""
     chosen = {name: limit.fitted(drivetrain.definition.elements)
               for name, limit in _chosen(drivetrain.definition.limits, limits).items()}  # fmt: skip
     subject = limit_subject(drivetrain.definition, drivetrain.exact_values)
@@ -109,7 +127,7 @@ def check_limits(
         for (name, limit), lines in zip(chosen.items(), found.lines, strict=True)
         for verdict in limit.verdicts(name, evidence, lines)
     )
-    run_up = _run_up(examination, evidence)
+    run_up = _run_up(examination, evidence) if starts else None
     notes = [NO_CYCLE] * (run.revolutions is None) + [MISFIRING] * subject.misfiring + [*run.engine_notes]
     notes += lost_power_notes(drivetrain, float(run.speeds[-1])) if evidence.means else ()
     notes += [running] if (running := running_engines_text(drivetrain.definition.excitations)) else []

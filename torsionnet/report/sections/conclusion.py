@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from torsionnet.base.entries.spec import not_none
 from torsionnet.base.number_text import aligned_numbers
 from torsionnet.base.phrases import phrase
 from torsionnet.linear.modes.modes import OSCILLATORY
+from torsionnet.machinery.verdicts.condition_peaks import little_damped
 from torsionnet.machinery.verdicts.limit_check import listed_names
 from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion, WorstLimit
 from torsionnet.machinery.verdicts.operating_instructions import instruction_table
-from torsionnet.machinery.verdicts.order_peaks import line_name, little_damped
 from torsionnet.model.elements import Shaft
 from torsionnet.report.document_tree import (
     Block,
@@ -78,16 +79,15 @@ def _judged(subject: ReportData, found: LimitConclusion) -> Iterator[Block]:
 
 def _by_small_damping(subject: ReportData, found: LimitConclusion) -> Iterator[str]:
     """Sentences on governing values that stand at a resonance of a mode with little damping."""
-    peaks = subject.governing_peaks.peaks if subject.governing_peaks else ()
-    for worst, peak in little_damped(found.worst(), peaks):
+    for worst, record in little_damped(found.worst(), subject.critical_records):
         yield phrase(
             LITTLE_DAMPED,
             name=capital(as_words(worst.verdict.limit)),
             share=100 * (worst.utilisation or 0.0),
-            speed=peak.rpm,
-            order=as_words(line_name(peak)),
-            mode=peak.critical.mode.number,
-            damping=100 * peak.critical.mode.damping_ratio,
+            speed=not_none(record.point).rpm,
+            order=as_words(record.name),
+            mode=record.critical.mode.number,
+            damping=100 * record.critical.mode.damping_ratio,
         )
 
 
