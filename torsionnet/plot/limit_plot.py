@@ -120,8 +120,8 @@ def _draw(
         label=first.quantity if first.orders is None else "all orders",
     )
     if first.orders is not None:
-        for number, line in enumerate(np.argsort(-first.orders.largest.max(axis=0), kind="stable")[:most].tolist()):
-            sizes = first.orders.largest[:, line] * scale
+        for number, line in enumerate(np.argsort(-first.orders.max(axis=0), kind="stable")[:most].tolist()):
+            sizes = first.orders[:, line] * scale
             panel.plot(check.rpm, sizes, label=check.lines[line], **style.line_style(number))
     for number, one in enumerate(verdicts):
         dashes = LIMIT_DASHES[number % len(LIMIT_DASHES)]

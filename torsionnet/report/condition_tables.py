@@ -13,10 +13,10 @@ from torsionnet.base.units import RPM
 from torsionnet.machinery.criticals.critical_speeds import CriticalSpeed
 from torsionnet.machinery.orders.operating_groups import damping_shares
 from torsionnet.machinery.orders.order_amplitudes import SummedOrder
-from torsionnet.machinery.verdicts.condition_peaks import ConditionPeaks, CriticalRecord, LimitPoint, SumPeak
+from torsionnet.machinery.verdicts.condition_peaks import ConditionPeaks, CriticalRecord, JudgedPoint, SumPeak
 from torsionnet.machinery.verdicts.limit_check import LimitCheck, LimitVerdict
-from torsionnet.machinery.verdicts.order_peaks import LEAST_SHARE, SMALL_SHARE, largest_orders
-from torsionnet.report.document_tree import Cell, Heading, TableBlock, Text
+from torsionnet.machinery.verdicts.order_peaks import LEAST_SHARE, SMALL_SHARE, largest_orders, order_shares
+from torsionnet.report.document_tree import Cell, Heading, Paragraph, TableBlock, Text
 from torsionnet.report.document_tree import TableGroup as Group
 from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_text import as_words, first_names, symbol_or_words
@@ -56,6 +56,7 @@ CRITICAL_NOTES = (
     "continuous operation; in passing: while the speed is passed, where a rule says it.",
 )
 """Notes below the table of critical speeds that say what its columns are."""
+NO_CRITICAL = "No order of note meets a natural frequency within the speeds examined."
 NO_PEAK = "Without a speed of its peak the order has no maximum of its own; values are those at the critical speed."
 SUM_NOTE = (
     "Peaks of the sum are its local maxima; the order named makes it, as its amplitude drops most beside it. Orders of "
@@ -63,12 +64,17 @@ SUM_NOTE = (
 )
 
 
-def normal_criticals(subject: ReportData) -> TableBlock:
-    """Table of all critical speeds of the normal condition in the range of speeds, grouped by mode."""
+def normal_criticals(subject: ReportData) -> TableBlock | Paragraph:
+    """Table of all critical speeds of the normal condition in the range of speeds, grouped by mode.
+
+    A sentence where there is none.
+    """
     peaks, case = not_none(subject.normal_peaks), subject.normal_case
     inside = [one for one in peaks.criticals if one.point is not None]
     ranked = sorted((one for one in inside if one.share >= SMALL_SHARE), key=lambda one: -one.share)[:MOST_ROWS]
     shown = [one for one in inside if one in ranked] or inside[:MOST_ROWS]
+    if not shown:
+        return Paragraph((NO_CRITICAL,))
     columns = (
         Heading("Order"), *COMMON, Heading("Damping by", wide=True), Heading("Component"), *VALUES,
         Heading("Used at peak", "%", numeric=True), Heading("At rated", "%", numeric=True),
@@ -83,7 +89,7 @@ def normal_criticals(subject: ReportData) -> TableBlock:
         )
         groups.append(Group(tuple(_normal_row(subject, case, *pair) for pair in _with_sums(records)), title))
     caption = phrase("Critical speeds in normal operation{where}", where=_where(case))
-    return TableBlock((caption,), columns, tuple(groups), tuple(_notes(subject, peaks, shown)))
+    return _without_empty(TableBlock((caption,), columns, tuple(groups), tuple(_notes(subject, peaks, shown))))
 
 
 def _with_sums(records: Sequence[CriticalRecord]) -> Iterator[tuple[CriticalRecord, SummedOrder | None]]:
@@ -227,7 +233,7 @@ def damping_cell(case: Case, one: CriticalSpeed) -> str:
         return ""
     texts = [f"{as_words(name)} {100 * share:.0f}\N{NO-BREAK SPACE}%" for name, share in named]
     rest = 100 * (sum(found.values()) - sum(share for _, share in named))
-    more = [phrase("others {share:.0f}\N{NO-BREAK SPACE}%", share=rest)] if rest >= 1 else []
+    more = [phrase("others {share:.0f} %", share=rest)] if rest >= 1 else []
     return joined(", ", [*texts, *more])
 
 
@@ -239,9 +245,19 @@ def _notes(subject: ReportData, peaks: ConditionPeaks, shown: Sequence[CriticalR
     if rest:
         yield (
             phrase(
-                "At other critical speeds in the range the order alone uses less than {share:g} % of a limit: {names}.",
-                share=100 * max([SMALL_SHARE, *(one.share for one in rest)]),
+                "At other critical speeds in the range the order alone uses at most {share:.2g} % of a limit: {names}.",
+                share=100 * max(one.share for one in rest),
                 names=_places(rest),
+            ),
+        )
+    shares = zip(peaks.check.lines, order_shares(peaks.check).tolist(), strict=True)
+    small = [as_words(line) for line, share in shares if share < SMALL_SHARE]
+    if small:
+        yield (
+            phrase(
+                "Every other order alone uses less than {share:g} % of a limit at all speeds examined: {names}.",
+                share=100 * SMALL_SHARE,
+                names=first_names(small, MOST_NAMED),
             ),
         )
     strongest = max((one.critical.resonant_amplitude for one in shown), default=0.0)
@@ -308,9 +324,13 @@ def _where(case: Case) -> str:
 def _without_empty(block: TableBlock) -> TableBlock:
     """Table without the columns in which no row has anything."""
     rows = [row for group in block.groups for row in group.rows]
-    used = [place for place, _ in enumerate(block.columns) if any(row[place] not in ("", ()) for row in rows)]
+    used = [place for place, _ in enumerate(block.columns) if any(map(_is_given, (row[place] for row in rows)))]
     groups = tuple(Group(tuple(tuple(row[at] for at in used) for row in one.rows), one.title) for one in block.groups)
     return TableBlock(block.caption, tuple(block.columns[at] for at in used), groups, block.notes, block.more)
+
+
+def _is_given(cell: Cell) -> bool:
+    return math.isfinite(not_none(cell.value)) if isinstance(cell, NumberText) else cell not in ("", ())
 
 
 # Tables of the peaks of the sum of all orders, by component.
@@ -319,20 +339,25 @@ LEAST_USE_ELSEWHERE = 0.5
 """Utilisation from which on a peak of the sum in a further condition is listed."""
 
 
-def normal_response(subject: ReportData) -> TableBlock:
-    """Table of every component in the normal condition, at rated speed and at the peaks of the sum of all orders."""
+def normal_response(subject: ReportData) -> TableBlock | None:
+    """Table of every component in the normal condition, at rated speed and at the peaks of the sum of all orders.
+
+    None without a limit on vibration.
+    """
     peaks = not_none(subject.normal_peaks)
     columns = (Heading("Component"), Heading("Place"), *_response_columns())
     rows: list[tuple[Cell, ...]] = []
     for verdict, those in _by_component(peaks):
-        found: list[tuple[str, LimitPoint, str]] = []
+        found: list[tuple[str, JudgedPoint, str]] = []
         if peaks.rated is not None:
-            found.append(("rated speed", LimitPoint(peaks.points, verdict, peaks.rated), ""))
+            found.append(("rated speed", JudgedPoint(peaks.points, verdict, peaks.rated), ""))
         found += [("peak" if one.is_peak else "largest, no peak", one.point, maker(one)) for one in those]
         rows += [
             (component_cell(subject, verdict, with_unit=False), place, *_response_cells(subject, point, made))
             for place, point, made in found
         ]
+    if not rows:
+        return None
     where = _where(subject.normal_case)
     caption = phrase("Components in normal operation{where}", where=where)
     return _without_empty(TableBlock((caption,), columns, (Group(tuple(rows)),), ((SUM_NOTE,),)))
@@ -400,7 +425,7 @@ def _response_columns() -> tuple[Heading, ...]:
     )
 
 
-def _response_cells(subject: ReportData, point: LimitPoint, made: str) -> tuple[Cell, ...]:
+def _response_cells(subject: ReportData, point: JudgedPoint, made: str) -> tuple[Cell, ...]:
     sizes = (point.value, point.continuous, point.in_passing)
     return (
         NumberText(point.rpm, 4, 1),

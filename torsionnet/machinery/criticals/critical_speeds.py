@@ -96,8 +96,6 @@ class CriticalSpeed:
         Other conditions (configurations) that excite the mode.
     case : str
         Case with the largest generalised force where several are examined, such as a misfire of each cylinder.
-    force_by_case : tuple of (str, float)
-        Name of each case and its generalised force in N m.
     peaks : tuple of SpeedPeak
     modal_inertia : float
         ``sum_n J_n |phi_n|^2`` in kg m^2, for the shape with its largest angle 1; nan where no torque is given.
@@ -108,6 +106,8 @@ class CriticalSpeed:
         Speed in rad/s of the operating range that has the margin; nan where all have.
     leaps : bool
         Whether the mode leaps over the line there, as a stiffness that changes in steps makes it do.
+    force_by_case : tuple of (str, float)
+        Name of each case and its generalised force in N m.
     """
 
     SHOWN: ClassVar = (
@@ -129,7 +129,6 @@ class CriticalSpeed:
     excited: Annotated[bool | None, Out(schema=EXCITED)] = None
     excited_in: tuple[str, ...] = ()
     case: str = ""
-    force_by_case: tuple[tuple[str, float], ...] = ()
     peaks: tuple[SpeedPeak, ...] = ()
     modal_inertia: float = math.nan
     undamped_speed: Annotated[float, Out(json="undamped_rad_per_s")] = math.nan
@@ -137,6 +136,7 @@ class CriticalSpeed:
     damped_speed: Annotated[float, Out(json="damped_rad_per_s")] = math.nan
     nearest_speed: Annotated[float, Out(json="margin_at_rad_per_s")] = math.nan
     leaps: bool = False
+    force_by_case: tuple[tuple[str, float], ...] = ()
 
     def in_case(self, case: str) -> CriticalSpeed:
         """Critical speed with the generalised force of one case, such as a misfire of one cylinder, by its name.

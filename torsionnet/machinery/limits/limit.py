@@ -260,7 +260,8 @@ class Limit(Declared):
             speeds=evidence.speeds, values=line.values, allowed=line.allowed, verdict=verdict,
             text=self.text(evidence), barred=barred,
             remarks=(*remarks, *line.remarks, *own, *_coarse(evidence, line.values)), case=case,
-            orders=line.orders, tolerance=self.tolerance, in_passing=line.in_passing,
+            orders=line.orders.largest if line.orders else None, amplitudes=line.orders,
+            tolerance=self.tolerance, in_passing=line.in_passing,
             seconds_to_pass=self.seconds_to_pass, steady_temperature=line.steady_temperature,
         )  # fmt: skip
 

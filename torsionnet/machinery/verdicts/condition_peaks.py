@@ -37,7 +37,7 @@ SUM_DROP = 0.05
 
 
 @dataclass(frozen=True, eq=False)
-class LimitPoint:
+class JudgedPoint:
     """Values (SI) of one limit at one speed: what is judged, and what is allowed in continuous operation and passing.
 
     Attributes
@@ -88,14 +88,14 @@ class LimitPoint:
     @property
     def case(self) -> str:
         """Name of the case of excitation to which the value belongs, such as a misfire; empty where there is one."""
-        if self.verdict.orders is None or not self.check.cases:
+        if self.verdict.amplitudes is None or not self.check.cases:
             return ""
-        return self.check.cases[int(self.verdict.orders.cases[self.at])]
+        return self.check.cases[int(self.verdict.amplitudes.cases[self.at])]
 
     def order(self, places: Sequence[int]) -> float:
         """Amplitude in SI of the sum of some orders, by their indices, in the case to which the value belongs."""
-        assert self.verdict.orders is not None
-        return float(abs(self.verdict.orders.phasors[self.at, [*places]].sum()))
+        assert self.verdict.amplitudes is not None
+        return float(abs(self.verdict.amplitudes.phasors[self.at, [*places]].sum()))
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,9 +106,9 @@ class CriticalRecord:
     ----------
     critical : CriticalSpeed
         With the generalised force of the case of excitation to which the values belong.
-    point : LimitPoint or None
+    point : JudgedPoint or None
         At the peak of the order; without a peak at the critical speed itself; None where that is out of the range.
-    rated : LimitPoint or None
+    rated : JudgedPoint or None
         The same limit at rated speed.
     line : int
         Index of the order in the checks.
@@ -117,8 +117,8 @@ class CriticalRecord:
     """
 
     critical: CriticalSpeed
-    point: LimitPoint | None
-    rated: LimitPoint | None
+    point: JudgedPoint | None
+    rated: JudgedPoint | None
     line: int
     is_peak: bool
 
@@ -156,7 +156,7 @@ class SumPeak:
 
     Attributes
     ----------
-    point : LimitPoint
+    point : JudgedPoint
     order : str
         Name of the order, with those of other sources at its frequency.
     mode : int or None
@@ -165,7 +165,7 @@ class SumPeak:
         Whether it is a local maximum; otherwise the largest value is at an end of the range.
     """
 
-    point: LimitPoint
+    point: JudgedPoint
     order: str
     mode: int | None
     is_peak: bool
@@ -253,7 +253,7 @@ def _speeds(check: LimitCheck, critical: CriticalSpeed, peaks: Sequence[OrderPea
     if peaks:
         best = max(peaks, key=lambda one: one.share)
         assert best.verdict.orders is not None
-        yield vertex_speed(check.speeds, best.verdict.orders.largest[:, line], best.at)
+        yield vertex_speed(check.speeds, best.verdict.orders[:, line], best.at)
     elif check.speeds[0] <= critical.natural_speed <= check.speeds[-1]:
         yield critical.natural_speed
 
@@ -276,15 +276,15 @@ def _record(
         verdict = _same(points, best)
     else:
         verdict = max(vibratory_verdicts(points), key=lambda one: _share(points, one, at, line))
-    rest = None if rated is None else LimitPoint(points, verdict, rated)
-    point = LimitPoint(points, verdict, at)
+    rest = None if rated is None else JudgedPoint(points, verdict, rated)
+    point = JudgedPoint(points, verdict, at)
     return CriticalRecord(critical.in_case(point.case), point, rest, line, bool(peaks))
 
 
 def _share(points: LimitCheck, verdict: LimitVerdict, at: int, line: int) -> float:
     """Ratio of an order's amplitude at a speed to the value that a limit allows there, -1 where it allows none."""
     allowed = float(verdict.allowed[at])
-    return LimitPoint(points, verdict, at).order((line,)) / allowed if allowed > 0 else -1.0
+    return JudgedPoint(points, verdict, at).order((line,)) / allowed if allowed > 0 else -1.0
 
 
 @dataclass(frozen=True)
@@ -298,7 +298,7 @@ class _Top:
     def made_by(self, summed: Sequence[SummedOrder]) -> SummedOrder:
         """Order that makes the maximum: that whose amplitude drops most from it to the valley."""
         assert self.verdict.orders is not None
-        drops = self.verdict.orders.largest[self.at] - self.verdict.orders.largest[self.valley]
+        drops = self.verdict.orders[self.at] - self.verdict.orders[self.valley]
         return max(summed, key=lambda one: float(drops[[*one.places]].max()))
 
 
@@ -327,13 +327,13 @@ def _sum_peaks(
         worst = verdict.worst
         if verdict.in_passing or worst is None:
             continue
-        own, here = [one for one in tops if one.verdict is verdict], LimitPoint(check, verdict, worst)
+        own, here = [one for one in tops if one.verdict is verdict], JudgedPoint(check, verdict, worst)
         near = [peak for peak in peaks if peak.verdict is verdict]
         found = [] if any(_is_near(check, one, worst) for one in own) else [_without_mode(here)]
         for top in own:
             # The most used place is that of the check itself, so that its numbers are the same everywhere.
             speed = vertex_speed(check.speeds, verdict.values, top.at)
-            there = LimitPoint(points, _same(points, verdict), _index(points, speed))
+            there = JudgedPoint(points, _same(points, verdict), _index(points, speed))
             order = top.made_by(check.summed)
             point = here if _is_near(check, top, worst) else there
             found.append(SumPeak(point, order.name, _mode_near(point, order, near), True))
@@ -344,12 +344,12 @@ def _is_near(check: LimitCheck, top: _Top, at: int) -> bool:
     return bool(abs(check.speeds[top.at] / check.speeds[at] - 1) <= SAME_PEAK)
 
 
-def _without_mode(point: LimitPoint) -> SumPeak:
+def _without_mode(point: JudgedPoint) -> SumPeak:
     """Place where a limit is used most although the sum has no maximum there, as at the end of a range of speeds."""
     return SumPeak(point, max(point.check.summed, key=lambda one: point.order(one.places)).name, None, False)
 
 
-def _mode_near(point: LimitPoint, order: SummedOrder, peaks: Sequence[OrderPeak]) -> int | None:
+def _mode_near(point: JudgedPoint, order: SummedOrder, peaks: Sequence[OrderPeak]) -> int | None:
     """Number of the mode whose peak of an order is nearest to a peak of the sum, None where none is near."""
     names = [point.check.lines[place] for place in order.places]
     off = {

@@ -184,14 +184,16 @@ class LimitVerdict:
     seconds_to_pass : float, optional
         Longest time in s in which ranges in ``passed`` are to be passed.
     remarks : tuple of str
-    orders : OrderAmplitudes, optional
-        Amplitudes of the orders behind ``values``.
+    orders : (n_speeds, n_lines) array, optional
+        Amplitudes of the orders behind ``values``, each in its own worst case of excitation.
     absent : bool
         Whether the limit is not judged because its element is switched off.
     case : str
         Case of excitation that is worst at the worst speed; empty where all are equal.
     steady_temperature : float, optional
         Highest temperature in K by the balance of heat.
+    amplitudes : OrderAmplitudes, optional
+        The same amplitudes, and those in the case to which ``values`` belong.
     """
 
     SHOWN: ClassVar = (
@@ -216,10 +218,11 @@ class LimitVerdict:
     in_passing: bool = False
     seconds_to_pass: float | None = None
     remarks: tuple[str, ...] = ()
-    orders: OrderAmplitudes | None = None
+    orders: FloatArray | None = None
     absent: bool = False
     case: str = ""
     steady_temperature: float | None = None
+    amplitudes: OrderAmplitudes | None = None
 
     @property
     def passed(self) -> tuple[SpeedSpan, ...]:
@@ -430,7 +433,7 @@ class LimitCheck(NotebookResult):
     summed : tuple of SummedOrder
         Orders as a test measures them: the sums of those in ``lines`` that have one frequency.
     cases : tuple of str
-        Names of the cases of excitation, such as misfires, by their index in ``LimitVerdict.orders``.
+        Names of the cases of excitation, such as misfires, by their index in ``LimitVerdict.amplitudes``.
     """
 
     picture: ClassVar[str] = "limit_check"

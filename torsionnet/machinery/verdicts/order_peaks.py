@@ -101,7 +101,7 @@ def order_shares(check: LimitCheck) -> FloatArray:
         assert one.orders is not None
         with np.errstate(invalid="ignore", divide="ignore"):
             # Without a finite value allowed above 0 there is no share.
-            shares = np.where(_counts(one)[:, None], one.orders.largest / one.allowed[:, None], 0.0)
+            shares = np.where(_counts(one)[:, None], one.orders / one.allowed[:, None], 0.0)
         found.append(shares.max(axis=0, initial=0.0))
     return np.asarray(np.max(found, axis=0))
 
@@ -117,9 +117,9 @@ def largest_orders(check: LimitCheck, verdict: LimitVerdict, at: int, most: int 
     They are those of the case of excitation to which the value belongs. Lines of one frequency are one order, their
     sum with their phases, as a test measures it.
     """
-    if verdict.orders is None:
+    if verdict.amplitudes is None:
         return []
-    phasors = verdict.orders.phasors[at]
+    phasors = verdict.amplitudes.phasors[at]
     sizes = [(one.name, float(abs(phasors[[*one.places]].sum()))) for one in check.summed]
     return sorted(sizes, key=lambda pair: -pair[1])[:most]
 
@@ -138,7 +138,7 @@ def peaks_in_limits(check: LimitCheck, found: CriticalSpeeds, critical: Critical
     peaks = []
     for one in vibratory_verdicts(check):
         assert one.orders is not None
-        sizes = one.orders.largest[:, line]
+        sizes = one.orders[:, line]
         at = _made_by_mode(check.speeds, sizes, critical, found.crossings)
         if at is not None and _counts(one)[at]:
             peaks.append(OrderPeak(critical, one, check, at, float(sizes[at])))
@@ -249,7 +249,7 @@ def _largest_shares(check: LimitCheck, least: float) -> dict[str, dict[tuple[str
     for one in vibratory_verdicts(check):
         assert one.orders is not None
         with np.errstate(invalid="ignore", divide="ignore"):
-            shares = np.where(_counts(one)[:, None], one.orders.largest / one.allowed[:, None], 0.0)
+            shares = np.where(_counts(one)[:, None], one.orders / one.allowed[:, None], 0.0)
         for number, at in enumerate(shares.argmax(axis=0).tolist()):
             if shares[at, number] >= least:
                 top = float(shares[at, number]), float(check.speeds[at]), float(one.utilisation[at])

@@ -63,9 +63,9 @@ def forced_response_section(subject: ReportData) -> Section | None:
     found = subject.limit_conclusion
     if found is None:
         return None
-    blocks: list[Block] = [Paragraph((INTRODUCTION,)), normal_response(subject), *_worst(subject, found)]
-    further = further_response(subject)
-    blocks += [*([further] if further else []), _free_end(subject), *_families(subject, found)]
+    tables = (normal_response(subject), *_worst(subject, found), further_response(subject))
+    blocks: list[Block] = [Paragraph((INTRODUCTION,)), *(one for one in tables if one is not None)]
+    blocks += [_free_end(subject), *_families(subject, found)]
     return Section("forced_response", ("Forced response",), tuple(blocks))
 
 
