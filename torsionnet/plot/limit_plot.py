@@ -121,8 +121,8 @@ def _draw(
     )
     if first.orders is not None:
         for number, line in enumerate(np.argsort(-first.orders.max(axis=0), kind="stable")[:most].tolist()):
-            sizes = first.orders[:, line] * scale
-            panel.plot(check.rpm, sizes, label=check.lines[line], **style.line_style(number))
+            amplitudes = first.orders[:, line] * scale
+            panel.plot(check.rpm, amplitudes, label=check.lines[line], **style.line_style(number))
     for number, one in enumerate(verdicts):
         dashes = LIMIT_DASHES[number % len(LIMIT_DASHES)]
         panel.plot(
