@@ -8,6 +8,7 @@ import pytest
 import torsionnet as tn
 from torsionnet.machinery.excitations.engine_entries import EngineEntries
 from torsionnet.model.channels import Input
+from torsionnet.model.files.library import library_models
 from torsionnet.model.load.lost_torques import remaining_by_node
 
 RPM = np.pi / 30
@@ -26,14 +27,14 @@ CONDITIONS = {
 }
 
 
-def plant(driven_by="engine", **load):
+def plant(driven_by="engine", extra=(), **load):
     elements = [
         tn.Inertia("m1", node="c1", inertia=50), tn.Spring("crank", nodes=("c1", "c2"), stiffness=3e7),
         tn.Inertia("m2", node="c2", inertia=50), tn.Spring("k", nodes=("c2", "c3"), stiffness=3e7),
         tn.Inertia("m3", node="c3", inertia=400),
         tn.HystereticSpring("rubber", nodes=("c3", "pin"), stiffness=3e5, loss_factor=0.15),
         tn.Inertia("pinion", node="pin", inertia=15), tn.Gear("mesh", nodes=("pin", "wheel"), ratio=-4),
-        tn.Inertia("screw", node="wheel", inertia=9000), tn.Damper("water", nodes=("wheel", "ground"), damping=4e4),
+        tn.Inertia("screw", node="wheel", inertia=9000), tn.Damper("water", nodes=("wheel", "ground"), damping=4e4), *extra,
     ]  # fmt: skip
     engine = {
         "type": "reciprocating_engine", "speed_of": "c3", "cycle": 4, "cylinders": {1: "c1", 2: "c2", 3: "c3"},
@@ -110,6 +111,47 @@ def test_limits_compare_the_mean_torque_of_the_condition(name):
     assert check.of("teeth", "hammer").allowed == pytest.approx(mean, rel=1e-9)
     assert check.of("teeth", "T_v").allowed == pytest.approx(0.3 * rated, rel=1e-9)
     assert any("% of the mean torque with all working" in note for note in check.notes)
+
+
+PROPELLER = tn.Propeller("law", node="wheel", inertia=90, exponent=2, torque=1.2e6 / (187.5 * RPM), speed="187.5 rpm")
+"""Law of motion over the absolute speed of the screw, with all of its torque at the rated speed."""
+
+
+@pytest.mark.parametrize("name", CONDITIONS)
+def test_a_propeller_with_a_law_of_motion_takes_what_the_cylinders_left_give(name):
+    """T = k P/Omega in the coupling and 4 T in the wheel, as without the law: P is that of all cylinders, k is left."""
+    rig = plant(extra=(PROPELLER,)).configured(name)
+    torque = KEPT[name] * 1.2e6 / (750 * RPM)
+    run = rig.mean_response(["torque(rubber)", "torque(mesh, wheel)"], [500 * RPM, 750 * RPM])
+    assert run.values == pytest.approx(torque * np.outer([(500 / 750) ** 2, 1], [1, -4]), rel=1e-9)
+    state = rig.static_state()
+    assert state.of("rubber").torque == pytest.approx(torque, rel=1e-9)
+    assert state.external["wheel"] == pytest.approx(4 * torque, rel=1e-9)
+    assert any("% of the mean torque with all working" in note for note in state.notes) == (name != "normal")
+
+
+@pytest.mark.parametrize("name", ["off", "each"])
+def test_limits_compare_the_mean_torque_of_the_condition_with_laws_of_motion(name):
+    """Teeth part above the mean torque that is left, and T_Kmax adds that; shares are those of full load."""
+    check = plant(extra=(PROPELLER,)).configured(name).check_limits(refine=False)
+    rated = 1.2e6 / (750 * RPM)
+    mean = KEPT[name] * rated * (check.rpm / 750) ** 2
+    assert check.of("rubber", "T_KN").values == pytest.approx(mean, rel=1e-9)
+    assert check.of("teeth", "hammer").allowed == pytest.approx(mean, rel=1e-9)
+    assert check.of("teeth", "T_v").allowed == pytest.approx(0.3 * rated, rel=1e-9)
+
+
+@pytest.mark.parametrize(("throws", "left"), [("[]", 1), ("[1, 2]", 0.5), ("[1, 2, 3, 4]", 0)])
+def test_an_induction_motor_gives_what_the_throws_that_work_take(tmp_path, throws, left):
+    """Each throw takes 1507 N m, or nothing without gas torque; the motor turns 2.96 times as fast, the other way."""
+    text = library_models()["reciprocating_compressor_train"].read_text(encoding="utf-8")
+    machine = "synchronous_speed: 1500 rpm, breakdown_torque: 5.2 kN*m, rated_torque: 2.04 kN*m, rated_slip: 1.33 %"
+    text = text.replace("rotor: {type: inertia", f"rotor: {{type: induction_machine, {machine}")
+    text = text.replace("full: {}", f"full: {{compressor.gas_off: {throws}}}")
+    (tmp_path / "train.yaml").write_text(text)
+    train = tn.load(tmp_path / "train.yaml").configured("full")
+    run = train.mean_response(["torque(coupling)", "torque(front)"], [1480 * RPM])
+    assert run.values[0] == pytest.approx(np.array([4 * 1507 / 2.96, -4 * 1507]) * left, rel=1e-9, abs=1e-9)
 
 
 def test_a_compressor_with_a_head_end_lost_takes_less():

@@ -303,6 +303,10 @@ class EngineEntries(ReactingExcitation):
         """Whether a cylinder works without injection or gas torque, or has lost a share of its injection."""
         return self.has_lost_cylinder or any((self.misfire_share or {}).values())
 
+    def all_working(self) -> Self:
+        """Copy of the engine in which every cylinder has its injection and gas torque."""
+        return self.unchecked(misfire=(), gas_off=(), misfire_share=None) if self.has_lost_torque else self
+
     def mean_torque_shares(self, speeds: FloatArray) -> dict[int, FloatArray]:
         """Mean gas torque of each cylinder over that of the same cylinder working, (n_speeds,), by cylinder number.
 

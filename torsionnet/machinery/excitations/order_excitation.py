@@ -207,6 +207,10 @@ class OrderExcitation(Declared):
         """Mean torque of each cylinder over that of the same cylinder working, (n_speeds,), by cylinder number."""
         return {number: np.ones(len(speeds)) for number in self.numbers}
 
+    def all_working(self) -> Self:
+        """Copy of the excitation in which no cylinder is lost; without pistons it is as it is."""
+        return self
+
     def at_load(self, share: float) -> Self:
         """Copy of the excitation at a share of the rated load of the engine; without pistons it is as it is."""
         del share

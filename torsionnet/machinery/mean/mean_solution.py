@@ -39,6 +39,8 @@ from torsionnet.model.checks.structure import rigid_motions
 from torsionnet.model.elements import Constraint, Element, Part, Values
 from torsionnet.model.kinematics import free_motions
 from torsionnet.model.load.external_torques import UNBALANCED_SHARE, stated_torques
+from torsionnet.model.load.lost_torques import with_all_working
+from torsionnet.model.operating_values import with_tangents
 from torsionnet.model.readings import port_of, referring_factor
 from torsionnet.model.speeds import mean_speeds
 
@@ -159,6 +161,9 @@ def means_of(
     reference, at, torques = external_torques(drivetrain, speeds, all_working=all_working)
     tangents = drivetrain.definition.tangents
     if tangents is not None and tangents.is_loaded:
+        if all_working:
+            # The laws carry the torques of their own operating point, so that this has to have all cylinders, too.
+            drivetrain = drivetrain.with_definition(with_tangents(with_all_working(drivetrain.definition)))
         return mean_response_of_laws(drivetrain, outputs, reference, at)
     return _mean_response(drivetrain, outputs, (reference, at, torques), all_working=all_working)
 
@@ -178,7 +183,7 @@ def mean_response_of_laws(
         state, values = tangents.state, Values(rig.exact_values)
         plain = rig.with_definition(with_secants(rig.definition, state))
         slipping = list(slipping_torques(rig.definition.switched_on, values, state))
-        torques = {node: np.full(len(places), torque) for node, torque in state.acting.items() if torque}
+        torques = {node: np.full(len(places), torque) for node, torque in state.acting.items()}
         mean = _mean_response(plain, outputs, (reference, speeds[places], torques), all_working=True)
         own = [
             sum(_slip_reading(rig, output.sensor, one) for one in slipping)
@@ -187,7 +192,8 @@ def mean_response_of_laws(
         notes = tuple(dict.fromkeys((*mean.notes, *state.notes)))
         found.append(replace(mean, values=mean.values + np.array(own), title=drivetrain.title, notes=notes))
     values_found = np.concatenate([one.values for one in found])
-    notes = tuple(dict.fromkeys(note for one in found for note in one.notes))
+    notes = (*lost_power_notes(drivetrain, float(speeds[-1])), *(note for one in found for note in one.notes))
+    notes = tuple(dict.fromkeys(notes))
     return replace(found[0], speeds=speeds, values=values_found, notes=notes)
 
 

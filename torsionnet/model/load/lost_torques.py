@@ -7,6 +7,7 @@ up for what is lost. A driver gives less, and all who absorb take less in the sa
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +28,12 @@ def has_lost_torque(definition: Definition) -> bool:
     """Whether a piston machine that runs has a cylinder that gives less torque by misfire, in part or whole."""
     machines = definition.excitations.values()
     return any(one.enabled and one.has_lost_torque for one in machines)
+
+
+def with_all_working(definition: Definition) -> Definition:
+    """Definition of the same model in which no piston machine has lost a cylinder."""
+    machines = {name: one.all_working() for name, one in definition.excitations.items()}
+    return replace(definition, excitations=machines)
 
 
 def remaining_by_node(

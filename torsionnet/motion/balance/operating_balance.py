@@ -90,12 +90,14 @@ class OperatingBalance:
 
     @cached_property
     def external(self) -> dict[str, float]:
-        """Mean external torque in N m by node; empty where the model gives none, or its load is cut off."""
+        """Mean external torque in N m by node in this condition; empty where there is none, or its load is cut off."""
         external = self._external
         if self.definition.load is None:
             return stated_torques(self.definition, external.values)
         try:
-            return external.at(self.speed or external.operating_speed)
+            # With a cylinder lost drivers and absorbers have less than with all working.
+            (in_condition,) = external.in_condition([self.speed or external.operating_speed])
+            return in_condition
         except (CutOffError, UsageError):
             return {}
 
