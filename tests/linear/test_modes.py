@@ -72,7 +72,7 @@ def test_every_form_of_the_table_holds_the_same_numbers(tmp_path):
     modes.to_csv(tmp_path / "modes.csv")
     lines = [line for line in (tmp_path / "modes.csv").read_text().splitlines() if not line.startswith("#")]
     assert float(lines[1].split(",")[1]) == modes.natural_frequencies[0]
-    data = json.loads(modes.to_json())
+    data = json.loads(modes.table().to_json())
     assert data["rows"][0][1] == modes.natural_frequencies[0]
     assert data["columns"][1]["unit"] == "Hz"
     assert "7.10526" in modes.table().to_text()

@@ -65,7 +65,7 @@ def test_table_names_units_and_conventions(H, tmp_path):
 def test_json_has_no_infinity():
     free = geared_line().switched(off=["brake", "stiff"])
     with pytest.warns(tn.TorsionnetWarning, match="turns freely"):
-        data = json.loads(free.frequency_response("angle", "T_M", [0.0]).to_json())
+        data = json.loads(free.frequency_response("angle", "T_M", [0.0]).table().to_json())
     assert data["rows"][0][1] is None
 
 

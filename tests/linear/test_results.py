@@ -218,7 +218,7 @@ class TestTable:
     TABLE = Table("t", (Column("name"), Column("x", "Hz", 3)), (("a", 1.23456), ("b", np.nan), ("long", None)), ("n",))
 
     def test_text(self):
-        lines = ["t", "name  x [Hz]", "   a    1.23", "   b       -", "long       -", "n"]
+        lines = ["t", "name  x [Hz]", "----  ------", "a       1.23", "b          -", "long       -", "n"]
         assert self.TABLE.to_text() == str(self.TABLE) == "\n".join(lines)
 
     def test_csv_and_json(self):

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import gc
 import importlib
+import os
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -180,6 +181,7 @@ class NotebookTable(Protocol):
     @property
     def notes(self) -> tuple[str, ...]: ...
     def to_html(self) -> str: ...
+    def to_dataframe(self) -> Any: ...
 
 
 AnyTable = TypeVar("AnyTable", bound=NotebookTable)
@@ -195,6 +197,10 @@ class NotebookResult(AttributeHints):
         """Table of the result that a notebook shows."""
         raise NotImplementedError
 
+    def to_dataframe(self) -> Any:
+        """Table of the result as a pandas.DataFrame, with title, units by column and notes in its ``attrs``."""
+        return self.table().to_dataframe()
+
     def notebook_tables(self) -> Iterable[NotebookTable]:
         """Tables of the result that a notebook shows."""
         return (self.table(),)
@@ -207,6 +213,37 @@ class NotebookResult(AttributeHints):
 
     def _picture(self) -> str:
         return drawn(lambda plot: getattr(plot, self.picture)(self)) if self.picture else ""
+
+
+UNSAVED: Mapping[str, bool] = {"unsaved": True}
+"""Metadata of a field that stays in memory and has its default when the result is read back."""
+
+
+class SavedResult(NotebookResult):
+    """Base class of results that JSON files keep with all their numbers."""
+
+    def to_json(self, path: str | os.PathLike[str] | None = None) -> str:
+        """Result as JSON text in SI units with all its numbers, also written to ``path``; see :meth:`from_json`."""
+        from torsionnet.base.atomic import write_text
+        from torsionnet.base.saved_results import saved_text
+
+        text = saved_text(self)
+        if path is not None:
+            write_text(path, text)
+        return text
+
+    @classmethod
+    def from_json(cls, source: str | os.PathLike[str]) -> Self:
+        """Result of this class from the text that :meth:`to_json` has made, or from the file with it.
+
+        Raises
+        ------
+        UsageError
+            There is no such file, it holds another result, or it is damaged.
+        """
+        from torsionnet.base.saved_results import read_saved
+
+        return read_saved(cls, source)
 
 
 def drawn(draw: Callable[[ModuleType], Any]) -> str:

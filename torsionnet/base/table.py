@@ -6,16 +6,24 @@ import csv
 import html
 import io
 import json
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from torsionnet.base.atomic import write_text
 from torsionnet.base.conventions import SI, Conventions
+from torsionnet.base.errors import MissingExtraError, UsageError
 from torsionnet.base.notes import NoteOrText
 from torsionnet.base.number_text import csv_value, json_finite, screen_text, unit_in_brackets
+from torsionnet.base.packages import thinned
 from torsionnet.base.result_rows import OutField, out_fields, shown_value
+from torsionnet.base.saved_results import json_object
+from torsionnet.base.table_text import aligned_lines, split_table, terminal_width, wrapped
+
+if TYPE_CHECKING:
+    import pandas
 
 
 @dataclass(frozen=True)
@@ -85,15 +93,16 @@ class Table:
         """Cells of every row of a table as text, with the digits of their columns."""
         return [[column.text(value) for value, column in zip(row, self.columns, strict=True)] for row in self.rows]
 
-    def to_text(self) -> str:
-        """Table as text with its title, aligned columns, and its notes."""
-        headings = [column.heading for column in self.columns]
-        cells = self.cells()
-        widths = [max(len(row[i]) for row in [headings, *cells]) for i in range(len(headings))]
-        lines = [
-            "  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)) for row in [headings, *cells]
-        ]
-        return "\n".join([self.title, *lines, *self.notes])
+    def to_text(self, width: int | None = None) -> str:
+        """Table as text with its title, aligned columns, and its notes; with a width in characters, no wider than it.
+
+        Long texts are folded then, and columns that do not fit follow below the others.
+        """
+        if width is None:
+            return "\n".join([*aligned_lines(self), *self.notes])
+        lines = [line for part in split_table(self, 1, width) for line in aligned_lines(part, width)]
+        notes = [line for note in self.notes for line in wrapped(note, width, indent="  ")]
+        return "\n".join([*lines, *notes])
 
     def to_csv(self, path: str | Path | None = None) -> str:
         """Table as CSV text in full precision, title and notes as ``#`` lines; also written to ``path`` if given."""
@@ -118,6 +127,46 @@ class Table:
         }
         return _written(json.dumps(data, indent=1, ensure_ascii=False) + "\n", path)
 
+    @classmethod
+    def from_json(cls, source: str | os.PathLike[str]) -> Table:
+        """Table from the text that :meth:`to_json` has made, or from the file with it.
+
+        Raises
+        ------
+        UsageError
+            There is no such file, or it holds no table.
+        """
+        name, data = json_object(source)
+        try:
+            columns = tuple(Column(one["name"], one["unit"]) for one in data["columns"])
+            rows = tuple(map(tuple, data["rows"]))
+            return cls(data["title"], columns, rows, tuple(data["notes"]))
+        except (AttributeError, KeyError, TypeError) as error:
+            raise UsageError(f"{name} holds no table as Table.to_json writes it: {error} is missing") from None
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """Table as a pandas.DataFrame of numbers and texts, with title, units by column and notes in its ``attrs``.
+
+        Raises
+        ------
+        MissingExtraError
+            pandas is not installed.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> frame = tn.load("dmf_rig").modes().to_dataframe()
+        >>> frame["damping ratio"].round(3).tolist(), frame.attrs["units"]["damping ratio"]
+        ([0.223, 0.014], '1')
+        """
+        pandas = import_pandas()
+        names = [column.name for column in self.columns]
+        cells = [[screen_text(cell) if isinstance(cell, tuple) else cell for cell in row] for row in self.rows]
+        frame = pandas.DataFrame(cells, columns=names)
+        units = {name: column.unit for name, column in zip(names, self.columns, strict=True)}
+        frame.attrs |= {"title": self.title, "units": units, "notes": list(self.notes)}
+        return frame
+
     def to_html(self) -> str:
         """Table as HTML text with title and notes in its caption."""
 
@@ -130,8 +179,11 @@ class Table:
         caption = f"<caption>{html.escape(self.title)}{notes}</caption>"
         return f"<table>\n{caption}\n<thead>{head}</thead>\n<tbody>\n{body}\n</tbody></table>"
 
+    def _repr_html_(self) -> str:
+        return thinned(self).to_html()
+
     def __str__(self) -> str:
-        return self.to_text()
+        return self.to_text(terminal_width())
 
 
 def result_table(
@@ -177,6 +229,21 @@ def _cell(row: object, one: OutField, conventions: Conventions) -> Any:
             return conventions.unit(value)
     scale = one.out.factor * conventions.scale_of_column(unit)
     return float(value * scale) if isinstance(value, float) or (scale != 1.0 and value is not None) else value
+
+
+def import_pandas() -> Any:
+    """Import of the package pandas, which data frames need.
+
+    Raises
+    ------
+    MissingExtraError
+        It is not installed.
+    """
+    try:
+        import pandas
+    except ImportError as error:
+        raise MissingExtraError('a DataFrame needs pandas: pip install "torsionnet[pandas]"') from error
+    return pandas
 
 
 def _written(text: str, path: str | Path | None) -> str:

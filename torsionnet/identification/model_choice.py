@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsionnet.base.errors import UsageError
+from torsionnet.base.packages import NotebookResult
 from torsionnet.base.table import Column, Table
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.identification.fit import Fit
@@ -29,7 +30,7 @@ class Candidate:
 
 
 @dataclass(frozen=True, eq=False)
-class Choice:
+class Choice(NotebookResult):
     """Result of a choice between models, with a fit of each to the same data, weighed by the same noise.
 
     Attributes

@@ -7,6 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any
 
+from torsionnet.base.packages import UNSAVED
+
 
 @dataclass(frozen=True, eq=False)
 class Estimation:
@@ -49,7 +51,7 @@ class Estimation:
     effective_averages: float
     swept: bool = False
     settled_from: float = 0.0
-    record: object = field(default=None, repr=False)
+    record: object = field(default=None, repr=False, metadata=UNSAVED)
     steps: Mapping[str, float] = field(default_factory=dict, repr=False)
     decimation: int = 1
     references: tuple[str, ...] = ()

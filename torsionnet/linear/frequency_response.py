@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.errors import UsageError, did_you_mean
 from torsionnet.base.notes import NoteOrText
-from torsionnet.base.packages import NotebookResult
+from torsionnet.base.packages import UNSAVED, SavedResult
 from torsionnet.base.registers import settle
 
 if TYPE_CHECKING:
     import control
+    import pandas
 
     from torsionnet.base.table import Table
     from torsionnet.linear.between_samples import BetweenSamples
@@ -49,11 +50,11 @@ class Channel:
 
     name: str
     unit: str
-    course: BetweenSamples | None = field(default=None, compare=False, repr=False)
+    course: BetweenSamples | None = field(default=None, compare=False, repr=False, metadata=UNSAVED)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class FrequencyResponse(NotebookResult):
+class FrequencyResponse(SavedResult):
     """Transfer functions from inputs to outputs in SI units over frequency in Hz, shape (n_f, n_out, n_in).
 
     Attributes
@@ -104,6 +105,7 @@ class FrequencyResponse(NotebookResult):
     """
 
     picture: ClassVar[str] = "bode"
+    PARTS: ClassVar[Mapping[str, str]] = {"Estimation": "torsionnet.linear.estimation:Estimation"}
 
     frequencies: FloatArray
     values: ComplexArray
@@ -159,22 +161,37 @@ class FrequencyResponse(NotebookResult):
         with np.errstate(divide="ignore"):
             return np.asarray(20 * np.log10(self.magnitude * scale / conventions.db_reference))
 
-    def scale(self, conventions: Conventions, output: int = 0, input: int = 0) -> float:
+    def _units(self, output: int | str, input: int | str) -> tuple[str, str]:
+        """SI units of an output and an input, given by place or by name."""
+        sides = (output, self.outputs, "output"), (input, self.inputs, "input")
+        above, below = (
+            channels[_indices(key, channels, what)[0] if isinstance(key, str) else key].unit
+            for key, channels, what in sides
+        )
+        return above, below
+
+    def scale(self, conventions: Conventions, output: int | str = 0, input: int | str = 0) -> float:
         """Factor from SI to the unit in which the transfer function of one output over one input is shown."""
-        above, below = self.outputs[output].unit, self.inputs[input].unit
+        above, below = self._units(output, input)
         return conventions.scale(above) / conventions.scale(below)
 
-    def unit(self, output: int = 0, input: int = 0, conventions: Conventions = SI) -> str:
+    def unit(self, output: int | str = 0, input: int | str = 0, conventions: Conventions = SI) -> str:
         """Text of the unit in which the transfer function of an output over an input is shown.
 
-        ``1`` for like signals.
+        Both are given by place or by name. ``1`` for like signals.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> tn.load("dmf_rig").frequency_response("theta_1", "T_T", [8]).unit("theta_1", "T_T")
+        'rad/(N*m)'
         """
-        above, below = conventions.unit(self.outputs[output].unit), conventions.unit(self.inputs[input].unit)
+        above, below = map(conventions.unit, self._units(output, input))
         return quotient_unit(above, below)
 
-    def kind(self, output: int = 0, input: int = 0) -> str:
+    def kind(self, output: int | str = 0, input: int | str = 0) -> str:
         """Name of the kind of transfer function of one output over one input, such as receptance or mobility."""
-        above, below = self.outputs[output].unit, self.inputs[input].unit
+        above, below = self._units(output, input)
         if below == "N*m":
             return KINDS_BY_UNIT.get(above, "torque ratio")
         if above == "N*m":
@@ -298,13 +315,31 @@ class FrequencyResponse(NotebookResult):
         keys = filter(None, [usable_limit_text(self), estimation_text(self.estimation)])
         return Table(self.title, tuple(columns), rows, (*map(str, self.notes), *keys, SIGN_NOTE))
 
+    def to_dataframe(self) -> pandas.DataFrame:
+        """Frequency response as a pandas.DataFrame of complex values in SI units, with the frequencies in Hz as index.
+
+        The columns are named ``output/input``; ``attrs`` has the title, the units by column and the notes.
+
+        Raises
+        ------
+        MissingExtraError
+            pandas is not installed.
+        """
+        from torsionnet.base.table import import_pandas
+
+        pandas = import_pandas()
+        names = [f"{out.name}/{into.name}" for out in self.outputs for into in self.inputs]
+        index = pandas.Index(self.frequencies, name="frequency [Hz]")
+        frame = pandas.DataFrame(self.values.reshape(len(index), len(names)), index, names)
+        units = [self.unit(o, i) for o in range(len(self.outputs)) for i in range(len(self.inputs))]
+        frame.attrs |= {
+            "title": self.title, "units": dict(zip(names, units, strict=True)), "notes": list(map(str, self.notes)),
+        }  # fmt: skip
+        return frame
+
     def to_csv(self, path: str | Path | None = None, conventions: Conventions = SI) -> str:
         """Table of the frequency response as CSV text, also written to the file ``path`` if given."""
         return self.table(conventions).to_csv(path)
-
-    def to_json(self, path: str | Path | None = None, conventions: Conventions = SI) -> str:
-        """Table of the frequency response as JSON text, also written to the file ``path`` if given."""
-        return self.table(conventions).to_json(path)
 
     def to_control(self) -> control.FrequencyResponseData:
         """Frequency response as FrequencyResponseData of python-control, signals named, SI units, omega in rad/s."""

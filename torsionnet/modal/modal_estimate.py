@@ -15,7 +15,7 @@ import torsionnet.modal.matrix_fraction as pole_numbers
 from torsionnet.base.conventions import MODE_KIND, SI, Conventions
 from torsionnet.base.errors import UsageError, did_you_mean
 from torsionnet.base.notes import NoteOrText, warning
-from torsionnet.base.packages import NotebookResult
+from torsionnet.base.packages import UNSAVED, SavedResult
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Column, Table, result_table
 from torsionnet.linear.frequency_response import Channel, FrequencyResponse
@@ -48,7 +48,7 @@ IDENTIFIED_COLUMNS = (
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ModalEstimate(NotebookResult):
+class ModalEstimate(SavedResult):
     """Modes identified from frequency responses, one for each conjugate pair or real pole, sorted by ``|lambda|``.
 
     Attributes
@@ -106,7 +106,7 @@ class ModalEstimate(NotebookResult):
     by_record: bool = False
     outside_poles: ComplexArray = field(default_factory=lambda: np.zeros(0, dtype=complex))
     outside_residues: ComplexArray = field(default_factory=lambda: np.zeros((0, 1, 1), dtype=complex))
-    against_model: Match | None = None
+    against_model: Match | None = field(default=None, metadata=UNSAVED)
 
     def __len__(self) -> int:
         return len(self.poles)
@@ -216,10 +216,6 @@ class ModalEstimate(NotebookResult):
     def to_csv(self, path: str | Path | None = None, conventions: Conventions = SI) -> str:
         """Table of the identified modes as CSV text, also written to ``path``."""
         return self.table(conventions).to_csv(path)
-
-    def to_json(self, path: str | Path | None = None, conventions: Conventions = SI) -> str:
-        """Table of the identified modes as JSON text, also written to ``path``."""
-        return self.table(conventions).to_json(path)
 
     def __repr__(self) -> str:
         listed = ", ".join(

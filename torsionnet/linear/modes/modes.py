@@ -24,7 +24,7 @@ from torsionnet.base.conventions import (
     mode_numbers,
 )
 from torsionnet.base.errors import UsageError, did_you_mean
-from torsionnet.base.packages import NotebookResult
+from torsionnet.base.packages import SavedResult
 from torsionnet.base.result_rows import Out
 
 if TYPE_CHECKING:
@@ -92,7 +92,7 @@ class ModesRecord:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Modes(NotebookResult):
+class Modes(SavedResult):
     """Complex modes of a drivetrain, one per conjugate pair, real pole or rigid-body mode, sorted by ``|lambda|``.
 
     Attributes
@@ -279,10 +279,6 @@ class Modes(NotebookResult):
     def to_csv(self, path: str | Path | None = None, conventions: Conventions = SI) -> str:
         """Table of the modes as CSV text, also written to the file ``path`` if given."""
         return self.table(conventions).to_csv(path)
-
-    def to_json(self, path: str | Path | None = None, conventions: Conventions = SI) -> str:
-        """Table of the modes as JSON text, also written to the file ``path`` if given."""
-        return self.table(conventions).to_json(path)
 
     def __repr__(self) -> str:
         listed = ", ".join(f"{value:.4g}" for value in self.natural_frequencies[:8])

@@ -9,6 +9,7 @@ from typing import Annotated
 import numpy as np
 
 from torsionnet.base.errors import UsageError, did_you_mean
+from torsionnet.base.packages import NotebookResult
 from torsionnet.base.phrases import phrase
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Column, Table
@@ -25,7 +26,7 @@ from torsionnet.machinery.orders.worst_case import Contributions, contributions,
 
 
 @dataclass(frozen=True, eq=False)
-class StarDiagram:
+class StarDiagram(NotebookResult):
     """Star diagram of one order h, complex vectors ``a_i exp(-j h alpha_i)`` of relative amplitude and firing angle.
 
     Attributes
@@ -84,7 +85,7 @@ class VectorSum:
 
 
 @dataclass(frozen=True, eq=False)
-class VectorSums:
+class VectorSums(NotebookResult):
     """Relative vector sums of an engine, with the star diagram of every mode and order.
 
     Attributes

@@ -15,9 +15,10 @@ import click
 from torsionnet.app.cli.cases import ConfiguredCase, ModelCommand
 from torsionnet.app.cli.command import JSON, TABLE, Answer, Command, separated_by_lines, text_answer
 from torsionnet.app.cli.options import STANDARD_INPUT, OutputFile, argument, checked_model, option
-from torsionnet.app.cli.terminal import message, print_line, wrapped
+from torsionnet.app.cli.terminal import message, print_line
 from torsionnet.base.errors import Fault, UsageError, readable_text
 from torsionnet.base.result_rows import Out
+from torsionnet.base.table_text import wrapped
 
 if TYPE_CHECKING:
     from torsionnet.base.entries.spec import Schema

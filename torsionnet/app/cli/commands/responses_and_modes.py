@@ -12,8 +12,9 @@ import click
 from torsionnet.app.cli.cases import ConfiguredCase, ModelCommand
 from torsionnet.app.cli.command import TABLE, Answer, separated_by_lines
 from torsionnet.app.cli.options import ANGLE, EXCITATION, FREQUENCY_UNIT, REFERRED_TO, option, referred_outputs
-from torsionnet.app.cli.terminal import blank_zero_shares, message, split_table
+from torsionnet.app.cli.terminal import blank_zero_shares, message
 from torsionnet.base.errors import UsageError
+from torsionnet.base.table_text import split_table
 
 if TYPE_CHECKING:
     from torsionnet.base.table import Table

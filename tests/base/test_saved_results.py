@@ -1,0 +1,121 @@
+"""Results as JSON with all their numbers, tables as data frames and as text for a terminal."""
+
+import json
+from dataclasses import fields, replace
+
+import numpy as np
+import pandas
+import pytest
+
+import torsionnet as tn
+from torsionnet.base.table import Column, Table
+
+F = np.array([0.0, 2.0, 9.0])
+
+
+def same(first, second):
+    """Whether two values are equal, with arrays compared number by number."""
+    if isinstance(first, np.ndarray):
+        np.testing.assert_array_equal(first, second)
+        return first.dtype == second.dtype
+    return first == second
+
+
+def read_again(result, tmp_path):
+    """The result out of its JSON text, and the same out of a file."""
+    path = tmp_path / "saved.json"
+    text = result.to_json(path)
+    assert path.read_text(encoding="utf-8") == text
+    for found in (type(result).from_json(text), type(result).from_json(path), type(result).from_json(str(path))):
+        assert type(found) is type(result)
+        yield found
+
+
+@pytest.mark.parametrize("name", ["dmf_rig", "two_stroke_ship"])
+def test_modes_are_read_back(name, tmp_path):
+    modes = tn.load(name).modes()
+    for found in read_again(modes, tmp_path):
+        assert all(same(getattr(modes, one.name), getattr(found, one.name)) for one in fields(modes))
+
+
+def test_responses_are_read_back(tmp_path):
+    H = tn.load("dmf_rig").frequency_response(["theta_1", "T_T"], "T_T", F)
+    for found in read_again(replace(H, usable_up_to=12.5, coherence=np.full(H.values.shape, 0.5)), tmp_path):
+        assert (found.outputs, found.inputs, found.title) == (H.outputs, H.inputs, H.title)
+        assert (found.notes, found.usable_up_to, found.model) == (H.notes, 12.5, H.model)
+        np.testing.assert_array_equal(found.values, H.values)
+        np.testing.assert_array_equal(found.conditioning, H.conditioning)
+
+
+def test_numbers_that_json_lacks(tmp_path):
+    theta, torque = tn.Channel("phi", "rad"), tn.Channel("T", "N*m")
+    note = tn.Note("at rest", "warning", channel="phi")
+    H = tn.FrequencyResponse(F, [np.inf, np.nan, 1 - 2j], (theta,), (torque,), notes=("warning: a plain text", note))
+    for found in read_again(H, tmp_path):
+        np.testing.assert_array_equal(found.values, H.values)
+        assert found.notes == H.notes
+    json.loads(H.to_json(), parse_constant=lambda name: pytest.fail(f"{name} is no JSON"))
+
+
+def test_an_estimate_keeps_its_averaging_but_not_its_record(tmp_path):
+    rng = np.random.default_rng(2)
+    signals = {"T": rng.normal(size=2000), "phi": rng.normal(size=2000)}
+    record = tn.signals.Recording(
+        [tn.signals.Signal("T", "torque", signals["T"]), tn.signals.Signal("phi", "angle", signals["phi"])], 500
+    )
+    H = tn.signals.estimate(record, "phi", "T")
+    for found in read_again(H, tmp_path):
+        assert found.estimation.to_data() == H.estimation.to_data()
+        assert found.estimation.record is None
+
+
+def test_wrong_files_are_told(tmp_path):
+    rig = tn.load("dmf_rig")
+    with pytest.raises(tn.UsageError, match=r"holds results of the class Modes, not what FrequencyResponse.to_json"):
+        tn.FrequencyResponse.from_json(rig.modes().to_json())
+    with pytest.raises(tn.UsageError, match="the text holds no saved result"):
+        tn.Modes.from_json("{}")
+    with pytest.raises(tn.UsageError, match="the text is no JSON text"):
+        tn.Modes.from_json("{modes")
+    with pytest.raises(tn.UsageError, match=r"none.json cannot be read: No such file"):
+        tn.Modes.from_json(tmp_path / "none.json")
+    data = json.loads(rig.modes().to_json())
+    with pytest.raises(tn.UsageError, match=r"is not as Modes.to_json has written it"):
+        tn.Modes.from_json(json.dumps({key: one for key, one in data.items() if key != "eigenvalues"}))
+
+
+TABLE = Table("t", (Column("name"), Column("x", "Hz", 3)), (("a", 1.25), ("b", None)), ("n",))
+
+
+def test_a_table_is_read_back(tmp_path):
+    path = tmp_path / "table.json"
+    text = TABLE.to_json(path)
+    assert Table.from_json(text).rows == Table.from_json(path).rows == TABLE.rows
+    assert Table.from_json(text).columns == (Column("name"), Column("x", "Hz"))
+    with pytest.raises(tn.UsageError, match="holds no table"):
+        Table.from_json('{"title": "t"}')
+
+
+def test_data_frames():
+    frame = TABLE.to_dataframe()
+    assert frame["name"].tolist() == ["a", "b"]
+    assert frame.attrs["units"] == {"name": "", "x": "Hz"}
+    np.testing.assert_array_equal(frame["x"], [1.25, np.nan])
+    rig = tn.load("dmf_rig")
+    H = rig.frequency_response(["theta_1", "T_T"], "T_M", F)
+    complex_values = H.to_dataframe()
+    np.testing.assert_array_equal(complex_values["T_T/T_M"], H.values[:, 1, 0])
+    assert complex_values.index.name == "frequency [Hz]"
+    assert complex_values.attrs["units"]["theta_1/T_M"] == "rad/(N*m)"
+    modes = rig.modes()
+    np.testing.assert_array_equal(modes.to_dataframe()["damping ratio"], modes.damping_ratios)
+    assert isinstance(modes.energy_table().to_dataframe(), pandas.DataFrame)
+
+
+def test_tables_fit_the_terminal(monkeypatch):
+    monkeypatch.setenv("COLUMNS", "60")
+    text = str(tn.load("amt_rig").configured("II").modes().table())
+    assert max(map(len, text.splitlines())) <= 60
+    assert text.count("mode") >= 2  # the first column stands in every part
+    assert "strain in half_shaft 82 %, dmf 18 %" in " ".join(text.split())
+    assert "<caption>" in TABLE._repr_html_()

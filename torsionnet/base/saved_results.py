@@ -1,0 +1,137 @@
+"""Results saved as JSON with all their numbers, and read back as objects of the same class.
+
+Arrays are lists, complex ones ``{"real": ..., "imag": ...}``; numbers that JSON lacks are the texts "nan", "inf" and
+"-inf". What a class keeps in memory alone, as the record behind an estimate, its fields mark as ``UNSAVED``.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import inspect
+import json
+import math
+import os
+import sys
+import types
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, TypeVar, Union, get_args, get_origin, get_type_hints
+
+from torsionnet.base.errors import UsageError
+from torsionnet.base.notes import Note, NoteOrText
+from torsionnet.base.packages import imported
+
+CLASS = "result"
+"""Key of the name of the class in the JSON data of a result."""
+Saved = TypeVar("Saved")
+
+
+def saved_text(result: object) -> str:
+    """JSON text of a result with all its numbers."""
+    return json.dumps({CLASS: type(result).__name__, **_plain(result)}, ensure_ascii=False) + "\n"
+
+
+def read_saved(kind: type[Saved], source: str | os.PathLike[str]) -> Saved:
+    """Result of a class from the text that :func:`saved_text` has made, or from the file with it.
+
+    Raises
+    ------
+    UsageError
+        There is no such file, it holds another result, or it is damaged.
+    """
+    name, data = json_object(source)
+    held = data.get(CLASS)
+    if held != kind.__name__:
+        holds = f"results of the class {held}" if held else "no saved result"
+        raise UsageError(f"{name} holds {holds}, not what {kind.__name__}.to_json writes")
+    try:
+        result: Saved = _object(kind, data)
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
+        raise UsageError(f"{name} is not as {kind.__name__}.to_json has written it: {error}") from None
+    return result
+
+
+def json_object(source: str | os.PathLike[str]) -> tuple[str, dict[str, Any]]:
+    """Name of a JSON text, or of the file with it, for messages, and its data; empty where they are no object.
+
+    Raises
+    ------
+    UsageError
+        There is no such file, or it is no JSON.
+    """
+    is_text = isinstance(source, str) and source.lstrip().startswith("{")
+    name = "the text" if is_text else str(source)
+    try:
+        data = json.loads(str(source) if is_text else Path(source).read_text(encoding="utf-8"))
+    except OSError as error:
+        raise UsageError(f"{name} cannot be read: {error.strerror}") from None
+    except ValueError as error:
+        raise UsageError(f"{name} is no JSON text: {error}") from None
+    return name, data if isinstance(data, dict) else {}
+
+
+def _saved_fields(kind: Any) -> list[dataclasses.Field[Any]]:
+    return [one for one in dataclasses.fields(kind) if one.init and "unsaved" not in one.metadata]
+
+
+def _plain(value: Any) -> Any:
+    """Data for JSON of a value of a result."""
+    if dataclasses.is_dataclass(value):
+        return {one.name: _plain(getattr(value, one.name)) for one in _saved_fields(value)}
+    if hasattr(value, "tolist"):  # an array, or a number of numpy
+        if value.dtype.kind == "c":
+            return {"real": _plain(value.real.tolist()), "imag": _plain(value.imag.tolist())}
+        return _plain(value.tolist())
+    if isinstance(value, complex):
+        return {"real": _plain(value.real), "imag": _plain(value.imag)}
+    if isinstance(value, Mapping):
+        return {key: _plain(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(one) for one in value]
+    return str(value) if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _object(kind: Any, data: Mapping[str, Any]) -> Any:
+    """Object of a dataclass from its data; a field that is missing has its default."""
+    return kind(
+        **{one.name: _value(_type(kind, one), data[one.name]) for one in _saved_fields(kind) if one.name in data}
+    )
+
+
+def _type(kind: Any, field: dataclasses.Field[Any]) -> Any:
+    """Declared type of a field, whose module may import it for type checkers alone: then ``PARTS`` says from where."""
+    home = next(base for base in kind.__mro__ if field.name in inspect.get_annotations(base))
+    parts = {name: imported(place) for name, place in getattr(kind, "PARTS", {}).items() if name in str(field.type)}
+    declared = types.SimpleNamespace(__annotations__={field.name: field.type})
+    return get_type_hints(declared, vars(sys.modules[home.__module__]), parts)[field.name]
+
+
+def _value(kind: Any, data: Any) -> Any:
+    """Value of a declared type from its data."""
+    if kind == NoteOrText:
+        return data if isinstance(data, str) else Note(**data)
+    arguments = get_args(kind)
+    match get_origin(kind):
+        case origin if origin is Annotated:
+            return _value(arguments[0], data)
+        case origin if origin in (Union, types.UnionType):
+            (inner,) = (one for one in arguments if one is not type(None))
+            return None if data is None else _value(inner, data)
+        case origin if origin is tuple:
+            kinds = arguments[:1] * len(data) if arguments[1:] == (...,) else arguments
+            return tuple(_value(one, part) for one, part in zip(kinds, data, strict=True))
+        case origin if isinstance(origin, type) and issubclass(origin, Mapping):
+            return {key: _value(arguments[1], one) for key, one in data.items()}
+        case origin if getattr(origin, "__name__", "") in ("ndarray", "NDArray"):
+            return _array(get_args(arguments[-1]) or arguments[-1:], data)
+    if dataclasses.is_dataclass(kind):
+        return _object(kind, data)
+    return kind(data) if kind in (float, complex) else data
+
+
+def _array(dtype: tuple[Any, ...], data: Any) -> Any:
+    import numpy as np  # base is read by commands that do without
+
+    if isinstance(data, Mapping):
+        return np.array(data["real"], dtype=float) + 1j * np.array(data["imag"], dtype=float)
+    return np.array(data, dtype=dtype[0])
