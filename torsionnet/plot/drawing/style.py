@@ -5,6 +5,7 @@ Matplotlib's global settings are left alone.
 
 from __future__ import annotations
 
+import io
 import math
 import textwrap
 from collections.abc import Sequence
@@ -20,6 +21,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, MultipleLo
 from numpy.typing import ArrayLike
 
 import torsionnet.plot.drawing.pieces as colors
+from torsionnet.base.packages import DOTS_PER_INCH
 from torsionnet.linear.assembly.rows import FloatArray
 
 PALETTE = colors.PALETTE
@@ -59,9 +61,18 @@ def panel_columns(count: int, most: int = 4) -> int:
     return min(most, next(columns for columns, up_to in ((1, 1), (2, 4), (3, 9), (4, math.inf)) if count <= up_to))
 
 
+class NotebookFigure(Figure):
+    """Figure of matplotlib that a notebook shows by itself, without pyplot and ``%matplotlib inline``."""
+
+    def _repr_png_(self) -> bytes:
+        buffer = io.BytesIO()
+        self.savefig(buffer, format="png", dpi=DOTS_PER_INCH)
+        return buffer.getvalue()
+
+
 def new_figure(width: float, height: float) -> Figure:
     """Empty figure, in no window, of a width and height in inches, with matplotlib's constrained layout."""
-    return Figure(figsize=(width, height), layout="constrained", facecolor=PAPER)
+    return NotebookFigure(figsize=(width, height), layout="constrained", facecolor=PAPER)
 
 
 def bare_figure(width: float, height: float) -> Figure:
@@ -69,7 +80,7 @@ def bare_figure(width: float, height: float) -> Figure:
 
     Axes stay where they are put, whatever a user's settings.
     """
-    figure = Figure(figsize=(width, height), facecolor=PAPER)
+    figure = NotebookFigure(figsize=(width, height), facecolor=PAPER)
     figure.set_layout_engine("none")
     return figure
 
