@@ -179,14 +179,21 @@ class TestThePaper:
 
     def test_equation_13_polynomial(self):
         H = tn.load("dmf_rig").symbolic().transfer_function("theta_1", "T_T").polynomial
-        assert H.numerator == (k_1 + k_2, c_1 + c_2 + c_B, I_2)
+        assert H.numerator == (I_2, c_1 + c_2 + c_B, k_1 + k_2)  # the highest power first, as in Matlab
         for found, expected in zip(
-            H.denominator,
+            H.denominator[::-1],
             (k_1 * k_2, c_1 * k_2 + k_1 * (c_2 + c_B), I_2 * k_1 + c_1 * (c_2 + c_B), I_2 * c_1),
             strict=True,
         ):
             assert sympy.expand(found - expected) == 0
         assert str(H.named) == "(b_0 + b_1*s + b_2*s**2)/(a_0 + a_1*s + a_2*s**2 + a_3*s**3)"
+
+    def test_parts_are_sympy_expressions(self):
+        H = tn.load("dmf_rig").symbolic().transfer_function("theta_1", "T_T")
+        assert simplify(sympy.sympify(H) - 1 / self.edge - 1 / self.branch) == 0
+        assert simplify(H.numerator / H.denominator - H.mechanical) == 0
+        assert sympy.Poly(H.numerator, s).degree() == 2
+        assert sympy.diff(H, k_2).has(k_2)
 
     def test_equation_13_as_printed(self):
         G = (self.edge + self.branch) / ((I_1 * s**2 + c_M * s) * (self.edge + self.branch) + self.edge * self.branch)
@@ -204,7 +211,7 @@ class TestThePaper:
         assert simplify(H.mechanical - printed) == 0
         assert simplify(H.polynomial.expression - printed) == 0
         assert "k_2/tau**2" in str(H.mechanical)
-        assert H.polynomial.numerator[0] == k_1 + k_2 / tau**2
+        assert H.polynomial.numerator[-1] == k_1 + k_2 / tau**2
 
     def test_a_wrong_equation_would_be_seen(self):
         H = tn.load("dmf_rig").symbolic().transfer_function("theta_1", "T_T")

@@ -193,7 +193,7 @@ def _expression(step: tuple[Any, ...], known: dict[int, Any]) -> Any:
 def where_table(function: SymbolicFraction) -> WhereTable:
     """Straight-line program of a transfer function in single operations, numerator over denominator."""
     program = Program()
-    above, below = function.steps.run(Lowered(program), [function.numerator, function.denominator])
+    above, below = function.steps.run(Lowered(program), function.outputs)
     return WhereTable(program, above / below)
 
 

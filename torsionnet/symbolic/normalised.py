@@ -150,7 +150,7 @@ class Normalised:
 
 def normalised(function: SymbolicFraction) -> Normalised:
     """Normalised form of a transfer function, gain times factors in s that its program and sympy's factoring give."""
-    above, below = (_factors(function, node) for node in (function.numerator, function.denominator))
+    above, below = (_factors(function, node) for node in function.outputs)
     gain, power = factor_if_short(above[0] / below[0]), above[1] - below[1]
     return Normalised(gain, power, above[2], below[2], function.values)
 
@@ -262,7 +262,7 @@ class Expanded:
 
 def predicted_terms(function: SymbolicFraction) -> int:
     """Upper bound of the number of terms of a transfer function's numerator and denominator, multiplied out."""
-    return int(sum(function.steps.run(TermCounts(), [function.numerator, function.denominator])))
+    return int(sum(function.steps.run(TermCounts(), function.outputs)))
 
 
 def expanded(function: SymbolicFraction, cap: int) -> Expanded:
@@ -273,7 +273,7 @@ def expanded(function: SymbolicFraction, cap: int) -> Expanded:
             f"fully expanded, this transfer function has up to {predicted:,} terms, more than {cap:,}; "
             "use .mechanical or .program, keep(...) fewer parameters, or raise cap="
         )
-    program, outputs = function.steps, [function.numerator, function.denominator]
+    program, outputs = function.steps, function.outputs
     algebra = monomials_for(program.payloads(outputs))
     above, below = program.run(algebra, outputs)
     return Expanded(above, below, algebra)

@@ -65,7 +65,8 @@ class Rational:
     coefficients: NamedCoefficients
 
     @cached_property
-    def _written(self) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+    def ascending(self) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+        """Coefficients of 1, s, s^2, ... in numerator and denominator, as sympy expressions."""
         above, below = (list(_trimmed(part)) for part in self.coefficients.expressions())
         # A drivetrain that turns freely has powers of s above and below.
         while min(len(above), len(below)) > 1 and above[0] == 0 and below[0] == 0:
@@ -74,23 +75,24 @@ class Rational:
 
     @property
     def numerator(self) -> tuple[Any, ...]:
-        """Coefficients of 1, s, s^2, ... in the numerator of the transfer function, as sympy expressions."""
-        return self._written[0]
+        """Coefficients of the numerator as sympy expressions, the highest power of s first, as in python-control."""
+        return self.ascending[0][::-1]
 
     @property
     def denominator(self) -> tuple[Any, ...]:
-        """Coefficients of 1, s, s^2, ... in the denominator of the transfer function, as sympy expressions."""
-        return self._written[1]
+        """Coefficients of the denominator as sympy expressions, the highest power of s first, as in python-control."""
+        return self.ascending[1][::-1]
 
     @property
     def expression(self) -> Any:
         """Transfer function as a sympy quotient of polynomials in s, with the coefficients written out."""
-        return in_s(self.numerator) / in_s(self.denominator)
+        above, below = map(in_s, self.ascending)
+        return above / below
 
     @cached_property
     def where(self) -> dict[Any, Any]:
         """Sympy expression of each named coefficient (a_i, b_i) that is not zero, by name."""
-        named = {"b": self.numerator, "a": self.denominator}
+        named = dict(zip("ba", self.ascending, strict=True))
         return {
             sympy.Symbol(f"{letter}_{power}"): value
             for letter, coefficients in named.items()
@@ -109,7 +111,7 @@ class Rational:
         """Names of the coefficients of numerator and denominator as symbols, 0 for those that are zero."""
         above, below = (
             [sympy.Symbol(f"{letter}_{power}") if value != 0 else sympy.Integer(0) for power, value in enumerate(part)]
-            for letter, part in (("b", self.numerator), ("a", self.denominator))
+            for letter, part in zip("ba", self.ascending, strict=True)
         )
         return above, below
 
@@ -137,7 +139,7 @@ def _trimmed(coefficients: Sequence[Any]) -> tuple[Any, ...]:
 
 def rational(function: SymbolicFraction) -> Rational:
     """Polynomial form of a transfer function, its coefficients multiplied out if short, else nested."""
-    program, outputs = function.steps, [function.numerator, function.denominator]
+    program, outputs = function.steps, function.outputs
     # Short ones are multiplied out as a whole, else only in powers of s, and each coefficient by itself.
     if sum(program.run(TermCounts(), outputs)) <= MOST_TERMS_EXPANDED_WHOLE or len(function.free_symbols) <= 6:
         algebra = monomials_for(program.payloads(outputs))
@@ -219,7 +221,7 @@ form that is written out, as more fill pages and take minutes."""
 
 def require_readable(function: SymbolicFraction) -> None:
     """Raise an error if the coefficients of a transfer function's polynomial form have too many symbols and numbers."""
-    outputs = [function.numerator, function.denominator]
+    outputs = function.outputs
     if sum(function.steps.run(TermCounts(), outputs)) <= MOST_TERMS_EXPANDED_WHOLE:
         return
     polynomials = function.steps.run(InPowersOfS(Program().leaf), outputs)
@@ -303,7 +305,7 @@ def _at(function: SymbolicFraction, frequencies: FloatArray, values: Mapping[Any
     known |= {name: Scaled.of(table.kappa(omega)) for name, table in _tables(function, values).items()}
     known |= {sympy.I: Scaled.of(1j)}
     algebra = NumericValues(known, Scaled.rational, Scaled.of(1j * omega))
-    above, below = function.steps.run(algebra, [function.numerator, function.denominator])
+    above, below = function.steps.run(algebra, function.outputs)
     ratio = above / below
     found = np.array(np.broadcast_to(ratio.array(), frequencies.shape))
     # Where terms cancel the bound of rounding grows, and more digits are needed.
@@ -326,7 +328,7 @@ def _in_many_digits(function: SymbolicFraction, omega: float, values: Mapping[An
             known = {name: number(value) for name, value in values.items()}
             known |= {name: table.in_many_digits(mpmath.mpc(0, omega)) for name, table in tables.items()}
             algebra = NumericValues(known | {sympy.I: mpmath.mpc(0, 1)}, number, mpmath.mpc(0, omega))
-            above, below = function.steps.run(algebra, [function.numerator, function.denominator])
+            above, below = function.steps.run(algebra, function.outputs)
             value = complex(above / below) if below else complex(np.inf)
         if abs(value - last) <= ACCEPTED_RELATIVE_ERROR * abs(value):
             return value
@@ -358,10 +360,7 @@ def lowest_terms_in_s(function: SymbolicFraction, coefficient: Any, vanishes: An
     limit = 4
     while True:
         algebra = InPowersNearRest(coefficient, limit, delays_of(function.used_tables))
-        found = [
-            first_term(polynomial, vanishes)
-            for polynomial in function.steps.run(algebra, [function.numerator, function.denominator])
-        ]
+        found = [first_term(polynomial, vanishes) for polynomial in function.steps.run(algebra, function.outputs)]
         # A numerator that vanishes in more powers of s than the program has steps counts as zero.
         if found[1] is not None and (found[0] is not None or limit > len(function.steps.steps)):
             return found[0], found[1]
@@ -403,7 +402,7 @@ def high_frequency(function: SymbolicFraction) -> Any:
     algebra = InPowersOfS(Program().leaf)
     above, below = (
         (len(polynomial), first_term(polynomial[::-1], surely_zero))
-        for polynomial in function.steps.run(algebra, [function.numerator, function.denominator])
+        for polynomial in function.steps.run(algebra, function.outputs)
     )
     if above[1] is None or below[1] is None:
         return sympy.Integer(0)

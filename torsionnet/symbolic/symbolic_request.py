@@ -204,8 +204,8 @@ class SymbolicFraction:
     ----------
     channels : tuple of Channel
         Output and input, with their units.
-    numerator, denominator : ProgramNode
-        Results of one program, common factors left out.
+    outputs : (ProgramNode, ProgramNode)
+        Numerator and denominator as results of one program, common factors left out.
     values : dict
         Symbol -> exact rational value in the model.
     request : SymbolicRequest or None
@@ -218,8 +218,7 @@ class SymbolicFraction:
     """
 
     channels: tuple[Channel, Channel]
-    numerator: ProgramNode
-    denominator: ProgramNode
+    outputs: tuple[ProgramNode, ProgramNode]
     values: Mapping[Any, Any]
     request: SymbolicRequest | None = None
     tables: Mapping[Any, Any] = field(default_factory=dict)
@@ -232,7 +231,7 @@ class SymbolicFraction:
     @property
     def steps(self) -> Program:
         """Straight-line program whose steps calculate numerator and denominator."""
-        return self.numerator.program
+        return self.outputs[0].program
 
     @cached_property
     def free_symbols(self) -> frozenset[Any]:
@@ -257,21 +256,38 @@ class SymbolicFraction:
     @cached_property
     def _leaves(self) -> tuple[Any, ...]:
         """Sympy expressions in the leaves of the transfer function's program."""
-        needed = (self.steps.steps[index] for index in self.steps.needed([self.numerator, self.denominator]))
+        needed = (self.steps.steps[index] for index in self.steps.needed(self.outputs))
         payloads = [step[1] for step in needed if step[0] == "leaf"]
         parts = [part for one in payloads for part in (one.parts if isinstance(one, Stiffness) else (one,))]
         return tuple(dict.fromkeys(part for part in parts if isinstance(part, sympy.Basic)))
 
     @cached_property
+    def _parts(self) -> tuple[Any, Any]:
+        above, below = self.steps.run(Expressions(), self.outputs)
+        return above, below
+
+    @property
+    def numerator(self) -> Any:
+        """Numerator of the transfer function as a sympy expression in s and the parameters, nested as calculated."""
+        return self._parts[0]
+
+    @property
+    def denominator(self) -> Any:
+        """Denominator of the transfer function as a sympy expression in s and the parameters, nested as calculated."""
+        return self._parts[1]
+
+    @property
     def nested(self) -> Any:
         """Transfer function as a nested sympy expression, numerator over denominator as calculated."""
-        above, below = self.steps.run(Expressions(), [self.numerator, self.denominator])
-        return above / below
+        return self.numerator / self.denominator
+
+    def _sympy_(self) -> Any:
+        return self.nested
 
     @cached_property
     def nested_leaves(self) -> int:
         """Number of leaves (stiffnesses, ratios, numbers) of the nested form, repeated ones counted again."""
-        above, below = self.steps.run(Lengths(), [self.numerator, self.denominator])
+        above, below = self.steps.run(Lengths(), self.outputs)
         return int(above + below)
 
     @cached_property

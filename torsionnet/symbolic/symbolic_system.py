@@ -127,8 +127,7 @@ class SymbolicSystem(SymbolicMatrices):
         drivetrain = self._model
         return TransferFunction(
             channels,
-            numerator,
-            denominator,
+            (numerator, denominator),
             self.values,
             tables=_tables(drivetrain),
             title=drivetrain.title,

@@ -146,11 +146,11 @@ class TransferFunction(SymbolicFraction):
                     "torsionnet.linear.sensitivity, which has it in numbers"
                 )
         algebra = Derivatives(program, symbol)
-        (above, slope_above), (below, slope_below) = self.steps.run(algebra, [self.numerator, self.denominator])
+        (above, slope_above), (below, slope_below) = self.steps.run(algebra, self.outputs)
         # (N / D)' = (N' D - N D') / D^2
         numerator = slope_above * below + slope_below * above * -1
         numerator, denominator = program.reduced(numerator, below * below)
-        return replace(self, numerator=numerator, denominator=denominator, request=None)
+        return replace(self, outputs=(numerator, denominator), request=None)
 
     def subs(self, values: Mapping[str, Any] | None = None, /, **more: Any) -> TransferFunction:
         """Transfer function with exact numbers (0.5 becomes 1/2) or sympy expressions for parameters."""
@@ -175,13 +175,13 @@ class TransferFunction(SymbolicFraction):
             return given.get(expression, expression) if expression.is_Atom else expression.xreplace(given)
 
         program = Program()
-        nodes = self.steps.run(SubstitutedLeaves(program, change), [self.numerator, self.denominator])
+        nodes = self.steps.run(SubstitutedLeaves(program, change), self.outputs)
         numerator, denominator = program.reduced(*nodes)
         request = None if self.request is None else self.request.changed(change)
         tables = {
             name: table.with_coefficients(*map(change, table.coefficients)) for name, table in self.tables.items()
         }
-        return replace(self, numerator=numerator, denominator=denominator, request=request, tables=tables)
+        return replace(self, outputs=(numerator, denominator), request=request, tables=tables)
 
     def _symbol(self, name: str) -> Any:
         known = {str(symbol): symbol for symbol in {*self.values, *self.free_symbols}}

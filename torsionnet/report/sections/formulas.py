@@ -134,7 +134,7 @@ def _polynomial(found: TransferFunction, pair: Pair, cases: tuple[Case, ...]) ->
         polynomial_latex(
             [sympy.Symbol(f"{letter}_{k}") if value != 0 else sympy.Integer(0) for k, value in enumerate(part)]
         )
-        for letter, part in (("b", quotient.numerator), ("a", quotient.denominator))
+        for letter, part in zip("ba", quotient.ascending, strict=True)
     )
     where = list(quotient.where.items())
     rows = [(Math(symbol_latex(str(name))), BreakableMath(tuple(sum_terms(value)))) for name, value in where]
