@@ -7,6 +7,7 @@ Arrays are lists, complex ones ``{"real": ..., "imag": ...}``; numbers that JSON
 from __future__ import annotations
 
 import dataclasses
+import importlib
 import inspect
 import json
 import math
@@ -19,7 +20,6 @@ from typing import Annotated, Any, TypeVar, Union, get_args, get_origin, get_typ
 
 from torsionnet.base.errors import UsageError
 from torsionnet.base.notes import Note, NoteOrText
-from torsionnet.base.packages import imported
 
 CLASS = "result"
 """Key of the name of the class in the JSON data of a result."""
@@ -101,7 +101,11 @@ def _object(kind: Any, data: Mapping[str, Any]) -> Any:
 def _type(kind: Any, field: dataclasses.Field[Any]) -> Any:
     """Declared type of a field, whose module may import it for type checkers alone: then ``PARTS`` says from where."""
     home = next(base for base in kind.__mro__ if field.name in inspect.get_annotations(base))
-    parts = {name: imported(place) for name, place in getattr(kind, "PARTS", {}).items() if name in str(field.type)}
+    parts = {
+        name: getattr(importlib.import_module(module), name)
+        for name, module in getattr(kind, "PARTS", {}).items()
+        if name in str(field.type)
+    }
     declared = types.SimpleNamespace(__annotations__={field.name: field.type})
     return get_type_hints(declared, vars(sys.modules[home.__module__]), parts)[field.name]
 

@@ -105,7 +105,7 @@ class FrequencyResponse(SavedResult):
     """
 
     picture: ClassVar[str] = "bode"
-    PARTS: ClassVar[Mapping[str, str]] = {"Estimation": "torsionnet.linear.estimation:Estimation"}
+    PARTS: ClassVar[Mapping[str, str]] = {"Estimation": "torsionnet.linear.estimation"}
 
     frequencies: FloatArray
     values: ComplexArray

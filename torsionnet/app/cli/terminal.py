@@ -15,7 +15,7 @@ import click
 from torsionnet.base.errors import printable_text
 from torsionnet.base.notes import Note, NoteOrText
 from torsionnet.base.number_text import json_finite
-from torsionnet.base.table_text import (
+from torsionnet.base.table import (
     BETWEEN_COLUMNS,
     NARROWEST_HEADING,
     SCREEN_WIDTH,

@@ -14,7 +14,7 @@ from torsionnet.app.cli.command import TABLE, Answer, separated_by_lines
 from torsionnet.app.cli.options import ANGLE, EXCITATION, FREQUENCY_UNIT, REFERRED_TO, option, referred_outputs
 from torsionnet.app.cli.terminal import blank_zero_shares, message
 from torsionnet.base.errors import UsageError
-from torsionnet.base.table_text import split_table
+from torsionnet.base.table import split_table
 
 if TYPE_CHECKING:
     from torsionnet.base.table import Table
