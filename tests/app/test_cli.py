@@ -275,6 +275,16 @@ def test_modes_lowest():
     assert len(json.loads(run("modes", "dmf_rig", "--lowest", "1", "--json").stdout)[0]["modes"]) == 1
 
 
+@pytest.mark.parametrize("count", ["1", "3"])
+def test_the_lowest_are_counted_among_vibrations_in_every_command(count):
+    # The set turns freely as a whole, and its damper ring alone: two rigid bodies, and an overdamped film at 94 Hz.
+    modes = run("modes", "engine_generator_set", "--lowest", count, "--json").stdout
+    kinds = [one["kind"] for one in json.loads(modes)[0]["modes"]]
+    assert (kinds.count("oscillatory"), kinds.count("rigid body")) == (int(count), 2)
+    criticals = run("critical-speeds", "engine_generator_set", "-c", "normal", "--lowest", count, "--json").stdout
+    assert [one["mode"] for one in json.loads(criticals)[0]["modes"]] == list(range(1, int(count) + 1))
+
+
 def test_modes_in_rpm():
     assert "426.316" in run("modes", "dmf_rig", "--frequency-unit", "rpm").stdout
 

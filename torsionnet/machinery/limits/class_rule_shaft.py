@@ -15,7 +15,7 @@ from torsionnet.base.errors import Fault
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.limits.evidence import Evidence, LimitSubject
 from torsionnet.machinery.limits.limit import NOT_EXAMINED, PASSING_TIME, TOLERANCE, LimitLine, register_rule
-from torsionnet.machinery.limits.m68_factors import usual_range
+from torsionnet.machinery.limits.m68_factors import CAPS, usual_range
 from torsionnet.machinery.limits.shaft_limit import ShaftLimit
 from torsionnet.machinery.limits.society_rules import SET_SOCIETIES, SOCIETIES, GeneratingSetNumbers, SocietyName
 from torsionnet.machinery.orders.speed_refinement import vertex_speed
@@ -168,7 +168,7 @@ class GeneratingSetShaft(ClassRuleShaft):
     shaft: str = entry(
         OneOf("crankshaft_in_line: of a four-stroke engine in line or V that fires every 45 or 60 degrees", SHAFTS)
     )
-    material: str = entry(OneOf("kind of steel", ("carbon", "alloy")))
+    material: str = entry(OneOf("kind of steel", tuple(CAPS)))
     tensile_strength: float = entry(Value("specified minimum tensile strength", "pressure", exclusive=True))
     yield_strength: float | None = entry(
         Value("specified minimum yield strength; default: none above that of the rule", "pressure", exclusive=True),

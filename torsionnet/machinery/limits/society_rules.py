@@ -125,7 +125,7 @@ SOCIETIES: dict[str, Society] = {
             passing={"generator": 118e6, "crankshaft_in_line": 90e6, "crankshaft_other": 90e6},
             tensile_strength=440e6,
             yield_strength=225e6,
-            caps={"carbon": 590e6, "alloy": 835e6},
+            caps={"carbon": 590e6, "carbon_manganese": 590e6, "alloy": 835e6},
             source=f"{KR_CHAPTER}, 203 and 206, f_m by 201.4",
         ),
         remark="crankshafts of main engines (201) and the avoidance of major criticals (204) are not judged; C_K = "

@@ -110,8 +110,8 @@ class NewCommand(Command):
       train    motor, reduction gear, reciprocating compressor
       turbine  wind turbine with two planetary stages
 
-    NAME is the name of the model, or the path of the file with or without .yaml: NAME.yaml is written. A file that
-    exists is never overwritten.
+    NAME is the name of the model, or the path of the file with or without .yaml: NAME.yaml is written; default: KIND. A
+    file that exists is never overwritten.
 
     \b
     torsionnet new ship sagafjord
@@ -119,7 +119,7 @@ class NewCommand(Command):
     """
 
     kind: str = argument("KIND")
-    name: str = argument("NAME")
+    name: str | None = argument("[NAME]", required=False)
     output_file: str | None = option(
         "-o", "--output-file", type=MODEL_FILE, help="The model file to write instead of NAME.yaml; - prints it."
     )
@@ -130,7 +130,7 @@ class NewCommand(Command):
 
             hint = did_you_mean(self.kind, KINDS) or f"; there are {', '.join(KINDS)}"
             raise click.UsageError(f'no kind of starting model is named "{self.kind}"{hint}')
-        path, name = _path_and_name(self.name, is_path=self.output_file is None)
+        path, name = _path_and_name(self.kind if self.name is None else self.name, is_path=self.output_file is None)
         file = self.output_file or MODEL_FILE.convert(path, None, None)
         return text_answer(starting_model(self.kind, name), None if file == STDOUT else file)
 

@@ -195,7 +195,9 @@ class CriticalSpeedsCommand(ModelCommand):
     reach: float = option(
         "--reach", default=0.25, show_default=True, help="How far outside the operating range, as a share of speed."
     )
-    lowest: int | None = option("--lowest", type=click.IntRange(min=1), metavar="N", help="Only the N lowest modes.")
+    lowest: int | None = option(
+        "--lowest", type=click.IntRange(min=1), metavar="N", help="Only the N lowest vibrations."
+    )
     line_frequency: float | None = option("--line-frequency", metavar="HZ", help="Also once and twice this frequency.")
     dampers: str = option(
         "--dampers", type=click.Choice(STATES), default=STATES[0], show_default=True, help="Rings of viscous dampers."

@@ -48,7 +48,8 @@ class ModesCommand(ModelCommand):
         "--lowest",
         type=click.IntRange(min=1),
         metavar="N",
-        help="Only the N lowest modes; default: all, or 20 with continuous shafts.",
+        help="Only the N lowest vibrations, with rigid bodies and real poles below them; default: all modes, or 20 with "
+        "continuous shafts.",
     )
     up_to: float | None = option(
         "--up-to",
@@ -71,9 +72,7 @@ class ModesCommand(ModelCommand):
         found = self.each(
             "modes",
             cases,
-            lambda case: case.drivetrain.modes(
-                measured_input=self.measured_input, excitation=self.excitation, lowest=self.lowest, up_to=self.up_to
-            ),
+            self._modes,
         )
         results = [self._referred(case, modes) for case, modes in zip(cases, found, strict=True)]
         tables = [modes.table(conventions) for modes in results]
@@ -93,6 +92,21 @@ class ModesCommand(ModelCommand):
                 for case, modes in zip(cases, found, strict=True)
             ],
         )
+
+    def _modes(self, case: ConfiguredCase) -> Modes:
+        """Modes of a case, with as many vibrations as are asked for, if it has them."""
+        from torsionnet.linear.modes.modes import OSCILLATORY
+
+        asked = self.lowest
+        while True:
+            found = case.drivetrain.modes(
+                measured_input=self.measured_input, excitation=self.excitation, lowest=asked, up_to=self.up_to
+            )
+            # Rigid bodies and real poles are among the modes, and not among the vibrations that are counted.
+            missing = (self.lowest or 0) - found.kinds.count(OSCILLATORY)
+            if asked is None or missing <= 0 or len(found) < asked:
+                return found
+            asked += missing
 
     def _referred(self, case: ConfiguredCase, modes: Modes) -> Modes:
         """Modes of a case with shapes referred to the shaft asked for."""
