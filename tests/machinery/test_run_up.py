@@ -12,6 +12,7 @@ import pytest
 import torsionnet as tn
 from torsionnet.base.errors import ModelError
 from torsionnet.machinery import LimitConclusion, instruction_table
+from torsionnet.machinery.limits import limit_rules
 
 SET = Path(__file__).parent / "generating_set" / "set.yaml"
 RUN_UP = "run_up: {{range: 250..675 rpm, load: {load}}}"
@@ -21,6 +22,7 @@ SAID = {
     "lowest": "0 bar: comp0.csv, ",
     "load": "load: {power: 4000 kW, mechanical_efficiency: 0.925, rated: 750 rpm}",
     "firing": "misfire: {engine.misfire: each}",
+    "point": "{speed: {flywheel: 750 rpm}}",
 }
 """Texts of the model that tests change, by what they are about."""
 
@@ -166,3 +168,39 @@ def test_speeds_of_a_configuration_without_gas_are_refused_there(tmp_path):
     rows = "load: {over_speed: {675 rpm: 4 bar, 900 rpm: 27 bar}}"
     with pytest.raises(ModelError, match=r"firing.*speeds.range|600 rpm is outside the table over speed"):
         generating_set(tmp_path, load=rows, firing="misfire: {engine.misfire: each, speeds.range: 600..700 rpm}")
+
+
+def test_idling_is_a_condition_of_its_own(tmp_path):
+    idling = "misfire: {speeds.range: 300..320 rpm, engine.load: {mean_indicated_pressure: 2 bar}, load.power: 80 kW}"
+    model = generating_set(tmp_path, firing=idling)
+    checks = [model.configured(f"firing={one},rubber=warm").check_limits() for one in ("normal", "misfire")]
+    running, idle = checks
+    # What the rubber and the generator bear from 90 to 110 % of rated speed says nothing of 310 rpm.
+    outside = [one.limit for one in idle.verdicts if one.elsewhere]
+    assert (idle.verdict, running.verdict, sorted(set(outside))) == ("pass", "pass", ["flicker", "rubber"])
+    assert LimitConclusion(tuple(checks)).findings[-2:] == (
+        "all limits hold in firing=normal,rubber=warm at the speeds examined, 675 to 825 rpm of flywheel",
+        "all limits hold in firing=misfire,rubber=warm at the speeds examined, 300 to 320 rpm of flywheel",
+    )
+    assert (
+        instruction_table(checks).notes[1].startswith("No restrictions from 300 to 320 rpm of flywheel in firing=mis")
+    )
+
+
+def test_speeds_of_idling_have_to_be_examined_in_some_condition(tmp_path):
+    plan = "{speed: {flywheel: 750 rpm}}\nreport: {idling: [310 rpm]}"
+    message = "flywheel idles at 310 rpm, but speeds: go from 675 to 825 rpm; .* a condition of its own"
+    with pytest.raises(ModelError, match=message):
+        generating_set(tmp_path, point=plan)
+    assert generating_set(tmp_path, point=plan, firing="misfire: {speeds.range: 300..320 rpm}").definition.report.idling
+
+
+def test_every_limit_may_have_a_speed_band(tmp_path):
+    # At 823 rpm the misfiring engine gives 221 kN m, at 705 rpm less: in a band around 750 rpm only that counts.
+    banded = "value: 200 kN*m, speed_band: 95..105 %"
+    for allowed, verdict in (("value: 200 kN*m", "reduced speed"), (banded, "pass")):
+        model = generating_set(tmp_path, allowed=allowed)
+        check = model.configured("firing=misfire,rubber=warm").check_limits("crankshaft")
+        assert check.verdict == verdict, allowed
+    kinds = [kind for kind, rule in limit_rules().items() if "speed_band" not in dict(rule.specs())]
+    assert not kinds

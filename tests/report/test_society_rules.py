@@ -174,6 +174,19 @@ class TestM68IsNotForThem:
         found = tn.loads(ship + M68_LIMIT + flicker(3, "95..105 %")).check_limits()
         assert found.of("tail", "tau_C").verdict != "not judged"
 
+    def test_a_crankshaft_is_not(self):
+        """The web between two cylinders bears what the maker of the engine says, also in a ship."""
+        web = "  web: {type: shaft, nodes: [c1, c2], outer_diameter: 200 mm, length: 400 mm}\n"
+        throw = "  throw: {type: inertia, node: c2, inertia: 60}\nspeeds:"
+        two = SET.replace("elements:\n", f"elements:\n{web}").replace("speeds:", throw, 1)
+        two = two.replace("cylinders: {1: c1}, firing_order: [1]", "cylinders: {1: c1, 2: c2}, firing_order: [1, 2]")
+        engine = tn.loads(two + M68_LIMIT.replace("element: shaft", "element: web"))
+        (fault,) = unfit_limits(engine.definition)
+        assert (fault.severity, fault.path) == ("warning", ("limits", "tail", "rule"))
+        found = engine.check_limits().of("tail")
+        assert (found.verdict, found.remarks) == ("not judged", (fault.message,))
+        assert fault.message.startswith("UR M68 is not for crankshafts (M68.1), and web is part of one")
+
     def test_a_machine_without_generator_is(self):
         assert tn.loads(SET + M68_LIMIT).check_limits().of("tail", "tau_C").verdict != "not judged"
 

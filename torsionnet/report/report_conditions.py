@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from torsionnet.base.entries.spec import not_none
 from torsionnet.base.expressions import Expression, Number
 from torsionnet.base.number_text import typeset_unit
 from torsionnet.base.phrases import joined, phrase
@@ -16,6 +17,7 @@ from torsionnet.report.report_text import as_words, capital, unit
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
     from torsionnet.model.configurations import Overlay
+    from torsionnet.report.report_data import ReportData
 
 UNCHANGED = "as the model is written"
 """Words for an alternative that changes nothing."""
@@ -96,13 +98,25 @@ def _listed(value: Any) -> str:
     return typeset_unit(str(value)) if isinstance(value, str) and "*" in value else as_words(str(value))
 
 
-def speed_words(model: Drivetrain) -> str:
-    """Sentence with the shaft, the range of speeds in rpm that is calculated, and the rated speed."""
-    speeds = model.definition.speeds
+def speed_words(subject: ReportData) -> str:
+    """Sentences with the shaft, the ranges of speeds in rpm that are calculated in the conditions, and rated speed."""
+    speeds = subject.model.definition.speeds
     if speeds is None:
         return ""
-    low, high = speeds.values[0] * RPM, speeds.values[-1] * RPM
     rated = phrase("; rated speed {speed:.6g} rpm", speed=speeds.rated * RPM) if speeds.rated else ""
+    ranges: dict[tuple[float, float], list[str]] = {}
+    for case in subject.judged_cases:
+        values = not_none(case.drivetrain.definition.speeds).values
+        ranges.setdefault((values[0] * RPM, values[-1] * RPM), []).append(case.configuration)
+    known = [case.configuration for case in subject.judged_cases]
+    if len(ranges) > 1:
+        template = "Speeds in {conditions}: {low:.6g} to {high:.6g} rpm of {node}{rated}."
+        return joined(" ", (
+            phrase(template, low=low, high=high, node=as_words(speeds.of), rated=rated,
+                   conditions=subject.titles.several(names, known))
+            for (low, high), names in ranges.items()
+        ))  # fmt: skip
+    ((low, high),) = ranges
     return phrase(
         "Speeds in every condition: {low:.6g} to {high:.6g} rpm of {node}{rated}.",
         low=low,

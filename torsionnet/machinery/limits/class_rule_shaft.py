@@ -70,6 +70,8 @@ class ClassRuleShaft(ShaftLimit):
             yield from super().judged(line, name, evidence)
 
     def continuous(self, line: LimitLine, name: str, evidence: Evidence) -> LimitVerdict:
+        if self.speed_band:
+            return super().continuous(line, name, evidence)
         wanted = [
             self._barred(span, evidence, values)
             for values in line.each.T
@@ -226,7 +228,7 @@ class GeneratingSetShaft(ClassRuleShaft):
 
     def breaks(self, subject: LimitSubject) -> list[float]:
         rated = self.rated_speed(subject)
-        return [self.no_barred_above * rated, self.highest_ratio * rated]
+        return [*super().breaks(subject), self.no_barred_above * rated, self.highest_ratio * rated]
 
     def text(self, evidence: Evidence) -> RuleText:
         del evidence
@@ -254,7 +256,8 @@ class GeneratingSetShaft(ClassRuleShaft):
         yield LimitLine(society.in_words("tau_T"), quantity, "Pa", values, below, (), orders, in_passing=True)
 
     def remarks(self, line: LimitLine, evidence: Evidence) -> tuple[str, ...]:
-        return () if line.in_passing else tuple(self._remarks(evidence))
+        said = super().remarks(line, evidence)
+        return said if line.in_passing else (*said, *self._remarks(evidence))
 
     def _remarks(self, evidence: Evidence) -> Iterator[str]:
         numbers = self.numbers

@@ -18,7 +18,6 @@ from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.limits.element_limit import ElementLimit, constant_over_speed
 from torsionnet.machinery.limits.evidence import Evidence, LimitSubject
 from torsionnet.machinery.limits.limit import LimitLine, line_without_data, register_rule
-from torsionnet.machinery.limits.machine_angle import InSpeedBand
 from torsionnet.machinery.verdicts.limit_check import RuleText
 from torsionnet.model.channels import Sensor
 
@@ -96,7 +95,7 @@ FORMULA = (
 
 @register_rule
 @dataclass(frozen=True, kw_only=True)
-class CouplingLimit(InSpeedBand, ElementLimit):
+class CouplingLimit(ElementLimit):
     """A flexible coupling: T_KN, T_Kmax, T_KW, P_KV and twist.
 
     Vibratory torque and heat hold in continuous operation, T_Kmax and twist also while a speed is passed. With

@@ -19,7 +19,8 @@ from torsionnet.base.units import RPM
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.excitations.order_excitation import ORDER
 from torsionnet.machinery.limits.evidence import Evidence, LimitSubject
-from torsionnet.machinery.limits.limit import PASSING_TIME, TOLERANCE, Limit, LimitLine, register_rule
+from torsionnet.machinery.limits.limit import PASSING_TIME, TOLERANCE, LimitLine, register_rule
+from torsionnet.machinery.limits.speed_band import InSpeedBand
 from torsionnet.machinery.orders.order_line import lines_of_one_frequency
 from torsionnet.machinery.verdicts.limit_check import LimitVerdict, RuleText
 from torsionnet.model.channels import UNITS, ChannelName, Sensor, named_sensor
@@ -114,7 +115,7 @@ DIMENSION_OF = {"angle": "angle", "velocity": "speed", "acceleration": "accelera
 
 @register_rule
 @dataclass(frozen=True, kw_only=True)
-class CurveLimit(Limit):
+class CurveLimit(InSpeedBand):
     """A value allowed over speed or speed ratio for any output: of the sum of all orders, or of each order.
 
     Between the points of a table are straight lines; speeds outside are not judged, and that is said. Where the value
@@ -179,6 +180,7 @@ class CurveLimit(Limit):
         return found or (Sensor("angle", self.output) if name_fault(self.output) is None else None)
 
     def unfit(self, subject: LimitSubject) -> Iterator[Fault]:
+        yield from super().unfit(subject)
         sensor = self.sensor(subject)
         known = subject.elements if sensor and sensor.is_on_element else subject.nodes
         missing = [name for name in (sensor.nodes or (sensor.of,)) if name not in known] if sensor else [self.output]
@@ -239,9 +241,10 @@ class CurveLimit(Limit):
         return RuleText(self.source, f"{what} <= value allowed{passing}", "speeds outside of the table")
 
     def breaks(self, subject: LimitSubject) -> list[float]:
+        edges = super().breaks(subject)
         if self.over_lambda:
-            return [key * (subject.rated or math.nan) for key, _ in self.over_lambda]
-        return [key for key, _ in self.over_speed]
+            return [*edges, *(key * (subject.rated or math.nan) for key, _ in self.over_lambda)]
+        return [*edges, *(key for key, _ in self.over_speed)]
 
     def lines(self, evidence: Evidence) -> Iterator[LimitLine]:
         sensor = self.sensor(evidence.subject)
@@ -258,15 +261,16 @@ class CurveLimit(Limit):
             yield LimitLine("in passing", quantity, unit, values, passing, (), orders, in_passing=True)
 
     def judged(self, line: LimitLine, name: str, evidence: Evidence) -> Iterator[LimitVerdict]:
-        if np.isfinite(line.allowed).any() or line.why_not:
+        if np.isfinite(line.allowed).any() or line.why_not or self.speed_band:
             yield from super().judged(line, name, evidence)
         elif not line.in_passing:
             yield self.open(name, evidence, line.criterion, "all speeds are outside of the table")
 
     def remarks(self, line: LimitLine, evidence: Evidence) -> tuple[str, ...]:
+        said = super().remarks(line, evidence)
         rpm = evidence.run.rpm[np.isfinite(line.allowed)]
-        if len(rpm) == len(line.allowed) or line.in_passing:
-            return ()
+        if len(rpm) == len(line.allowed) or line.in_passing or self.speed_band:
+            return said
         return (f"judged from {rpm[0]:g} to {rpm[-1]:g} rpm; the rest is outside of the table",)
 
     def _largest(self, sensor: Sensor, evidence: Evidence) -> FloatArray:

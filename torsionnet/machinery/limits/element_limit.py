@@ -13,7 +13,8 @@ from torsionnet.base.entries.scalars import Value
 from torsionnet.base.entries.spec import Flag, Spec, Text, entry
 from torsionnet.base.errors import EntryPath, Fault, ModelError
 from torsionnet.machinery.limits.evidence import Evidence, LimitSubject
-from torsionnet.machinery.limits.limit import Limit, LimitLine, line_without_data, register_rule
+from torsionnet.machinery.limits.limit import LimitLine, line_without_data, register_rule
+from torsionnet.machinery.limits.speed_band import InSpeedBand
 from torsionnet.machinery.verdicts.limit_check import RuleText
 from torsionnet.model.catalogues.catalogue_reading import cell_value
 from torsionnet.model.channels import Sensor, port_fault
@@ -22,7 +23,7 @@ from torsionnet.model.elements import Element
 
 
 @dataclass(frozen=True, kw_only=True)
-class ElementLimit(Limit):
+class ElementLimit(InSpeedBand):
     """Base of limits with allowed values for some of an element's torque, twist and heat."""
 
     criteria: ClassVar[tuple[str, ...]] = ()
@@ -77,7 +78,7 @@ class ElementLimit(Limit):
         return {name for way in self.alternatives if given and way not in given for name in way}
 
     def unfit(self, subject: LimitSubject) -> Iterator[Fault]:
-        del subject
+        yield from super().unfit(subject)
         if self.criteria and all(getattr(self, key) is None for key in self.criteria):
             yield Fault(f"nothing is limited; give one of {', '.join(self.criteria)}", on_key=True)
 
@@ -137,6 +138,7 @@ class GearLimit(ElementLimit):
         return PlaceOnElement(spec.description, element=str(entries.get("element"))) if name == "at" else spec
 
     def unfit(self, subject: LimitSubject) -> Iterator[Fault]:
+        yield from super().unfit(subject)
         reason = port_fault(subject.elements[self.element], self.at) if self.at else None
         if reason:
             yield replace(reason, path=("at",))

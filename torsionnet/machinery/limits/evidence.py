@@ -43,6 +43,8 @@ class LimitSubject:
         Exact value of every parameter.
     is_generating_set : bool
         Whether a piston engine drives a generator and no propeller.
+    cranks : frozenset of str
+        Nodes of the crankshafts of engines.
     """
 
     elements: Mapping[str, Element]
@@ -55,6 +57,7 @@ class LimitSubject:
     misfiring: bool
     values: Mapping[str, Any]
     is_generating_set: bool = False
+    cranks: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,6 +26,7 @@ from torsionnet.machinery.limits.m68_factors import (
     HOLE,
     NO_BARRED_ABOVE,
     NOT_COVERED,
+    NOT_FOR_CRANKSHAFTS,
     NOT_FOR_SETS,
     PASSING_FACTOR,
     PROPELLER_CAP,
@@ -118,8 +119,16 @@ class IacsM68(ClassRuleShaft):
             yield Fault(reason, ("feature",))
         yield from self.no_rated_speed(subject)
         yield from self._unexamined(subject)
+        foreign = self._foreign(subject)
+        if foreign:
+            yield Fault(foreign, ("rule",), "warning", on_key=True)
+
+    def _foreign(self, subject: LimitSubject) -> str:
+        """Message why the shaft is none of those that the rule is for; empty where it may be."""
         if subject.is_generating_set:
-            yield Fault(NOT_FOR_SETS, ("rule",), "warning", on_key=True)
+            return NOT_FOR_SETS
+        is_crank = set(subject.elements[self.element].ports.values()) <= subject.cranks
+        return phrase(NOT_FOR_CRANKSHAFTS, name=self.element) if is_crank else ""
 
     def _unexamined(self, subject: LimitSubject) -> Iterator[Fault]:
         """Fault that the speed for safe navigation is not among the speeds examined."""
@@ -197,11 +206,11 @@ class IacsM68(ClassRuleShaft):
 
     def breaks(self, subject: LimitSubject) -> list[float]:
         rated = self.rated_speed(subject)
-        return [NO_BARRED_ABOVE * rated, CONSTANT_ABOVE * rated, HIGHEST_RATIO * rated]
+        return [*super().breaks(subject), NO_BARRED_ABOVE * rated, CONSTANT_ABOVE * rated, HIGHEST_RATIO * rated]
 
     def lines(self, evidence: Evidence) -> Iterator[LimitLine]:
         continuous, in_passing = (self.society.in_words(symbol) for symbol in ("tau_C", "tau_T"))
-        why = NOT_FOR_SETS if evidence.subject.is_generating_set else self._inapplicable(self.section(evidence.subject))
+        why = self._foreign(evidence.subject) or self._inapplicable(self.section(evidence.subject))
         if why:
             yield line_without_data(continuous, why)
             return
@@ -219,7 +228,8 @@ class IacsM68(ClassRuleShaft):
 
     def remarks(self, line: LimitLine, evidence: Evidence) -> tuple[str, ...]:
         ratio = evidence.speeds / self.rated_speed(evidence.subject)
-        return () if line.in_passing else (*self._assumed(), *_beyond(evidence, ratio))
+        said = super().remarks(line, evidence)
+        return said if line.in_passing else (*said, *self._assumed(), *_beyond(evidence, ratio))
 
     def with_barred(
         self,

@@ -59,6 +59,10 @@ NOT_FOR_SETS = (
     "give rule: generating_set_shaft, or, if there is a propeller, make it an element of type: propeller"
 )
 """Message that IACS M68 does not judge the shafts of a generating set."""
+NOT_FOR_CRANKSHAFTS = (
+    "UR M68 is not for crankshafts (M68.1), and {name} is part of one: give the limit of its maker, rule: curve"
+)
+"""Message that IACS M68 does not judge a part of a crankshaft."""
 
 
 PASSING_FACTOR = 1.7

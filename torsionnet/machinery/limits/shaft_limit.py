@@ -15,7 +15,8 @@ from torsionnet.base.errors import EntryPath, Fault
 from torsionnet.base.phrases import ModelName, phrase
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.limits.evidence import Evidence, LimitSubject, torques_of
-from torsionnet.machinery.limits.limit import Limit, LimitLine, line_without_data, register_rule
+from torsionnet.machinery.limits.limit import LimitLine, line_without_data, register_rule
+from torsionnet.machinery.limits.speed_band import InSpeedBand
 from torsionnet.machinery.orders.order_amplitudes import OrderAmplitudes
 from torsionnet.machinery.verdicts.limit_check import RuleText
 from torsionnet.model.channels import Sensor
@@ -46,7 +47,7 @@ class RoundSection:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ShaftLimit(Limit):
+class ShaftLimit(InSpeedBand):
     """Base of the limits of nominal shear stress."""
 
     element: str = entry(ElementName("the shaft, or a spring that stands for one"))
@@ -69,6 +70,7 @@ class ShaftLimit(Limit):
         return []
 
     def unfit(self, subject: LimitSubject) -> Iterator[Fault]:
+        yield from super().unfit(subject)
         element, name = subject.elements[self.element], ModelName(self.element)
         if element.diameters is None and self.diameter is None:
             said = "{}, a {}, has no diameter, and so no stress; give the limit one, diameter: 300 mm, or make the "
@@ -230,10 +232,10 @@ class FatigueLimit(ShaftLimit):
             yield LimitLine("tau_F", total, "Pa", mean + amplitude, limit, in_passing=True)
 
     def remarks(self, line: LimitLine, evidence: Evidence) -> tuple[str, ...]:
-        del evidence
+        said = super().remarks(line, evidence)
         if line.criterion != "tau_W":
-            return ()
-        return (f"safety against fatigue {self.safety * float(np.min(line.allowed / line.values)):.3g}",)
+            return said
+        return (*said, f"safety against fatigue {self.safety * float(np.nanmin(line.allowed / line.values)):.3g}")
 
     def mean_stress_in(self, evidence: Evidence) -> Any:
         """Mean shear stress of the shaft in Pa, shape (n_speeds,).

@@ -86,6 +86,16 @@ def starts_sentence(rpm: float, shaft: str) -> str:
     return phrase("starts and stops not examined: speeds below {speed:g} rpm of {shaft}", speed=rpm, shaft=shaft)
 
 
+def by_range(checks: Sequence[LimitCheck]) -> dict[tuple[float, float], list[LimitCheck]]:
+    """Checks of limits by the lowest and highest speed in rpm that they examined, which configurations may change."""
+    found: dict[tuple[float, float], list[LimitCheck]] = {}
+    for check in checks:
+        # Ten digits: the ends of one range may differ in rounding.
+        low, high = (float(f"{speed:.10g}") for speed in (check.rpm[0], check.rpm[-1]))
+        found.setdefault((low, high), []).append(check)
+    return found
+
+
 def starts_words(checks: Sequence[LimitCheck]) -> str:
     """Words in a verdict on how far starts were examined in all its conditions."""
     lows = [one.run_up.rpm[0] for one in checks if one.run_up]
@@ -187,7 +197,9 @@ class LimitVerdict:
     orders : (n_speeds, n_lines) array, optional
         Amplitudes of the orders behind ``values``, each in its own worst case of excitation.
     absent : bool
-        Whether the limit is not judged because its element is switched off.
+        Whether the limit is not judged because its element is switched off, or its speed band is not reached.
+    elsewhere : bool
+        Whether that is because of the speeds.
     case : str
         Case of excitation that is worst at the worst speed; empty where all are equal.
     steady_temperature : float, optional
@@ -220,6 +232,7 @@ class LimitVerdict:
     remarks: tuple[str, ...] = ()
     orders: FloatArray | None = None
     absent: bool = False
+    elsewhere: bool = False
     case: str = ""
     steady_temperature: float | None = None
     amplitudes: OrderAmplitudes | None = None
@@ -464,9 +477,15 @@ class LimitCheck(NotebookResult):
 
         "incomplete" instead of one that permits operation if no configuration was chosen although there are some.
         """
-        found = [one.verdict for one in self.verdicts]
+        found = [one.verdict for one in self._concerned]
         found += [self.run_up.verdict] if self.run_up else []
         return gravest([*found, *([INCOMPLETE] if self.others and not self.configuration else [])])
+
+    @property
+    def _concerned(self) -> list[LimitVerdict]:
+        """Verdicts on limits that concern the speeds of this configuration, where others may concern the rest."""
+        here = [one for one in self.verdicts if not one.elsewhere]
+        return here if here and self.others else list(self.verdicts)
 
     @property
     def barred(self) -> tuple[SpeedSpan, ...]:
@@ -503,7 +522,7 @@ class LimitCheck(NotebookResult):
     def finding(self, where: str = "") -> str:
         """Sentence that concludes on the limits in one configuration, in which ``where`` names the configuration."""
         failed = list(dict.fromkeys(one.limit for one in self.verdicts if one.verdict == FAIL))
-        unjudged = list(dict.fromkeys(one.limit for one in self.verdicts if one.verdict == OPEN))
+        unjudged = list(dict.fromkeys(one.limit for one in self._concerned if one.verdict == OPEN))
         template = "{limit} do not hold{where}" if len(failed) > 1 else "{limit} does not hold{where}"
         parts = [phrase(template, limit=", ".join(failed), where=where)] if failed else []
         shaft, barred = f" of {self.reference}", span_words(self.barred)

@@ -23,6 +23,7 @@ from torsionnet.machinery.verdicts.limit_check import (
     VERDICT,
     LimitCheck,
     LimitVerdict,
+    by_range,
     gravest,
     listed_names,
     starts_findings,
@@ -183,17 +184,17 @@ class LimitConclusion:
         if restricted:
             parts += restricted
         elif not failed and not unjudged:
-            parts.append(self._all_hold())
+            parts += self._all_hold()
         return [
             *parts,
             *(phrase("{limit} not judged{where}", limit=name, where=where) for name, where in unjudged.items()),
         ]
 
-    def _all_hold(self) -> str:
-        low, high = min(one.rpm[0] for one in self.checks), max(one.rpm[-1] for one in self.checks)
-        where = self._where([one.configuration for one in self.checks])
+    def _all_hold(self) -> Iterator[str]:
         template = ALL_EXAMINED_HOLD if self.left_out else ALL_HOLD
-        return phrase(template, where=where, low=low, high=high, shaft=self._shaft)
+        for (low, high), checks in by_range(self.checks).items():
+            where = self._where([one.configuration for one in checks])
+            yield phrase(template, where=where, low=low, high=high, shaft=self._shaft)
 
     @property
     def _shaft(self) -> str:

@@ -13,7 +13,14 @@ from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.phrases import extended, phrase
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Table, result_table
-from torsionnet.machinery.verdicts.limit_check import FAIL, LimitCheck, LimitVerdict, listed_names, starts_words
+from torsionnet.machinery.verdicts.limit_check import (
+    FAIL,
+    LimitCheck,
+    LimitVerdict,
+    by_range,
+    listed_names,
+    starts_words,
+)
 from torsionnet.machinery.verdicts.speed_spans import SpeedSpan, joined_spans, spans_above, spans_below
 
 
@@ -73,8 +80,8 @@ class Instruction:
         return extended(self.action, f"; {self.marking}")
 
 
-UNRESTRICTED = "No restrictions from {low:g} to {high:g} rpm of {shaft}; {starts}."
-UNRESTRICTED_ELSEWHERE = "No other restrictions from {low:g} to {high:g} rpm of {shaft}; {starts}."
+UNRESTRICTED = "No restrictions from {low:g} to {high:g} rpm of {shaft}{where}; {starts}."
+UNRESTRICTED_ELSEWHERE = "No other restrictions from {low:g} to {high:g} rpm of {shaft}{where}; {starts}."
 """Notes on the speeds that no instruction restricts."""
 NOTICE = "notice at each control station"
 """Marking of every range for the crew."""
@@ -169,16 +176,22 @@ def instruction_table(checks: Sequence[LimitCheck], conventions: Conventions = S
     failed = dict.fromkeys(one.limit for check in checks for one in check.verdicts if one.verdict == FAIL)
     failed |= dict.fromkeys(name for check in checks if check.run_up for name in check.run_up.names(FAIL))
     shown = [_in_units(one, conventions) for one in rows]
-    low, high = max(check.rpm[0] for check in checks), min(check.rpm[-1] for check in checks)
-    shaft = checks[0].reference
-    template = UNRESTRICTED_ELSEWHERE if rows else UNRESTRICTED
     starts = starts_words(checks)
-    last = phrase(template, low=low, high=high, shaft=shaft, starts=starts)
     if failed:
-        last = phrase(
-            "Not to be run as it is: {limits} not kept; {starts}.", limits=listed_names(list(failed)), starts=starts
-        )
-    return result_table(title or "operating instructions", shown, Instruction, notes=[last])
+        template = "Not to be run as it is: {limits} not kept; {starts}."
+        notes = [phrase(template, limits=listed_names(list(failed)), starts=starts)]
+    else:
+        notes = list(_unrestricted(checks, UNRESTRICTED_ELSEWHERE if rows else UNRESTRICTED, starts))
+    return result_table(title or "operating instructions", shown, Instruction, notes=notes)
+
+
+def _unrestricted(checks: Sequence[LimitCheck], template: str, starts: str) -> Iterator[str]:
+    """Sentences on the speeds that nothing restricts, one for all conditions that were examined at the same speeds."""
+    ranges = by_range(checks)
+    for (low, high), alike in ranges.items():
+        names = listed_names([check.configuration for check in alike])
+        where = phrase(" in {names}", names=names) if len(ranges) > 1 else ""
+        yield phrase(template, low=low, high=high, shaft=checks[0].reference, where=where, starts=starts)
 
 
 def _passed(check: LimitCheck) -> Iterator[_Place]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from torsionnet.base.errors import Fault, UsageError, unknown_name
 from torsionnet.base.units import RPM
 from torsionnet.model.channels import parse_sensor
+from torsionnet.model.checks import variants
 from torsionnet.model.checks.names import declared, pair_faults
 from torsionnet.model.configurations import parse_choice
 from torsionnet.report.plan.report_plan import ReportPlan
@@ -67,8 +68,20 @@ def _idling(plan: ReportPlan, definition: Definition) -> Iterator[Fault]:
         text = "speeds of idling are those of the shaft of the entry speeds:, which the model lacks"
         yield from [Fault(text, ("idling",), on_key=True)] if plan.idling else []
         return
+    conditions = [definition, *(one for _, one in variants(definition))] if plan.idling else []
     for index, speed in enumerate(plan.idling):
-        low, high = speeds.values[0], speeds.values[-1]
-        if not low * (1 - SPEED_ROUNDING) <= speed <= high * (1 + SPEED_ROUNDING):
-            text = f"{speeds.of} idles at {speed * RPM:.6g} rpm, but speeds: go from {low * RPM:.6g} to"
-            yield Fault(f"{text} {high * RPM:.6g} rpm; let them begin at the speed of idling", ("idling", index))
+        if not any(holds_speed(one, speed) for one in conditions):
+            low, high = speeds.values[0] * RPM, speeds.values[-1] * RPM
+            text = f"{speeds.of} idles at {speed * RPM:.6g} rpm, but speeds: go from {low:.6g} to {high:.6g} rpm"
+            text += (
+                "; let them begin at the speed of idling, or make idling a condition of its own, as configurations: "
+            )
+            yield Fault(f"{text}{{running: {{}}, idling: {{speeds.range: 280..320 rpm}}}}", ("idling", index))
+
+
+def holds_speed(definition: Definition, speed: float) -> bool:
+    """Whether a speed in rad/s lies within the speeds that a condition of the model examines."""
+    speeds = definition.speeds
+    if speeds is None:
+        return False
+    return speeds.values[0] * (1 - SPEED_ROUNDING) <= speed <= speeds.values[-1] * (1 + SPEED_ROUNDING)

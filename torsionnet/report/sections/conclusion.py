@@ -72,7 +72,9 @@ def _judged(subject: ReportData, found: LimitConclusion) -> Iterator[Block]:
     if instructions.rows:
         yield results_table(instructions, "Operating instructions")
     else:
-        yield Paragraph((Strong("Operating instructions:"), " ", *instructions.notes))
+        yield Paragraph(
+            (Strong("Operating instructions:"), *(text for note in instructions.notes for text in (" ", note)))
+        )
     yield Paragraph(("Not covered:",))
     yield Listing(tuple(_not_covered(subject, found)))
 

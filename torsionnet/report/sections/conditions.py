@@ -15,6 +15,7 @@ from torsionnet.model.configurations import label
 from torsionnet.model.load.external_torques import ENGINE
 from torsionnet.report.document_tree import Block, Cell, Heading, Listing, Paragraph, Section, Strong, TableBlock, Text
 from torsionnet.report.plan import SECTIONS
+from torsionnet.report.plan.report_checks import holds_speed
 from torsionnet.report.report_conditions import alternative_words, load_words, speed_words, unexamined
 from torsionnet.report.report_cylinders import lost_torque_words
 from torsionnet.report.report_data import MOST_JUDGED_CASES, Case, ReportData, normal_choice
@@ -84,7 +85,7 @@ def conditions_section(subject: ReportData) -> Section | None:
     if not subject.has_excitations:
         return None
     model = subject.model
-    said = [speed_words(model), load_words(model), _normal(subject), _idling(subject)]
+    said = [speed_words(subject), load_words(model), _normal(subject), _idling(subject)]
     lead = joined(" ", filter(None, said))
     blocks: list[Block] = [Paragraph((lead,))]
     axes = model.definition.configurations
@@ -131,8 +132,20 @@ def _idling(subject: ReportData) -> str:
         where = (
             phrase(" (within speeds that are barred in {names})", names=first_names(barred, 3)) if any(barred) else ""
         )
-        words.append(f"{speed * RPM:.6g} rpm{where or (' (barred)' if barred else '')}")
+        where = where or (" (barred)" if barred else "")
+        words.append(f"{speed * RPM:.6g} rpm{joined('', (_idling_condition(subject, speed), where))}")
     return phrase("Longer idling at {speeds}.", speeds=", ".join(words))
+
+
+def _idling_condition(subject: ReportData, speed: float) -> str:
+    """Words on the conditions that examine a speed of idling in rad/s; empty where all do."""
+    known = [case.configuration for case in subject.judged_cases]
+    held = [case.configuration for case in subject.judged_cases if holds_speed(case.drivetrain.definition, speed)]
+    if len(held) == len(known):
+        return ""
+    if not held:
+        return phrase(", in no condition examined")
+    return phrase(" in {names}", names=subject.titles.several(held, known))
 
 
 def _alternatives(subject: ReportData) -> TableBlock:
@@ -184,7 +197,8 @@ def _choice(case: Case, axes: tuple[str, ...]) -> dict[str, str]:
 
 def _verdict(check: LimitCheck) -> tuple[Cell, Cell]:
     """Verdict on the limits in a condition, with the limits that do not hold, and the speeds that are not permitted."""
-    grave = dict.fromkeys(as_words(one.limit) for one in check.verdicts if one.verdict == check.verdict)
+    concerned = [one for one in check.verdicts if not one.elsewhere]
+    grave = dict.fromkeys(as_words(one.limit) for one in concerned if one.verdict == check.verdict)
     named = f": {', '.join(grave)}" if check.verdict in (FAIL, OPEN) else ""
     return f"{check.verdict}{named}", restriction_words(check.passed, check.highest)
 

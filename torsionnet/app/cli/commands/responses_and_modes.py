@@ -48,8 +48,8 @@ class ModesCommand(ModelCommand):
         "--lowest",
         type=click.IntRange(min=1),
         metavar="N",
-        help="Only the N lowest vibrations, with rigid bodies and real poles below them; default: all modes, or 20 with "
-        "continuous shafts.",
+        help="Only the N lowest vibrations, with rigid bodies and real poles below them; default: all modes, or 20 "
+        "with continuous shafts.",
     )
     up_to: float | None = option(
         "--up-to",

@@ -1,0 +1,120 @@
+"""Band of speed ratios in which a limit holds in continuous operation; other speeds are only passed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from torsionnet.base.entries.scalars import SCALAR_SCHEMA, Value
+from torsionnet.base.entries.spec import EntryError, Schema, Spec, entry
+from torsionnet.base.errors import Fault, got
+from torsionnet.base.units import RPM
+from torsionnet.machinery.limits.evidence import Evidence, LimitSubject
+from torsionnet.machinery.limits.limit import Limit, LimitLine
+from torsionnet.machinery.verdicts.limit_check import FAIL, LimitVerdict
+from torsionnet.machinery.verdicts.speed_spans import spans_above
+
+BAND_FORMS = "95..105 % or [0.95, 1.05]"
+"""Example of how a band of speed ratios is written, for messages and schemas."""
+LARGEST_RATIO = 3.0
+"""Largest speed ratio of a band, as no machine runs at three times its rated speed; more is probably meant in per
+cent."""
+_EDGE = Value("a speed over the rated speed", "1")
+
+
+class RatedSpeedBand(Spec[tuple[float, float]]):
+    """Entry of a band of speed ratios: two shares of the rated speed, the lower one first."""
+
+    def coerce(self, raw: object) -> tuple[float, float]:
+        edges = raw
+        if isinstance(raw, str) and raw.count("..") == 1:
+            low, high = (part.strip() for part in raw.split(".."))
+            edges = (low if low.endswith("%") or not high.endswith("%") else f"{low} %", high)
+        if not (isinstance(edges, list | tuple) and len(edges) == 2):
+            raise EntryError(f"expected a band of the rated speed such as {BAND_FORMS}, {got(raw)}")
+        first, last = (_EDGE.coerce(edge) for edge in edges)
+        if not 0 <= first < last <= LARGEST_RATIO:
+            raise EntryError(
+                f"a band of the rated speed rises and ends at {LARGEST_RATIO:g}, as {BAND_FORMS}; {got(raw)}"
+            )
+        return first, last
+
+    def plain(self, value: tuple[float, float]) -> list[float]:
+        return list(value)
+
+    def schema(self) -> Schema:
+        pair: Schema = {"type": "array", "items": SCALAR_SCHEMA, "minItems": 2, "maxItems": 2}
+        return {"description": f"{self.description}: {BAND_FORMS}", "anyOf": [{"type": "string"}, pair]}
+
+    @property
+    def accepted(self) -> str:
+        return "str | tuple[Scalar, Scalar] | list[Scalar] | list[float] | list[str]"
+
+
+@dataclass(frozen=True, kw_only=True)
+class InSpeedBand(Limit):
+    """Base of limits that may hold in a band of the rated speed alone, as of generating sets.
+
+    In the band no range can be barred, also with a cylinder out; outside, speeds are only passed, and what holds in
+    continuous operation is not judged there.
+    """
+
+    speed_band: tuple[float, float] | None = entry(
+        RatedSpeedBand("speeds over the rated speed at which the machine runs; default: all that are examined"), None
+    )
+
+    def unfit(self, subject: LimitSubject) -> Iterator[Fault]:
+        yield from super().unfit(subject)
+        if self.speed_band and subject.rated is None:
+            text = "a band of the rated speed needs that speed: speeds: {rated: 900 rpm}"
+            yield Fault(text, ("speed_band",), on_key=True, about="speeds")
+
+    def breaks(self, subject: LimitSubject) -> list[float]:
+        edges = [edge * (subject.rated or math.nan) for edge in self.speed_band or ()]
+        return [*super().breaks(subject), *edges]
+
+    def known_lines(self, evidence: Evidence) -> list[LimitLine]:
+        found = super().known_lines(evidence)
+        return [self._within_band(line, evidence) for line in found] if self.speed_band else found
+
+    def _within_band(self, line: LimitLine, evidence: Evidence) -> LimitLine:
+        if line.why_not or line.in_passing:
+            return line
+        low, high = self._edges(evidence)
+        inside = (evidence.speeds >= low * (1 - 1e-12)) & (evidence.speeds <= high * (1 + 1e-12))
+        return replace(line, allowed=np.where(inside, line.allowed, np.nan))
+
+    def _edges(self, evidence: Evidence) -> tuple[float, float]:
+        """Lowest and highest speed of the band in rad/s."""
+        low, high = self.speed_band or (0.0, math.inf)
+        rated = evidence.subject.rated or math.nan
+        return low * rated, high * rated
+
+    def judged(self, line: LimitLine, name: str, evidence: Evidence) -> Iterator[LimitVerdict]:
+        if self.speed_band and not line.why_not and not np.isfinite(line.allowed).any():
+            # A condition at other speeds, as idling, is judged by what holds there; others judge the band.
+            outside = self.open(name, evidence, line.criterion, "no speed examined lies in the speed band")
+            yield replace(outside, absent=True, elsewhere=True)
+        else:
+            yield from super().judged(line, name, evidence)
+
+    def continuous(self, line: LimitLine, name: str, evidence: Evidence) -> LimitVerdict:
+        above = spans_above(evidence.speeds, line.values, line.allowed) if self.speed_band else []
+        if not above:
+            return super().continuous(line, name, evidence)
+        text = f"exceeded from {above[0]} in the speed band, where no range can be barred"
+        return self._verdict(line, name, evidence, FAIL, (), (text,))
+
+    def remarks(self, line: LimitLine, evidence: Evidence) -> tuple[str, ...]:
+        said = super().remarks(line, evidence)
+        if not self.speed_band or line.in_passing:
+            return said
+        low, high = self._edges(evidence)
+        band = f"holds from {low * RPM:.6g} to {high * RPM:.6g} rpm, where the machine runs"
+        first, last = evidence.examined.low, evidence.examined.high
+        if first > low * (1 + 1e-9) or last < high * (1 - 1e-9):
+            band += f"; examined from {max(low, first) * RPM:.6g} to {min(high, last) * RPM:.6g} rpm"
+        return (*said, band)
