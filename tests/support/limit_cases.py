@@ -34,7 +34,7 @@ def stressed(stress, limit, rpm=None, diameter=0.4, misfire=False, rated=100.0, 
     rpm = np.arange(20.0, 104.01, 0.5) if rpm is None else rpm
     elements = [tn.Inertia("J", node="a", inertia=1), tn.Inertia("K", node="b", inertia=1),
                 Shaft("shaft", nodes=("a", "b"), outer_diameter=diameter, length=1)]  # fmt: skip
-    engine = {"type": "reciprocating_engine", "speed_of": "a", "cycle": 2, "cylinders": {1: "a", 2: "b"},
+    engine = {"type": "reciprocating_engine", "speed_of": "a", "cycle": 2, "cylinders": {1: "a", 2: "a"},
               "firing_order": [1, 2], "bore": 0.1, "stroke": 0.1, "rod_length": 0.2,
               **({"gas_off": [2]} if misfire else {})}  # fmt: skip
     rig = tn.Drivetrain("rig", elements, speeds={"of": "a", "list": (rpm * RPM).tolist(), "rated": f"{rated} rpm"},

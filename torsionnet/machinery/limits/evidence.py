@@ -44,7 +44,7 @@ class LimitSubject:
     is_generating_set : bool
         Whether a piston engine drives a generator and no propeller.
     cranks : frozenset of str
-        Nodes of the crankshafts of engines.
+        Nodes of the throws of engines.
     """
 
     elements: Mapping[str, Element]

@@ -127,7 +127,9 @@ class IacsM68(ClassRuleShaft):
         """Message why the shaft is none of those that the rule is for; empty where it may be."""
         if subject.is_generating_set:
             return NOT_FOR_SETS
-        is_crank = set(subject.elements[self.element].ports.values()) <= subject.cranks
+        # A part between two throws, as others may lie between a cylinder and the flywheel.
+        nodes = set(subject.elements[self.element].ports.values())
+        is_crank = len(nodes) > 1 and nodes <= subject.cranks
         return phrase(NOT_FOR_CRANKSHAFTS, name=self.element) if is_crank else ""
 
     def _unexamined(self, subject: LimitSubject) -> Iterator[Fault]:
