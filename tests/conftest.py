@@ -41,6 +41,37 @@ ROOT = Path(__file__).parents[1]
 WANTING = "skipped for want of a tool"
 
 
+@pytest.fixture(scope="session", autouse=True)
+def built_documents():
+    """Reports that tests of this process have built and that were not checked yet."""
+    from torsionnet.report import build as module
+
+    found = []
+    build = module.build
+
+    def noted(*arguments, **options):
+        report = build(*arguments, **options)
+        found.append(report)
+        return report
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(module, "build", noted)
+        yield found
+
+
+@pytest.fixture(autouse=True)
+def documents_close(built_documents):
+    """After each test: what the documents it has built print follows from their own digits (``printed_checks``)."""
+    yield
+    if built_documents:
+        from support.printed_checks import document_faults
+        from torsionnet.report.writers.markdown import markdown_text
+
+        texts = [markdown_text(report, "figures") for report in built_documents]
+        built_documents.clear()
+        assert [fault for text in texts for fault in document_faults(text)] == []
+
+
 @pytest.fixture(scope="session")
 def chromium():
     """Chromium, started once for all tests of a process; skips, with a reason, where there is none."""

@@ -84,6 +84,29 @@ def results_table(
     return table(caption, columns, rows, [as_words(note) for note in found.notes] if notes else [], most)
 
 
+def with_kilonewtonmetres(found: Table) -> Table:
+    """Table with a column of units in which torques are in kN m, as those of one component are in all tables.
+
+    Examples
+    --------
+    >>> shown = with_kilonewtonmetres(Table("", (Column("allowed"), Column("unit")), ((95e3, "N*m"), (4.2e7, "Pa"))))
+    >>> shown.rows
+    ((95.0, 'kN*m'), (42000000.0, 'Pa'))
+    """
+    at = [one.name for one in found.columns].index(UNIT)
+    plain = [not one.unit for one in found.columns]
+    rows = tuple(
+        tuple(
+            "kN*m" if place == at else value / 1e3 if plain[place] and isinstance(value, float) else value
+            for place, value in enumerate(row)
+        )
+        if row[at] == "N*m"
+        else row
+        for row in found.rows
+    )
+    return replace(found, rows=rows)
+
+
 def _largest_by_unit(found: Table) -> dict[str, float]:
     """Largest size in each unit of a table: columns of one unit have one prefix, so that they can be added up."""
     largest: dict[str, float] = {}

@@ -129,11 +129,11 @@ def _film_notes(drivetrain: AssembledModel, omega: float, balance: HolzerBalance
         (law,) = laws
         hub = next(node for node in law.row if node != ring)
         inertia, damping = balance.inertias[ring], float(law.damping) * float(law.row[ring]) ** 2
-        swinging = inertia / (1 + (omega * inertia / damping) ** 2)
+        swinging = 1 / (1 + (omega * inertia / damping) ** 2)
         yield phrase(
             "{ring} hangs on {hub} by damping alone and does not count in this undamped table; with damping "
-            "{part:.4g} of its {inertia:.4g} kg*m^2 swing along",
-            ring=ring, hub=hub, part=swinging, inertia=inertia,
+            "{percent:.3g} % of its inertia swing along",
+            ring=ring, hub=hub, percent=100 * swinging,
         )  # fmt: skip
 
 

@@ -222,7 +222,7 @@ class MassElasticTable(NotebookResult):
         shares = [(row.node, row.shaft_inertia) for row in self.rows if row.shaft_inertia > LEAST_SHARE * row.inertia]
         if shares:
             each = ", ".join(f"{node} {size:.5g}" for node, size in shares)
-            yield phrase("of J, half of each adjacent shaft, kg*m^2: {masses}", masses=each)
+            yield phrase("of J, half of each adjacent shaft: {masses}", masses=each)
 
     def divided(self) -> Iterator[str]:
         """Yield the sentence that says into how many segments the model divides which shafts, if it does."""

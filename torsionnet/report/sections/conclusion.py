@@ -31,7 +31,7 @@ from torsionnet.report.document_tree import (
 from torsionnet.report.plan import Pair
 from torsionnet.report.report_data import Case, ReportData, is_damped
 from torsionnet.report.report_run_up import run_up_blocks
-from torsionnet.report.report_tables import results_table, table
+from torsionnet.report.report_tables import results_table, table, with_kilonewtonmetres
 from torsionnet.report.report_text import as_words, capital, pair_latex, symbol_or_words, unit
 from torsionnet.report.report_units import engineering_unit
 from torsionnet.report.sections.limits import conclusion, verdict
@@ -70,7 +70,7 @@ def _judged(subject: ReportData, found: LimitConclusion) -> Iterator[Block]:
     yield from run_up_blocks(subject, found)
     instructions = instruction_table(found.checks, subject.conventions)
     if instructions.rows:
-        yield results_table(instructions, "Operating instructions")
+        yield results_table(with_kilonewtonmetres(instructions), "Operating instructions")
     else:
         yield Paragraph(
             (Strong("Operating instructions:"), *(text for note in instructions.notes for text in (" ", note)))

@@ -1,0 +1,248 @@
+"""A document calculated again from its printed digits: what does not close, contradicts itself or leaves its range."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import re
+from collections.abc import Iterator, Sequence
+
+from support.printed_tables import SI, Printed, PrintedRow, PrintedTable, printed_tables
+
+RPM = math.pi / 30
+VERDICT_HEADS = ("Value", "All orders")
+USED_HEADS = ("Utilisation", "Used")
+CONDITION_HEADS = ("Condition", "Worst condition")
+SPEED_HEADS = ("Speed", "Peak at", "From", "To")
+HOLZER_DIGITS, MASS_DIGITS = 6, 4
+"""Significant digits of stiffnesses and inertias in a Holzer table and of inertias in the mass-elastic table."""
+HOLZER = re.compile(r"Holzer table of mode (\d+), ([\d.]+) Hz, ω² = ([\d.e+]+) 1/s²")
+EVERY_SPEED = re.compile(r"Speeds in every condition: ([\d.]+) to ([\d.]+) rpm of")
+RATED = re.compile(r"rated speed ([\d.]+) rpm")
+OTHER_SPEEDS = ("in passing", "Passage", "run-up", "Start", "idling")
+"""Words of captions of tables whose speeds are not those of steady running."""
+
+
+def document_faults(text: str) -> list[str]:
+    """Sentences on what in a document in Markdown does not follow from its own printed digits; empty if all does."""
+    text = text.replace("\N{NO-BREAK SPACE}", " ")
+    tables = printed_tables(text)
+    found: list[str] = []
+    for table in tables:
+        for check in (holzer_faults, sum_faults, utilisation_faults, power_faults, speed_margin_faults):
+            found += [f"{table.caption}: {fault}" for fault in check(table)]
+    found += range_faults(text, tables)
+    found += twice_faults(tables)
+    found += unit_faults(tables)
+    found += distance_faults(text, tables)
+    return found
+
+
+def _differs(what: str, printed: Printed, expected: Printed) -> Iterator[str]:
+    if not printed.agrees(expected):
+        yield f"{what} is printed as {printed}, its digits give {expected}"
+
+
+def holzer_faults(table: PrintedTable) -> Iterator[str]:
+    """J omega^2 theta, sums of torques, torque over stiffness and differences of angles in a Holzer table."""
+    match = HOLZER.search(table.caption)
+    if match is None:
+        return
+    square, frequency = (Printed.read(match[place]) or Printed(float(match[place])) for place in (3, 2))
+    root = Printed(math.sqrt(square.value), square.half / (2 * math.sqrt(square.value)))
+    yield from _differs("2 pi f", frequency.times(2 * math.pi), root)
+    angles = {row.text("Station"): row.number(r"$\theta$") for row in table.rows}
+    for rows in table.groups():
+        carried = Printed(0.0)
+        for row, after in itertools.zip_longest(rows, rows[1:]):
+            yield from _station_faults(row, carried, square)
+            total = row.number("Sum")
+            carried = Printed(0.0) if total is None else total
+            joins = re.search(r" to (.*), which it joins", row.group)
+            beyond = after.number(r"$\theta$") if after is not None else angles.get(joins[1]) if joins else None
+            twist, here = row.number("Twist"), row.number(r"$\theta$")
+            if here is not None and beyond is not None:
+                what = f"theta beyond {row.text('Station')}"
+                yield from _differs(what, beyond, here if twist is None else here - twist)
+
+
+def _station_faults(row: PrintedRow, carried: Printed, square: Printed) -> Iterator[str]:
+    station = row.text("Station")
+    inertia, angle = row.number("$J$", digits=HOLZER_DIGITS), row.number(r"$\theta$")
+    own, total = row.number(r"$J\omega^{2}\theta$"), row.number("Sum")
+    if inertia is not None and angle is not None and own is not None:
+        yield from _differs(f"J omega^2 theta of {station}", own, inertia * square * angle)
+    if total is not None:
+        parts = [row.number(head) for head in (r"$J\omega^{2}\theta$", "Shafts", "Joined")]
+        expected = sum((one for one in parts if one is not None), carried)
+        # A balance that rounding leaves is printed as 0.
+        yield from _differs(f"sum of torques at {station}", total, expected)
+    stiffness, twist = row.number("$k$", digits=HOLZER_DIGITS), row.number("Twist")
+    if stiffness is not None and twist is not None and total is not None:
+        yield from _differs(f"torque behind {station}", total, stiffness * twist)
+
+
+def sum_faults(table: PrintedTable) -> Iterator[str]:
+    """Rows called "Sum" against the rows above."""
+    for row in table.rows:
+        if "Sum" not in row.cells:
+            continue
+        for at, cell in enumerate(row.cells):
+            total = Printed.read(cell, MASS_DIGITS)
+            column = [Printed.read(one.cells[at], MASS_DIGITS) for one in table.rows if one is not row]
+            if total is not None:
+                expected = sum((one for one in column if one is not None), Printed(0.0))
+                yield from _differs(f"sum of {table.heads[at]}", total, expected)
+
+
+def utilisation_faults(table: PrintedTable) -> Iterator[str]:
+    """Utilisation in percent against value over the value allowed."""
+    for row in table.rows:
+        value, allowed, used = row.number(*VERDICT_HEADS), row.number("Allowed"), row.number(*USED_HEADS)
+        if value is not None and allowed is not None and used is not None:
+            yield from _differs(f"utilisation of {row.cells[0]}", used, (value / allowed).times(100))
+
+
+def power_faults(table: PrintedTable) -> Iterator[str]:
+    """P = T omega where a row has the speed, the torque and the power of a place."""
+    for row in table.rows:
+        speed, power = row.number("Speed"), row.number("Power", "Indicated power")
+        torque = row.number("Torque", "Indicated torque")
+        if speed is not None and power is not None and torque is not None:
+            yield from _differs(f"power at {row.cells[0]}", power, torque * speed.times(RPM))
+
+
+def speed_margin_faults(table: PrintedTable) -> Iterator[str]:
+    """Verdicts on separation margins, and margins against the frequencies compared."""
+    for row in table.rows:
+        margin, required = row.number("Margin"), row.number("Required")
+        if margin is None or required is None:
+            continue
+        kept = row.text("Margin kept")
+        if kept != ("yes" if margin.value >= required.value else "no") and not margin.agrees(required):
+            yield f"margin of {margin} against {required} is called {kept}"
+
+
+def range_faults(text: str, tables: Sequence[PrintedTable]) -> Iterator[str]:
+    """Speeds of verdicts outside of the range of their condition."""
+    match = EVERY_SPEED.search(text)
+    if match is None:
+        return
+    low, high = (Printed.read(match[place], 9) or Printed(0.0) for place in (1, 2))
+    for table in tables:
+        if any(word in table.caption for word in OTHER_SPEEDS) or not {*CONDITION_HEADS} & {*table.heads}:
+            continue
+        for row, head in itertools.product(table.rows, SPEED_HEADS):
+            speed = row.number(head)
+            if speed is None or row.unit(head) != "rpm":
+                continue
+            if speed.value + speed.half < low.value - low.half or speed.value - speed.half > high.value + high.half:
+                yield f"{table.caption}: {head.lower()} {speed} rpm of {row.cells[0]} is not in {low} to {high} rpm"
+
+
+def twice_faults(tables: Sequence[PrintedTable]) -> Iterator[str]:
+    """Numbers that stand in two tables and differ: natural frequencies, inertias, values of verdicts."""
+    yield from _frequency_faults(tables)
+    yield from _inertia_faults(tables)
+    yield from _verdict_faults(tables)
+
+
+def _frequency_faults(tables: Sequence[PrintedTable]) -> Iterator[str]:
+    listed = next((one for one in tables if one.caption.startswith("Natural frequencies") and "Mode" in one.heads), None)
+    if listed is None:
+        return
+    known = {row.text("Mode"): row.number("Undamped") for row in listed.rows if row.text("Mode")}
+    one_drivetrain = not any(one.caption.startswith("Natural frequencies of all") for one in tables)
+    for table in tables:
+        match = HOLZER.search(table.caption)
+        printed = {match[1]: Printed.read(match[2])} if match else {}
+        if one_drivetrain and table.caption.startswith("Separation margins"):
+            printed |= {row.text("Mode"): row.number("Natural frequency") for row in table.rows if row.text("Mode")}
+        for mode, value in printed.items():
+            expected = known.get(mode)
+            if value is not None and expected is not None:
+                yield from (f"{table.caption}: {fault}" for fault in _differs(f"mode {mode}", value, expected))
+
+
+def _inertia_faults(tables: Sequence[PrintedTable]) -> Iterator[str]:
+    """J of a Holzer table, that of the masses alone, against the mass-elastic table less what shafts have of it."""
+    listed = next((one for one in tables if one.caption.startswith("Masses and shafts")), None)
+    if listed is None or "$n$" in listed.heads:
+        return
+    note = next((one for one in listed.notes if one.startswith("Of J, half of each adjacent shaft")), "")
+    parts = re.findall(r"([^,]+) (\d+(?:\.\d+)?)(?=,|\.?$)", note.rpartition(": ")[2])
+    shares = {name.strip(): Printed.read(size, 5) or Printed(0.0) for name, size in parts}
+    known = {row.text("Mass"): row.number("$J$", digits=MASS_DIGITS) for row in listed.rows}
+    for table in tables:
+        if HOLZER.search(table.caption) is None:
+            continue
+        for row in table.rows:
+            station, mass = row.text("Station"), row.number("$J$", digits=HOLZER_DIGITS)
+            whole = known.get(station)
+            if mass is not None and whole is not None:
+                share = shares.get(station, Printed(0.0))
+                yield from (f"{table.caption}: {fault}" for fault in _differs(f"J of {station}", mass + share, whole))
+
+
+def _verdict_faults(tables: Sequence[PrintedTable]) -> Iterator[str]:
+    """Values of one component in one condition at one speed against one value allowed."""
+    rows = [
+        row
+        for table in tables
+        for row in table.rows
+        if "Component" in table.heads and {*CONDITION_HEADS} & {*table.heads} and row.number("Allowed") is not None
+    ]
+    names = sorted({_component(row, ()) for row in rows}, key=len)
+    for one, other in itertools.combinations(rows, 2):
+        same = _component(one, names) == _component(other, names)
+        same = same and one.text(*CONDITION_HEADS) == other.text(*CONDITION_HEADS)
+        pairs = [(one.number(head), other.number(head)) for head in ("Allowed", "Speed")]
+        if same and all(first and second and first.agrees(second) for first, second in pairs):
+            values = one.number(*VERDICT_HEADS), other.number(*VERDICT_HEADS)
+            if values[0] is not None and values[1] is not None:
+                what = f"value of {_component(one, names)}, {one.text(*CONDITION_HEADS)},"
+                yield from _differs(what, *values)
+
+
+def _component(row: PrintedRow, names: Sequence[str]) -> str:
+    """Name of a component without what stands in brackets or as a formula behind it; the shortest one that begins it."""
+    name = re.sub(r"\(.*|\$.*", "", row.text("Component")).strip()
+    return next((one for one in names if f"{name} ".startswith(f"{one} ")), name)
+
+
+def unit_faults(tables: Sequence[PrintedTable]) -> Iterator[str]:
+    """Components whose torques or powers have more than one unit in the document."""
+    units: dict[tuple[str, str], set[str]] = {}
+    rows = [(table, row) for table in tables if "Component" in table.heads for row in table.rows]
+    names = sorted({_component(row, ()) for _, row in rows if row.text("Component")}, key=len)
+    for _, row in rows:
+        for head in VERDICT_HEADS:
+            unit = row.unit(head)
+            if unit in SI and unit not in ("deg", "mrad"):
+                units.setdefault((_component(row, names), unit.lstrip("kM")), set()).add(unit)
+    for table in tables:
+        for row in table.rows if table.caption.startswith("Operating instructions") else ():
+            unit, component = row.text("Unit"), row.text("Limit").partition(",")[0]
+            if unit in SI and (component, unit.lstrip("kM")) in units:
+                units[component, unit.lstrip("kM")].add(unit)
+    for (component, _), found in units.items():
+        if len(found) > 1:
+            yield f"{component} is told in {', '.join(sorted(found))}"
+
+
+def distance_faults(text: str, tables: Sequence[PrintedTable]) -> Iterator[str]:
+    """Distances of critical speeds from rated speed in percent, against the critical speeds."""
+    rated = RATED.search(text)
+    sentence = re.search(r"Distance of the critical speeds from rated speed, .*? rpm: (.*)\.", text)
+    if rated is None or sentence is None:
+        return
+    speeds: dict[str, list[Printed]] = {}
+    for table in tables:
+        for row in table.rows:
+            if (found := row.number("Critical speed")) is not None:
+                speeds.setdefault(row.text("Order"), []).append(found)
+    for order, share in re.findall(r"([^,]+?) ([−\d.]+)\s%", sentence[1]):
+        printed = Printed.read(share)
+        expected = [(one / Printed(float(rated[1]))).times(100) - Printed(100.0) for one in speeds.get(order.strip(), [])]
+        if printed is not None and expected and not any(printed.agrees(one) for one in expected):
+            yield f"distance of {order.strip()} is printed as {printed}, its critical speed gives {expected[0]}"
