@@ -51,6 +51,7 @@ def holzer_faults(table: PrintedTable) -> Iterator[str]:
     square, frequency = (Printed.read(match[place]) or Printed(float(match[place])) for place in (3, 2))
     root = Printed(math.sqrt(square.value), square.half / (2 * math.sqrt(square.value)))
     yield from _differs("2 pi f", frequency.times(2 * math.pi), root)
+    housed = re.search("the twist of (.*) counts the motion of the housing", " ".join(table.notes))
     angles = {row.text("Station"): row.number(r"$\theta$") for row in table.rows}
     for rows in table.groups():
         carried = Printed(0.0)
@@ -61,7 +62,8 @@ def holzer_faults(table: PrintedTable) -> Iterator[str]:
             joins = re.search(r" to (.*), which it joins", row.group)
             beyond = after.number(r"$\theta$") if after is not None else angles.get(joins[1]) if joins else None
             twist, here = row.number("Twist"), row.number(r"$\theta$")
-            if here is not None and beyond is not None:
+            free = housed is None or row.text("Link") not in housed[1].split(", ")
+            if free and here is not None and beyond is not None:
                 what = f"theta beyond {row.text('Station')}"
                 yield from _differs(what, beyond, here if twist is None else here - twist)
 

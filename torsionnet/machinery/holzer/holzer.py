@@ -108,8 +108,8 @@ def holzer_table(
     inside = hidden_nodes(drivetrain, tree, balance.inertias).names
     branches = tuple(_HolzerWalk(drivetrain, balance, tree, relative, omega, inside).branches(order))
     hertz = omega / (2 * math.pi)
-    films = _film_notes(drivetrain, omega, balance)
-    notes = (*notes, *films, *law_notes(drivetrain.definition), *range_notes(drivetrain.assembly, [hertz]))
+    extra = [*_film_notes(drivetrain, omega, balance), *_housing_notes(balance)]
+    notes = (*notes, *extra, *law_notes(drivetrain.definition), *range_notes(drivetrain.assembly, [hertz]))
     found = HolzerTable(hertz, mode, shaft, branches, drivetrain.title, notes, bool(rests), drivetrain.configuration)
     return found if segments else found.whole_shafts()
 
@@ -135,6 +135,16 @@ def _film_notes(drivetrain: AssembledModel, omega: float, balance: HolzerBalance
             "{percent:.3g} % of its inertia swing along",
             ring=ring, hub=hub, percent=100 * swinging,
         )  # fmt: skip
+
+
+def _housing_notes(balance: HolzerBalance) -> Iterator[str]:
+    """Sentence on gears whose twist is not that of two stations alone, as their housing turns with a third motion."""
+    names = [one.element for one in balance.loads if one.housing in one.row and not one.rigid]
+    if names:
+        yield phrase(
+            "the twist of {elements} counts the motion of the housing, and the angle of the next station does too",
+            elements=", ".join(dict.fromkeys(names)),
+        )
 
 
 def _trial_rate(at: float | None) -> float:
