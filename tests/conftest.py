@@ -65,6 +65,7 @@ def documents_close(built_documents):
     yield
     if built_documents:
         from support.printed_checks import document_faults
+
         from torsionnet.report.writers.markdown import markdown_text
 
         texts = [markdown_text(report, "figures") for report in built_documents]

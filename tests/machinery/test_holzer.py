@@ -283,7 +283,9 @@ class TestShaftsWithInertia:
         omega = 2 * np.pi * holzer.frequency
         ring = 1j * omega * 900 / (1j * omega * 900 - omega**2 * 3)  # theta_r over theta of the hub
         note = next(one for one in holzer.notes if "damper.ring" in one)
-        assert float(re.search(r"with damping (\S+) % of its inertia", note)[1]) == pytest.approx(100 * ring.real, rel=5e-3)
+        assert float(re.search(r"with damping (\S+) % of its inertia", note)[1]) == pytest.approx(
+            100 * ring.real, rel=5e-3
+        )
 
 
 class TestWholePlants:

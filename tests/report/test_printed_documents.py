@@ -75,7 +75,15 @@ def test_tables_are_read_as_they_are_printed(document):
 
 def test_a_right_document_has_no_faults(document):
     assert document_faults(document) == []
-    needed = ("Verdict on every", "Operating instructions", "Masses", "Holzer", "Critical speeds", "Components", "along")
+    needed = (
+        "Verdict on every",
+        "Operating instructions",
+        "Masses",
+        "Holzer",
+        "Critical speeds",
+        "Components",
+        "along",
+    )
     assert all(table(document, words).rows for words in needed)
 
 
@@ -94,7 +102,7 @@ def changed(document, words, head, row, change):
 
 def other_digit(text):
     """A number whose second digit is another one."""
-    at = [place for place, letter in enumerate(text) if letter.isdigit() and text[:place].strip("−0.") != ""][0]
+    at = next(place for place, letter in enumerate(text) if letter.isdigit() and text[:place].strip("−0."))
     return f"{text[:at]}{(int(text[at]) + 3) % 10}{text[at + 1 :]}"
 
 
@@ -129,12 +137,12 @@ def test_a_lumped_table_is_noticed(document):
 
 
 def test_a_speed_outside_of_the_range_is_noticed(document):
-    wrong = changed(document, "Verdict on every", "Speed", 0, lambda text: "3100")
+    wrong = changed(document, "Verdict on every", "Speed", 0, lambda _: "3100")
     assert any("rpm of line" in one and "is not in" in one for one in document_faults(wrong))
 
 
 def test_two_units_of_a_component_are_noticed(document):
-    wrong = changed(document, "Components", "Unit", 0, lambda text: "N·m")
+    wrong = changed(document, "Components", "Unit", 0, lambda _: "N·m")
     assert any("line is told in N·m, kN·m" in one for one in document_faults(wrong))
 
 

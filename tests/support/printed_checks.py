@@ -150,7 +150,9 @@ def twice_faults(tables: Sequence[PrintedTable]) -> Iterator[str]:
 
 
 def _frequency_faults(tables: Sequence[PrintedTable]) -> Iterator[str]:
-    listed = next((one for one in tables if one.caption.startswith("Natural frequencies") and "Mode" in one.heads), None)
+    listed = next(
+        (one for one in tables if one.caption.startswith("Natural frequencies") and "Mode" in one.heads), None
+    )
     if listed is None:
         return
     known = {row.text("Mode"): row.number("Undamped") for row in listed.rows if row.text("Mode")}
@@ -245,6 +247,8 @@ def distance_faults(text: str, tables: Sequence[PrintedTable]) -> Iterator[str]:
                 speeds.setdefault(row.text("Order"), []).append(found)
     for order, share in re.findall(r"([^,]+?) ([−\d.]+)\s%", sentence[1]):
         printed = Printed.read(share)
-        expected = [(one / Printed(float(rated[1]))).times(100) - Printed(100.0) for one in speeds.get(order.strip(), [])]
+        expected = [
+            (one / Printed(float(rated[1]))).times(100) - Printed(100.0) for one in speeds.get(order.strip(), [])
+        ]
         if printed is not None and expected and not any(printed.agrees(one) for one in expected):
             yield f"distance of {order.strip()} is printed as {printed}, its critical speed gives {expected[0]}"
