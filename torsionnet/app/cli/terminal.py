@@ -15,14 +15,6 @@ import click
 from torsionnet.base.errors import printable_text
 from torsionnet.base.notes import Note, NoteOrText
 from torsionnet.base.number_text import json_finite
-from torsionnet.base.table import (
-    BETWEEN_COLUMNS,
-    NARROWEST_HEADING,
-    SCREEN_WIDTH,
-    aligned_lines,
-    broken_heading,
-    wrapped,
-)
 
 if TYPE_CHECKING:
     from rich.progress import TaskID
@@ -78,6 +70,8 @@ def print_json(data: Any) -> None:
 
 def print_table(table: Table) -> None:
     """Print a table with its notes on stdout: framed in a terminal, aligned text in a pipe or file."""
+    from torsionnet.base.table import SCREEN_WIDTH, aligned_lines, wrapped  # help of commands needs no tables
+
     table = _safe(table)
     if sys.stdout.isatty():
         _print_framed(table)
@@ -110,6 +104,8 @@ def _print_framed(table: Table) -> None:
     from rich.console import Console
     from rich.table import Table as Framed
     from rich.text import Text
+
+    from torsionnet.base.table import BETWEEN_COLUMNS, NARROWEST_HEADING, broken_heading
 
     console = Console(highlight=False, color_system=None if os.environ.get("NO_COLOR") else "auto")
     framed = Framed(

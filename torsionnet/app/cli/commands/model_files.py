@@ -18,7 +18,6 @@ from torsionnet.app.cli.options import STANDARD_INPUT, OutputFile, argument, che
 from torsionnet.app.cli.terminal import message, print_line
 from torsionnet.base.errors import Fault, UsageError, readable_text
 from torsionnet.base.result_rows import Out
-from torsionnet.base.table import wrapped
 
 if TYPE_CHECKING:
     from torsionnet.base.entries.spec import Schema
@@ -345,6 +344,7 @@ class ShowCommand(ModelCommand):
 
 
 def _described(rig: Drivetrain) -> Iterator[Table | str]:
+    from torsionnet.base.table import wrapped
     from torsionnet.model.overview import tables
 
     yield rig.title

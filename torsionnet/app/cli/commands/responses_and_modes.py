@@ -14,7 +14,6 @@ from torsionnet.app.cli.command import TABLE, Answer, separated_by_lines
 from torsionnet.app.cli.options import ANGLE, EXCITATION, FREQUENCY_UNIT, REFERRED_TO, option, referred_outputs
 from torsionnet.app.cli.terminal import blank_zero_shares, message
 from torsionnet.base.errors import UsageError
-from torsionnet.base.table import split_table
 
 if TYPE_CHECKING:
     from torsionnet.base.table import Table
@@ -118,6 +117,8 @@ class ModesCommand(ModelCommand):
 
     def parts(self, modes: Modes, table: Table) -> Iterator[Table]:
         """Tables of the modes of one configuration for the screen, with shapes and energy shares if asked for."""
+        from torsionnet.base.table import split_table
+
         yield without_eigenvalues(table)
         if self.shapes:
             yield from split_table(self.output.with_digits(modes.shape_table()), 2)
