@@ -134,9 +134,9 @@ class TestExecutor:
         assert is_whole(study_folder, 100)
 
     def test_prepared_once(self, local, study_folder):
-        """What work has prepared for one chunk it has for the next, in each process; another run begins anew."""
-        for _ in range(2):
-            found = list(DaskExecutor(local, study_folder).map(Prepared(study_folder), range(100)))
+        """What work has prepared for one chunk it has for the next, in each process; other work begins anew."""
+        for number in range(2):
+            found = list(DaskExecutor(local, study_folder).map(Prepared(study_folder / str(number)), range(100)))
             processes = {process for _, (process, _) in found}
             counts = {process: sorted(done for _, (who, done) in found if who == process) for process in processes}
             assert all(done == list(range(1, len(done) + 1)) for done in counts.values())

@@ -119,6 +119,22 @@ RECENT_RESULTS, RECENT_BYTES = 300, 100_000_000
 responses of some conditions."""
 
 
+class Same:
+    """Wrapper of an object for a key of results, equal only to wrappers of the very same object.
+
+    The object need not be hashable.
+    """
+
+    def __init__(self, entry: object) -> None:
+        self.entry = entry
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Same) and self.entry is other.entry
+
+    def __hash__(self) -> int:
+        return id(self.entry)
+
+
 class RecentResults:
     """Recent results by their type and a key, kept up to a number and a size in bytes.
 

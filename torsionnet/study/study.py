@@ -16,7 +16,6 @@ from torsionnet.base.errors import Fault, ModelError, UsageError, did_you_mean
 from torsionnet.base.packages import NotebookResult
 from torsionnet.base.table import Column, Table
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.linear.dynamic_stiffness.sweep import compiled_works
 from torsionnet.loading import load
 from torsionnet.model.files.library import decode, library_models, library_studies
 from torsionnet.model.files.located_yaml import LocatedDocument, compose
@@ -94,7 +93,11 @@ class Study(NotebookResult):
     @property
     def method(self) -> str:
         """Method of the response solver for all variants, "compiled" if numba works and they are many, else "graph"."""
-        return "compiled" if self.count >= FEWEST_COMPILED and compiled_works() else "graph"
+        if self.count < FEWEST_COMPILED:
+            return "graph"
+        from torsionnet.linear.dynamic_stiffness.sweep import compiled_works
+
+        return "compiled" if compiled_works() else "graph"
 
     @cached_property
     def model_text(self) -> str:

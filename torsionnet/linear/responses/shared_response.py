@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from torsionnet.base.notes import NoteOrText
-from torsionnet.base.registers import RecentResults
+from torsionnet.base.registers import RecentResults, Same
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.frequency_response import Channel, ComplexArray, FloatArray, FrequencyResponse
 from torsionnet.linear.responses.transfer import frequency_response
@@ -18,31 +18,15 @@ from torsionnet.model.channels import Sensor
 T = TypeVar("T")
 
 
-@dataclass(frozen=True, eq=False)
-class _Same:
-    """Wrapper of an object for a key of results, equal only to wrappers of the very same object.
-
-    The object need not be hashable.
-    """
-
-    entry: object
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Same) and self.entry is other.entry
-
-    def __hash__(self) -> int:
-        return id(self.entry)
-
-
 def mechanics_key(drivetrain: AssembledModel) -> Hashable:
     """Key of all that the equations of motion depend on, equal in conditions that differ only in excitations."""
     definition = drivetrain.definition
     return (
-        tuple(map(_Same, definition.active)),
+        tuple(map(Same, definition.active)),
         tuple(definition.parameters.items()),
         tuple(drivetrain.exact_values.items()),
-        _Same(definition.load),
-        _Same(definition.operating_point),
+        Same(definition.load),
+        Same(definition.operating_point),
     )
 
 

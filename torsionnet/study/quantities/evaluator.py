@@ -12,8 +12,6 @@ import numpy as np
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.linear.batch.batch_plan import BatchPlan, batch_plan
-from torsionnet.linear.modes.modes import Modes
-from torsionnet.linear.modes.natural_modes import natural_modes
 from torsionnet.study.quantities.quantity import StudyQuantity
 from torsionnet.study.quantities.variant_block import GRAPH, VariantBlock
 
@@ -74,17 +72,10 @@ class Evaluator:
     def plan(self) -> BatchPlan | None:
         return batch_plan(self.model, self.names)
 
-    @cached_property
-    def nominal_modes(self) -> Modes:
-        """Modes of the model with its own parameter values, by which the modes of variants are tracked."""
-        return natural_modes(self.model)[0]
-
     def block(self, values: Values) -> VariantBlock:
         """Block of variants with these parameter values, (n,) each in SI."""
         batch = None if self.plan is None else self.plan.batch(values)
-        return VariantBlock(
-            self.model, values, self.quantities, batch, method=self.method, nominal=lambda: self.nominal_modes
-        )
+        return VariantBlock(self.model, values, self.quantities, batch, method=self.method)
 
     def rows(self, values: Values, names: tuple[str, ...]) -> FloatArray:
         """Quantities of some variants side by side (n, n_points of all + 2) in SI, calculated in this process.

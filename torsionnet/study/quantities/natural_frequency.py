@@ -12,11 +12,9 @@ from torsionnet.base.entries.spec import Count, OneOf, entry
 from torsionnet.base.errors import Fault, UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
-from torsionnet.linear.modes.mode_pairs import undamped_place
 from torsionnet.linear.modes.modes import OSCILLATORY, Modes
-from torsionnet.linear.modes.natural_modes import natural_modes
 from torsionnet.study.quantities.quantity import QuantityForm, StudyQuantity, register_quantity
-from torsionnet.study.quantities.variant_block import VariantBlock
+from torsionnet.study.quantities.variant_block import VariantBlock, nominal_modes
 
 TRACKED, ASCENDING = "tracked", "ascending"
 MIXED = "veers: a fifth or more of its energy is that of another mode of the model"
@@ -42,7 +40,7 @@ class ModeQuantity(StudyQuantity):
 
     def model_faults(self, model: Drivetrain, quantities: Mapping[str, StudyQuantity]) -> Iterator[Fault]:
         del quantities
-        yield from self.missing_mode_faults(len(vibrating(natural_modes(model)[0])))
+        yield from self.missing_mode_faults(len(vibrating(nominal_modes(model))))
 
     @property
     def which_mode(self) -> str:
@@ -112,6 +110,8 @@ class NaturalFrequency(ModeQuantity):
         if self.which != UNDAMPED:
             yield from super().model_faults(model, quantities)
         else:
+            from torsionnet.linear.modes.mode_pairs import undamped_place
+
             try:
                 undamped_place(model, self.mode)
             except UsageError as error:
@@ -136,6 +136,8 @@ class NaturalFrequency(ModeQuantity):
 
     def undamped(self, block: VariantBlock) -> FloatArray:
         """Undamped natural frequencies (n_variants, 1) in Hz, at the nominal mode's place among those above 0."""
+        from torsionnet.linear.modes.mode_pairs import undamped_place
+
         place, _ = undamped_place(block.model, self.mode)
         return nth_above_zero(block.read_modes.undamped_natural_frequencies, place + 1)
 

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from torsionnet.base.equal_remarks import collected_warnings
 from torsionnet.base.errors import TorsionnetError
+from torsionnet.base.registers import Same
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
@@ -22,6 +23,7 @@ from torsionnet.linear.batch.batched_modes import BatchedModes, batched_modes, s
 from torsionnet.linear.batch.mode_tracking import TrackedModes, track_modes
 from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest, cached_request
 from torsionnet.linear.modes.modes import Modes
+from torsionnet.linear.modes.natural_modes import natural_modes
 from torsionnet.model.channels import Input, Sensor
 
 # Counter of the warnings of a study by their text, with a bound on the number of texts.
@@ -39,6 +41,12 @@ def remark(known: Counter[str], text: str, count: int) -> None:
     (0, 2)
     """
     known[text if text in known or len(known) < MOST_REMARKS else OTHERS] += count
+
+
+def nominal_modes(model: AssembledModel) -> Modes:
+    """Modes of a model with its own parameter values, by which those of variants are tracked, found once for all."""
+    memo = model.assembly.system.memo
+    return memo.once(Modes, Same(model), lambda: natural_modes(model)[0])
 
 
 GRAPH = "graph"
@@ -93,8 +101,6 @@ class VariantBlock:
         Texts of warnings and of reasons for missing values, with the number of times.
     method : str
         Method of frequency responses, the same whatever the number of variants.
-    nominal : callable or None
-        Returns the modes of ``model``, which other blocks share.
     read : (2,) array
         Lowest and highest frequency in Hz at which laws over frequency were read, as by :data:`NOTHING_READ`.
     """
@@ -106,7 +112,6 @@ class VariantBlock:
     known: dict[Any, Any] = field(default_factory=dict)
     remarks: Counter[str] = field(default_factory=Counter)
     method: str = GRAPH
-    nominal: Callable[[], Modes] | None = None
     read: FloatArray = field(default_factory=lambda: np.array(NOTHING_READ))
 
     def __len__(self) -> int:
@@ -208,7 +213,7 @@ class VariantBlock:
     @cached_property
     def modes(self) -> TrackedModes:
         """Modes of every variant in the order of the modes of ``model`` by which they are tracked."""
-        return track_modes(self.read_modes, None if self.nominal is None else self.nominal())
+        return track_modes(self.read_modes, nominal_modes(self.model))
 
     def responses(
         self, outputs: Channels, inputs: Driving, frequencies: FloatArray, excitation: str | None = None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import pickle
 import signal
 import threading
 from collections import Counter
@@ -12,16 +13,49 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import islice
 from multiprocessing import resource_tracker
 from typing import Any, TypeVar
 
-from torsionnet.base.errors import SolveError
+from torsionnet.base.errors import SolveError, UsageError
 from torsionnet.base.threads import one_thread
-from torsionnet.study.run.executor import PackedWork, part_name
+from torsionnet.study.run.executor import part_name
 
 S = TypeVar("S")
 T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class PackedWork:
+    """Function of an executor as bytes for other processes, each of which unpacks it once and keeps its plans.
+
+    Examples
+    --------
+    >>> PackedWork.of(abs)(-2)
+    2
+    """
+
+    data: bytes
+
+    @classmethod
+    def of(cls, work: Callable[[Any], Any]) -> PackedWork:
+        """Pack a function, or raise UsageError where it contains what other processes cannot receive."""
+        try:
+            return cls(pickle.dumps(work))
+        except (pickle.PicklingError, AttributeError, TypeError) as error:
+            text = "define functions of quantities at the top level of a module, or run it in one process"
+            raise UsageError(f"the study cannot be handed to other processes ({error}); {text}") from None
+
+    def __call__(self, part: Any) -> Any:
+        return _unpacked(self.data)(part)
+
+
+@lru_cache(maxsize=16)
+def _unpacked(data: bytes) -> Callable[[Any], Any]:
+    work: Callable[[Any], Any] = pickle.loads(data)  # noqa: S301  (packed by the process that asks)
+    return work
+
 
 QUEUED_PER_WORKER = 2
 """Chunks of variants that wait for each worker, enough that none is idle, few enough to be ended soon."""

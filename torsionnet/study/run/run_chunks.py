@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from torsionnet.base.errors import SolveError, UsageError
+from torsionnet.study.quantities.evaluator import Evaluator, Values
 from torsionnet.study.reductions.limit_counts import MOST_LIMITS
 from torsionnet.study.run.calculating import ChunkWork, merge_chunks
 from torsionnet.study.run.chunk_values import Chunks, ChunkValues, kept_every
@@ -35,6 +36,10 @@ MOST_CHUNK_SIZE = 20_000
 """Most variants in a chunk, so that little is lost when a run is stopped."""
 MOST_FILES = 100_000
 """Number of chunks of a study, about, beyond which chunks become larger, as folders of more files are slow."""
+
+
+TIMED_AGAIN = 5.0
+"""Seconds of a study, by a first timing in which plans are made and compiled code is loaded, for a second timing."""
 
 
 @dataclass(frozen=True)
@@ -62,10 +67,10 @@ class Workload:
         size = max(size, ceil(study.count / MOST_FILES))
         tried = min(TIMED_VARIANTS[singly], study.space.count)
         values = study.space.at(evaluator.model).values(0, tried)
-        evaluator(values)  # compiled code is compiled and loaded, plans are made
-        began = time.perf_counter()
-        evaluator(values)
-        return cls(study.count, (time.perf_counter() - began) / tried, min(size, study.space.count), singly)
+        seconds = _seconds(evaluator, values)
+        if seconds / tried * study.count > TIMED_AGAIN:
+            seconds = _seconds(evaluator, values)
+        return cls(study.count, seconds / tried, min(size, study.space.count), singly)
 
     @property
     def total(self) -> float:
@@ -87,6 +92,12 @@ class Workload:
                 "parameters in ranges and lists, draw samples instead (sampling: {method: sobol, count: 10000}), or "
                 "let it take that long (--yes; longest= in Python)"
             )
+
+
+def _seconds(evaluator: Evaluator, values: Values) -> float:
+    began = time.perf_counter()
+    evaluator(values)
+    return time.perf_counter() - began
 
 
 LEAST_CHUNK_SIZE = 100

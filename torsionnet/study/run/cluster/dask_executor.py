@@ -34,8 +34,7 @@ from torsionnet.study.run.cluster.chunk_task import (
     scheduler_errors,
     worker_errors,
 )
-from torsionnet.study.run.executor import PackedWork
-from torsionnet.study.run.process_pool import ENVIRONMENT
+from torsionnet.study.run.process_pool import ENVIRONMENT, PackedWork
 
 if TYPE_CHECKING:
     from distributed import Client, Future
