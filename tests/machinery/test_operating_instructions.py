@@ -47,6 +47,22 @@ class TestMisfire:
         assert found.passed == ()
         assert found.restrictions == "at most 94 rpm"
 
+    @pytest.mark.parametrize(("at", "words"), [(93.5, "at most 87 rpm"), (92, "86 to 99 rpm")])
+    def test_a_range_marked_up_to_rated_speed_is_a_highest_speed(self, at, words):
+        """16 n/(18 - n/100) to (18 - n/100) n/16: 87.7 to 99.7 rpm, marked up to 100 rpm, the rated; 86.2 to 98.2."""
+        found = stressed(hump(70, at), m68(), misfire=True)["tau_C"]
+        assert found.restrictions == words
+        (row,) = operating_instructions([check({"tau_C": found}, "misfire", misfiring=True)])
+        low = math.floor(16 * at / (18 - at / 100))
+        assert (row.from_rpm, row.to_rpm) == ((low, None) if at > 93 else (low, 99))
+        assert row.action == ("not above 87 rpm, reduce power" if at > 93 else "pass without stopping")
+
+    @pytest.mark.parametrize(("at", "verdict"), [(96, "fail"), (95, "barred range")])
+    def test_normal_firing_keeps_its_rated_speed_off_the_mark(self, at, verdict):
+        """5 + 65/(1 + (d/2)^2) is above 20 N/mm^2 up to d = 3.65 rpm: to 99.65 rpm, marked up to 100, or to 98.65."""
+        limit = {"rule": "fatigue", "element": "shaft", "fatigue_strength": "20 MPa", "mean_stress": "none"}
+        assert stressed(hump(70, at), limit)["tau_W"].verdict == verdict
+
     def test_in_normal_firing_it_fails_and_nothing_is_to_be_barred(self):
         found = stressed(hump(70, 88), m68())["tau_C"]
         assert (found.verdict, found.barred, found.highest) == ("fail", (), None)

@@ -244,7 +244,7 @@ class IacsM68(ClassRuleShaft):
     ) -> LimitVerdict:
         if evidence.subject.misfiring and self.safe_speed is None:
             remarks.append("a cylinder misfires: ranges must leave safe navigation possible; give safe_speed")
-        lost = [span for span in barred if span.holds_any([self.safe_speed])]
+        lost = [span for span in barred if self.safe_speed is not None and span.holds(self.safe_speed)]
         if evidence.subject.misfiring and lost:
             remarks.insert(0, f"safe_speed lies in a range to be barred: {lost[0]}")
             return self._verdict(line, name, evidence, FAIL, barred, tuple(remarks))

@@ -217,7 +217,7 @@ class Limit(Declared):
         wide = [span.widened(self.tolerance).within(evidence.examined) for span in above]
         # In normal firing a machine has to run at these speeds; with a cylinder out it may go slower.
         kept = [evidence.subject.rated, float(evidence.speeds[-1])]
-        lost = [span for span, barred in zip(above, wide, strict=True) if barred.holds_any(kept)]
+        lost = [span for span, barred in zip(above, wide, strict=True) if barred.marks_any(kept)]
         if lost and not evidence.subject.misfiring:
             return self._verdict(line, name, evidence, FAIL, (), (f"exceeded from {lost[0]}: no range to be barred",))
         barred = joined_spans(wide)
@@ -237,7 +237,7 @@ class Limit(Declared):
 
         Where a cylinder is out, with a highest speed if a speed kept is barred.
         """
-        highest = min((span.low for span in barred if span.holds_any(kept)), default=None)
+        highest = min((span.low for span in barred if span.marks_any(kept)), default=None)
         if highest is None or not evidence.subject.misfiring:
             return self._verdict(line, name, evidence, BARRED if barred else PASS, barred, remarks)
         if highest <= evidence.examined.low * (1 + 1e-9):

@@ -48,9 +48,17 @@ class SpeedSpan:
         """Whether a speed in rad/s lies in the speed range."""
         return self.low <= speed <= self.high
 
-    def holds_any(self, speeds: Iterable[float | None]) -> bool:
-        """Whether at least one of several speeds in rad/s lies in the speed range."""
-        return any(speed is not None and self.holds(speed) for speed in speeds)
+    def marks_any(self, speeds: Iterable[float | None]) -> bool:
+        """Whether one of several speeds in rad/s lies in the range as a tachometer is marked, outward to 1 rpm.
+
+        Examples
+        --------
+        >>> SpeedSpan(1.0, 114.4 / RPM).marks_any([None, 115.0 / RPM])
+        True
+        """
+        low, high = self.rpm_outward
+        marked = SpeedSpan(low / RPM, high / RPM).widened(WHOLE_RPM_RELATIVE)
+        return any(speed is not None and marked.holds(speed) for speed in speeds)
 
     def widened(self, tolerance: float) -> SpeedSpan:
         """Speed range in rad/s, each end moved outward by the share ``tolerance`` of its speed."""
