@@ -22,8 +22,8 @@ from torsionnet.report.document_tree import (
 )
 from torsionnet.report.writers import pdf
 from torsionnet.report.writers.docx_table import table_xml
-from torsionnet.report.writers.html import html_page
-from torsionnet.report.writers.table_layout import TableLayout
+from torsionnet.report.writers.html import HtmlWriter, html_page
+from torsionnet.report.writers.table_layout import TableColumn, TableLayout
 
 CSS = (Path(writers.__file__).parent / "templates" / "style.css").read_text(encoding="utf-8")
 TWIPS_OF_A_LETTER = 0.56 * 8.5 * 20
@@ -87,6 +87,62 @@ def test_text_goes_on_where_a_figure_does_not_fit(tmp_path):
     pdf.write(Report("T", "Kind", Facts(()), (), (Section("s", ("S",), blocks),)), tmp_path / "r.pdf")
     data = (tmp_path / "r.pdf").read_bytes()
     assert len(re.findall(rb"/Type /Page\b", data)) == 2
+
+
+def numbered(columns, unit="N·m/rad"):
+    return tuple(Heading(f"Quantity {place}", unit=unit, numeric=True) for place in range(columns))
+
+
+def rows_of(columns, *keys):
+    return tuple((*key, *(NumberText(1.5 * place) for place in range(columns))) for key in keys)
+
+
+class TestWideTables:
+    """A column of numbers with the unit N·m/rad has 9 letters, with its gap 11; the page has 98."""
+
+    KEYS = (("gear", "first"), ("", "second"), ("clutch", "first"), ("", "second"))
+
+    def layout(self, columns):
+        headings = (Heading("Part"), Heading("State"), *numbered(columns))
+        return TableLayout(TableBlock(("Wide",), headings, (TableGroup(rows_of(columns, *self.KEYS)),)))
+
+    @pytest.mark.parametrize(("columns", "size"), [(7, 1.0), (8, 0.9), (9, 0.82)])
+    def test_letters_are_smaller_before_a_table_is_split(self, columns, size):
+        layout = self.layout(columns)
+        assert (len(layout.pieces), layout.size) == (1, size)
+        style = {1.0: "TableText", 0.9: "SmallTableText", 0.82: "SmallestTableText"}[size]
+        assert set(re.findall(r'w:pStyle w:val="(\w*TableText)"', table_xml(layout, "", ""))) == {style}
+
+    def test_split_tables_repeat_the_columns_that_tell_rows_apart(self):
+        layout = self.layout(11)
+        assert layout.size == 1.0
+        assert [[placed.index for placed in piece] for piece in layout.pieces] == [
+            [0, 1, 2, 3, 4, 5, 6, 7],
+            [0, 1, 8, 9, 10, 11, 12],
+        ]
+
+    def test_a_blank_first_cell_is_said_again_below(self):
+        keys = [row[:2] for row in self.layout(11).continued[0].rows]
+        assert keys == [("gear", "first"), ("gear", "second"), ("clutch", "first"), ("clutch", "second")]
+        assert len(set(keys)) == len(keys)
+
+    def test_a_sum_at_the_end_gets_no_name_of_the_row_above(self):
+        headings = (Heading("No."), Heading("Mass"), *numbered(11))
+        rows = rows_of(11, ("1", "hub"), ("2", "hub"), ("", "Sum"))
+        layout = TableLayout(TableBlock(("Sum",), headings, (TableGroup(rows),)))
+        assert layout.keys == (0,)
+        assert layout.continued[0].rows[-1][:2] == ("", "Sum")
+
+    def test_printed_page_has_the_pieces_and_a_screen_the_whole(self):
+        report = Report("T", "Kind", Facts(()), (), (Section("s", ("S",), (self.layout(11).block,)),))
+        printed, screen = (HtmlWriter(report, folds=folds).page() for folds in (False, True))
+        assert [page.count("<table") for page in (printed, screen)] == [2, 1]
+        assert printed.count("<td>clutch</td>") == 3
+        assert screen.count("<td>clutch</td>") == 1
+
+    def test_a_number_and_its_unit_are_not_parted(self):
+        cells = ((NumberText(0.0981), "\N{NO-BREAK SPACE}kN·m"),)
+        assert TableColumn(Heading("Peak"), cells).least_letters == len("0.0981 kN·m")
 
 
 class TestWidthsInWord:

@@ -209,7 +209,7 @@ class TestWords:
         files = package.rglob("*.py")
         strings = {text.lower() for file in files for text in _strings(file)}
         shown = "".join(
-            file.read_text(encoding="utf-8") for file in (package / "report" / "writers" / "templates").iterdir()
+            file.read_text(encoding="utf-8") for file in (package / "report" / "writers" / "templates").glob("page.*")
         )
         words = {as_words(kind) for kind in ELEMENT_TYPES} | {
             as_words(name).lower() for cls in ELEMENT_TYPES.values() for name, _ in cls.specs()

@@ -13,7 +13,7 @@ from torsionnet.machinery.phasors.excitation_lines import excitation_lines
 from torsionnet.report.document_tree import Cell, Heading, TableBlock
 from torsionnet.report.report_data import Case
 from torsionnet.report.report_tables import table
-from torsionnet.report.report_text import as_words, unit
+from torsionnet.report.report_text import as_words, capital, unit
 
 KILO = 1e-3
 """Factor from N m to kN m."""
@@ -51,8 +51,8 @@ def propeller_block(case: Case, name: str, propeller: PropellerTorque) -> TableB
     )
     follows = phrase(", with the speed to the power {exponent:g}", exponent=exponent) if exponent else ""
     caption = phrase(
-        "Propeller {name}{state}: {blades} blades, {law}{exponent}",
-        name=as_words(name),
+        "{name}{state}: {blades} blades, {law}{exponent}",
+        name=capital(as_words(name)),
         state=state,
         blades=propeller.blades,
         law=law,

@@ -7,7 +7,7 @@ from typing import Any
 
 from torsionnet.report.document_tree import TableGroup, Text, TitleTable
 from torsionnet.report.writers.docx_text import SOFT, bold, breaking, inline, paragraph, run
-from torsionnet.report.writers.table_layout import PAGE_LETTERS, Piece, TableLayout, piece_letters
+from torsionnet.report.writers.table_layout import SIZES, Piece, TableLayout, piece_letters
 
 TEXT_WIDTH = 9864
 """Width of the text on a page in twentieths of a point: 174 mm of A4."""
@@ -22,6 +22,8 @@ _SIDES = ("top", "left", "bottom", "right", "insideH", "insideV")
 GRID = "".join(f'<w:{side} w:val="single" w:sz="4" w:color="5B6470"/>' for side in _SIDES)
 """Lines of the title block: around each cell."""
 _KEEP = "<w:keepNext/>"
+TABLE_STYLES = ("TableText", "SmallTableText", "SmallestTableText")
+"""Styles of paragraphs in tables, by the sizes of letters."""
 
 
 def table_xml(layout: TableLayout, caption: str, continued: str) -> str:
@@ -32,31 +34,34 @@ def table_xml(layout: TableLayout, caption: str, continued: str) -> str:
     pieces = []
     for place, piece in enumerate(layout.pieces):
         above = paragraph(run(continued) if place else caption, "Caption", properties=_KEEP)
-        pieces.append(above + _piece(layout, piece))
+        pieces.append(above + _piece(layout, piece, layout.continued if place else layout.block.groups))
     notes = [paragraph(inline(note), "TableNote") for note in layout.block.foot_notes]
     # Two tables without a paragraph between them would be one.
     gap = paragraph("", "TableNote")
     return gap.join(pieces) + ("".join(notes) or gap)
 
 
-def _piece(layout: TableLayout, piece: Piece) -> str:
-    letters = piece_letters(piece)
-    widths = [round(TEXT_WIDTH * width / max(sum(letters), PAGE_LETTERS)) for width in letters]
-    head = ["".join(_line(bold(line), right=placed.numeric, keep=True) for line in placed.lines) for placed in piece]
+def _piece(layout: TableLayout, piece: Piece, groups: Sequence[TableGroup]) -> str:
+    letters = piece_letters(piece, layout.page_letters)
+    widths = [round(TEXT_WIDTH * width / max(sum(letters), layout.page_letters)) for width in letters]
+    style = TABLE_STYLES[SIZES.index(layout.size)]
+    head = [
+        "".join(_line(bold(line), style, right=placed.numeric, keep=True) for line in placed.lines) for placed in piece
+    ]
     rows, kept = [_row(head, widths, head=True)], layout.rows_kept
-    for group in layout.block.groups:
-        rows += _group(group, piece, widths, kept)
+    for group in groups:
+        rows += _group(group, piece, widths, kept, style)
     return _table(rows, widths, RULES)
 
 
-def _group(group: TableGroup, piece: Piece, widths: Sequence[int], kept: Iterator[bool]) -> list[str]:
+def _group(group: TableGroup, piece: Piece, widths: Sequence[int], kept: Iterator[bool], style: str) -> list[str]:
     """Rows of a group, its title first; ``kept``: whether each of the rows stays with the next one."""
     rows = []
     if group.title:
-        rows.append(_row([_line(bold(group.title), keep=True)], [sum(widths)], spans=[len(widths)]))
+        rows.append(_row([_line(bold(group.title), style, keep=True)], [sum(widths)], spans=[len(widths)]))
     for row, stays in zip(group.rows, kept, strict=False):
         cells = [
-            _line(breaking.cell(row[placed.index], placed.column.decimals), right=placed.numeric, keep=stays)
+            _line(breaking.cell(row[placed.index], placed.column.decimals), style, right=placed.numeric, keep=stays)
             for placed in piece
         ]
         rows.append(_row(cells, widths))
@@ -113,9 +118,9 @@ def _texts(texts: Sequence[str], widths: Sequence[int], *, height: int = 0) -> s
     return _row([_line(breaking(text)) for text in texts], widths, height=height)
 
 
-def _line(content: str, *, right: bool = False, keep: bool = False) -> str:
+def _line(content: str, style: str = TABLE_STYLES[0], *, right: bool = False, keep: bool = False) -> str:
     look = (_KEEP if keep else "") + ('<w:jc w:val="right"/>' if right else "")
-    return paragraph(content, "TableText", properties=look)
+    return paragraph(content, style, properties=look)
 
 
 def _row(
@@ -155,6 +160,8 @@ STYLES = {
     "Heading 3": (10, 8, 2),
     "Heading 4": (10, 6, 2),
     "Table Text": (8.5, 1, 1),
+    "Small Table Text": (8.5 * SIZES[1], 1, 1),
+    "Smallest Table Text": (8.5 * SIZES[2], 1, 1),
     "Table Note": (7.5, 3, 3),
     "Contents Heading": (11, 3, 3),
     "Remark": (10, 5, 5),

@@ -29,7 +29,7 @@ from torsionnet.report.document_tree import (
 )
 from torsionnet.report.writers.blocks import CountedLabel
 from torsionnet.report.writers.inline import InlineWriter
-from torsionnet.report.writers.table_layout import TableLayout
+from torsionnet.report.writers.table_layout import Piece, PlacedColumn, TableLayout
 from torsionnet.report.writers.templating import SHIPPED, PageWriter
 
 MEDIA_TYPES = {".svg": "image/svg+xml", ".png": "image/png", ".jpg": "image/jpeg", ".jpeg": "image/jpeg"}
@@ -196,31 +196,41 @@ class HtmlWriter(PageWriter):
         return f"<figure><div class=scroll>{drawing}</div>{caption}</figure>"
 
     def table(self, layout: TableLayout, label: CountedLabel) -> str:
-        block, name = layout.block, f"table-{label.number.lower()}"
-        head = "".join(f"<th{_class(one)} scope=col>{self._heading(one)}</th>" for one in block.columns)
-        body = "".join(self._group(group, layout) for group in block.groups)
-        notes = "".join(f"<p class=note>{self.inline(note)}</p>" for note in block.foot_notes)
-        caption = f"<p class=caption id={name}><b>{escaped(str(label))}</b> {self.inline(block.caption)}</p>"
-        # A wide table scrolls where the screen is narrow; a short one is not split between printed pages.
+        # On a screen a wide table scrolls; on paper it goes on below, as in the other formats.
+        whole = (tuple(PlacedColumn(index, column, None, ()) for index, column in enumerate(layout.columns)),)
+        pieces = whole if self.folds else layout.pieces
+        name = f"table-{label.number.lower()}"
+        caption = f"<p class=caption id={name}><b>{escaped(str(label))}</b> {self.inline(layout.block.caption)}</p>"
+        parts = [caption + self._piece(pieces[0], layout.block.groups, name)]
+        for place, piece in enumerate(pieces[1:], 2):
+            above = f"<p class=caption id={name}-{place}>{escaped(self.word('(continued)'))}</p>"
+            parts.append(above + self._piece(piece, layout.continued, f"{name}-{place}"))
+        notes = "".join(f"<p class=note>{self.inline(note)}</p>" for note in layout.block.foot_notes)
+        size = f" style=--size:{layout.size:g}" if layout.size < 1 else ""
+        return f"<div class='table{' keep' if layout.stays_whole else ''}'{size}>{''.join(parts)}{notes}</div>"
+
+    def _piece(self, piece: Piece, groups: Sequence[TableGroup], name: str) -> str:
+        """Columns of a table, all or those of a piece, in a box that scrolls where the screen is narrow."""
+        headings = [placed.column.heading for placed in piece]
+        head = "".join(f"<th{_class(one)} scope=col>{self._heading(one)}</th>" for one in headings)
+        body = "".join(self._group(group, piece) for group in groups)
         return (
-            f"<div class='table{' keep' if layout.stays_whole else ''}'>{caption}"
             f"<div class=scroll tabindex=0 role=region aria-labelledby={name}>"
-            f"<table aria-labelledby={name}><thead><tr>{head}</tr></thead>{body}</table></div>{notes}</div>"
+            f"<table aria-labelledby={name}><thead><tr>{head}</tr></thead>{body}</table></div>"
         )
 
     def _heading(self, column: Heading) -> str:
         unit = f" <span class=unit>{escaped(column.unit)}</span>" if column.bracket else ""
         return f"{self.inline(column.text)}{unit}"
 
-    def _group(self, group: TableGroup, layout: TableLayout) -> str:
-        columns = layout.block.columns
-        title = f"<tr class=group><th colspan={len(columns)} scope=rowgroup>{self.inline(group.title)}</th></tr>"
-        return f"<tbody>{title if group.title else ''}{''.join(self._row(row, layout) for row in group.rows)}</tbody>\n"
+    def _group(self, group: TableGroup, piece: Piece) -> str:
+        title = f"<tr class=group><th colspan={len(piece)} scope=rowgroup>{self.inline(group.title)}</th></tr>"
+        return f"<tbody>{title if group.title else ''}{''.join(self._row(row, piece) for row in group.rows)}</tbody>\n"
 
-    def _row(self, row: tuple[Cell, ...], layout: TableLayout) -> str:
+    def _row(self, row: tuple[Cell, ...], piece: Piece) -> str:
         cells = "".join(
-            f"<td{_class(column)}>{self.inline.cell(cell, decimals)}</td>"
-            for cell, column, decimals in zip(row, layout.block.columns, layout.decimals, strict=True)
+            f"<td{_class(placed.column.heading)}>{self.inline.cell(row[placed.index], placed.column.decimals)}</td>"
+            for placed in piece
         )
         # A row that continues what the row above is about has no line over it.
         return f"<tr{' class=on' if row and row[0] == '' else ''}>{cells}</tr>"

@@ -27,12 +27,13 @@ from torsionnet.report.document_tree import (
     Report,
     Section,
     TableBlock,
+    TableGroup,
     Text,
     TitleTable,
 )
 from torsionnet.report.writers.blocks import CountedLabel
 from torsionnet.report.writers.inline import LONGEST_WORD, InlineWriter, signed_pieces
-from torsionnet.report.writers.table_layout import MATRIX_LETTERS, PAGE_LETTERS, Piece, TableLayout, is_matrix
+from torsionnet.report.writers.table_layout import MATRIX_LETTERS, PAGE_LETTERS, SIZES, Piece, TableLayout, is_matrix
 from torsionnet.report.writers.templating import BesideWriter
 from torsionnet.symbolic import symbol_names
 
@@ -155,22 +156,25 @@ def display_math(latex: str) -> str:
 
 # Tables in LaTeX as ``longtable``, so that long ones break over pages with their head repeated.
 
+TABLE_SIZES = (r"{\small", r"{\footnotesize\setlength{\tabcolsep}{4pt}", r"{\scriptsize\setlength{\tabcolsep}{3pt}")
+"""Beginnings of groups in LaTeX for tables, by the sizes of letters: 9, 8 and 7 points."""
+
 
 def table_latex(layout: TableLayout, continued: str = "(continued)") -> str:
     """LaTeX of a table with caption, head and notes; one that is too wide for the page goes on below."""
     block, lines = layout.block, []
     for place, piece in enumerate(layout.pieces):
         caption = rf"\caption*{{{escaped(continued)}}}" if place else rf"\caption{{{inline(block.caption)}}}"
-        lines += _piece(block, piece, caption)
+        lines += _piece(layout.continued if place else block.groups, piece, caption, layout.page_letters)
     return "\n".join([*lines, *(rf"{{\footnotesize {inline(note)}\par}}" for note in block.foot_notes)])
 
 
-def _piece(block: TableBlock, piece: Piece, caption: str) -> list[str]:
+def _piece(groups: Sequence[TableGroup], piece: Piece, caption: str, page_letters: float) -> list[str]:
     head = " & ".join(_heading(placed.lines, numeric=placed.numeric) for placed in piece)
-    lines = [*_measured(piece), rf"\begin{{longtable}}{{{_specification(piece)}}}"]
+    lines = [*_measured(piece, page_letters), rf"\begin{{longtable}}{{{_specification(piece)}}}"]
     lines += [rf"{caption}\\", r"\toprule", rf"{head} \\", r"\midrule", r"\endfirsthead"]
     lines += [r"\toprule", rf"{head} \\", r"\midrule", r"\endhead", r"\bottomrule", r"\endlastfoot"]
-    for number, group in enumerate(block.groups):
+    for number, group in enumerate(groups):
         if group.title:
             lines += [r"\addlinespace"] if number else []
             lines.append(rf"\multicolumn{{{len(piece)}}}{{@{{}}l}}{{\textbf{{{inline(group.title)}}}}} \\*")
@@ -206,7 +210,7 @@ def length_name(place: int) -> str:
     return rf"\width{'A' * (place // 26)}{letters}"
 
 
-def _measured(piece: Piece) -> list[str]:
+def _measured(piece: Piece, page_letters: float) -> list[str]:
     """LaTeX lines that measure the columns that do not break, so that one run of pdfTeX is enough.
 
     What they leave of the line is the room of the columns whose texts break: letters counted are not quite their width.
@@ -220,7 +224,7 @@ def _measured(piece: Piece) -> list[str]:
             lines.append(rf"\measured{{{length_name(place)}}}" + "".join(rf"\widen{{{text}}}" for text in texts))
             left.append(f"-{length_name(place)}")
     if broken := sum(placed.width for placed in piece if placed.width is not None):
-        most = rf"{broken / PAGE_LETTERS:.3f}\linewidth"
+        most = rf"{broken / page_letters:.3f}\linewidth"
         room = "".join(rf"\addtolength{{\textroom}}{{{length}}}" for length in left)
         lines.append(rf"\setlength{{\textroom}}{{0pt}}{room}\ifdim\textroom>{most}\setlength{{\textroom}}{{{most}}}\fi")
     return lines
@@ -338,7 +342,8 @@ class LatexWriter(BesideWriter):
         return _joined(r"{\raggedright", "\n\n".join(lines), r"\par}")
 
     def table(self, layout: TableLayout, _label: CountedLabel) -> str:
-        return _room(layout.block) + _joined(r"{\small", table_latex(layout, self.word("(continued)")), "}")
+        size = TABLE_SIZES[SIZES.index(layout.size)]
+        return _room(layout.block) + _joined(size, table_latex(layout, self.word("(continued)")), "}")
 
     def picture(self, block: Picture, _label: CountedLabel) -> str:
         caption = rf"\captionof{{figure}}{{{inline(block.caption)}}}"

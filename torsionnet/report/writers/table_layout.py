@@ -1,7 +1,8 @@
 r"""Layout of the tables of a report, decided before any format writes them: decimals, pieces, widths, breaks of pages.
 
 Widths are counted in letters of the size of tables. A table that is too wide for a page of paper first breaks its
-headings and its texts; if that is not enough it goes on below, its first column repeated.
+headings and its texts; if that is not enough it has smaller letters, and if that is not enough it goes on below, where
+the columns that tell its rows apart are repeated.
 """
 
 from __future__ import annotations
@@ -11,11 +12,25 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from torsionnet.report.document_tree import BreakableMath, Cell, Heading, Math, NumberText, TableBlock, inlines
+from torsionnet.report.document_tree import (
+    BreakableMath,
+    Cell,
+    Heading,
+    Math,
+    NumberText,
+    TableBlock,
+    TableGroup,
+    inlines,
+)
 from torsionnet.report.writers.inline import LONGEST_WORD, visible_text
 
 PAGE_LETTERS, GAP_LETTERS, FEWEST_LETTERS = 98, 2, 10
 """Width in letters of the page, of the gap between two columns, and of the narrowest column of text."""
+SIZES = (1.0, 0.9, 0.82)
+"""Sizes of the letters of tables as shares of the usual one, of which the first that fits is taken: the least is 7
+points on paper."""
+MOST_KEY_SHARE = 0.5
+"""Largest share of the page's width that columns repeated below may take."""
 MATRIX_LETTERS = 48
 """Width in letters of a matrix in a table above which the matrix is made smaller."""
 BOLD_WIDTH = 1.15
@@ -23,7 +38,7 @@ BOLD_WIDTH = 1.15
 MOST_UNBROKEN_ROWS = 6
 """Number of rows of a table, titles of groups too, up to which it is not split between two printed pages: with head and
 notes a fifth of a page, which may stay empty. Of longer ones two rows stay together at either end."""
-_BREAKS = re.compile(r"(?<=[=,/_+])|(?<=\S)[ \n\t]+")
+_BREAKS = re.compile(r"(?<=[=,/_+])|[ \n\t]+")
 
 
 def is_matrix(cell: Cell) -> bool:
@@ -107,14 +122,16 @@ class TableColumn:
 
 def _longest(cell: Cell) -> int:
     """Number of letters in the longest part of a cell that cannot be broken over lines."""
-    letters = [0]
+    letters = [0]  # of each part between two breaks; a number and the unit behind it are one
     for part in inlines(cell):
         if isinstance(part, str):
-            letters += [min(len(word), LONGEST_WORD) for word in _BREAKS.split(part)]
+            first, *others = (min(len(word), LONGEST_WORD) for word in _BREAKS.split(part))
+            letters[-1] += first
+            letters += others
         elif isinstance(part, BreakableMath):
             letters += [len(visible_text(Math(term))) + 2 for term in part.parts]
         else:
-            letters.append(len(visible_text(part)))
+            letters[-1] += len(visible_text(part))
     return max(letters)
 
 
@@ -167,6 +184,48 @@ class TableLayout:
         return tuple(column.decimals for column in self.columns)
 
     @cached_property
+    def size(self) -> float:
+        """Size of the letters as a share of the usual one: smaller where the table fits the page only so."""
+        letters = sum(column.least_letters + GAP_LETTERS for column in self.columns)
+        return next((size for size in SIZES if letters * size <= PAGE_LETTERS), SIZES[0])
+
+    @property
+    def page_letters(self) -> float:
+        """Width of the page in letters of the table's size."""
+        return PAGE_LETTERS / self.size
+
+    @cached_property
+    def keys(self) -> tuple[int, ...]:
+        """Indices of the first columns that tell the rows of each group apart, as far as half the page holds them."""
+        width, rows = 0.0, [group.rows for group in self.continued]
+        for index, column in enumerate(self.columns):
+            width += column.least_letters + GAP_LETTERS
+            if index and width > MOST_KEY_SHARE * self.page_letters:
+                return tuple(range(index))
+            names = [[tuple(map(visible_text, row[: index + 1])) for row in group] for group in rows]
+            if all(len(set(group)) == len(group) for group in names):
+                return tuple(range(index + 1))
+        return (0,)
+
+    @cached_property
+    def continued(self) -> tuple[TableGroup, ...]:
+        """Groups of the table for the pieces that go on below: first cells left blank are said again.
+
+        Blank are those of rows that go on with what the row above is about; a single row that begins so is a sum.
+        """
+        blank = sum(row[0] == "" for group in self.block.groups for row in group.rows)
+        if blank <= 1:
+            return self.block.groups
+        groups = []
+        for group in self.block.groups:
+            rows: list[tuple[Cell, ...]] = []
+            for row in group.rows:
+                named = next((index for index, cell in enumerate(row) if cell != ""), 0) if rows else 0
+                rows.append((*(rows[-1][:named] if named else ()), *row[named:]))
+            groups.append(TableGroup(tuple(rows), group.title))
+        return tuple(groups)
+
+    @cached_property
     def pieces(self) -> tuple[Piece, ...]:
         """Pieces into which the table is split on paper, one below the other.
 
@@ -175,18 +234,28 @@ class TableLayout:
         columns = self.columns
         if sum(column.natural_letters + GAP_LETTERS for column in columns) <= PAGE_LETTERS:
             return (tuple(PlacedColumn(i, column, None, (column.title,)) for i, column in enumerate(columns)),)
-        groups: list[list[int]] = [[0]]
-        for index in range(1, len(columns)):
-            letters = sum(columns[i].least_letters + GAP_LETTERS for i in (*groups[-1], index))
-            if len(groups[-1]) > 1 and letters > PAGE_LETTERS:
-                groups.append([0])
-            groups[-1].append(index)
+        groups = self._split(self.page_letters)
+        # The least width that makes no more pieces makes equal ones: no column stands alone below.
+        for letters in range(round(self.page_letters / 2), round(self.page_letters)):
+            if len(groups) > 1 and len(equal := self._split(letters)) == len(groups):
+                return tuple(map(self._fitted, equal))
         return tuple(map(self._fitted, groups))
+
+    def _split(self, letters: float) -> list[list[int]]:
+        """Indices of the columns of each piece of a table whose pieces are no wider than a number of letters."""
+        groups: list[list[int]] = [[]]
+        for index in range(len(self.columns)):
+            width = sum(self.columns[i].least_letters + GAP_LETTERS for i in (*groups[-1], index))
+            begun = len(groups[-1]) > (len(self.keys) if len(groups) > 1 else 0)
+            if begun and width > letters:
+                groups.append([*self.keys])
+            groups[-1].append(index)
+        return groups
 
     def _fitted(self, indices: Sequence[int]) -> Piece:
         """Columns of one piece; those with text share the room that is left, by how much text they have."""
         columns = [self.columns[index] for index in indices]
-        room = PAGE_LETTERS - sum(column.least_letters + GAP_LETTERS for column in columns)
+        room = self.page_letters - sum(column.least_letters + GAP_LETTERS for column in columns)
         wanted = [max(column.natural_letters - column.least_letters, 0) for column in columns]
         share = min(1.0, max(room, 0) / sum(wanted)) if any(wanted) else 0.0
         placed = []
@@ -224,7 +293,7 @@ class TableLayout:
             yield not last and (self.stays_whole or first_below_title or number in (0, len(titled) - 2))
 
 
-def piece_letters(piece: Piece) -> list[float]:
+def piece_letters(piece: Piece, page_letters: float) -> list[float]:
     """Width in letters of each column of a piece with its gap, for a format that cannot measure texts.
 
     Where letters are too many for the page, columns give way whose words can stand on more lines.
@@ -240,5 +309,5 @@ def piece_letters(piece: Piece) -> list[float]:
         unbroken = content if placed.width is None else longest_word(placed.column.cells)
         least.append(min(wanted[-1], max(unbroken, word) + GAP_LETTERS))
     spare = sum(wanted) - sum(least)
-    share = min(1.0, max(sum(wanted) - PAGE_LETTERS, 0) / spare) if spare else 0.0
+    share = min(1.0, max(sum(wanted) - page_letters, 0) / spare) if spare else 0.0
     return [most - share * (most - low) for most, low in zip(wanted, least, strict=True)]
