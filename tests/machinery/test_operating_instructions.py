@@ -25,7 +25,8 @@ def check(found, configuration="", misfiring=False):
     names = ("normal", "other", "misfire")
     return LimitCheck(
         speeds, "crank", tuple(found.values()), configuration=configuration, misfiring=misfiring,
-        configurations=names, others=tuple(name for name in names if name != configuration),
+        configurations=names, others=tuple(name for name in names if name != configuration), rated=RPM * 105,
+        propels=True,
     )  # fmt: skip
 
 
@@ -66,14 +67,15 @@ class TestMisfire:
     def test_in_normal_firing_it_fails_and_nothing_is_to_be_barred(self):
         found = stressed(hump(70, 88), m68())["tau_C"]
         assert (found.verdict, found.barred, found.highest) == ("fail", (), None)
-        assert check({"tau_C": found}).finding() == "shaft does not hold"
+        assert [span.rpm_outward for span in found.refused] == [(86, 91)]
+        assert check({"tau_C": found}).finding() == "shaft does not hold; at most 86 rpm of crank"
 
     def test_a_range_below_stays_to_be_passed(self):
         both = lambda rpm: max(hump(70, 100)(rpm), hump(90, 50)(rpm))  # noqa: E731
         found = stressed(lambda rpm: [both(one) for one in rpm], m68(), misfire=True)["tau_C"]
         assert found.restrictions == "at most 94 rpm, 45 to 55 rpm barred"
         said = check({"tau_C": found}, "misfire", misfiring=True).finding(" in misfire")
-        assert said == "with a cylinder out in misfire: at most 94 rpm of crank, 45 to 55 rpm barred"
+        assert said == "in misfire: at most 94 rpm of crank, 45 to 55 rpm barred"
 
     def test_a_speed_for_safe_navigation_above_it_fails(self):
         found = stressed(hump(70, 97, width=0.5), m68(safe_speed="104 rpm"), misfire=True)["tau_C"]
@@ -118,9 +120,11 @@ class TestInstructions:
         """One shaft may pass from 45 to 55 rpm; the other has 120 N/mm^2 at 52 rpm, above its tau_T of 112.6."""
         found = two(hump(90, 50), hump(120, 52), misfire=misfire)
         (one,) = operating_instructions([check(dict([*found.items()][::order]), misfiring=misfire)])
-        assert one.action == "not to be run or passed"
+        assert one.action == "not to be run or passed: not above 45 rpm"
+        assert one.elsewhere == "no condition examined reaches higher speeds"
         assert one.value == pytest.approx(120e6)
-        assert one.allowed < one.value
+        assert one.allowed < one.allowed_in_passing < one.value
+        assert one.rpm == pytest.approx(52)
         assert set(one.limits) == {"shaft, tau_C", "line, tau_C", "line, tau_T"}
         assert one.limited_by.startswith("line, tau_T; ")
         assert one.from_rpm <= 45
@@ -143,7 +147,7 @@ class TestInstructions:
 
     def test_where_no_range_can_be_barred_the_row_says_so(self):
         (one,) = operating_instructions([check(stressed(hump(70, 88), m68()), "normal")])
-        assert (one.action, one.limits) == ("not to be run or passed", ("shaft, tau_C",))
+        assert (one.action, one.limits) == ("not to be run or passed: not above 86 rpm", ("shaft, tau_C",))
         assert one.from_rpm < 88 < one.to_rpm
 
     def test_conditions_with_a_cylinder_out_are_apart(self):
@@ -155,7 +159,7 @@ class TestInstructions:
         whole = LimitConclusion((check(normal, "normal"), check(out, "misfire", misfiring=True)))
         assert whole.verdict == "incomplete"
         assert "limits hold with 45 to 55 rpm of crank barred in normal" in whole.sentence
-        assert whole.sentence.endswith("with a cylinder out in misfire: at most 94 rpm of crank")
+        assert whole.sentence.endswith("in misfire: at most 94 rpm of crank")
 
     def test_whole_numbers_stay(self):
         found = stressed(hump(90, 50), m68())["tau_C"]
@@ -185,7 +189,7 @@ def test_command_and_report_show_them():
     result = run("limits", "two_stroke_ship", "-c", "all")
     lines = result.stdout.splitlines()
     assert lines[-1].endswith(
-        "reduced speed: starts and stops not examined: speeds below 20 rpm of flywheel; limits hold in normal, misfire_2; with a cylinder out in misfire: at most 97 rpm of flywheel"
+        "reduced speed: starts and stops not examined: speeds below 20 rpm of flywheel; limits hold in normal, misfire_2; in misfire: at most 97 rpm of flywheel"
     )
     assert lines[0].endswith("worst of every limit")
     assert lines[5].split()[:4] == ["misfire", "tail", "tail", "tau_C"]

@@ -24,7 +24,7 @@ excitations:
   motor: {type: harmonic, node: m, orders: {4: {amplitude: 20 N*m}}}
 sensors: {phi: {angle: m}, T: {torque: shaft}, T_2: {torque: shaft, at: f}, w: {velocity: m}}
 configurations: {motor: {weak: {motor.orders: {4: {amplitude: 5 N*m}}}, rough: {}}}
-report: {measure: [phi, T], kind: approval}
+report: {measure: [phi, T], normal: rough, kind: approval}
 """
 SHEAR_MODULUS = 79.3e9
 K = SHEAR_MODULUS * np.pi * 0.04**4 / 32 / 0.5
@@ -72,7 +72,7 @@ def folder(tmp_path, monkeypatch):
 
 
 def test_expected_amplitudes_by_hand():
-    """In the condition that changes nothing against the model as written: 20 N m, not 5."""
+    """In the condition that the report calls normal: 20 N m, not 5."""
     (table,) = tables(plan(), "strain gauges")
     assert "rough" in str(table.caption)
     speeds = {row[1]: [float(row[0]), float(row[2]), *map(float, row[4:])] for row in rows(table)}

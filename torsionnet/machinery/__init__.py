@@ -31,7 +31,7 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "PassagePeak": "torsionnet.machinery.passage.passage_response",
         "PassageResponse": "torsionnet.machinery.passage.passage_response",
         "PowerBalance": "torsionnet.machinery.mean.static_state",
-        "RuleText": "torsionnet.machinery.verdicts.limit_check",
+        "RuleText": "torsionnet.machinery.verdicts.rule_factors",
         "SpeedPeak": "torsionnet.machinery.criticals.critical_speeds",
         "SpeedSpan": "torsionnet.machinery.verdicts.speed_spans",
         "StarDiagram": "torsionnet.machinery.phasors.vector_sums",

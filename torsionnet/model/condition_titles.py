@@ -14,6 +14,8 @@ NEED_A_NOUN = (
     "nominal", "none", "normal", "open", "part", "partial", "quarter", "rated", "reduced", "single", "zero",
 )  # fmt: skip
 """Names of alternatives that say little without their axis behind them, as in "full load"."""
+NORMAL = "normal"
+"""Name of an alternative that says enough where there is one axis."""
 NUMBER = re.compile(r"\d+|[IVX]+|[A-Z]")
 """Regular expression of names of alternatives that stand behind the name of their axis, as in "gear V"."""
 MOST_TITLES = 6
@@ -45,7 +47,7 @@ class ConditionTitles:
         if given or re.match(r"[A-Za-z]_", name):  # a symbol with an index stays as it is
             return given or name
         words, noun = name.replace("_", " "), axis.replace("_", " ")
-        if len(self.axes) == 1 or axis == DEFAULT_AXIS:
+        if axis == DEFAULT_AXIS or (len(self.axes) == 1 and (name == NORMAL or NUMBER.fullmatch(name))):
             return words
         if NUMBER.fullmatch(name):
             return f"{noun} {words}"

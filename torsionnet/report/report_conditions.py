@@ -11,6 +11,7 @@ from torsionnet.base.number_text import typeset_unit
 from torsionnet.base.phrases import joined, phrase
 from torsionnet.base.units import RPM
 from torsionnet.model.checks.parameter_units import parameter_units
+from torsionnet.model.condition_titles import ConditionTitles
 from torsionnet.model.definition import EXCITATIONS, LOAD, section_of
 from torsionnet.report.report_text import as_words, capital, unit
 
@@ -36,7 +37,7 @@ def alternative_words(model: Drivetrain, overlay: Overlay) -> str:
     >>> print(alternative_words(model, axes["firing"]["misfire"]))
     Engine: each cylinder in turn without ignition
     >>> print(alternative_words(model, axes["coupling"]["stiff"]))
-    Rubber coupling, dynamic 0.40 MN·m/rad (+33 %)
+    Coupling: stiffness 0.40 MN·m/rad instead of 0.30 MN·m/rad (+33 %)
     """
     point = overlay.operating_point
     changes = [
@@ -45,20 +46,49 @@ def alternative_words(model: Drivetrain, overlay: Overlay) -> str:
         *(_entry(model, key, value) for key, value in overlay.entries.items()),
         *([] if point is None else [f"operating point: {_listed(point.to_data())}"]),
     ]
-    return capital("; ".join(changes)) or capital(UNCHANGED)
+    return capital(joined("; ", changes)) if changes else capital(UNCHANGED)
 
 
 def _parameter(model: Drivetrain, name: str, value: Expression) -> str:
-    """Text with description and new value of a parameter, and by how much the value differs from the written one."""
-    written = model.parameters[name]
-    number = float(value.evaluate(model.exact_values))
-    if isinstance(value, Number):
-        text = typeset_unit(str(value))
-    else:
-        own = unit(parameter_units(model.definition)[name])
-        text = f"{number:.6g} {own}"
-    share = f" ({100 * (number / written - 1):+.0f} %)" if written and number and number != written else ""
-    return f"{model.parameter_definitions[name].description or as_words(name)} {text}{share}"
+    """Text with the new value of a parameter beside the written one, and by how much they differ.
+
+    The description of a parameter is that of the written value, so that it names the new one only where no element
+    does.
+    """
+    number, written = float(value.evaluate(model.exact_values)), float(model.parameters[name])
+    own = unit(parameter_units(model.definition)[name])
+    share = (
+        f" ({100 * (number / written - 1):+.0f} %)".replace("-", "−")
+        if written and number and number != written
+        else ""
+    )
+    before = _size(model.parameter_definitions[name].value, written, own)
+    return phrase(
+        "{what} {value} instead of {before}{share}",
+        what=_meant(model, name) or model.parameter_definitions[name].description or as_words(name),
+        value=_size(value, number, own),
+        before=before,
+        share=share,
+    )
+
+
+def _size(value: Expression, number: float, own: str) -> str:
+    """Text of a value as it is written, or of its size where an expression gives it."""
+    return typeset_unit(str(value)) if isinstance(value, Number) else f"{number:.6g} {own}"
+
+
+def _meant(model: Drivetrain, name: str) -> str:
+    """Text of the entry of the only element that has a parameter as its value; empty where there is none."""
+    users = [
+        (element, entry)
+        for element in model.definition.elements.values()
+        for entry, _ in element.specs()
+        if name in getattr(getattr(element, entry), "names", ())
+    ]
+    if len(users) != 1:
+        return ""
+    ((element, entry),) = users
+    return f"{as_words(element.name)}: {as_words(entry)}"
 
 
 def _element(model: Drivetrain, name: str) -> str:
@@ -137,10 +167,10 @@ def load_words(model: Drivetrain) -> str:
     return joined("", (phrase("Power is absorbed at {nodes}", nodes=absorbers), given))
 
 
-def unexamined(model: Drivetrain, examined: Sequence[str]) -> Iterator[str]:
-    """Yield alternatives that no examined configuration has, as ``coupling=stiff``."""
+def unexamined(model: Drivetrain, titles: ConditionTitles, examined: Sequence[str]) -> Iterator[str]:
+    """Yield titles of alternatives that no examined configuration has."""
     for axis, alternatives in model.axes.items():
         for name in alternatives:
             label = f"{axis}={name}" if len(model.axes) > 1 else name
             if all(label not in one.split(",") for one in examined):
-                yield label
+                yield titles.alternative(axis, name)

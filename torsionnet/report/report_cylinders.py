@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -52,6 +53,43 @@ OUT_NOTE = (
 )
 """Note below the mean indicated pressure over speed."""
 
+OF_COMPRESSORS = {
+    LOST_TORQUE: (
+        "Where a cylinder is unloaded, the others keep the pressures of the same speed. Left of the mean torque at "
+        "{speed:.6g} rpm: {shares}. Couplings and the reversal of tooth load are judged by the mean torque of the "
+        "condition, shares of the rated torque by that with all cylinders loaded."
+    ),
+    LOST_NOTE: (
+        "Lost: amplitude that is missing at an unloaded cylinder as in {name}; alone at one cylinder it excites all "
+        "orders, the low ones too."
+    ),
+    OUT_NOTE: (
+        "Unloaded as in {name}: that cylinder {share:g} % of the pressure, all together {whole:.3g} % of the torque."
+    ),
+    "All cylinders working": "All cylinders loaded",
+    "One cylinder out, the largest of all": "One cylinder unloaded, the largest of all",
+    "Without cylinder {numbers}": "Cylinders unloaded: {numbers}",
+    "{name}: {pressures}, all cylinders working": "{name}: {pressures}, all cylinders loaded",
+    "With a cylinder out": "With cylinders unloaded",
+    "Misfire and other states of the excitations": "Unloaded and other states of the excitations",
+    "Expected with a cylinder out{where}": "Expected with cylinders unloaded{where}",
+}
+"""Words on compressors, whose cylinders or ends are unloaded by valves, by those on engines that lose a cylinder."""
+
+
+def in_words_of(excitations: Iterable[Any], words: str) -> str:
+    """Words on cylinders that are out, as they are said of the given excitations: of compressors alone, or of engines.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> train = tn.load("reciprocating_compressor_train")
+    >>> in_words_of(train.definition.excitations.values(), "With a cylinder out")
+    'With cylinders unloaded'
+    """
+    engines = [one for one in excitations if isinstance(one, ReciprocatingEngine)]
+    return OF_COMPRESSORS[words] if engines and all(one.absorbs for one in engines) else words
+
 
 def all_working(cases: Sequence[Case]) -> Sequence[Case]:
     """Configurations without a cylinder out, all of the given ones where none is without: those of the rated power."""
@@ -71,7 +109,15 @@ def lost_torque_words(subject: ReportData) -> str:
             found.setdefault(f"{100 * kept:.3g}", []).append(case.configuration)
     every = subject.model.configurations
     shares = [f"{share} % ({subject.titles.several(names, every)})" for share, names in found.items()]
-    return phrase(LOST_TORQUE, speed=speed * RPM, shares=", ".join(shares)) if shares else ""
+    return (
+        phrase(
+            in_words_of(subject.model.definition.excitations.values(), LOST_TORQUE),
+            speed=speed * RPM,
+            shares=", ".join(shares),
+        )
+        if shares
+        else ""
+    )
 
 
 def _kept(case: Case, speed: float) -> float:
@@ -129,7 +175,7 @@ def with_lost_torque(
     lost = lost_harmonics(engine, speed)[list(places)] * 1e-3
     (group,) = block.groups
     rows = tuple((*row, NumberText(float(one))) for row, one in zip(group.rows, lost, strict=True))
-    note = phrase(LOST_NOTE, name=case.title)
+    note = phrase(in_words_of([engine], LOST_NOTE), name=case.title)
     return replace(
         block,
         columns=(*block.columns, Heading("Lost", unit("kN*m"), numeric=True)),
@@ -157,11 +203,13 @@ def with_sums_out(subject: ReportData, name: str, sums: VectorSums, block: Table
     )
     numbers = ", ".join(map(str, out))
     title = (
-        "One cylinder out, the largest of all"
+        in_words_of([engine], "One cylinder out, the largest of all")
         if engine.misfire == EACH
-        else phrase("Without cylinder {numbers}", numbers=numbers)
+        else phrase(in_words_of([engine], "Without cylinder {numbers}"), numbers=numbers)
     )
-    return replace(block, groups=(TableGroup(group.rows, "All cylinders working"), TableGroup(rows, title)))
+    return replace(
+        block, groups=(TableGroup(group.rows, in_words_of([engine], "All cylinders working")), TableGroup(rows, title))
+    )
 
 
 def pressure_notes(subject: ReportData, name: str, speed: float) -> list[str]:
@@ -176,7 +224,9 @@ def pressure_notes(subject: ReportData, name: str, speed: float) -> list[str]:
     whole = np.mean([*engine.mean_torque_shares(at).values()])
     share = alone.mean_torque_shares(at)[one][0]
     words = case.title
-    return [phrase(OUT_NOTE, name=words, share=round(100 * float(share), 1) + 0.0, whole=100 * whole)]
+    return [
+        phrase(in_words_of([engine], OUT_NOTE), name=words, share=round(100 * float(share), 1) + 0.0, whole=100 * whole)
+    ]
 
 
 SPEEDS_SHOWN = (0.25, 0.5, 0.75, 0.9, 1.0)
@@ -279,7 +329,12 @@ def _pressures(subject: ReportData, case: Case, name: str, engine: Reciprocating
         found, what = (found[chosen.index(rated)],), "mean indicated pressure, the same at all speeds"
     made = result_table("", found, IndicatedPressure, notes=pressure_notes(subject, name, rated * ratio))
     block = results_table(
-        made, phrase("{name}: {pressures}, all cylinders working", name=_name(name), pressures=phrase(what))
+        made,
+        phrase(
+            in_words_of([engine], "{name}: {pressures}, all cylinders working"),
+            name=_name(name),
+            pressures=phrase(what),
+        ),
     )
     return [with_decimals(block, {"bar": 2, "kW": 0, "r/min": 1})]
 
@@ -347,7 +402,8 @@ def state_table(subject: ReportData) -> TableBlock | None:
     rows: list[tuple[Cell, ...]] = [
         (subject.titles.several(names, subject.model.configurations) or "all", *state) for state, names in found.items()
     ]
-    return table("Misfire and other states of the excitations", columns, rows)
+    excitations = subject.model.definition.excitations.values()
+    return table(in_words_of(excitations, "Misfire and other states of the excitations"), columns, rows)
 
 
 def _states(engine: ReciprocatingEngine) -> list[tuple[str, str]]:

@@ -274,7 +274,7 @@ class ReportData:
             return None
         from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion
 
-        return LimitConclusion(tuple(case.drivetrain.check_limits() for case in self.judged_cases))
+        return LimitConclusion(tuple(case.drivetrain.check_limits() for case in self.judged_cases), self.titles)
 
     def judged_case(self, check: LimitCheck) -> Case:
         """Configuration of the report that a check of its limits is about."""

@@ -36,12 +36,14 @@ def table(
     rows: Sequence[tuple[Cell, ...]],
     notes: Sequence[Cell] = (),
     most: int | None = None,
+    *,
+    merge: bool = True,
 ) -> TableBlock:
     """Table of a report from headings and rows of cells, without groups, cut after ``most`` rows.
 
-    Equal rows are merged, empty columns left out.
+    Equal rows are merged unless ``merge`` is false, empty columns left out.
     """
-    merged = merge_equal_rows(rows)
+    merged = merge_equal_rows(rows) if merge else tuple(rows)
     kept = merged[:most] if most else merged
     used = [index for index, _ in enumerate(columns) if any(row[index] not in ("", ()) for row in kept)]
     return TableBlock(

@@ -45,7 +45,8 @@ TEXT_FIELDS: dict[type, tuple[str, ...]] = {
 """Names of fields that hold the report's own texts, by class of the report's tree; formulas, numbers and code have
 none."""
 REWORDED_COLUMNS = {
-    "Action and marking",
+    "Action",
+    "Conclusion",
     "At",
     "Comparison",
     "Explanation",
@@ -58,6 +59,7 @@ REWORDED_COLUMNS = {
     "Speeds not permitted",
     "Type",
     "Verdict",
+    "To be barred",
     "What",
     "What it is",
     "What it sets",

@@ -8,6 +8,7 @@ from typing import Any
 from torsionnet.base.errors import Fault, ModelError, unknown_name
 from torsionnet.machinery.excitations.reciprocating_engine import ReciprocatingEngine
 from torsionnet.machinery.limits.evidence import LimitSubject
+from torsionnet.machinery.limits.iacs_m68 import IacsM68
 from torsionnet.machinery.limits.limit import Limit, unit_slips
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.parameters import resolve
@@ -59,7 +60,14 @@ def limit_subject(definition: Definition, values: Mapping[str, Any]) -> LimitSub
         values=values,
         is_generating_set=is_generating_set(definition),
         cranks=frozenset(node for engine in engines for node in engine.numbers.values()),
+        propels=propels(definition),
     )
+
+
+def propels(definition: Definition) -> bool:
+    """Whether a model is one of machinery that propels a ship: it has a propeller, or propulsion shafts by UR M68."""
+    kinds = {one.kind for one in (*definition.excitations.values(), *definition.elements.values())}
+    return "propeller" in kinds or any(isinstance(one, IacsM68) for one in definition.limits.values())
 
 
 def is_generating_set(definition: Definition) -> bool:

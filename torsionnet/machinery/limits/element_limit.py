@@ -15,7 +15,7 @@ from torsionnet.base.errors import EntryPath, Fault, ModelError
 from torsionnet.machinery.limits.evidence import Evidence, LimitSubject
 from torsionnet.machinery.limits.limit import LimitLine, line_without_data, register_rule
 from torsionnet.machinery.limits.speed_band import InSpeedBand
-from torsionnet.machinery.verdicts.limit_check import RuleText
+from torsionnet.machinery.verdicts.rule_factors import RuleText
 from torsionnet.model.catalogues.catalogue_reading import cell_value
 from torsionnet.model.channels import Sensor, port_fault
 from torsionnet.model.element_base.element_entries import ElementName, PlaceOnElement

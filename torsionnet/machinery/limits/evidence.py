@@ -45,6 +45,8 @@ class LimitSubject:
         Whether a piston engine drives a generator and no propeller.
     cranks : frozenset of str
         Nodes of the throws of engines.
+    propels : bool
+        Whether the machinery propels a ship.
     """
 
     elements: Mapping[str, Element]
@@ -58,6 +60,7 @@ class LimitSubject:
     values: Mapping[str, Any]
     is_generating_set: bool = False
     cranks: frozenset[str] = frozenset()
+    propels: bool = False
 
 
 @dataclass(frozen=True, eq=False)

@@ -42,7 +42,8 @@ from torsionnet.machinery.limits.m68_factors import (
 )
 from torsionnet.machinery.limits.shaft_limit import RoundSection
 from torsionnet.machinery.limits.society_rules import SHAFT_SOCIETIES, SOCIETIES, Society, SocietyName
-from torsionnet.machinery.verdicts.limit_check import FAIL, LimitVerdict, RuleText
+from torsionnet.machinery.verdicts.limit_check import FAIL, LimitVerdict
+from torsionnet.machinery.verdicts.rule_factors import RuleText
 from torsionnet.machinery.verdicts.speed_spans import SpeedSpan, restriction_words
 
 
@@ -247,7 +248,8 @@ class IacsM68(ClassRuleShaft):
         lost = [span for span in barred if self.safe_speed is not None and span.holds(self.safe_speed)]
         if evidence.subject.misfiring and lost:
             remarks.insert(0, f"safe_speed lies in a range to be barred: {lost[0]}")
-            return self._verdict(line, name, evidence, FAIL, barred, tuple(remarks))
+            passed = tuple(span for span in barred if span not in lost)
+            return self._verdict(line, name, evidence, FAIL, passed, tuple(remarks))
         found = super().with_barred(line, name, evidence, barred, kept, remarks)
         if self.safe_speed is None or found.highest is None or self.safe_speed <= found.highest:
             return found

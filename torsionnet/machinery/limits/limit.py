@@ -24,10 +24,15 @@ from torsionnet.machinery.verdicts.limit_check import (
     PASS,
     REDUCED,
     LimitVerdict,
-    RuleText,
+)
+from torsionnet.machinery.verdicts.rule_factors import RuleText
+from torsionnet.machinery.verdicts.speed_spans import (
+    SpeedSpan,
+    joined_spans,
+    range_end_remarks,
+    spans_above,
     utilisation_of,
 )
-from torsionnet.machinery.verdicts.speed_spans import SpeedSpan, joined_spans, range_end_remarks, spans_above
 from torsionnet.model.channels import Sensor
 from torsionnet.model.elements import Element
 
@@ -219,7 +224,9 @@ class Limit(Declared):
         kept = [evidence.subject.rated, float(evidence.speeds[-1])]
         lost = [span for span, barred in zip(above, wide, strict=True) if barred.marks_any(kept)]
         if lost and not evidence.subject.misfiring:
-            return self._verdict(line, name, evidence, FAIL, (), (f"exceeded from {lost[0]}: no range to be barred",))
+            others = joined_spans([span for span in wide if not span.holds_any(kept)])
+            text = f"exceeded from {lost[0]}: no range to be barred"
+            return self._verdict(line, name, evidence, FAIL, others, (text,))
         barred = joined_spans(wide)
         ends = [remark for span in barred for remark in range_end_remarks(span, evidence.examined, *NOT_EXAMINED)]
         return self._restricted(line, name, evidence, barred, kept, tuple(ends))

@@ -13,7 +13,7 @@ from torsionnet.machinery.limits.element_limit import constant_over_speed
 from torsionnet.machinery.limits.evidence import Evidence, LimitSubject
 from torsionnet.machinery.limits.limit import LimitLine, register_rule
 from torsionnet.machinery.limits.speed_band import InSpeedBand
-from torsionnet.machinery.verdicts.limit_check import RuleText
+from torsionnet.machinery.verdicts.rule_factors import RuleText
 from torsionnet.model.channels import Sensor
 from torsionnet.model.element_base.element_entries import NodeName
 

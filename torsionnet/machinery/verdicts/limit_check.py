@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Annotated, ClassVar
 
 import numpy as np
@@ -20,15 +20,18 @@ from torsionnet.base.table import Table, result_table
 from torsionnet.base.units import RPM
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.orders.order_amplitudes import OrderAmplitudes, SummedOrder
-from torsionnet.machinery.verdicts.rule_factors import RuleFactor
+from torsionnet.machinery.verdicts.rule_factors import RuleText
 from torsionnet.machinery.verdicts.speed_spans import (
+    WHOLE_RPM_RELATIVE,
     SpeedSpan,
+    in_condition,
     joined_spans,
     restriction_words,
     rpm_spans,
-    span_words,
+    spans_above,
     spans_below,
-    whole_rpm,
+    starts_sentence,
+    utilisation_of,
 )
 
 PASS, BARRED, REDUCED, INCOMPLETE, OPEN, FAIL = (
@@ -73,17 +76,6 @@ def unexamined_sentence(missing: Sequence[str], known: Sequence[str], examined: 
     names = f"all but {listed_names(rest)}" if len(kept) < len(missing) else listed_names(missing)
     text = "{count} of {all} configurations not examined: {names}"
     return [phrase(text, count=len(missing), all=len(known), names=names)]
-
-
-def starts_sentence(rpm: float, shaft: str) -> str:
-    """Sentence on the speeds below the lowest one examined, in rpm, which every start and stop passes.
-
-    Examples
-    --------
-    >>> starts_sentence(675, "flywheel")
-    'starts and stops not examined: speeds below 675 rpm of flywheel'
-    """
-    return phrase("starts and stops not examined: speeds below {speed:g} rpm of {shaft}", speed=rpm, shaft=shaft)
 
 
 def by_range(checks: Sequence[LimitCheck]) -> dict[tuple[float, float], list[LimitCheck]]:
@@ -137,28 +129,9 @@ def listed_names(names: Sequence[str]) -> str:
     return comma_list(names, MOST_NAMES)
 
 
-def utilisation_of(values: FloatArray, allowed: FloatArray) -> FloatArray:
-    """Utilisation of a limit, the ratio of value to allowed value, without unit, in the shape of both.
-
-    NaN where no value is allowed.
-    """
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray(np.where(np.isfinite(allowed), values / allowed, np.nan))
-
-
 ALL_HOLD = "all limits hold{where} at the speeds examined, {low:g} to {high:g} rpm of {shaft}"
 ALL_EXAMINED_HOLD = "the limits examined hold{where} at the speeds examined, {low:g} to {high:g} rpm of {shaft}"
 """Findings where no limit restricts the speeds: of all limits, and where some were left out."""
-
-
-@dataclass(frozen=True)
-class RuleText:
-    """Text on the rule of a limit, with its source, its formula, what it does not cover, and its factors."""
-
-    source: str
-    formula: str
-    not_covered: str
-    factors: tuple[RuleFactor, ...] = ()
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -241,6 +214,16 @@ class LimitVerdict:
     def passed(self) -> tuple[SpeedSpan, ...]:
         """Speed ranges (rad/s) barred by a limit below the highest speed permitted, to be passed without stopping."""
         return spans_below(self.barred, self.highest)
+
+    @cached_property
+    def refused(self) -> tuple[SpeedSpan, ...]:
+        """Speed ranges (rad/s) that a limit permits neither to run nor to pass: those exceeded that it does not bar."""
+        if self.verdict != FAIL or not len(self.values):
+            return ()
+        ends = SpeedSpan(float(self.speeds[0]), float(self.speeds[-1]))
+        above = spans_above(self.speeds, self.values, self.allowed)
+        open_ones = [span for span in above if not any(one.low <= span.low <= one.high for one in self.barred)]
+        return joined_spans([span.widened(self.tolerance).within(ends) for span in open_ones])
 
     @property
     def restrictions(self) -> Annotated[str | None, Out("to be barred", json=None)]:
@@ -447,6 +430,10 @@ class LimitCheck(NotebookResult):
         Orders as a test measures them: the sums of those in ``lines`` that have one frequency.
     cases : tuple of str
         Names of the cases of excitation, such as misfires, by their index in ``LimitVerdict.amplitudes``.
+    rated : float, optional
+        Rated speed of the reference shaft in rad/s.
+    propels : bool
+        Whether the machinery propels a ship, so that its crew sees the speeds on a tachometer.
     """
 
     picture: ClassVar[str] = "limit_check"
@@ -465,6 +452,8 @@ class LimitCheck(NotebookResult):
     run_up: Annotated[RunUpCheck | None, Out(optional=True)] = None
     summed: tuple[SummedOrder, ...] = ()
     cases: tuple[str, ...] = ()
+    rated: float | None = None
+    propels: bool = False
 
     @property
     def rpm(self) -> Annotated[FloatArray, Out(json="speeds_rpm")]:
@@ -497,10 +486,29 @@ class LimitCheck(NotebookResult):
         """Pairs of lowest and highest speed in rpm of the ranges to be barred in one configuration."""
         return rpm_spans(self.barred)
 
-    @property
+    @cached_property
     def highest(self) -> float | None:
-        """Highest speed in rad/s that all limits permit where a cylinder is out; None where any speed may be run."""
-        return min((one.highest for one in self.verdicts if one.highest is not None), default=None)
+        """Highest speed in rad/s below all ranges that may not be passed; None where every speed is reached.
+
+        It is the low end of the first range that a limit refuses, joined with the barred ranges that overlap it. Where
+        that is the lowest speed examined, no speed is permitted.
+        """
+        top = float(self.speeds[-1])
+        refused = [span for one in self.verdicts for span in one.refused]
+        refused += [SpeedSpan(one.highest, top) for one in self.verdicts if one.highest is not None]
+        ranges = joined_spans([*refused, *self.barred])
+        return min((one.low for one in ranges if any(one.holds(span.low) for span in refused)), default=None)
+
+    def permits(self, speed: float) -> bool:
+        """Whether a speed in rad/s is reached and may be kept in this configuration."""
+        return (self.highest is None or speed < self.highest) and not any(span.holds(speed) for span in self.barred)
+
+    @property
+    def restriction(self) -> str:
+        """Text of the speeds in rpm that the limits do not permit in one configuration, empty where all are."""
+        if self.highest is not None and self.highest <= self.speeds[0] * (1 + WHOLE_RPM_RELATIVE):
+            return phrase("no speed of {shaft} is permitted", shaft=self.reference)
+        return restriction_words(self.passed, self.highest, phrase(" of {shaft}", shaft=self.reference))
 
     @property
     def passed(self) -> tuple[SpeedSpan, ...]:
@@ -525,21 +533,11 @@ class LimitCheck(NotebookResult):
         unjudged = list(dict.fromkeys(one.limit for one in self._concerned if one.verdict == OPEN))
         template = "{limit} do not hold{where}" if len(failed) > 1 else "{limit} does not hold{where}"
         parts = [phrase(template, limit=", ".join(failed), where=where)] if failed else []
-        shaft, barred = f" of {self.reference}", span_words(self.barred)
-        if self.highest is not None and not self.passed:
-            template = "with a cylinder out{where}: at most {speed} rpm of {shaft}"
-            speed = whole_rpm(self.highest, math.floor)
-            parts.append(phrase(template, where=where, speed=speed, shaft=self.reference))
-        elif self.highest is not None:
-            restriction = restriction_words(self.passed, self.highest, shaft)
-            parts.append(phrase("with a cylinder out{where}: {restriction}", where=where, restriction=restriction))
-        elif self.barred and not failed:
-            template = "limits hold{where} with {speeds} of {shaft} barred"
-            if not where:  # as the conclusion from several checks says it
-                template = "limits hold with {speeds} of {shaft} barred{where}"
-            parts.append(phrase(template, speeds=barred, shaft=self.reference, where=where))
+        if self.highest is not None:
+            parts.append(in_condition(self.restriction, "" if failed else where.removeprefix(" in ")))
         elif self.barred:
-            parts.append(phrase("to be barred: {speeds}{shaft}", speeds=barred, shaft=shaft))
+            template = "to be barred: {speeds}" if failed else "limits hold with {speeds} barred{where}"
+            parts.append(phrase(template, speeds=self.restriction, where=where))
         parts += (
             [phrase("{limit} not judged{where}", limit=", ".join(unjudged), where="" if parts else where)]
             if unjudged

@@ -18,6 +18,7 @@ from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.table_range import range_notes
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.checks.limit_checks import limit_subject
+from torsionnet.machinery.excitations.engine_entries import EngineEntries
 from torsionnet.machinery.excitations.reciprocating_engine import running_engines_text
 from torsionnet.machinery.excitations.speed_range import StartingRange
 from torsionnet.machinery.limits import Limit, limit_rules
@@ -52,8 +53,8 @@ NO_CYCLE = "the shafts have no short common cycle: half ranges of the shafts are
 RUN_IN_SHARE = 0.25
 """Share of the width of the speeds at which a limit is exceeded by which their passage begins before and ends behind
 them, where vibration is small and steady."""
-MISFIRING = "a cylinder misfires in this condition"
-"""Text of the note of a limit check in a condition with a misfiring cylinder."""
+MISFIRING, UNLOADED = "a cylinder misfires in this condition", "a cylinder is unloaded in this condition"
+"""Texts of the note of a limit check in a condition in which an engine, or a compressor alone, has a cylinder out."""
 
 
 def check_limits(
@@ -128,7 +129,8 @@ def _check(
         for verdict in limit.verdicts(name, evidence, lines)
     )
     run_up = _run_up(examination, evidence) if starts else None
-    notes = [NO_CYCLE] * (run.revolutions is None) + [MISFIRING] * subject.misfiring + [*run.engine_notes]
+    notes = [NO_CYCLE] * (run.revolutions is None)
+    notes += [_cylinder_note(drivetrain.definition)] * subject.misfiring + [*run.engine_notes]
     notes += lost_power_notes(drivetrain, float(run.speeds[-1])) if evidence.means else ()
     notes += [running] if (running := running_engines_text(drivetrain.definition.excitations)) else []
     notes += (*running_notes(drivetrain.definition), *range_notes(drivetrain.assembly, np.abs(run.frequencies)))
@@ -136,7 +138,7 @@ def _check(
         run.speeds, run.reference, verdicts, tuple(map(str, run.lines)), drivetrain.title, drivetrain.configuration,
         subject.misfiring, tuple(notes), drivetrain.configurations, drivetrain.other_configurations,
         _left_out(drivetrain.definition, chosen, excitations), run_up, summed_orders(run),
-        run.labels if isinstance(run, WorstResponse) else (),
+        run.labels if isinstance(run, WorstResponse) else (), subject.rated, subject.propels,
     )  # fmt: skip
 
 
@@ -201,6 +203,11 @@ def at_load(drivetrain: AssembledModel, share: float) -> tuple[AssembledModel, A
     engines = {name: one.at_load(share) for name, one in definition.excitations.items()}
     acting = replace(loaded, excitations=engines)
     return drivetrain.with_definition(acting), drivetrain.with_definition(loaded)
+
+
+def _cylinder_note(definition: Definition) -> str:
+    out = [one for one in definition.excitations.values() if isinstance(one, EngineEntries) and one.has_lost_cylinder]
+    return UNLOADED if all(one.absorbs for one in out) else MISFIRING
 
 
 def _left_out(definition: Definition, limits: Iterable[str], excitations: Iterable[str] | None) -> tuple[str, ...]:

@@ -32,13 +32,11 @@ from torsionnet.machinery.verdicts.limit_check import (
 )
 from torsionnet.machinery.verdicts.measured_range import MeasuredRange
 from torsionnet.machinery.verdicts.operating_instructions import Instruction, operating_instructions
-from torsionnet.machinery.verdicts.speed_spans import (
-    SpeedSpan,
-    joined_spans,
-    rpm_spans,
-    span_words,
-    whole_rpm,
-)
+from torsionnet.machinery.verdicts.speed_spans import SpeedSpan, in_condition, joined_spans, rpm_spans
+from torsionnet.model.condition_titles import ConditionTitles
+
+MOST_RESTRICTIONS = 6
+"""Largest number of findings on restricted speeds; further ones are in the operating instructions."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,6 +66,8 @@ class LimitConclusion:
     ----------
     checks : tuple of LimitCheck
         Checks of one model, one for each configuration that was examined.
+    titles : ConditionTitles, optional
+        Titles of the configurations in sentences; default: their names.
 
     Examples
     --------
@@ -81,6 +81,7 @@ class LimitConclusion:
     SHOWN: ClassVar = ("verdict", "sentence", "not_examined", "left_out", "barred_rpm", "instructions")
 
     checks: tuple[LimitCheck, ...]
+    titles: ConditionTitles | None = None
 
     def __post_init__(self) -> None:
         if not self.checks:
@@ -160,11 +161,17 @@ class LimitConclusion:
 
     @property
     def findings(self) -> tuple[str, ...]:
-        """Texts that conclude from all checks of limits, one for what was not examined and one for each finding."""
-        if len(self.checks) == 1:
+        """Texts that conclude from all checks of limits, one for what was not examined and one for each finding.
+
+        What restricts the speeds is said of each condition by itself, as far as conditions do not have the same.
+        """
+        if len(self.checks) == 1 and self.titles is None:
             return self.checks[0].findings
-        examined = [one.configuration for one in self.checks]
-        missing = unexamined_sentence(self.not_examined, self.configurations, examined)
+        examined = [self._titled(one.configuration) for one in self.checks]
+        missing = unexamined_sentence(
+            [self._titled(name) for name in self.not_examined], [self._titled(name) for name in self.configurations],
+            examined,
+        )  # fmt: skip
         return (*missing, *self.left_out, *starts_findings(self.checks, self._where), *self._found())
 
     @property
@@ -209,41 +216,40 @@ class LimitConclusion:
         return {name: self._where(list(dict.fromkeys(names))) for name, names in found.items()}
 
     def _restrictions(self) -> list[str]:
-        """Texts on the barred speeds, and on the highest speed permitted where a cylinder is out, in rpm."""
-        barred = [one for one in self.checks if one.passed]
-        reduced = [one for one in self.checks if one.highest is not None]
-        failed = any(one.verdict == FAIL for _, one in self._verdicts())
+        """Texts on the speeds in rpm that are not permitted, for each condition, or several that have the same."""
+        alike: dict[tuple[str, bool], list[str]] = {}
+        for check in self.checks:
+            holds = check.highest is None and check.verdict != FAIL
+            if check.restriction:
+                alike.setdefault((check.restriction, holds), []).append(check.configuration)
         parts: list[str] = []
-        if barred:
-            spans = span_words(joined_spans([span for one in barred for span in one.passed]))
-            where = self._where([one.configuration for one in barred])
-            template = "limits hold with {speeds} of {shaft} barred{where}"
-            if failed:
-                template = "beside that, {speeds} of {shaft} barred{where}"
-            parts.append(phrase(template, speeds=spans, shaft=self._shaft, where=where))
-        if reduced:
-            calm = [one.configuration for one in self.checks if one.verdict == PASS]
-            parts += (
-                [phrase("limits hold{where}", where=self._where(calm))] if calm and not barred and not failed else []
-            )
-            highest = min(one.highest for one in reduced if one.highest is not None)
-            where = self._where([one.configuration for one in reduced])
-            text = phrase(
-                "with a cylinder out{where}: at most {speed} rpm of {shaft}",
-                where=where,
-                speed=whole_rpm(highest, math.floor),
-                shaft=self._shaft,
-            )
-            parts.append(phrase("beside that, {restriction}", restriction=text) if failed and not barred else text)
+        for (restriction, holds), names in [*alike.items()][:MOST_RESTRICTIONS]:
+            if holds:
+                template = "limits hold with {speeds} barred{where}"
+                parts.append(phrase(template, speeds=restriction, where=self._where(names)))
+            else:
+                parts.append(in_condition(restriction, self._named(names)))
+        rest = sum(map(len, [*alike.values()][MOST_RESTRICTIONS:]))
+        if rest:
+            parts.append(phrase("{count} further conditions are restricted by the operating instructions", count=rest))
+        calm = [one.configuration for one in self.checks if one.verdict == PASS]
+        if calm and parts and not any(holds for _, holds in alike):
+            return [phrase("limits hold{where}", where=self._where(calm)), *parts]
         return parts
 
+    def _titled(self, configuration: str) -> str:
+        return self.titles.of(configuration) if self.titles else configuration
+
     def _where(self, names: Sequence[str]) -> str:
+        named = self._named(names)
+        return phrase(" in {names}", names=named) if named else ""
+
+    def _named(self, names: Sequence[str]) -> str:
+        """Text that names configurations; empty for the model as written."""
         named = [name for name in names if name]
-        if not named:
-            return ""
         if len(self.configurations) > 1 and len(named) == len(self.configurations):
-            return phrase(" in all {count} configurations", count=len(named))
-        return phrase(" in {names}", names=listed_names(named))
+            return phrase("all {count} configurations", count=len(named))
+        return self.titles.several(named, self.configurations) if self.titles and named else listed_names(named)
 
 
 def _use(one: LimitVerdict) -> float:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated
 
 import numpy as np
 
 from torsionnet.base.conventions import SI, Conventions
-from torsionnet.base.phrases import extended, phrase
+from torsionnet.base.phrases import joined, phrase
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Table, result_table
 from torsionnet.machinery.verdicts.limit_check import (
@@ -21,7 +21,7 @@ from torsionnet.machinery.verdicts.limit_check import (
     listed_names,
     starts_words,
 )
-from torsionnet.machinery.verdicts.speed_spans import SpeedSpan, joined_spans, spans_above, spans_below
+from torsionnet.machinery.verdicts.speed_spans import SpeedSpan, joined_spans, span_words
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,10 +42,14 @@ class Instruction:
         Limit that decides: of those with the least permitted passage one for passing, else the most used one.
     limits : tuple of str
         Names and criteria of all limits that restrict speeds of the range, the decisive one first.
+    rpm : float
+        Speed at which the decisive limit has its largest value in the range.
     value, allowed, allowed_in_passing : float
-        The largest value of the decisive limit there, and what it may be in continuous operation and in passing at that
-        speed, SI; NaN where no rule says it.
+        That value, and what it may be in continuous operation and in passing at that speed, SI; NaN where no rule says
+        it.
     unit, action, marking : str
+    elsewhere : str
+        Conditions in which a range may be passed that may not be passed in this one; empty where that is not asked.
     """
 
     conditions: tuple[str, ...]
@@ -57,12 +61,14 @@ class Instruction:
     limit: str
     criterion: str
     limits: tuple[str, ...]
+    rpm: Annotated[float, Out("at", "rpm", digits=4)]
     value: Annotated[float, Out("value", digits=4)]
     allowed: Annotated[float, Out("allowed", digits=4)]
     allowed_in_passing: Annotated[float, Out("in passing", digits=4)]
     unit: Annotated[str, Out("unit")]
     action: str
     marking: str
+    elsewhere: str = ""
 
     @property
     def tachometer(self) -> Annotated[str, Out("tachometer", json=None, after="condition")]:
@@ -76,17 +82,22 @@ class Instruction:
 
     @property
     def instruction(self) -> Annotated[str, Out("action and marking", json=None, after="unit")]:
-        """Text of what the crew has to do in a speed range, and of how the range is marked."""
-        return extended(self.action, f"; {self.marking}")
+        """Text of what the crew has to do in a speed range, where else it may be passed, and how it is marked."""
+        return joined("; ", filter(None, (self.action, self.elsewhere, self.marking)))
 
 
 UNRESTRICTED = "No restrictions from {low:g} to {high:g} rpm of {shaft}{where}; {starts}."
 UNRESTRICTED_ELSEWHERE = "No other restrictions from {low:g} to {high:g} rpm of {shaft}{where}; {starts}."
 """Notes on the speeds that no instruction restricts."""
-NOTICE = "notice at each control station"
-"""Marking of every range for the crew."""
+FAILS = "Not to be run as it is: {limits} not kept; {starts}."
+FAILS_ELSEWHERE = "Not kept in single conditions: {limits}; there only the remaining speeds may be run; {starts}."
+"""Notes on limits that do not hold, in the first condition or in others."""
+RED, NOTICE = "tachometer red, notice at each control station", "notice at each control station"
+"""Markings for the crew of a ship, of a range and of a highest speed."""
 PASS_QUICKLY, PASS_WITHIN, NOT_AT_ALL = range(3)
 """Ranks of what limits permit in a speed range, rising with gravity: passing without stopping, in a time, none."""
+MOST_WAYS = 2
+"""Largest number of conditions that are named in which a range may be passed instead."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,14 +130,14 @@ class _Place:
 
 @dataclass(frozen=True, eq=False)
 class PassedRange:
-    """Speed range (rad/s) that the crew passes without stopping in one condition, with the verdicts that bar it.
+    """Speed range (rad/s) that is restricted in one condition, with the verdicts of all limits that restrict it.
 
     Attributes
     ----------
     span : SpeedSpan
         rad/s, not rounded.
     places : tuple
-        Limits that bar speeds of the range.
+        Limits that restrict speeds of the range.
     """
 
     span: SpeedSpan
@@ -136,6 +147,11 @@ class PassedRange:
     def check(self) -> LimitCheck:
         """Check of limits in the condition in which the range is barred."""
         return self.places[0].check
+
+    @property
+    def passage(self) -> int:
+        """Least passage that any limit permits in the range, such as ``PASS_QUICKLY``."""
+        return max(place.passage for place in self.places)
 
     @property
     def verdicts(self) -> tuple[LimitVerdict, ...]:
@@ -155,97 +171,152 @@ class PassedRange:
 
 
 def passed_ranges(checks: Sequence[LimitCheck]) -> tuple[PassedRange, ...]:
-    """Speed ranges (rad/s) to be passed without stopping in each condition, joined where those of limits overlap."""
-    return tuple(found for check in checks for found in _joined(list(_passed(check))))
+    """Speed ranges (rad/s) to be passed without stopping in each condition, joined where those of limits overlap.
+
+    Ranges that one limit lets pass and another does not are not among them.
+    """
+    return tuple(found for check in checks for found in restricted_ranges(check) if found.passage != NOT_AT_ALL)
 
 
-def operating_instructions(checks: Sequence[LimitCheck]) -> tuple[Instruction, ...]:
+def refused_ranges(checks: Sequence[LimitCheck]) -> tuple[PassedRange, ...]:
+    """Speed ranges (rad/s) that must not be passed to higher speeds in each condition, the lowest of each condition."""
+    refused = (found for check in checks for found in restricted_ranges(check) if found.passage == NOT_AT_ALL)
+    return tuple(found for found in refused if found.span.high < found.check.speeds[-1])
+
+
+def restricted_ranges(check: LimitCheck) -> tuple[PassedRange, ...]:
+    """Speed ranges (rad/s) restricted in one condition in rising order, up to the first that must not be passed.
+
+    They are the union of the ranges of all limits: what one of them refuses is refused.
+    """
+    ranges = [
+        PassedRange(span, tuple(place for place in _places(check) if span.holds(place.span.low)))
+        for span in joined_spans([place.span for place in _places(check)])
+    ]
+    return tuple(found for found in ranges if check.highest is None or found.span.low <= check.highest)
+
+
+def operating_instructions(
+    checks: Sequence[LimitCheck], title: Callable[[str], str] | None = None
+) -> tuple[Instruction, ...]:
     """Instructions to the crew from checks of limits of one model, with rows of their own for every condition.
 
     Ranges of several limits that overlap in a condition are one, and the limit with the least permitted passage decides
-    on it: a range that one shaft may pass is not passed where another one may not. Conditions with a cylinder out come
-    last. Speeds to be barred are rounded outward to 1 rpm, the highest speed permitted is rounded down.
+    on it: a range that one shaft may pass is not passed where another one may not. What lies above such a range is not
+    reached in that condition and has no rows. Conditions with a cylinder out come last. Speeds to be barred are rounded
+    outward to 1 rpm, the highest speed permitted is rounded down. ``title`` gives the title of a configuration by its
+    name; default: the name.
     """
     ordered = sorted(checks, key=lambda check: check.misfiring)
-    return tuple(_instruction(found) for check in ordered for found in _joined([*_passed(check), *_refused(check)]))
+    return tuple(instruction(found, title or str, checks) for check in ordered for found in restricted_ranges(check))
 
 
 def instruction_table(checks: Sequence[LimitCheck], conventions: Conventions = SI, title: str = "") -> Table:
     """Table of operating instructions from checks of limits of one model, with a note on any other restriction."""
     rows = operating_instructions(checks)
+    shown = [_in_units(one, conventions) for one in rows]
+    return result_table(title or "operating instructions", shown, Instruction, notes=last_notes(checks))
+
+
+def last_notes(checks: Sequence[LimitCheck], title: Callable[[str], str] = str) -> list[str]:
+    """Sentences on the speeds that no instruction restricts, or one on the limits that do not hold.
+
+    The first check is that of the normal condition. There is one for all conditions examined at the same speeds.
+    """
     failed = dict.fromkeys(one.limit for check in checks for one in check.verdicts if one.verdict == FAIL)
     failed |= dict.fromkeys(name for check in checks if check.run_up for name in check.run_up.names(FAIL))
-    shown = [_in_units(one, conventions) for one in rows]
     starts = starts_words(checks)
     if failed:
-        template = "Not to be run as it is: {limits} not kept; {starts}."
-        notes = [phrase(template, limits=listed_names(list(failed)), starts=starts)]
-    else:
-        notes = list(_unrestricted(checks, UNRESTRICTED_ELSEWHERE if rows else UNRESTRICTED, starts))
-    return result_table(title or "operating instructions", shown, Instruction, notes=notes)
-
-
-def _unrestricted(checks: Sequence[LimitCheck], template: str, starts: str) -> Iterator[str]:
-    """Sentences on the speeds that nothing restricts, one for all conditions that were examined at the same speeds."""
-    ranges = by_range(checks)
+        template = FAILS if checks[0].verdict == FAIL else FAILS_ELSEWHERE
+        return [phrase(template, limits=listed_names(list(failed)), starts=starts)]
+    template = UNRESTRICTED_ELSEWHERE if any(map(restricted_ranges, checks)) else UNRESTRICTED
+    notes, ranges = [], by_range(checks)
     for (low, high), alike in ranges.items():
-        names = listed_names([check.configuration for check in alike])
+        names = listed_names([title(check.configuration) for check in alike])
         where = phrase(" in {names}", names=names) if len(ranges) > 1 else ""
-        yield phrase(template, low=low, high=high, shaft=checks[0].reference, where=where, starts=starts)
+        notes.append(phrase(template, low=low, high=high, shaft=checks[0].reference, where=where, starts=starts))
+    return notes
 
 
-def _passed(check: LimitCheck) -> Iterator[_Place]:
-    """Yield the ranges that limits bar below the highest speed that all of them permit."""
+def _places(check: LimitCheck) -> Iterator[_Place]:
+    """Yield the ranges that limits bar, those that they refuse, and the ones above the highest speed they permit."""
     for one in check.verdicts:
-        for span in spans_below(one.barred, check.highest):
+        for span in one.barred:
             yield _Place(check, one, span, PASS_QUICKLY if one.seconds_to_pass is None else PASS_WITHIN)
-
-
-def _refused(check: LimitCheck) -> Iterator[_Place]:
-    """Yield the ranges that may not even be passed, and the one above the highest speed permitted."""
-    for one in check.verdicts:
+        for span in one.refused:
+            yield _Place(check, one, span, NOT_AT_ALL)
         if one.highest is not None:
             yield _Place(check, one, SpeedSpan(one.highest, float(check.speeds[-1])), NOT_AT_ALL)
-        elif one.verdict == FAIL:
-            # A limit that no range can be barred for permits no passage either: it does not hold.
-            above = [span.widened(one.tolerance) for span in spans_above(check.speeds, one.values, one.allowed)]
-            ends = SpeedSpan(float(check.speeds[0]), float(check.speeds[-1]))
-            for span in spans_below(above, check.highest):
-                yield _Place(check, one, span.within(ends), NOT_AT_ALL)
 
 
-def _joined(places: Sequence[_Place]) -> Iterator[PassedRange]:
-    for span in joined_spans([place.span for place in places]):
-        yield PassedRange(span, tuple(place for place in places if span.low <= place.span.low <= span.high))
-
-
-def _instruction(found: PassedRange) -> Instruction:
+def instruction(
+    found: PassedRange, title: Callable[[str], str] = str, checks: Sequence[LimitCheck] = ()
+) -> Instruction:
+    """Instruction to the crew on a restricted range; ``checks`` are those of the conditions where it may be passed."""
     places = sorted(found.places, key=lambda place: (-place.passage, not place.verdict.in_passing, -place.utilisation))
     decisive, check = places[0], found.check
     one, at = decisive.verdict, decisive.at
-    low, high, action, marking = _action(found, decisive.passage)
+    low, high, action, marking = _action(found)
     same = [other for other in check.verdicts if (other.limit, other.quantity) == (one.limit, one.quantity)]
-    passing = [float(other.allowed[at]) for other in same if other.in_passing]
+    steady, passing = ([float(two.allowed[at]) for two in same if two.in_passing is way] for way in (False, True))
     return Instruction(
-        (check.configuration,), check.configuration or "as written", check.reference,
+        (check.configuration,), title(check.configuration) or "as written", check.reference,
         max(place.verdict.tolerance for place in places), low, high, one.limit, one.criterion,
-        tuple(dict.fromkeys(place.named for place in places)), float(one.values[at]), float(one.allowed[at]),
-        min(passing, default=math.nan), one.unit, action, marking,
+        tuple(dict.fromkeys(place.named for place in places)), float(check.rpm[at]), float(one.values[at]),
+        min(steady, default=math.nan), min(passing, default=math.nan), one.unit, action, marking,
+        _elsewhere(found, checks, title),
     )  # fmt: skip
 
 
-def _action(found: PassedRange, passage: int) -> tuple[int, int | None, str, str]:
+def _action(found: PassedRange) -> tuple[int, int | None, str, str]:
     """Ends of a range in whole rpm, what the crew does about it, and how it is marked."""
-    low, high = found.span.rpm_outward
-    reduced = any(place.verdict.highest is not None and place.passage == NOT_AT_ALL for place in found.places)
-    if reduced and found.span.low > found.check.speeds[0]:
-        return low, None, phrase("not above {speed} rpm, reduce power", speed=low), NOTICE
-    action = {
-        PASS_QUICKLY: "pass without stopping",
-        PASS_WITHIN: phrase("pass without stopping within {time:g} s", time=found.seconds_to_pass or 0.0),
-        NOT_AT_ALL: "not to be run or passed",
-    }[passage]
-    return low, high, action, "tachometer red, notice at each control station"
+    (low, high), check = found.span.rpm_outward, found.check
+    marked = phrase(RED) if check.propels else ""
+    if found.passage == PASS_QUICKLY:
+        return low, high, phrase("pass without stopping"), marked
+    if found.passage == PASS_WITHIN:
+        return low, high, phrase("pass without stopping within {time:g} s", time=found.seconds_to_pass or 0.0), marked
+    if found.span.low <= check.speeds[0]:
+        return low, high, phrase("not to be run or passed: no speed is permitted"), marked
+    if found.span.high < check.speeds[-1]:
+        return low, high, phrase("not to be run or passed: not above {speed} rpm", speed=low), marked
+    if check.propels:
+        return low, None, phrase("not above {speed} rpm, reduce power", speed=low), phrase(NOTICE)
+    if check.rated is not None and check.rated >= found.span.low:
+        return low, None, phrase("not above {speed} rpm; rated speed is not permitted", speed=low), ""
+    return low, None, phrase("not above {speed} rpm", speed=low), ""
+
+
+def _elsewhere(found: PassedRange, checks: Sequence[LimitCheck], title: Callable[[str], str]) -> str:
+    """Text of the conditions in which a range may be passed that must not be passed in this one, or that none is there.
+
+    Empty where the range may be passed, or reaches to the highest speed. With a cylinder out, conditions where one is
+    out come first, as a misfire is not chosen.
+    """
+    span, own = found.span, found.check
+    if found.passage != NOT_AT_ALL or span.high >= own.speeds[-1]:
+        return ""
+    every = [one for one in checks if one.highest is None or one.highest > span.high]
+    if not every:
+        return phrase("no condition examined reaches higher speeds")
+    ways = [one for one in every if one.misfiring is own.misfiring] or every
+    changes = {one.configuration: _changes(own.configuration, one.configuration) for one in ways}
+    ways = [one for one in ways if changes[one.configuration] == min(changes.values())]
+    return joined("; ", [_way(one, span, title) for one in ways[:MOST_WAYS]])
+
+
+def _changes(first: str, second: str) -> int:
+    """Number of choices in which two configurations differ."""
+    return len(set(first.split(",")) ^ set(second.split(",")))
+
+
+def _way(check: LimitCheck, span: SpeedSpan, title: Callable[[str], str]) -> str:
+    """Text of how a range is passed in a condition that permits it."""
+    condition = title(check.configuration)
+    barred = [one for one in check.passed if one.low <= span.high and one.high >= span.low]
+    if barred:
+        return phrase("pass {speeds} in condition {condition}", speeds=span_words(barred), condition=condition)
+    return phrase("{speeds} are free in condition {condition}", speeds=span_words([span]), condition=condition)
 
 
 def _in_units(one: Instruction, conventions: Conventions) -> Instruction:

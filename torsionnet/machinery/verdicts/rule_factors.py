@@ -61,3 +61,13 @@ class RuleFactor:
     value: float
     unit: str
     origin: RuleWords
+
+
+@dataclass(frozen=True)
+class RuleText:
+    """Text on the rule of a limit, with its source, its formula, what it does not cover, and its factors."""
+
+    source: str
+    formula: str
+    not_covered: str
+    factors: tuple[RuleFactor, ...] = ()

@@ -179,3 +179,35 @@ def restriction_words(passed: Sequence[SpeedSpan], highest: float | None, shaft:
     if not words:
         return joined("", (most, shaft)) if shaft else most
     return phrase("{most}{shaft}, {speeds} barred", most=most, shaft=shaft, speeds=words)
+
+
+def in_condition(restriction: str, condition: str) -> str:
+    """Text of a restriction of speeds with the condition in which it holds in front, if one is named.
+
+    Examples
+    --------
+    >>> in_condition("at most 94 rpm of crank", "misfire")
+    'in misfire: at most 94 rpm of crank'
+    """
+    template = "in {condition}: {restriction}" if condition else "{restriction}"
+    return phrase(template, condition=condition, restriction=restriction)
+
+
+def starts_sentence(rpm: float, shaft: str) -> str:
+    """Sentence on the speeds below the lowest one examined, in rpm, which every start and stop passes.
+
+    Examples
+    --------
+    >>> starts_sentence(675, "flywheel")
+    'starts and stops not examined: speeds below 675 rpm of flywheel'
+    """
+    return phrase("starts and stops not examined: speeds below {speed:g} rpm of {shaft}", speed=rpm, shaft=shaft)
+
+
+def utilisation_of(values: FloatArray, allowed: FloatArray) -> FloatArray:
+    """Utilisation of a limit, the ratio of value to allowed value, without unit, in the shape of both.
+
+    NaN where no value is allowed.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(np.where(np.isfinite(allowed), values / allowed, np.nan))

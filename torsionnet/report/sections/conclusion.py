@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from torsionnet.base.entries.spec import not_none
@@ -12,7 +12,6 @@ from torsionnet.linear.modes.modes import OSCILLATORY
 from torsionnet.machinery.verdicts.condition_peaks import little_damped
 from torsionnet.machinery.verdicts.limit_check import listed_names
 from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion, WorstLimit
-from torsionnet.machinery.verdicts.operating_instructions import instruction_table
 from torsionnet.model.elements import Shaft
 from torsionnet.report.document_tree import (
     Block,
@@ -26,12 +25,14 @@ from torsionnet.report.document_tree import (
     Section,
     Strong,
     TableBlock,
+    TableGroup,
     Text,
 )
 from torsionnet.report.plan import Pair
 from torsionnet.report.report_data import Case, ReportData, is_damped
+from torsionnet.report.report_instructions import instruction_blocks
 from torsionnet.report.report_run_up import run_up_blocks
-from torsionnet.report.report_tables import results_table, table, with_kilonewtonmetres
+from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import as_words, capital, pair_latex, symbol_or_words, unit
 from torsionnet.report.report_units import engineering_unit
 from torsionnet.report.sections.limits import conclusion, verdict
@@ -68,13 +69,7 @@ def _judged(subject: ReportData, found: LimitConclusion) -> Iterator[Block]:
     yield Listing(tuple((text,) for text in [*findings, *_by_small_damping(subject, found)]))
     yield _components(subject, found)
     yield from run_up_blocks(subject, found)
-    instructions = instruction_table(found.checks, subject.conventions)
-    if instructions.rows:
-        yield results_table(with_kilonewtonmetres(instructions), "Operating instructions")
-    else:
-        yield Paragraph(
-            (Strong("Operating instructions:"), *(text for note in instructions.notes for text in (" ", note)))
-        )
+    yield from instruction_blocks(subject, found)
     yield Paragraph(("Not covered:",))
     yield Listing(tuple(_not_covered(subject, found)))
 
@@ -94,33 +89,62 @@ def _by_small_damping(subject: ReportData, found: LimitConclusion) -> Iterator[s
 
 
 def _components(subject: ReportData, found: LimitConclusion) -> TableBlock:
-    """Table with a row for each criterion of each limit: its verdict, and the condition and speed where it is worst."""
-    worst = found.worst()
-    sizes = [_sizes(subject, one) for one in worst]
+    """Table with a row for each criterion of each limit at its worst speed: in the normal condition, then in any.
+
+    Of all conditions the one that uses the criterion most, and the one with its gravest verdict if that is another.
+    """
     columns = (
         Heading("Component"),
         Heading("Limit"),
+        Heading("Condition"),
         Heading("Verdict"),
-        Heading("Worst condition"),
         Heading("Speed", "rpm", numeric=True),
         Heading("Value", numeric=True),
         Heading("Allowed", numeric=True),
         Heading("Unit"),
         Heading("Utilisation", "%", numeric=True),
     )
+    worst = [row for one in found.worst() for row in _records(found, one)]
+    if len(found.checks) < 2:
+        return table("Verdict on every component, at its worst speed", columns, _rows(subject, worst, named=False))
+    normal = next(one for one in found.checks if one.configuration == subject.normal_case.configuration)
+    groups = (
+        TableGroup(_rows(subject, LimitConclusion((normal,)).worst(), named=False), capital(subject.normal_case.title)),
+        TableGroup(_rows(subject, worst, named=True), phrase("Worst of {count} conditions", count=len(found.checks))),
+    )
+    caption = "Verdict on every component at its worst speed, in the normal condition and in the worst one"
+    return TableBlock((caption,), columns, groups)
+
+
+def _records(found: LimitConclusion, worst: WorstLimit) -> Iterator[WorstLimit]:
+    """Criterion where it is used most, and in another condition whose verdict on it is graver, each with its own."""
+    yield worst
+    if worst.gravest != worst.verdict.verdict:
+        name = (worst.verdict.limit, worst.verdict.criterion)
+        graver = [
+            WorstLimit(check, one, worst.gravest)
+            for check in found.checks
+            for one in check.verdicts
+            if (one.limit, one.criterion, one.verdict) == (*name, worst.gravest)
+        ]
+        yield max(graver, key=lambda one: one.utilisation or 0.0)
+
+
+def _rows(subject: ReportData, worst: Sequence[WorstLimit], *, named: bool) -> tuple[tuple[Cell, ...], ...]:
+    """Rows of the table of components; ``named`` tells whether they say the condition."""
+    sizes = [_sizes(subject, one) for one in worst]
     cells: list[list[Cell]] = [
         [_component(one) for one in worst],
         [as_words(one.verdict.criterion) for one in worst],
-        [one.gravest for one in worst],
-        [subject.titles.of(one.check.configuration) for one in worst],
-        list(aligned_numbers([one.rpm for one in worst], 3)),
-        list(aligned_numbers([value for value, _, _ in sizes], 3)),
-        list(aligned_numbers([allowed for _, allowed, _ in sizes], 3)),
+        [subject.titles.of(one.check.configuration) if named else "" for one in worst],
+        [one.verdict.verdict for one in worst],
+        list(aligned_numbers([one.rpm for one in worst], 4)),
+        ["" if value is None else NumberText(value, 4) for value, _, _ in sizes],
+        ["" if allowed is None else NumberText(allowed, 4) for _, allowed, _ in sizes],
         [unit(shown) if shown else "" for _, _, shown in sizes],
         ["" if one.utilisation is None else NumberText(100 * one.utilisation, 3) for one in worst],
     ]
-    caption = "Verdict on every component, at its worst condition and speed"
-    return table(caption, columns, list(zip(*cells, strict=True)))
+    return tuple(zip(*cells, strict=True))
 
 
 def _component(worst: WorstLimit) -> str:
@@ -140,7 +164,7 @@ def _sizes(subject: ReportData, worst: WorstLimit) -> tuple[float | None, float 
 def _not_covered(subject: ReportData, found: LimitConclusion) -> Iterator[Text]:
     """Points that the verdict does not cover: conditions, excitations, and what each rule leaves out."""
     if found.not_examined:
-        yield (phrase("Conditions not examined: {names}.", names=listed_names(found.not_examined)),)
+        yield (phrase("Conditions not examined: {names}.", names=subject.titles.listed(found.not_examined)),)
     for words in found.left_out:
         yield (f"{capital(as_words(words))}.",)
     definition = subject.model.definition

@@ -10,17 +10,27 @@ from torsionnet.machinery.excitations.engine_entries import EngineEntries
 from torsionnet.machinery.excitations.reciprocating_engine import conditions_running_alone
 from torsionnet.machinery.limits.society_rules import SOCIETIES
 from torsionnet.machinery.verdicts.limit_check import FAIL, OPEN, LimitCheck
-from torsionnet.machinery.verdicts.speed_spans import restriction_words
 from torsionnet.model.configurations import label
 from torsionnet.model.load.external_torques import ENGINE
-from torsionnet.report.document_tree import Block, Cell, Heading, Listing, Paragraph, Section, Strong, TableBlock, Text
+from torsionnet.report.document_tree import (
+    Block,
+    Cell,
+    Heading,
+    Listing,
+    NumberText,
+    Paragraph,
+    Section,
+    Strong,
+    TableBlock,
+    Text,
+)
 from torsionnet.report.plan import SECTIONS
 from torsionnet.report.plan.report_checks import holds_speed
 from torsionnet.report.report_conditions import alternative_words, load_words, speed_words, unexamined
 from torsionnet.report.report_cylinders import lost_torque_words
-from torsionnet.report.report_data import MOST_JUDGED_CASES, Case, ReportData, normal_choice
+from torsionnet.report.report_data import MOST_JUDGED_CASES, ReportData, normal_choice
 from torsionnet.report.report_tables import table
-from torsionnet.report.report_text import as_words, capital, choices_of_some, first_names
+from torsionnet.report.report_text import as_words, capital
 
 # Table of a report with the particulars that a classification society asks for, and where they stand.
 
@@ -74,8 +84,6 @@ FIRST = (
 )
 MISSING = "The normal condition at rated load, {name}, is not in this document; sections begin with {first}."
 """Sentences on the condition that counts as the normal one."""
-MOST_AXES = 5
-"""Largest number of axes of configurations that have a column each, as more would not fit beside the verdict."""
 MOST_ROWS = 40
 """Largest number of conditions in the table, as many as fit a page."""
 
@@ -128,11 +136,10 @@ def _idling(subject: ReportData) -> str:
         return ""
     words = []
     for speed in speeds:
-        barred = [name for name, one in _checks(subject).items() if any(span.holds(speed) for span in one.barred)]
-        where = (
-            phrase(" (within speeds that are barred in {names})", names=first_names(barred, 3)) if any(barred) else ""
-        )
-        where = where or (" (barred)" if barred else "")
+        barred = [name for name, one in _checks(subject).items() if not one.permits(speed)]
+        names = subject.titles.several(barred, list(_checks(subject))) if barred else ""
+        where = phrase(" (not permitted in {names})", names=names) if names else ""
+        where = where or (phrase(" (not permitted)") if barred else "")
         words.append(f"{speed * RPM:.6g} rpm{joined('', (_idling_condition(subject, speed), where))}")
     return phrase("Longer idling at {speeds}.", speeds=", ".join(words))
 
@@ -152,7 +159,11 @@ def _alternatives(subject: ReportData) -> TableBlock:
     """Table of all alternatives on the axes of the configurations, with what each sets."""
     columns = (Heading("Of"), Heading("Condition"), Heading("What it sets", wide=True))
     rows: list[tuple[Cell, ...]] = [
-        (capital(as_words(axis)) if not number else "", as_words(name), alternative_words(subject.model, overlay))
+        (
+            capital(as_words(axis)) if not number else "",
+            subject.titles.alternative(axis, name),
+            alternative_words(subject.model, overlay),
+        )
         for axis, alternatives in subject.model.definition.configurations.items()
         for number, (name, overlay) in enumerate(alternatives.items())
     ]
@@ -160,47 +171,46 @@ def _alternatives(subject: ReportData) -> TableBlock:
 
 
 def _conditions(subject: ReportData) -> TableBlock:
-    """Table with a row for every examined condition: its choices, or what it sets, and the verdict on the limits."""
+    """Table with a row for every examined condition: the verdict on the limits, and what decides it.
+
+    Where there is one axis, with what the condition sets.
+    """
     axes, checks = subject.model.definition.configurations, _checks(subject)
-    names = [case.configuration for case in subject.judged_cases]
-    is_single = len(axes) == 1
-    order = list(axes)[::-1]  # neighbours differ in the last axis, by whose column equal rows are put together
-    if len(axes) > MOST_AXES:
-        order = []
-    heads = [Heading(capital(as_words(axis))) for axis in order] if order and not is_single else [Heading("Condition")]
-    heads += [Heading("What it sets", wide=True)] if is_single else []
-    heads += [Heading("Verdict"), Heading("Speeds not permitted")]
+    heads = [Heading("Condition"), *([Heading("What it sets", wide=True)] if len(axes) == 1 else [])]
+    heads += [Heading("Verdict"), Heading("Speeds not permitted"), Heading("Most used limit")]
+    heads += [Heading("Speed", "rpm", numeric=True), Heading("Used", "%", numeric=True)]
     rows: list[tuple[Cell, ...]] = []
     for case in subject.judged_cases:
-        chosen = _choice(case, tuple(axes))
-        own: list[Cell] = [as_words(chosen.get(axis, "")) for axis in order] if order else [case.configuration]
-        if is_single:
+        own: list[Cell] = [capital(case.title)]
+        if len(axes) == 1:
             overlay = next(iter(axes.values())).get(case.configuration)
-            own = [as_words(case.configuration), alternative_words(subject.model, overlay) if overlay else ""]
+            own.append(alternative_words(subject.model, overlay) if overlay else "")
         check = checks.get(case.configuration)
-        rows.append((*own, *(("", "") if check is None else _verdict(check))))
+        rows.append((*own, *([""] * 5 if check is None else _verdict(check))))
+    count, every = len(subject.judged_cases), len(subject.model.configurations)
     return table(
-        phrase("Conditions examined, {count} of {all}", count=len(names), all=len(subject.model.configurations)),
+        phrase("Conditions examined, {count} of {all}", count=count, all=every),
         heads,
         rows,
         [] if checks else ["The model gives no limits: nothing is judged."],
         most=MOST_ROWS,
+        merge=False,
     )
 
 
-def _choice(case: Case, axes: tuple[str, ...]) -> dict[str, str]:
-    """Names of the alternatives that make up a configuration, by axis."""
-    if len(axes) == 1:
-        return {axes[0]: case.configuration}
-    return dict(part.split("=", 1) for part in case.configuration.split(",") if "=" in part)
-
-
-def _verdict(check: LimitCheck) -> tuple[Cell, Cell]:
-    """Verdict on the limits in a condition, with the limits that do not hold, and the speeds that are not permitted."""
+def _verdict(check: LimitCheck) -> tuple[Cell, ...]:
+    """Verdict on the limits in a condition with the limits that do not hold, speeds not permitted, most used limit."""
     concerned = [one for one in check.verdicts if not one.elsewhere]
     grave = dict.fromkeys(as_words(one.limit) for one in concerned if one.verdict == check.verdict)
-    named = f": {', '.join(grave)}" if check.verdict in (FAIL, OPEN) else ""
-    return f"{check.verdict}{named}", restriction_words(check.passed, check.highest)
+    named = phrase("{verdict}: {limits}", verdict=phrase(check.verdict), limits=", ".join(grave))
+    (most, *_) = sorted(concerned, key=lambda one: -(one.worst_utilisation or 0.0))
+    return (
+        named if check.verdict in (FAIL, OPEN) else check.verdict,
+        check.restriction,
+        f"{as_words(most.limit)}, {as_words(most.criterion)}",
+        "" if most.worst_rpm is None else NumberText(most.worst_rpm, 4),
+        "" if most.worst_utilisation is None else NumberText(100 * most.worst_utilisation, 3),
+    )
 
 
 def _examined(subject: ReportData) -> str:
@@ -226,8 +236,8 @@ def _not_examined(subject: ReportData) -> Iterator[Text]:
     if missing:
         reason = "this document is on chosen conditions" if len(judged) < MOST_JUDGED_CASES else ""
         reason = reason or phrase("the first {count} are judged unless others are named", count=MOST_JUDGED_CASES)
-        yield (f"{capital(choices_of_some(missing[:MOST_ROWS], every))}: {reason}.",)
-        unused = list(unexamined(subject.model, judged))
+        yield (f"{capital(subject.titles.several(missing, every))}: {reason}.",)
+        unused = list(unexamined(subject.model, subject.titles, judged))
         if unused and len(subject.model.axes) > 1:
             yield (phrase("In no condition examined: {names}.", names=", ".join(unused)),)
     found = subject.limit_conclusion

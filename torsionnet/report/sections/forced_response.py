@@ -32,6 +32,7 @@ from torsionnet.report.document_tree import (
     TableBlock,
 )
 from torsionnet.report.document_tree import TableGroup as Group
+from torsionnet.report.report_cylinders import in_words_of
 from torsionnet.report.report_data import FEW_CASES, MOST_OUTPUTS, Case, ReportData
 from torsionnet.report.report_machines import engine_angle_tables, engine_remarks
 from torsionnet.report.report_tables import results_table, table
@@ -104,7 +105,9 @@ def _families(subject: ReportData, found: LimitConclusion) -> list[Picture]:
 def _worst(subject: ReportData, found: LimitConclusion) -> list[TableBlock]:
     """Table of every limit on vibration in its worst condition, with all cylinders working and with one out."""
     groups = []
-    for title, misfiring in (("All cylinders working", False), ("With a cylinder out", True)):
+    excitations = subject.model.definition.excitations.values()
+    for words, misfiring in (("All cylinders working", False), ("With a cylinder out", True)):
+        title = in_words_of(excitations, words)
         worst: dict[tuple[str, str], tuple[LimitCheck, LimitVerdict]] = {}
         for check in found.checks:
             for one in vibratory_verdicts(check) if check.misfiring is misfiring else ():
@@ -157,7 +160,7 @@ def _free_end(subject: ReportData) -> Picture:
     worst = int(np.argmax(run.half_range[:, 0]))
     caption = (
         phrase(
-            "Amplitude at the free end of the engine, {node},{where}: largest orders and their sum.",
+            "Amplitude at the free end, {node},{where}: largest orders and their sum.",
             node=as_words(node),
             where=where,
         ),

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from torsionnet.base.equal_remarks import configurations_in_words, grouped_remarks
+from torsionnet.base.equal_remarks import grouped_remarks
 from torsionnet.base.number_text import aligned_numbers
 from torsionnet.base.phrases import phrase
 from torsionnet.linear.frequency_response import Channel
 from torsionnet.machinery.verdicts.limit_check import PASS, LimitCheck, LimitVerdict, gravest
 from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion
-from torsionnet.machinery.verdicts.operating_instructions import PassedRange, instruction_table, passed_ranges
+from torsionnet.machinery.verdicts.operating_instructions import PassedRange, instruction, passed_ranges, refused_ranges
 from torsionnet.machinery.verdicts.range_passage import EXCEEDED, KEPT, RangePassage, passage_table
 from torsionnet.report.document_tree import (
     Block,
@@ -28,9 +29,11 @@ from torsionnet.report.document_tree import (
     TableBlock,
 )
 from torsionnet.report.report_data import MOST_CASES, ReportData
+from torsionnet.report.report_instructions import instruction_blocks
 from torsionnet.report.report_machines import engine_remarks
 from torsionnet.report.report_tables import results_table, table
 from torsionnet.report.report_text import as_words, capital, unit
+from torsionnet.report.report_units import DIGITS, engineering_unit
 
 MOST_DRAWN = 8
 """Largest number of limits that a report draws over speed, each in its worst condition."""
@@ -46,14 +49,14 @@ def limits_section(subject: ReportData) -> Section | None:
     blocks: list[Block] = [
         verdict(found),
         conclusion(subject, found),
-        *_instructions(subject, found),
+        *instruction_blocks(subject, found),
         *engine_remarks(subject),
     ]
     names = list(dict.fromkeys(one.limit for check in found.checks for one in check.verdicts))
     blocks += [_verdicts(subject, found, name) for name in names]
     for number, name in enumerate(names[:MOST_DRAWN], 1):
         blocks += _picture(subject, found, name, number)
-    blocks += _rules(found)
+    blocks += _rules(subject, found)
     return Section("limits", ("Stresses and limits",), tuple(blocks))
 
 
@@ -73,12 +76,6 @@ def conclusion(subject: ReportData, found: LimitConclusion) -> TableBlock:
     rest = len(found.checks) - len(rows)
     notes = [phrase("{count} further configurations are in the verdict.", count=rest)] if rest else []
     return table("Conclusion on stresses and limits", columns, rows, notes)
-
-
-def _instructions(subject: ReportData, found: LimitConclusion) -> list[TableBlock]:
-    """Table of operating instructions, where speeds are restricted."""
-    instructions = instruction_table(found.checks, subject.conventions)
-    return [results_table(instructions, "Operating instructions")] if instructions.rows else []
 
 
 def _verdicts(subject: ReportData, judged: LimitConclusion, name: str) -> TableBlock:
@@ -170,7 +167,7 @@ def _most_used(check: LimitCheck, name: str) -> float:
     return max(shares, default=float("nan"))
 
 
-def _rules(found: LimitConclusion) -> list[Block]:
+def _rules(subject: ReportData, found: LimitConclusion) -> list[Block]:
     """Blocks of the report on the rules that limits rest on.
 
     Source, formula and what is not covered; and the remarks.
@@ -180,14 +177,14 @@ def _rules(found: LimitConclusion) -> list[Block]:
         (Strong(", ".join(map(as_words, names))), f": {text.source}. {text.formula}. Not covered: {text.not_covered}.")
         for text, names in texts.items()
     )
-    remarks = _remarks(found)
+    remarks = _remarks(subject, found)
     blocks: list[Block] = [Paragraph(("What the limits rest on:",)), Listing(rules)]
     if remarks:
         blocks += [Paragraph(("Remarks:",)), Listing(tuple((remark,) for remark in remarks))]
     return blocks
 
 
-def _remarks(found: LimitConclusion) -> list[str]:
+def _remarks(subject: ReportData, found: LimitConclusion) -> list[str]:
     """Texts of the remarks on limits, each once, with its configurations unless they are all."""
     known = list(dict.fromkeys(check.configuration for check in found.checks))
     said = (
@@ -199,7 +196,7 @@ def _remarks(found: LimitConclusion) -> list[str]:
     remarks = []
     for abouts, names, remark in grouped_remarks(said):
         within = (
-            phrase(" (in {configurations})", configurations=configurations_in_words(names, known))
+            phrase(" (in {configurations})", configurations=subject.titles.several(names, known))
             if len(names) < len(known)
             else ""
         )
@@ -212,6 +209,8 @@ def _remarks(found: LimitConclusion) -> list[str]:
 QUICK, SLOW = 10.0, 60.0
 """Times in s in which barred ranges are passed in a report unless others are asked for: with power to spare, and with
 little, as under a fouled hull. They are examples; no rule that was found names a time."""
+NOT_PASSED = "Not to be passed, neither slowly nor quickly:"
+"""Lead of the list of ranges in which a limit forbids the passage."""
 MOST_RANGES = 4
 """Largest number of barred ranges whose passage a report shows."""
 WHAT_IS_COUNTED = (
@@ -233,9 +232,33 @@ def passage_section(subject: ReportData) -> Section | None:
         if not any(_covers(other, one) for other in ranges):
             ranges.append(one)
     blocks = [block for number, one in enumerate(ranges[:MOST_RANGES], 1) for block in _range(subject, one, number)]
-    if not blocks:
+    lead: list[Block] = [Paragraph((WHAT_IS_COUNTED,))] if blocks else []
+    refused = [_refused(subject, one) for one in refused_ranges(found.checks)[:MOST_ROWS]]
+    if not blocks and not refused:
         return None
-    return Section("passage", ("Passing the barred ranges",), (Paragraph((WHAT_IS_COUNTED,)), *blocks))
+    return Section("passage", ("Passing the barred ranges",), (*_not_to_be_passed(refused), *lead, *blocks))
+
+
+def _not_to_be_passed(refused: Sequence[str]) -> list[Block]:
+    """Sentence and list of the ranges that must not be passed; empty without any."""
+    return [Paragraph((Strong(NOT_PASSED),)), Listing(tuple((one,) for one in refused))] if refused else []
+
+
+def _refused(subject: ReportData, refused: PassedRange) -> str:
+    """Text of a range that must not be passed in a condition, and of the limit that forbids it."""
+    one = instruction(refused, subject.titles.of)
+    scale, shown = engineering_unit(one.unit, subject.conventions, one.value)
+    allowed = one.allowed if math.isnan(one.allowed_in_passing) else one.allowed_in_passing
+    return phrase(
+        "{range}{where}: {limit} has {value} {unit} at {speed:.4g} rpm, {allowed} allowed",
+        range=refused.span,
+        where=f", {one.condition}" if refused.check.configuration else "",
+        limit=as_words(one.limits[0]),
+        value=NumberText(one.value * scale, DIGITS),
+        allowed=NumberText(allowed * scale, DIGITS),
+        unit=unit(shown),
+        speed=one.rpm,
+    )
 
 
 def _covers(one: PassedRange, other: PassedRange) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
@@ -28,7 +29,7 @@ from torsionnet.machinery.orders.order_response import OrderResponse
 from torsionnet.machinery.orders.worst_response import WorstResponse
 from torsionnet.machinery.verdicts.limit_check import LimitCheck
 from torsionnet.machinery.verdicts.measured_range import MeasuredRange, measured_ranges
-from torsionnet.machinery.verdicts.speed_spans import joined_spans
+from torsionnet.machinery.verdicts.speed_spans import whole_rpm
 from torsionnet.model.channels import Sensor
 from torsionnet.model.element_base.round_section import section_fault
 from torsionnet.report.document_tree import Block, Cell, Heading, Paragraph, Picture, Section, TableBlock
@@ -45,7 +46,7 @@ from torsionnet.report.measurement_places import (
     measuring_places,
     within_calculated,
 )
-from torsionnet.report.report_cylinders import governing_misfire
+from torsionnet.report.report_cylinders import governing_misfire, in_words_of
 from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import as_words, capital, unit
@@ -66,8 +67,8 @@ CAPTIONS = {
     "angle": "Angle by torsiograph or encoder, {of}{where}",
 }
 """Captions of the tables of a measurement plan, by the quantity that is measured."""
-HIGHEST = "highest with a cylinder out"
-"""Reason to measure at the highest speed permitted in a condition with a cylinder out."""
+HIGHEST = "highest permitted"
+"""Reason to measure at the highest speed permitted in a condition."""
 OUT_COLUMNS = (
     Heading("Place"),
     Heading("Speed", "rpm", numeric=True),
@@ -197,11 +198,8 @@ def _with_cylinder_out(subject: ReportData, places: Sequence[MeasuringPlace]) ->
         return []
     case, check = subject.judged_case(worst.check), worst.check
     speed, limit = float(check.speeds[worst.verdict.worst]), as_words(worst.verdict.limit)
-    over = (check.highest is not None and speed > check.highest) or any(span.holds(speed) for span in check.barred)
-    wanted = [
-        PlannedSpeed(speed, phrase("Worst of {limit}, not permitted" if over else "Worst of {limit}", limit=limit))
-    ]
-    wanted += [PlannedSpeed(check.highest, "Highest permitted")] if check.highest is not None else []
+    template = "Worst of {limit}" if check.permits(speed) else "Worst of {limit}, not permitted"
+    wanted = [PlannedSpeed(speed, phrase(template, limit=limit)), *_highest(check)]
     rows: list[tuple[Cell, ...]] = []
     for place in places:
         try:
@@ -209,7 +207,8 @@ def _with_cylinder_out(subject: ReportData, places: Sequence[MeasuringPlace]) ->
         except UsageError:  # switched off in this condition
             continue
         rows += _out_rows(subject, place, run, merged_speeds(wanted))
-    return [table(phrase("Expected with a cylinder out{where}", where=_where(case)), OUT_COLUMNS, rows)] if rows else []
+    words = in_words_of(case.drivetrain.definition.excitations.values(), "Expected with a cylinder out{where}")
+    return [table(phrase(words, where=_where(case)), OUT_COLUMNS, rows)] if rows else []
 
 
 def _out_rows(
@@ -258,16 +257,25 @@ def _largest(run: OrderResponse) -> PlannedSpeed:
 
 
 def _fixed_speeds(subject: ReportData, case: Case, run: OrderResponse) -> Iterator[PlannedSpeed]:
-    """Rated speed, ends of barred ranges and, with a cylinder out, the highest speed permitted, if calculated."""
+    """Rated speed, ends of the condition's own barred ranges and its highest speed permitted, if calculated."""
     speeds, found = subject.model.definition.speeds, subject.limit_conclusion
     wanted = [PlannedSpeed(speeds.rated, "rated")] if speeds is not None and speeds.rated else []
-    checks = found.checks if found else ()
-    for span in joined_spans([span for check in checks for span in check.passed]):
-        wanted += [PlannedSpeed(span.low, "barred from"), PlannedSpeed(span.high, "barred to")]
-    highest = next((one.highest for one in checks if one.configuration == case.configuration), None)
-    wanted += [] if highest is None else [PlannedSpeed(highest, HIGHEST)]
+    for check in found.checks if found else ():
+        if check.configuration == case.configuration:
+            # As the operating instructions say them: outward to whole rpm.
+            ends = [(low / RPM, high / RPM) for low, high in (span.rpm_outward for span in check.passed)]
+            for low, high in ends:
+                wanted += [PlannedSpeed(low, "barred from"), PlannedSpeed(high, "barred to")]
+            wanted += _highest(check)
     low, high = float(run.speeds.min()), float(run.speeds.max())
     yield from (one for one in wanted if low * (1 - 1e-9) <= one.speed <= high * (1 + 1e-9))
+
+
+def _highest(check: LimitCheck) -> list[PlannedSpeed]:
+    """Highest speed permitted in a condition, in whole rpm as the operating instructions say it; empty for any."""
+    if check.highest is None or check.highest <= check.speeds[0]:
+        return []
+    return [PlannedSpeed(whole_rpm(check.highest, math.floor) / RPM, HIGHEST)]
 
 
 def _stress(case: Case, place: MeasuringPlace) -> list[Sensor]:
