@@ -11,9 +11,10 @@ from support.printed_tables import SI, Printed, PrintedRow, PrintedTable, printe
 
 RPM = math.pi / 30
 VERDICT_HEADS = ("Value", "All orders")
-USED_HEADS = ("Utilisation", "Used")
+USED_HEADS = ("Utilisation", "Used", "Used at peak")
 CONDITION_HEADS = ("Condition", "Worst condition")
-SPEED_HEADS = ("Speed", "Peak at", "From", "To")
+VERDICT_SPEEDS = ("Speed", "Peak at")
+SPEED_HEADS = (*VERDICT_SPEEDS, "From", "To")
 HOLZER_DIGITS, MASS_DIGITS = 6, 4
 """Significant digits of stiffnesses and inertias in a Holzer table and of inertias in the mass-elastic table."""
 HOLZER = re.compile(r"Holzer table of mode (\d+), ([\d.]+) Hz, ω² = ([\d.e+]+) 1/s²")
@@ -132,11 +133,11 @@ def range_faults(text: str, tables: Sequence[PrintedTable]) -> Iterator[str]:
         return
     low, high = (Printed.read(match[place], 9) or Printed(0.0) for place in (1, 2))
     for table in tables:
-        if any(word in table.caption for word in OTHER_SPEEDS) or not {*CONDITION_HEADS} & {*table.heads}:
+        if any(word in table.caption for word in OTHER_SPEEDS):
             continue
         for row, head in itertools.product(table.rows, SPEED_HEADS):
             speed = row.number(head)
-            if speed is None or row.unit(head) != "rpm":
+            if speed is None or row.unit(head) != "rpm" or not _condition(table, row):
                 continue
             if speed.value + speed.half < low.value - low.half or speed.value - speed.half > high.value + high.half:
                 yield f"{table.caption}: {head.lower()} {speed} rpm of {row.cells[0]} is not in {low} to {high} rpm"
@@ -191,26 +192,37 @@ def _inertia_faults(tables: Sequence[PrintedTable]) -> Iterator[str]:
 def _verdict_faults(tables: Sequence[PrintedTable]) -> Iterator[str]:
     """Values of one component in one condition at one speed against one value allowed."""
     rows = [
-        row
+        (row, condition, row.number(*VERDICT_SPEEDS), _in_si(row, "Allowed"), _in_si(row, *VERDICT_HEADS))
         for table in tables
         for row in table.rows
-        if "Component" in table.heads and {*CONDITION_HEADS} & {*table.heads} and row.number("Allowed") is not None
+        if "Component" in table.heads and (condition := _condition(table, row))
     ]
-    names = sorted({_component(row, ()) for row in rows}, key=len)
-    for one, other in itertools.combinations(rows, 2):
-        same = _component(one, names) == _component(other, names)
-        same = same and one.text(*CONDITION_HEADS) == other.text(*CONDITION_HEADS)
-        pairs = [(one.number(head), other.number(head)) for head in ("Allowed", "Speed")]
-        if same and all(first and second and first.agrees(second) for first, second in pairs):
-            values = one.number(*VERDICT_HEADS), other.number(*VERDICT_HEADS)
-            if values[0] is not None and values[1] is not None:
-                what = f"value of {_component(one, names)}, {one.text(*CONDITION_HEADS)},"
-                yield from _differs(what, *values)
+    judged = [(row, *about, at, allowed, value) for row, *about, at, allowed, value in rows if at and allowed and value]
+    names = sorted({_component(one[0], ()) for one in judged}, key=len)
+    for one, other in itertools.combinations(judged, 2):
+        what = _component(one[0], names), one[1]
+        if what != (_component(other[0], names), other[1]) or not one[2].agrees(other[2]):
+            continue
+        if one[3].agrees(other[3]):
+            yield from _differs(f"value of {what[0]}, {what[1]},", one[4], other[4])
+
+
+def _condition(table: PrintedTable, row: PrintedRow) -> str:
+    """Condition of a row, from its own column, the caption or the title of its group; empty where none is told."""
+    match = re.search("in normal operation, (.*)", table.caption)
+    group = row.group if "further conditions" in table.caption else ""
+    return row.text(*CONDITION_HEADS) or (match[1] if match else "") or group
+
+
+def _in_si(row: PrintedRow, *heads: str) -> Printed | None:
+    """Number of a row whose unit may stand behind the name of its component, in the unit without prefix."""
+    found, match = row.number(*heads), re.search(r", (\S+)$", row.text("Component"))
+    return found.times(SI.get(match[1], 1.0)) if found is not None and match else found
 
 
 def _component(row: PrintedRow, names: Sequence[str]) -> str:
     """Name of a component without what stands in brackets or as a formula behind it; the shortest one that begins it."""
-    name = re.sub(r"\(.*|\$.*", "", row.text("Component")).strip()
+    name = re.sub(r"\(.*|\$.*|, \S+$", "", row.text("Component")).strip()
     return next((one for one in names if f"{name} ".startswith(f"{one} ")), name)
 
 
@@ -221,7 +233,8 @@ def unit_faults(tables: Sequence[PrintedTable]) -> Iterator[str]:
     names = sorted({_component(row, ()) for _, row in rows if row.text("Component")}, key=len)
     for _, row in rows:
         for head in VERDICT_HEADS:
-            unit = row.unit(head)
+            behind = re.search(r", (\S+)$", row.text("Component"))
+            unit = row.unit(head) or (behind[1] if behind else "")
             if unit in SI and unit not in ("deg", "mrad"):
                 units.setdefault((_component(row, names), unit.lstrip("kM")), set()).add(unit)
     for table in tables:
@@ -244,7 +257,7 @@ def distance_faults(text: str, tables: Sequence[PrintedTable]) -> Iterator[str]:
     for table in tables:
         for row in table.rows:
             if (found := row.number("Critical speed")) is not None:
-                speeds.setdefault(row.text("Order"), []).append(found)
+                speeds.setdefault(row.text("Order").partition(",")[0], []).append(found)
     for order, share in re.findall(r"([^,]+?) ([−\d.]+)\s%", sentence[1]):
         printed = Printed.read(share)
         expected = [

@@ -1,4 +1,4 @@
-"""Separation margins of natural frequencies from the speeds of all shafts and from electrical lines."""
+"""Separation margins of natural frequencies from shaft speeds, electrical lines and all orders of excitations."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from torsionnet.base.errors import UsageError
 from torsionnet.linear.assembly.assembled import AssembledModel
-from torsionnet.machinery.criticals.critical_speed_search import CrossingSearch
+from torsionnet.machinery.criticals.critical_speed_search import CrossingSearch, excited_lines
 from torsionnet.machinery.criticals.critical_speeds import CriticalSpeeds
 from torsionnet.machinery.excitations.electric_machine import ElectricMachine
 from torsionnet.machinery.orders.order_line import OrderLine, near_fraction
@@ -17,7 +17,7 @@ from torsionnet.machinery.verdicts.margin_rules import MarginRule, margin_rule
 from torsionnet.model.speeds import speeds_by_reference
 
 MULTIPLES = (1, 2)
-"""Multiples of shaft speeds and of line frequencies that standards of trains compare with natural frequencies."""
+"""Multiples of line frequencies, and of shaft speeds unless a rule names more, that standards compare with modes."""
 FREQUENCY_REACH = 2.0
 """Multiple of the highest compared frequency up to which modes are listed; a mode above it is twice as high as
 anything it is compared with."""
@@ -26,9 +26,10 @@ anything it is compared with."""
 def shaft_margins(
     drivetrain: AssembledModel, margin: str | float | MarginRule, *, lowest: int | None = None
 ) -> CriticalSpeeds:
-    """Separation margins of every mode from 1 and 2 times each shaft's speed and each electrical frequency.
+    """Separation margins of every mode from multiples of shaft speeds and electrical frequencies, and from all orders.
 
-    Shafts are those whose mean speeds differ, named by their first node; an electric machine counts with its line
+    Multiples are 1 and 2, of shafts up to the tenth where the rule names these (API 618); orders and fixed frequencies
+    are those of all excitations that act, unless they are among the multiples. Shafts are those whose mean speeds differ, named by their first node; an electric machine counts with its line
     frequency, or with that of its inverter, pole pairs times the speed (slip neglected).
 
     Parameters
@@ -59,10 +60,12 @@ def shaft_margins(
     if given is None:
         raise UsageError("separation margins need the speeds of the train: speeds: {of: motor, range: 600..1500 rpm}")
     speed_range = min(given.values), max(given.values)
-    lines = [*_shaft_lines(drivetrain, given.of), *_electrical_lines(drivetrain, given.of)]
-    search = CrossingSearch(
-        drivetrain, drivetrain.title, given.of, speed_range, lines, margin_rule(margin), 0.0, lowest
-    )
+    rule = margin_rule(margin)
+    lines = [*_shaft_lines(drivetrain, given.of, rule), *_electrical_lines(drivetrain, given.of)]
+    # An order of an excitation that is a multiple of a shaft's speed or of a line frequency is that line already.
+    known = {(line.relative, line.fixed) for line in lines}
+    lines += [line for line in _excitation_lines(drivetrain) if (line.relative, line.fixed) not in known]
+    search = CrossingSearch(drivetrain, drivetrain.title, given.of, speed_range, lines, rule, 0.0, lowest)
     # Modes far above all lines keep any margin; the first one is always shown.
     highest = max(np.abs(line.frequency(np.array(speed_range))).max() for line in lines)
     modes = tuple(
@@ -88,8 +91,17 @@ def _ratios(drivetrain: AssembledModel, reference: str) -> dict[str, Fraction]:
     return {node: near_fraction(abs(speed / found[reference])) for node, speed in found.items() if speed}
 
 
-def _shaft_lines(drivetrain: AssembledModel, reference: str) -> Iterator[OrderLine]:
-    """Order lines at 1 and 2 times the speed of each shaft, the reference shaft first."""
+def _excitation_lines(drivetrain: AssembledModel) -> Iterator[OrderLine]:
+    """Order lines of all excitations that act, over the range of speeds."""
+    if any(one.enabled for one in drivetrain.definition.excitations.values()):
+        for group in excited_lines(drivetrain, None, None, None)[0].values():
+            yield from group
+
+
+def _shaft_lines(drivetrain: AssembledModel, reference: str, rule: MarginRule | None) -> Iterator[OrderLine]:
+    """Order lines at multiples of the speed of each shaft, the reference shaft first."""
+    named_by_rule = [clause.highest for clause in rule.clauses if clause.whole] if rule else []
+    multiples = range(1, int(max(named_by_rule, default=MULTIPLES[-1])) + 1)
     ratios = _ratios(drivetrain, reference)
     named: dict[Fraction, str] = {}
     for node in (reference, *ratios):
@@ -97,7 +109,7 @@ def _shaft_lines(drivetrain: AssembledModel, reference: str) -> Iterator[OrderLi
             # Shafts of one speed have the same lines: the first node of each speed names them.
             named.setdefault(ratios[node], node)
     for ratio, node in named.items():
-        yield from (OrderLine(node, float(times), ratio) for times in MULTIPLES)
+        yield from (OrderLine(node, float(times), ratio) for times in multiples)
 
 
 def _electrical_lines(drivetrain: AssembledModel, reference: str) -> Iterator[OrderLine]:

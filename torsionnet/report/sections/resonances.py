@@ -169,7 +169,7 @@ MOST_DRIVETRAINS = 3
 
 
 def separation_margins(subject: ReportData) -> list[Block]:
-    """Tables of the margins of all low modes from 1 and 2 times shaft speeds and line frequencies, by drivetrain.
+    """Tables of the margins of low modes from multiples of speeds, line frequencies and all orders, by drivetrain.
 
     Empty unless the report's ``rules`` name a rule of separation margins and the model has speeds.
     """
@@ -199,11 +199,18 @@ def _margins(rule: str, cases: tuple[Case, ...], *, several: bool) -> TableBlock
         Heading("Required", "%", numeric=True),
         Heading("Margin kept"),
     )
-    pairs = zip(found.crossings, found.lines * len(found.modes), strict=True)
-    rows = [_row(found, one, line) for one, line in pairs]
-    first = range(0, len(rows), len(found.lines))
-    rows = [row if place in first else ("", "", *row[2:]) for place, row in enumerate(rows)]
+    rows: list[tuple[Cell, ...]] = []
+    for place in range(0, len(found.crossings), len(found.lines)):
+        pairs = list(zip(found.crossings[place : place + len(found.lines)], found.lines, strict=True))
+        told = [_row(found, one, line) for one, line in _telling(pairs)]
+        rows += [row if number == 0 else ("", "", *row[2:]) for number, row in enumerate(told)]
     notes = [
+        phrase(
+            "Compared are {count} lines: multiples of the speed of each shaft and of electrical frequencies, and every "
+            "order of the excitations. Listed are those from which a mode has less than is required, and the nearest "
+            "of the others.",
+            count=len(found.lines),
+        ),
         "Margin: distance of the nearer of undamped and damped natural frequency from the frequencies compared, "
         "as a share of them; 0 where one of the speeds meets it.",
         phrase("Margins by {rule}.", rule=found.rule),
@@ -211,6 +218,14 @@ def _margins(rule: str, cases: tuple[Case, ...], *, several: bool) -> TableBlock
     if any(one.passes is False for one in found.crossings):
         notes.append("Where a margin is not kept, stresses at the critical speed have to show that it does no harm.")
     return table(phrase("Separation margins{where}", where=where), columns, rows, notes)
+
+
+def _telling(pairs: Sequence[tuple[CriticalSpeed, OrderLine]]) -> list[tuple[CriticalSpeed, OrderLine]]:
+    """Lines from which a mode has less than the margin required, and the nearest one of the others."""
+    kept = [pair for pair in pairs if pair[0].passes is not False]
+    judged = [pair for pair in kept if pair[0].passes] or kept
+    nearest = min(judged, key=lambda pair: pair[0].margin / (pair[0].required or 1.0), default=None)
+    return [pair for pair in pairs if pair[0].passes is False or pair is nearest]
 
 
 def _row(found: CriticalSpeeds, one: CriticalSpeed, line: OrderLine) -> tuple[Cell, ...]:
