@@ -7,6 +7,8 @@ import pytest
 
 import torsionnet as tn
 from torsionnet.machinery.excitations.engine_entries import EngineEntries
+from torsionnet.machinery.verdicts.limit_check import LimitVerdict, RuleText
+from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion
 from torsionnet.model.channels import Input
 from torsionnet.model.files.library import library_models
 from torsionnet.model.load.lost_torques import remaining_by_node
@@ -152,6 +154,48 @@ def test_an_induction_motor_gives_what_the_throws_that_work_take(tmp_path, throw
     train = tn.load(tmp_path / "train.yaml").configured("full")
     run = train.mean_response(["torque(coupling)", "torque(front)"], [1480 * RPM])
     assert run.values[0] == pytest.approx(np.array([4 * 1507 / 2.96, -4 * 1507]) * left, rel=1e-9, abs=1e-9)
+
+
+def two_motors(**limit):
+    """Two motors on one wheel, 100 kW each at 1500 rpm; alone, the first gives 100 kW and the second idles."""
+    elements = [
+        tn.Inertia("Ja", node="a", inertia=2), tn.Spring("ka", nodes=("a", "pa"), stiffness=1e5),
+        tn.Gear("ga", nodes=("pa", "w"), ratio=-2), tn.Inertia("Jb", node="b", inertia=2),
+        tn.Spring("kb", nodes=("b", "pb"), stiffness=1e5), tn.Gear("gb", nodes=("pb", "w"), ratio=-2),
+        tn.Inertia("wheel", node="w", inertia=20), tn.Spring("kp", nodes=("w", "p"), stiffness=1e6),
+        tn.Inertia("pump", node="p", inertia=10),
+    ]  # fmt: skip
+    return tn.Drivetrain(
+        "two", elements, speeds={"of": "a", "range": "900..1500 rpm", "step": "100 rpm", "rated": "1500 rpm"},
+        load={"absorbed_at": "p", "power": "200 kW", "torque_exponent": 2, "driven_by": {"a": 0.5, "b": 0.5}},
+        excitations={"vanes": {"type": "harmonic", "node": "p", "orders": {3: {"amplitude": "10 N*m"}}}},
+        configurations={"both": {}, "alone": {"load.driven_by": {"a": 1}, "load.power": "100 kW"}},
+        limits={"teeth": {"rule": "gear", "element": "gb", "source": "maker", **limit}},
+    )  # fmt: skip
+
+
+def test_a_share_of_the_rated_torque_of_an_idle_mesh_is_that_of_full_load():
+    """100 kW at 1500 rpm are 636.6 N m in the second mesh; alone it has none, and hammers in any vibration."""
+    rated = 100e3 / (1500 * RPM)
+    both, alone = (two_motors(vibratory_share="30 %").configured(name).check_limits() for name in ("both", "alone"))
+    assert both.of("teeth", "hammer").allowed == pytest.approx(rated * (both.rpm / 1500) ** 2, rel=1e-9)
+    for check in (both, alone):
+        assert check.of("teeth", "T_v").allowed == pytest.approx(0.3 * rated, rel=1e-9)
+        assert check.of("teeth", "T_v").verdict == "pass"
+    hammer = alone.of("teeth", "hammer")
+    assert (hammer.verdict, hammer.absent) == ("not judged", True)
+    assert LimitConclusion((both, alone)).verdict == "pass"
+
+
+def test_where_nothing_is_allowed_the_largest_value_is_the_worst():
+    """A train whose compressor has no gas torque at all: teeth that shake without a mean torque."""
+    speeds, values = np.array([50.0, 60, 70]), np.array([3.0, 8, 5])
+    verdict = LimitVerdict(
+        limit="teeth", of="gb", criterion="hammer", quantity="half range", unit="N*m", speeds=speeds, values=values,
+        allowed=np.zeros(3), verdict="fail", text=RuleText("maker", "", ""),
+    )  # fmt: skip
+    assert (verdict.worst_value, verdict.worst_allowed, verdict.worst_utilisation) == (8, 0, None)
+    assert verdict.worst_rpm == pytest.approx(60 / RPM)
 
 
 def test_a_compressor_with_a_head_end_lost_takes_less():

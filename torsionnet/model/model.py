@@ -285,6 +285,10 @@ class Model:
             self._require_places(changes.at or changes.operating_point)
         return self._changed(choice, changes)
 
+    def as_written(self) -> Self:
+        """Copy of the model in no configuration, with the parameter values that were given beside it."""
+        return self._changed({}, self._state.changes)
+
     def _sets_point(self, name: str) -> bool:
         return name not in self._state.base.parameters and is_point_setting(name)
 

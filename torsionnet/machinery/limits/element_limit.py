@@ -187,13 +187,16 @@ class GearLimit(ElementLimit):
                 yield line_without_data("T_v", _unknown(evidence))
             else:
                 allowed = constant_over_speed(self.vibratory_share * rated, evidence)
-                remarks = (f"mean torque at rated speed {rated:.6g} N*m",)
+                where = ", as written: in this condition it idles" if self.torque in evidence.idle else ""
+                remarks = (f"mean torque at rated speed {rated:.6g} N*m{where}",)
                 yield LimitLine("T_v", quantity, "N*m", size, allowed, remarks, orders)
         # Teeth part where the vibratory torque exceeds the mean torque of the same speed, so that torque changes its
         # sign.
         if self.hammer:
             if mean is None:
                 yield line_without_data("hammer", _unknown(evidence))
+            elif self.torque in evidence.idle:
+                yield replace(line_without_data("hammer", IDLE), absent=True)
             else:
                 yield LimitLine("hammer", quantity, "N*m", size, np.abs(mean), (), orders)
 
@@ -205,8 +208,14 @@ class GearLimit(ElementLimit):
         mean = evidence.rated_means.get(self.torque)
         if self.rated_torque is not None:
             return float(self.rated_torque)
-        return None if mean is None else abs(mean)
+        return abs(mean) if mean else None
+
+
+IDLE = "it transmits no mean torque in this condition: its teeth part in any vibration"
+"""Remark on the hammer of a mesh that idles in a condition, as that of an engine that is declutched."""
 
 
 def _unknown(evidence: Evidence) -> str:
+    if not evidence.why_no_mean and evidence.idle:
+        return "it transmits no mean torque at rated speed, here or as written; give rated_torque"
     return f"the mean torque is not known: {evidence.why_no_mean or 'the rated speed is not among the speeds'}"

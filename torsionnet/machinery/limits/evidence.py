@@ -78,7 +78,10 @@ class Evidence:
     subject : LimitSubject
         The model in this condition.
     rated_means : mapping
-        Sensor -> mean value at the rated speed, where that is examined and it is known.
+        Sensor -> mean value at the rated speed, where that is examined and it is known: that of full load, which is
+        the model as written where nothing drives the sensor's element in this condition.
+    idle : frozenset of Sensor
+        Those that nothing drives, as in the gear of an engine that is declutched.
     """
 
     run: OrderResponse
@@ -86,6 +89,7 @@ class Evidence:
     why_no_mean: str
     subject: LimitSubject
     rated_means: Mapping[Sensor, float] = field(default_factory=dict)
+    idle: frozenset[Sensor] = frozenset()
 
     @property
     def speeds(self) -> FloatArray:

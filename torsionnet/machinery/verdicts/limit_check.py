@@ -242,7 +242,10 @@ class LimitVerdict:
     def worst(self) -> int | None:
         """Index of the speed with the largest utilisation of a limit; None if there is none."""
         found = self.utilisation
-        return None if not np.isfinite(found).any() else int(np.nanargmax(found))
+        if np.isfinite(found).any() or not np.isinf(found).any():
+            return int(np.nanargmax(found)) if np.isfinite(found).any() else None
+        # Where nothing is allowed at any speed, the largest value is the worst.
+        return int(np.argmax(np.where(np.isinf(found), self.values, -np.inf)))
 
     @property
     def worst_rpm(self) -> Annotated[float | None, Out("worst speed", "rpm", digits=5)]:
@@ -266,8 +269,9 @@ class LimitVerdict:
 
     @property
     def worst_utilisation(self) -> Annotated[float | None, Out("utilisation", json="utilisation", digits=4)]:
-        """Largest utilisation of a limit over speed, without unit; None if there is none."""
-        return self._at_worst(self.utilisation)
+        """Largest utilisation of a limit over speed, without unit; None if there is none, or nothing is allowed."""
+        found = self._at_worst(self.utilisation)
+        return None if found is None or not math.isfinite(found) else found
 
     def _at_worst(self, over_speed: FloatArray) -> float | None:
         return None if self.worst is None else float(over_speed[self.worst])

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from torsionnet.base.errors import UsageError, suggestion_or
+from torsionnet.base.errors import ModelError, UsageError, suggestion_or
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.table_range import range_notes
 from torsionnet.linear.frequency_response import FloatArray
@@ -253,7 +253,8 @@ class _Examination:
             self.drivetrain, self._sensors, speeds=speeds, speed_of=self.speeds.reference, excitations=self.excitations
         )
         means, why = _means(self.loaded or self.drivetrain, self.subject, self._here, run.speeds)
-        evidence = Evidence(run, means, why, self.subject, self.known_rated or self._rated)
+        full = self.known_rated or self._full_load
+        evidence = Evidence(run, means, why, self.subject, full, self._idle)
         lines = [
             limit.known_lines(evidence) if self.loaded is None else limit.lines_in_passing(evidence)
             for limit in self.limits.values()
@@ -281,6 +282,23 @@ class _Examination:
         means, _ = _means(self.drivetrain, self.subject, self._here, np.array([rated]), all_working=True)
         return {sensor: float(values[0]) for sensor, values in means.items()}
 
+    @cached_property
+    def _idle(self) -> frozenset[Sensor]:
+        """Sensors whose mean value at rated speed is zero in this condition, as nothing drives there."""
+        return frozenset(sensor for sensor, value in self._rated.items() if not value)
+
+    @cached_property
+    def _full_load(self) -> dict[Sensor, float]:
+        """Mean value in SI units at the rated speed and full load by sensor, to which shares of a rule refer."""
+        if not self._idle or not self.drivetrain.configuration:
+            return self._rated
+        try:
+            written = self.drivetrain.as_written()
+            means = means_of(written, list(self._idle), [self.subject.rated or 0.0], all_working=True).values[0]
+        except (UsageError, ModelError):
+            return self._rated
+        return self._rated | dict(zip(self._idle, means.tolist(), strict=True))
+
     def wanted(self, found: _Examined) -> FloatArray:
         """Speeds (n,) in rad/s to add where the curves of the limits are not resolved yet."""
         lines = [line for group in found.lines for line in group if not line.why_not]
@@ -299,7 +317,9 @@ class _Examination:
             sensor: np.concatenate([values, more.evidence.means[sensor]])[order]
             for sensor, values in found.evidence.means.items()
         }
-        evidence = Evidence(run, means, found.evidence.why_no_mean, self.subject, found.evidence.rated_means)
+        evidence = Evidence(
+            run, means, found.evidence.why_no_mean, self.subject, found.evidence.rated_means, self._idle
+        )
         lines = tuple(
             tuple(merged_line(pair, order) for pair in zip(*groups, strict=True))
             for groups in zip(found.lines, more.lines, strict=True)

@@ -253,7 +253,10 @@ class LimitConclusion:
 
 
 def _use(one: LimitVerdict) -> float:
-    return -1.0 if one.worst_utilisation is None else one.worst_utilisation
+    if one.worst_utilisation is None:
+        # Nothing is allowed, which is worse than any utilisation, or nothing was judged.
+        return math.inf if one.verdict == FAIL else -1.0
+    return one.worst_utilisation
 
 
 @dataclass(frozen=True, eq=False, repr=False)
