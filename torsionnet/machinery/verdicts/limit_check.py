@@ -242,10 +242,9 @@ class LimitVerdict:
     def worst(self) -> int | None:
         """Index of the speed with the largest utilisation of a limit; None if there is none."""
         found = self.utilisation
-        if np.isfinite(found).any() or not np.isinf(found).any():
-            return int(np.nanargmax(found)) if np.isfinite(found).any() else None
-        # Where nothing is allowed at any speed, the largest value is the worst.
-        return int(np.argmax(np.where(np.isinf(found), self.values, -np.inf)))
+        if not np.isfinite(found).any() and np.isinf(found).any():
+            found = np.where(np.isinf(found), self.values, np.nan)  # the largest value, as nothing is allowed
+        return int(np.nanargmax(found)) if np.isfinite(found).any() else None
 
     @property
     def worst_rpm(self) -> Annotated[float | None, Out("worst speed", "rpm", digits=5)]:
@@ -271,7 +270,7 @@ class LimitVerdict:
     def worst_utilisation(self) -> Annotated[float | None, Out("utilisation", json="utilisation", digits=4)]:
         """Largest utilisation of a limit over speed, without unit; None if there is none, or nothing is allowed."""
         found = self._at_worst(self.utilisation)
-        return None if found is None or not math.isfinite(found) else found
+        return found if math.isfinite(found or 0.0) else None
 
     def _at_worst(self, over_speed: FloatArray) -> float | None:
         return None if self.worst is None else float(over_speed[self.worst])
@@ -542,11 +541,8 @@ class LimitCheck(NotebookResult):
         elif self.barred:
             template = "to be barred: {speeds}" if failed else "limits hold with {speeds} barred{where}"
             parts.append(phrase(template, speeds=self.restriction, where=where))
-        parts += (
-            [phrase("{limit} not judged{where}", limit=", ".join(unjudged), where="" if parts else where)]
-            if unjudged
-            else []
-        )
+        if unjudged:
+            parts.append(phrase("{limit} not judged{where}", limit=", ".join(unjudged), where="" if parts else where))
         if parts:
             return joined("; ", parts)
         template = ALL_EXAMINED_HOLD if self.left_out else ALL_HOLD

@@ -317,9 +317,7 @@ class _Examination:
             sensor: np.concatenate([values, more.evidence.means[sensor]])[order]
             for sensor, values in found.evidence.means.items()
         }
-        evidence = Evidence(
-            run, means, found.evidence.why_no_mean, self.subject, found.evidence.rated_means, self._idle
-        )
+        evidence = replace(found.evidence, run=run, means=means)
         lines = tuple(
             tuple(merged_line(pair, order) for pair in zip(*groups, strict=True))
             for groups in zip(found.lines, more.lines, strict=True)
