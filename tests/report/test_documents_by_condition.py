@@ -153,6 +153,20 @@ class TestPassage:
         assert note.startswith("Not to be run as it is: tail not kept; ")
 
 
+def test_a_range_below_one_with_rated_speed_in_it_is_still_passed():
+    """Order 5 has its peak at 103 rpm and is too large up to rated speed; that of order 8 at 64 rpm is passed."""
+    text = TANKER.replace("{8: {amplitude: 10 kN*m}}}", "{8: {amplitude: 7 kN*m}, 5: {amplitude: 30 kN*m}}}")
+    check = tn.loads(text).configured(FULL).check_limits("flange")
+    (one,) = check.verdicts
+    assert one.verdict == "fail"
+    (barred,), (refused,) = one.barred, one.refused
+    assert barred.high < refused.low < 110 * RPM < refused.high
+    assert check.highest == refused.low
+    below, above_it = operating_instructions([check])
+    assert below.action == "pass without stopping"
+    assert above_it.action == f"not to be run or passed: not above {above_it.from_rpm} rpm"
+
+
 class TestDocument:
     """All tables tell the same of a condition, and call it by its title."""
 

@@ -224,7 +224,7 @@ class Limit(Declared):
         kept = [evidence.subject.rated, float(evidence.speeds[-1])]
         lost = [span for span, barred in zip(above, wide, strict=True) if barred.marks_any(kept)]
         if lost and not evidence.subject.misfiring:
-            others = joined_spans([span for span in wide if not span.holds_any(kept)])
+            others = joined_spans([span for span in wide if not span.marks_any(kept)])
             text = f"exceeded from {lost[0]}: no range to be barred"
             return self._verdict(line, name, evidence, FAIL, others, (text,))
         barred = joined_spans(wide)
