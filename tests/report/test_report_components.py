@@ -70,16 +70,33 @@ def test_worst_values_are_those_of_the_api(ship):
         one = check.of(row[0], criterion)
         scale = 1e-3 if one.unit == "N*m" else 1e-6
         expected = [one.values[one.worst] * scale, one.allowed[one.worst] * scale]
-        assert [float(cell) for cell in row[2:4]] == pytest.approx(expected, rel=1e-3)
-        assert float(row[5]) == pytest.approx(100 * one.utilisation[one.worst], rel=5e-3)
-        assert float(row[6]) == pytest.approx(check.rpm[one.worst], abs=0.06)
+        assert [float(cell) for cell in row[6:8]] == pytest.approx(expected, rel=1e-3)
+        assert float(row[8]) == pytest.approx(100 * one.utilisation[one.worst], rel=5e-3)
+        assert float(row[9]) == pytest.approx(check.rpm[one.worst], abs=0.06)
+
+
+def test_rated_speed_in_the_normal_condition(ship):
+    """Stress of the shafts at 105 rpm from the order response, tau_C there by hand; tau_T ends at lambda = 0.8."""
+    rig = tn.load("two_stroke_ship").configured("normal")
+    run = rig.order_response(["torque(intermediate)", "torque(tail)"], speeds=[105 * math.pi / 30])
+    (table,) = tables(ship, "Components")
+    found = {(row[0], row[1].split()[-1]): row[3:6] for row in rows(table)}
+    for place, name in enumerate(("intermediate", "tail")):
+        d, _, _, rated, *_ = by_hand(name)
+        stress = 16 * run.half_range[0, place] / (math.pi * (d / 1e3) ** 3) / 1e6
+        value, allowed, used = map(float, found[name, "operation"])
+        assert (value, allowed) == pytest.approx((stress, rated), rel=1e-3)
+        assert used == pytest.approx(100 * value / allowed, rel=5e-3)
+        assert found[name, "passage"][1:] == ("–", "–")
 
 
 def test_every_throw_and_what_is_not_covered(ship):
     (table,) = tables(ship, "by throw")
     rig = tn.load("two_stroke_ship").configured("normal")
     run = rig.order_response([f"torque(crank{number})" for number in range(1, 6)])
-    assert [float(row[2]) for row in rows(table)] == pytest.approx(run.half_range.max(axis=0) / 1e3, rel=5e-3)
+    assert [float(row[3]) for row in rows(table)] == pytest.approx(run.half_range.max(axis=0) / 1e3, rel=5e-3)
+    rated = rig.order_response(run.outputs[0].name, speeds=[105 * math.pi / 30])
+    assert float(rows(table)[0][2]) == pytest.approx(rated.half_range[0, 0] / 1e3, rel=1e-3)
     assert [row[0] for row in rows(table)] == [f"crank{number}" for number in range(1, 6)]
     assert "UR M53 is not covered" in str(of(Paragraph, blocks(ship, "components"))[-2].text)
     assert "maker of the engine" in str(of(Listing, blocks(ship, "components"))[0].items)
@@ -147,10 +164,10 @@ def test_generator_coupling_and_damper():
     )
     (table,) = tables(report, "Components")
     found = {row[1]: row for row in rows(table)}
-    electrical, mechanical = (float(found[name][2]) for name in ("Electrical angle", "The same angle, mechanical"))
+    electrical, mechanical = (float(found[name][6]) for name in ("Electrical angle", "The same angle, mechanical"))
     assert electrical == pytest.approx(4 * mechanical, rel=1e-3)
-    assert found["Electrical angle"][4] == "deg"
-    assert float(found["Power loss per area, 0.9 m²"][3]) == 9
+    assert found["Electrical angle"][2] == "deg"
+    assert float(found["Power loss per area, 0.9 m²"][7]) == 9
     assert any("by balance of heat at most" in name for name in found)
     assert not tables(report, "IACS UR M68")
 
@@ -161,7 +178,7 @@ def test_gears_reverse_where_vibration_exceeds_the_mean():
     (table,) = tables(report, "Components")
     row = next(row for row in rows(table) if "reversal" in row[1])
     check = tn.load("reciprocating_compressor_train").configured("full").check_limits("teeth").of("teeth", "hammer")
-    assert float(row[5]) == pytest.approx(100 * np.nanmax(check.utilisation), rel=5e-3)
+    assert float(row[8]) == pytest.approx(100 * np.nanmax(check.utilisation), rel=5e-3)
 
 
 def test_no_limits_no_section():

@@ -12,6 +12,7 @@ from torsionnet.machinery.limits import Limit
 from torsionnet.machinery.limits.coupling import DamperLimit
 from torsionnet.machinery.limits.curve import CurveLimit
 from torsionnet.machinery.limits.machine_angle import MachineAngleLimit
+from torsionnet.machinery.verdicts.condition_peaks import ConditionPeaks
 from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion, WorstLimit
 from torsionnet.machinery.verdicts.rule_factors import RuleSymbol, RuleWords
 from torsionnet.model.channels import named_sensor
@@ -52,7 +53,7 @@ CRITERIA: dict[str, RuleWords] = {
 
 @dataclass(frozen=True)
 class ComponentUse:
-    """Value of a component beside the value allowed, in units of engineers, at the worst speed and condition.
+    """Value of a component beside the value allowed, in units of engineers, at rated speed and at its worst.
 
     Attributes
     ----------
@@ -63,8 +64,10 @@ class ComponentUse:
     what : tuple of str and RuleSymbol
         What is compared.
     value, allowed : float or None
-        None where it was not judged.
+        At the worst speed and condition; None where it was not judged.
     unit : str
+    rated_value, rated_allowed : float or None
+        At rated speed in the normal condition; None where that was not judged, NaN where no value is allowed there.
     """
 
     group: str
@@ -73,20 +76,40 @@ class ComponentUse:
     value: float | None = None
     allowed: float | None = None
     unit: str = ""
+    rated_value: float | None = None
+    rated_allowed: float | None = None
+
+    @property
+    def rated_utilisation(self) -> float | None:
+        """Ratio of value to allowed value at rated speed in the normal condition, None where there is none."""
+        return self.rated_value / self.rated_allowed if self.rated_value is not None and self.rated_allowed else None
+
+    def scaled(self, scale: float, unit: str) -> ComponentUse:
+        """Use of the component with all values times a factor, in another unit."""
+        values = (self.value, self.allowed, self.rated_value, self.rated_allowed)
+        names = ("value", "allowed", "rated_value", "rated_allowed")
+        changed = {name: one * scale for name, one in zip(names, values, strict=True) if one is not None}
+        return replace(self, unit=unit, **changed)
 
 
-def component_uses(found: LimitConclusion, model: Definition, conventions: Conventions) -> tuple[ComponentUse, ...]:
-    """Criteria of all limits of a model, each at its worst, in the order of ``GROUPS``.
+def component_uses(
+    found: LimitConclusion, model: Definition, conventions: Conventions, normal: ConditionPeaks | None = None
+) -> tuple[ComponentUse, ...]:
+    """Criteria of all limits of a model, each at its worst and at rated speed, in the order of ``GROUPS``.
+
+    ``normal`` has the limits of the normal condition at rated speed.
 
     Heat of dampers is given per cooling area where its limit is, the angle of generators also in mechanical degrees.
     """
     order = {name: place for place, name in enumerate(model.limits)}
     worst = sorted(found.worst(), key=lambda one: order[one.verdict.limit])
-    uses = [use for one in worst for use in _uses(one, model, conventions)]
+    uses = [use for one in worst for use in _uses(one, model, conventions, normal)]
     return tuple(sorted(uses, key=lambda use: list(GROUPS).index(use.group)))
 
 
-def _uses(worst: WorstLimit, model: Definition, conventions: Conventions) -> Iterator[ComponentUse]:
+def _uses(
+    worst: WorstLimit, model: Definition, conventions: Conventions, normal: ConditionPeaks | None
+) -> Iterator[ComponentUse]:
     verdict, at = worst.verdict, worst.verdict.worst
     limit = model.limits[verdict.limit].fitted(model.elements)
     what = CRITERIA.get(verdict.criterion, (f"{verdict.quantity}, {verdict.criterion}",))
@@ -94,19 +117,25 @@ def _uses(worst: WorstLimit, model: Definition, conventions: Conventions) -> Ite
     if at is None:
         yield use
         return
-    value, allowed, si_unit = float(verdict.values[at]), float(verdict.allowed[at]), verdict.unit
-    if isinstance(limit, DamperLimit) and si_unit == "W" and limit.power_per_area is not None:
+    use = replace(use, value=float(verdict.values[at]), allowed=float(verdict.allowed[at]))
+    if normal is not None and normal.rated is not None:
+        named = verdict.limit, verdict.criterion
+        own = (one for one in normal.points.verdicts if (one.limit, one.criterion) == named)
+        rated = next((one for one in own if len(one.values)), None)
+        if rated is not None:
+            there = float(rated.values[normal.rated]), float(rated.allowed[normal.rated])
+            use = replace(use, rated_value=there[0], rated_allowed=there[1])
+    if isinstance(limit, DamperLimit) and verdict.unit == "W" and limit.power_per_area is not None:
         area = not_none(limit.area)
-        use = replace(use, what=(f"power loss per area, {area:g} m²",))
-        value, allowed, si_unit = value / area, allowed / area, "W/m^2"
-    scale, shown = engineering_unit(si_unit, conventions)
-    if isinstance(limit, MachineAngleLimit):
+        scale, shown = engineering_unit("W/m^2", conventions)
+        yield replace(use, what=(f"power loss per area, {area:g} m²",)).scaled(scale / area, shown)
+    elif isinstance(limit, MachineAngleLimit):
         # The angle of a generator is electrical first; divided by its pole pairs it is that of the shaft.
-        scale, shown = Conventions(angle="deg").scale(si_unit), "deg"
-        yield replace(use, value=value * scale, allowed=allowed * scale, unit=shown)
-        scale /= limit.pole_pairs
-        use = replace(use, what=("the same angle, mechanical",))
-    yield replace(use, value=value * scale, allowed=allowed * scale, unit=shown)
+        scale = Conventions(angle="deg").scale(verdict.unit)
+        yield use.scaled(scale, "deg")
+        yield replace(use, what=("the same angle, mechanical",)).scaled(scale / limit.pole_pairs, "deg")
+    else:
+        yield use.scaled(*engineering_unit(verdict.unit, conventions))
 
 
 def throws(model: Definition) -> tuple[str, ...]:

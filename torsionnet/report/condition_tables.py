@@ -89,7 +89,7 @@ def normal_criticals(subject: ReportData) -> TableBlock | Paragraph:
         )
         groups.append(Group(tuple(_normal_row(subject, case, *pair) for pair in _with_sums(records)), title))
     caption = phrase("Critical speeds in normal operation{where}", where=_where(case))
-    return _without_empty(TableBlock((caption,), columns, tuple(groups), tuple(_notes(subject, peaks, shown))))
+    return without_empty(TableBlock((caption,), columns, tuple(groups), tuple(_notes(subject, peaks, shown))))
 
 
 def _with_sums(records: Sequence[CriticalRecord]) -> Iterator[tuple[CriticalRecord, SummedOrder | None]]:
@@ -157,7 +157,7 @@ def further_criticals(subject: ReportData) -> TableBlock | None:
     usual = [as_words(one.name) for one in first if one in worst and _matters(one)]
     rest = phrase("Normal operation is the worst of all conditions at {names}.", names=first_names(usual))
     notes = ((rule,), *([(rest,)] if usual else []))
-    return _without_empty(TableBlock(("Critical speeds in further conditions",), columns, tuple(groups), notes))
+    return without_empty(TableBlock(("Critical speeds in further conditions",), columns, tuple(groups), notes))
 
 
 def _worst(records: Iterator[CriticalRecord]) -> list[CriticalRecord]:
@@ -321,7 +321,7 @@ def _where(case: Case) -> str:
     return f", {case.title}" if case.title else ""
 
 
-def _without_empty(block: TableBlock) -> TableBlock:
+def without_empty(block: TableBlock) -> TableBlock:
     """Table without the columns in which no row has anything."""
     rows = [row for group in block.groups for row in group.rows]
     used = [place for place, _ in enumerate(block.columns) if any(map(_is_given, (row[place] for row in rows)))]
@@ -330,7 +330,9 @@ def _without_empty(block: TableBlock) -> TableBlock:
 
 
 def _is_given(cell: Cell) -> bool:
-    return math.isfinite(not_none(cell.value)) if isinstance(cell, NumberText) else cell not in ("", ())
+    return (
+        cell.value is not None and math.isfinite(cell.value) if isinstance(cell, NumberText) else cell not in ("", ())
+    )
 
 
 # Tables of the peaks of the sum of all orders, by component.
@@ -360,7 +362,7 @@ def normal_response(subject: ReportData) -> TableBlock | None:
         return None
     where = _where(subject.normal_case)
     caption = phrase("Components in normal operation{where}", where=where)
-    return _without_empty(TableBlock((caption,), columns, (Group(tuple(rows)),), ((SUM_NOTE,),)))
+    return without_empty(TableBlock((caption,), columns, (Group(tuple(rows)),), ((SUM_NOTE,),)))
 
 
 def further_response(subject: ReportData) -> TableBlock | None:
@@ -393,7 +395,7 @@ def further_response(subject: ReportData) -> TableBlock | None:
         same=100 * SAME_VALUE,
     )
     caption = ("Peaks of the sum of all orders in further conditions",)
-    return _without_empty(TableBlock(caption, columns, tuple(groups), ((rule,),))) if groups else None
+    return without_empty(TableBlock(caption, columns, tuple(groups), ((rule,),))) if groups else None
 
 
 def _by_component(peaks: ConditionPeaks) -> Iterator[tuple[LimitVerdict, list[SumPeak]]]:

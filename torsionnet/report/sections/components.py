@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from torsionnet.base.entries.spec import not_none
 from torsionnet.base.number_text import aligned_numbers
 from torsionnet.base.phrases import phrase
 from torsionnet.machinery.limits.coupling import temperature_words
@@ -15,6 +16,7 @@ from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion, Wors
 from torsionnet.machinery.verdicts.rule_factors import RuleFactor, RuleSymbol, RuleWords
 from torsionnet.model.channels import Sensor
 from torsionnet.report.component_uses import GROUPS, ComponentUse, component_uses, throws
+from torsionnet.report.condition_tables import condition_cell, without_empty
 from torsionnet.report.document_tree import (
     Block,
     Cell,
@@ -73,7 +75,7 @@ def components_section(subject: ReportData) -> Section | None:
     found = subject.limit_conclusion
     if found is None:
         return None
-    uses = component_uses(found, subject.model.definition, subject.conventions)
+    uses = component_uses(found, subject.model.definition, subject.conventions, subject.normal_peaks)
     blocks: list[Block] = [*_m68_shafts(subject, found), _all_components(subject, found, uses)]
     if any(use.group == "crankshaft" for use in uses):
         blocks += [*_throws(subject, uses), Paragraph((NO_M53,))]
@@ -170,14 +172,17 @@ def _latex(symbol: RuleSymbol) -> str:
 
 
 def _all_components(subject: ReportData, found: LimitConclusion, uses: Sequence[ComponentUse]) -> TableBlock:
-    """Table of all components, a group for each kind, with value, allowed value and worst condition."""
+    """Table of all components by kind, with values at rated speed in the normal condition and in the worst one."""
     sources = {name: number for number, names in enumerate(_numbered(found).values(), 1) for name in names}
     columns = (
         Heading("Component"),
         Heading("What is compared", wide=True),
-        Heading("Value", numeric=True),
-        Heading("Allowed", numeric=True),
         Heading("Unit"),
+        Heading("At rated", numeric=True),
+        Heading("Allowed at rated", numeric=True),
+        Heading("Used at rated", "%", numeric=True),
+        Heading("Worst", numeric=True),
+        Heading("Allowed", numeric=True),
         Heading("Used", "%", numeric=True),
         Heading("Speed", "rpm", numeric=True),
         Heading("Worst condition"),
@@ -193,8 +198,10 @@ def _all_components(subject: ReportData, found: LimitConclusion, uses: Sequence[
                 for use, speed in zip(those, speeds, strict=True)
             ]
             groups.append(TableGroup(tuple(rows), capital(group)))
-    caption = "Components: value against what is permitted, in the worst condition"
-    return TableBlock((caption,), columns, tuple(groups))
+    normal = subject.normal_case
+    where = f", {normal.title}," if normal.title else ""
+    caption = phrase("Components at rated speed in normal operation{where} and in their worst condition", where=where)
+    return without_empty(TableBlock((caption,), columns, tuple(groups)))
 
 
 def _cells(subject: ReportData, use: ComponentUse, speed: NumberText, source: str) -> tuple[Cell, ...]:
@@ -206,44 +213,49 @@ def _cells(subject: ReportData, use: ComponentUse, speed: NumberText, source: st
         case = as_words(verdict.case)
         remark = "" if verdict.steady_temperature is None else temperature_words(verdict.steady_temperature)
     what: RuleWords = (*_capital(use.what), *([f"; {remark}"] if remark else []))
-    used = "" if worst.utilisation is None else NumberText(100 * worst.utilisation, 3)
-    numbers = (NumberText(use.value), NumberText(use.allowed), unit(use.unit) if use.unit else "")
-    # Of a misfire the case says more: misfire of cylinder 4.
-    chosen = subject.titles.of(worst.check.configuration).split(", ")
-    lead = ", ".join(title for title in chosen if not title or not case.startswith(title))
-    condition = ": ".join(text for text in (lead, case) if text)
-    return (as_words(verdict.limit), _typeset(what), *numbers, used, speed, condition, source)
+    sizes = ((use.rated_value, use.rated_allowed, use.rated_utilisation), (use.value, use.allowed, worst.utilisation))
+    numbers = (
+        cell
+        for value, allowed, share in sizes
+        for cell in (NumberText(value), NumberText(allowed), NumberText(None if share is None else 100 * share, 3))
+    )
+    shown = unit(use.unit) if use.unit else ""
+    condition = condition_cell(subject, worst.check, case)
+    return (as_words(verdict.limit), _typeset(what), shown, *numbers, speed, condition, source)
 
 
 def _throws(subject: ReportData, uses: Sequence[ComponentUse]) -> Iterator[Block]:
-    """Table of the largest vibratory torque in every throw, in the condition in which the crankshaft is used most."""
+    """Table of the vibratory torque in every throw, in normal operation and where the crankshaft is used most."""
     crankshaft = [use for use in uses if use.group == "crankshaft"]
     use = max(crankshaft, key=lambda use: use.worst.utilisation or 0.0)
-    case = next(one for one in subject.judged_cases if one.configuration == use.worst.check.configuration)
-    elements = throws(case.drivetrain.definition)
+    normal, worst = subject.normal_case, subject.judged_case(use.worst.check)
+    elements = throws(worst.drivetrain.definition)
     if not elements:
         return
-    run = case.drivetrain.order_response([Sensor("torque", name) for name in elements], refine=True)
-    places = run.half_range.argmax(axis=0)
-    sizes = run.half_range.max(axis=0)
     scale, shown = engineering_unit("N*m", subject.conventions)
-    columns = (
-        Heading("Throw"),
-        Heading("Between"),
-        Heading("Largest half range", unit(shown), numeric=True),
-        Heading("Speed", "rpm", numeric=True),
-    )
-    between = [
-        " – ".join(as_words(node) for node in case.drivetrain.definition.elements[name].ports.values())
-        for name in elements
-    ]
+    sensors = [Sensor("torque", name) for name in elements]
+    columns = [Heading("Throw"), Heading("Between")]
+    ports = worst.drivetrain.definition.elements
     cells: list[list[Cell]] = [
         [as_words(name) for name in elements],
-        [*between],
-        list(aligned_numbers([float(size) * scale for size in sizes])),
-        list(aligned_numbers([float(run.rpm[at]) for at in places], 3)),
+        [" – ".join(as_words(node) for node in ports[name].ports.values()) for name in elements],
     ]
-    where = phrase(" in condition {name}", name=case.title) if case.configuration else ""
+    peaks = not_none(subject.normal_peaks)
+    if peaks.rated is not None and throws(normal.drivetrain.definition) == elements:
+        run = normal.drivetrain.order_response(sensors, speeds=peaks.points.speeds[[peaks.rated]])
+        columns.append(Heading("At rated speed, normal", unit(shown), numeric=True))
+        cells.append([*aligned_numbers([float(size) * scale for size in run.half_range[0]])])
+    run = worst.drivetrain.order_response(sensors, refine=True)
+    sizes = run.half_range.max(axis=0)
+    columns += [
+        Heading("Largest half range", unit(shown), numeric=True),
+        Heading("Speed", "rpm", numeric=True),
+    ]
+    cells += [
+        [*aligned_numbers([float(size) * scale for size in sizes])],
+        [*aligned_numbers([float(run.rpm[at]) for at in run.half_range.argmax(axis=0)], 3)],
+    ]
+    where = phrase(", largest in condition {name}", name=worst.title) if worst.configuration else ""
     most = as_words(elements[int(np.argmax(sizes))])
     compared = as_words(use.worst.verdict.of)
     beyond = use.value is not None and float(sizes.max()) * scale > (1 + SAME_TORQUE) * use.value
