@@ -8,7 +8,7 @@ import pytest
 import torsionnet as tn
 from torsionnet.base.units import RPM
 from torsionnet.machinery.verdicts.operating_instructions import operating_instructions, passed_ranges
-from torsionnet.machinery.verdicts.range_passage import range_passages
+from torsionnet.machinery.verdicts.range_passage import passage_table, range_passages
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import Paragraph, Picture, TableBlock, inlines
 from torsionnet.report.plan import ReportPlan
@@ -122,3 +122,44 @@ def test_a_passing_time_that_is_none():
             .to_yaml()
             .replace("tachometer_tolerance:", "passing_time: -3 s\n    tachometer_tolerance:")
         )
+
+
+COUPLED = """
+torsionnet: 1
+name: set
+elements:
+  engine: {{type: inertia, node: a, inertia: 2}}
+  rotor: {{type: inertia, node: b, inertia: 1}}
+  rubber: {{{law}, nodes: [a, b]}}
+speeds: {{of: a, range: 400..700 rpm, step: 5 rpm}}
+load: {{absorbed_at: b, driven_by: {{a: 100 %}}, torque: 80 N*m, rated: 600 rpm, torque_exponent: 0}}
+excitations: {{pulses: {{type: harmonic, node: b, orders: {{2: {{amplitude: 10}}}}}}}}
+limits: {{rubber: {{rule: coupling, element: rubber, T_KW: 100 N*m, T_Kmax: 300 N*m}}}}
+"""
+VISCOUS = "type: spring, stiffness: 10 kN*m/rad, damping: 2"
+HYSTERETIC = "type: hysteretic_spring, stiffness: 10 kN*m/rad, loss_factor: 0.03"
+
+
+class TestMaximumTorque:
+    def test_mean_and_vibration_are_judged_along_the_passage(self):
+        """The mean torque is 80 N m at all speeds; the rest is the half range of the same passage."""
+        plant = tn.loads(COUPLED.format(law=VISCOUS))
+        (barred,) = passed_ranges([plant.check_limits()])
+        found = range_passages(plant, barred, [2.0])
+        vibratory, total = ([one for one in found if one.verdict.criterion == name] for name in ("T_KW", "T_Kmax"))
+        mean = 80
+        for one, other in zip(total, vibratory, strict=True):
+            assert one.largest == pytest.approx(mean + other.largest, rel=1e-6)
+            assert (one.in_passing, one.allowed_there, one.cycles) == (300.0, None, None)
+            assert one.outcome == ("exceeded" if one.largest > 300 else "kept")
+        assert [row[0] for row in passage_table(found).rows] == ["rubber", "rubber T_Kmax"] * 2
+
+    def test_hysteretic_couplings_keep_their_steady_value(self):
+        plant = tn.loads(COUPLED.format(law=HYSTERETIC))
+        check = plant.check_limits()
+        (barred,) = passed_ranges([check])
+        found = range_passages(plant, barred, [2.0])
+        assert {one.verdict.criterion for one in found} == {"T_KW"}
+        row = passage_table(found, barred=barred).rows[-1]
+        assert row[:2] == ("rubber T_Kmax", "steady")
+        assert row[5] == pytest.approx(check.of("rubber", "T_Kmax").worst_value, rel=1e-9)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Annotated, ClassVar
 
@@ -16,12 +16,16 @@ from torsionnet.base.table import Table, result_table
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.checks.limit_checks import limit_subject
-from torsionnet.machinery.passage.passage_response import PassagePeak, PassageResponse
+from torsionnet.machinery.mean.mean_solution import means_of
+from torsionnet.machinery.passage.passage_response import PassageResponse
 from torsionnet.machinery.passage.passage_solution import passage_response
 from torsionnet.machinery.verdicts.limit_check import LimitCheck, LimitVerdict
 from torsionnet.machinery.verdicts.operating_instructions import PassedRange
 from torsionnet.machinery.verdicts.speed_spans import SpeedSpan
+from torsionnet.model.channels import Sensor
 
+TOTALS = ("T_Kmax", "twist", "tau_F")
+"""Criteria of limits on the mean value and vibration together, which hold while a speed is passed."""
 KEPT, EXCEEDED, NOT_LIMITED = "kept", "exceeded", "no limit"
 """Words for the outcome of a passage, limit in passing kept, limit in passing exceeded, no such limit; the last where
 the rule has none."""
@@ -35,7 +39,7 @@ class RangePassage:
     ----------
     check : LimitCheck
     verdict : LimitVerdict
-        The limit that bars the range.
+        The limit that bars the range, or one on mean and vibration together that holds in passing.
     low, high : float
         Ends of the range, rad/s.
     seconds : float
@@ -46,10 +50,12 @@ class RangePassage:
         Names of those of this limit.
     factor : float
         Value of the limit over the reading of a sensor, both in SI.
+    mean : (n_speeds,) array, optional
+        Size of the mean part of the value at the speeds of the check, in SI; None where vibration alone is judged.
     """
 
     SHOWN: ClassVar = (
-        "verdict.limit", "direction", "seconds", "rpm", "largest", "steady", "allowed_there", "in_passing", "unit",
+        "named", "direction", "seconds", "rpm", "largest", "steady", "allowed_there", "in_passing", "unit",
         "cycles", "seconds_above", "outcome",
     )  # fmt: skip
 
@@ -61,11 +67,17 @@ class RangePassage:
     response: PassageResponse
     sensors: tuple[str, ...]
     factor: float
+    mean: FloatArray | None = None
 
     @property
     def unit(self) -> Annotated[str, Out("unit", unit_of="unit")]:
         """SI unit of the value that the limit judges."""
         return self.verdict.unit
+
+    @property
+    def named(self) -> Annotated[str, Out("limit")]:
+        """Name of the limit, with its criterion where that is one on mean and vibration together."""
+        return f"{self.verdict.limit} {self.verdict.criterion}" if self.verdict.in_passing else self.verdict.limit
 
     @property
     def is_upward(self) -> bool:
@@ -88,7 +100,12 @@ class RangePassage:
 
     @property
     def allowed(self) -> FloatArray:
-        """Value that the limit allows in continuous operation, in SI, at each time of the passage, shape (n_t,)."""
+        """Value that the limit allows in continuous operation, in SI, at each time of the passage, shape (n_t,).
+
+        NaN where the limit holds in passing as well and says none.
+        """
+        if self.verdict.in_passing:
+            return np.full(len(self.response.times), math.nan)
         return self._at_speeds(self.verdict.allowed)
 
     @property
@@ -121,18 +138,29 @@ class RangePassage:
         return np.interp(self.response.speeds, self.check.speeds, over_speed)
 
     @cached_property
-    def _peak(self) -> PassagePeak:
-        return self.response.peak(self.output)
+    def _envelope(self) -> tuple[FloatArray, FloatArray]:
+        """Times in s, and the value that the limit judges at each, in its SI unit, both (n,)."""
+        times, sizes = self.response.envelope(self.output)
+        values = self.factor * sizes
+        if self.mean is not None:
+            # |T_mean| + T_v: the mean torque is that of steady operation at the speed of each time.
+            values = values + np.interp(times, self.response.times, self._at_speeds(self.mean))
+        return times, values
+
+    @cached_property
+    def _worst_time(self) -> float:
+        times, values = self._envelope
+        return float(times[np.argmax(values)])
 
     @property
     def rpm(self) -> Annotated[float, Out("speed", "rpm", digits=4)]:
         """Speed in rpm at which the value is largest along the passage."""
-        return self._peak.rpm
+        return float(np.interp(self._worst_time, self.response.times, self.response.rpm))
 
     @property
     def largest(self) -> Annotated[float, Out("largest value", digits=4, unit_of="unit")]:
-        """Largest half range that the limit judges along the passage, in its SI unit."""
-        return self.factor * self._peak.half_range
+        """Largest value that the limit judges along the passage, in its SI unit: a half range, or with its mean."""
+        return float(self._envelope[1].max())
 
     @property
     def steady(self) -> Annotated[float, Out("steady", digits=4, unit_of="unit")]:
@@ -141,25 +169,35 @@ class RangePassage:
         return float(self.verdict.values[inside].max(initial=0.0))
 
     @property
-    def allowed_there(self) -> Annotated[float, Out("allowed", digits=4, unit_of="unit")]:
-        """Value in SI that the limit allows in continuous operation where the passage has its largest value."""
-        return float(np.interp(self._peak.time, self.response.times, self.allowed))
+    def allowed_there(self) -> Annotated[float | None, Out("allowed", digits=4, unit_of="unit")]:
+        """Value in SI that the limit allows in continuous operation where the passage has its largest value.
+
+        None where the limit says none.
+        """
+        return self._there(self.allowed)
 
     @property
     def in_passing(self) -> Annotated[float | None, Out("in passing", digits=4, unit_of="unit")]:
         """Value in SI that the limit allows in passing there; None where the limit says none."""
-        found = float(np.interp(self._peak.time, self.response.times, self.allowed_in_passing))
+        return self._there(self.allowed_in_passing)
+
+    def _there(self, over_time: FloatArray) -> float | None:
+        found = float(np.interp(self._worst_time, self.response.times, over_time))
         return found if math.isfinite(found) else None
 
     @property
-    def cycles(self) -> Annotated[float, Out("cycles above allowed")]:
-        """Number of cycles of vibration above the value allowed in continuous operation."""
+    def cycles(self) -> Annotated[float | None, Out("cycles above allowed")]:
+        """Number of cycles of vibration above the value allowed in continuous operation; None where none is."""
+        if self.verdict.in_passing:
+            return None
         # The response counts cycles in the unit of its sensor.
         return self.response.cycles_above(self.allowed / self.factor, self.output)
 
     @property
-    def seconds_above(self) -> Annotated[float, Out("time above", "s", digits=3)]:
-        """Time in s in which the half range is above the value allowed in continuous operation."""
+    def seconds_above(self) -> Annotated[float | None, Out("time above", "s", digits=3)]:
+        """Time in s in which the half range is above the value allowed in continuous operation; None where none is."""
+        if self.verdict.in_passing:
+            return None
         return self.response.seconds_above(self.allowed / self.factor, self.output)
 
     @property
@@ -167,14 +205,35 @@ class RangePassage:
         """Outcome of the passage, whether the limit in passing is kept, or that there is none."""
         if self.in_passing is None:
             return NOT_LIMITED
-        times, sizes = self.response.envelope(self.output)
-        over = self.factor * sizes > np.interp(times, self.response.times, self.allowed_in_passing)
+        times, values = self._envelope
+        over = values > np.interp(times, self.response.times, self.allowed_in_passing)
         return EXCEEDED if over.any() else KEPT
 
 
-def passage_table(passages: Sequence[RangePassage], conventions: Conventions = SI) -> Table:
-    """Table of passages of one barred range with a row for each time and direction, in the units shown."""
-    return result_table("passage of a barred range", passages, RangePassage, conventions=conventions)
+def passage_table(
+    passages: Sequence[RangePassage], conventions: Conventions = SI, barred: PassedRange | None = None
+) -> Table:
+    """Table of passages of one barred range with a row for each time and direction, in the units shown.
+
+    Limits of ``barred`` on mean and vibration together that are in no passage have a row with their steady value.
+    """
+    found = result_table("passage of a barred range", passages, RangePassage, conventions=conventions)
+    judged = [one.verdict for one in passages]
+    steady = [one for one in totals_in_passing(barred) if one not in judged] if barred else []
+    return replace(found, rows=(*found.rows, *(_steady_row(barred, one, conventions) for one in steady if barred)))
+
+
+def _steady_row(barred: PassedRange, verdict: LimitVerdict, conventions: Conventions) -> tuple[object, ...]:
+    """Row of a limit whose steady value is the largest that is known while a range is passed."""
+    speeds = barred.check.speeds
+    inside = (speeds >= barred.span.low) & (speeds <= barred.span.high)
+    at = int(np.argmax(np.where(inside, verdict.utilisation, -1.0)))
+    scale = conventions.scale(verdict.unit)
+    value, allowed = (float(values[at]) for values in (verdict.values, verdict.allowed))
+    return (
+        f"{verdict.limit} {verdict.criterion}", "steady", None, float(barred.check.rpm[at]), None, value * scale, None,
+        allowed * scale, conventions.unit(verdict.unit), None, None, EXCEEDED if value > allowed else KEPT,
+    )  # fmt: skip
 
 
 # Passages of a barred range of speeds, from the response to all orders along speeds that run evenly through it.
@@ -189,7 +248,8 @@ def range_passages(
 ) -> tuple[RangePassage, ...]:
     """Passages of a barred range up and down in given times in s, judged by each barring limit.
 
-    Speeds run evenly, and begin and end a quarter of the range outside of it, as far as speeds are examined there.
+    Limits on mean and vibration together, as T_Kmax of couplings, hold in passing and judge them, too. Speeds run
+    evenly, and begin and end a quarter of the range outside of it, as far as speeds are examined there.
     Empty where no limit judges a vibratory value, as those of heat.
 
     Parameters
@@ -202,12 +262,21 @@ def range_passages(
     """
     check = barred.check
     subject = limit_subject(drivetrain.definition, drivetrain.exact_values)
-    judged = []
-    for verdict in barred.verdicts:
+    judged: list[tuple[LimitVerdict, list[Sensor], float, FloatArray | None]] = []
+    # Springs and dampers in place of hysteretic laws are equal to these at the resonance of the barring limit alone:
+    # there a coupling of another resonance keeps the steady value.
+    totals = () if drivetrain.assembly.system.dynamic else totals_in_passing(barred)
+    for verdict in (*barred.verdicts, *totals):
         limit = drivetrain.definition.limits[verdict.limit].fitted(drivetrain.definition.elements)
-        found = limit.vibratory_sensors(verdict.criterion, subject)
-        judged += [] if found is None else [(verdict, *found)]
-    sensors = list(dict.fromkeys(sensor for _, those, _ in judged for sensor in those))
+        asked = limit.passing_sensors if verdict.in_passing else limit.vibratory_sensors
+        found = asked(verdict.criterion, subject)
+        if found is not None:
+            mean = None
+            if verdict.in_passing:
+                values = means_of(drivetrain, found[0][0], check.speeds).values[:, 0]
+                mean = np.asarray(found[1] * np.abs(values))
+            judged.append((verdict, *found, mean))
+    sensors = list(dict.fromkeys(sensor for _, those, *_ in judged for sensor in those))
     if not sensors:
         return ()
     low, high = barred.span.low, barred.span.high
@@ -220,7 +289,12 @@ def range_passages(
         for ends in ((whole.low, whole.high), (whole.high, whole.low)):
             run = passage_response(drivetrain, sensors, times, ends, speed_of=check.reference)
             passages += [
-                RangePassage(check, verdict, low, high, duration, run, tuple(map(str, those)), factor)
-                for verdict, those, factor in judged
+                RangePassage(check, verdict, low, high, duration, run, tuple(map(str, those)), factor, mean)
+                for verdict, those, factor, mean in judged
             ]
     return tuple(passages)
+
+
+def totals_in_passing(barred: PassedRange) -> tuple[LimitVerdict, ...]:
+    """Verdicts on mean and vibration together, such as T_Kmax of couplings, which hold while a range is passed."""
+    return tuple(one for one in barred.check.verdicts if one.criterion in TOTALS and len(one.values))

@@ -283,7 +283,7 @@ def _range(subject: ReportData, barred: PassedRange, number: int) -> Iterator[Bl
     yield Paragraph(
         (Strong(phrase("{low} to {high} rpm{where}:", low=low, high=high, where=where)), *_finding(passages, asked))
     )
-    shown = passage_table(passages, subject.conventions)
+    shown = passage_table(passages, subject.conventions, barred)
     yield results_table(shown, phrase("Passage of {low} to {high} rpm{where}", low=low, high=high, where=where))
     yield _passage_picture(subject, _drawn(passages), f"{low} to {high} rpm{where}", number)
     notes = dict.fromkeys(note for one in passages for note in one.response.notes[:-1])
