@@ -86,10 +86,13 @@ class ComponentUse:
 
     def scaled(self, scale: float, unit: str) -> ComponentUse:
         """Use of the component with all values times a factor, in another unit."""
-        values = (self.value, self.allowed, self.rated_value, self.rated_allowed)
-        names = ("value", "allowed", "rated_value", "rated_allowed")
-        changed = {name: one * scale for name, one in zip(names, values, strict=True) if one is not None}
-        return replace(self, unit=unit, **changed)
+        value, allowed, rated_value, rated_allowed = (
+            None if one is None else one * scale
+            for one in (self.value, self.allowed, self.rated_value, self.rated_allowed)
+        )
+        return replace(
+            self, unit=unit, value=value, allowed=allowed, rated_value=rated_value, rated_allowed=rated_allowed
+        )
 
 
 def component_uses(
