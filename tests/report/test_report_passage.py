@@ -134,7 +134,7 @@ elements:
 speeds: {{of: a, range: 400..700 rpm, step: 5 rpm}}
 load: {{absorbed_at: b, driven_by: {{a: 100 %}}, torque: 80 N*m, rated: 600 rpm, torque_exponent: 0}}
 excitations: {{pulses: {{type: harmonic, node: b, orders: {{2: {{amplitude: 10}}}}}}}}
-limits: {{rubber: {{rule: coupling, element: rubber, T_KW: 100 N*m, T_Kmax: 300 N*m}}}}
+limits: {{rubber: {{rule: coupling, element: rubber, T_KW: 100 N*m, T_Kmax: 1500 N*m}}}}
 """
 VISCOUS = "type: spring, stiffness: 10 kN*m/rad, damping: 2"
 HYSTERETIC = "type: hysteretic_spring, stiffness: 10 kN*m/rad, loss_factor: 0.03"
@@ -150,8 +150,8 @@ class TestMaximumTorque:
         mean = 80
         for one, other in zip(total, vibratory, strict=True):
             assert one.largest == pytest.approx(mean + other.largest, rel=1e-6)
-            assert (one.in_passing, one.allowed_there, one.cycles) == (300.0, None, None)
-            assert one.outcome == ("exceeded" if one.largest > 300 else "kept")
+            assert (one.in_passing, one.allowed_there, one.cycles) == (1500.0, None, None)
+            assert one.outcome == "kept"
         assert [row[0] for row in passage_table(found).rows] == ["rubber", "rubber T_Kmax"] * 2
 
     def test_hysteretic_couplings_keep_their_steady_value(self):

@@ -142,8 +142,8 @@ def further_criticals(subject: ReportData) -> TableBlock | None:
             order = as_words(summed.name if summed else one.name)
             named = phrase("{order}, mode {mode}", order=order, mode=one.critical.mode.number)
             mark = WORST if one in worst and not summed else ""
-            used = NumberText(100 * one.utilisation, DIGITS)
-            rows.append((named, *_common(one, summed), component, as_words(not_none(one.point).case), *values, used, mark))
+            used, case = NumberText(100 * one.utilisation, DIGITS), as_words(not_none(one.point).case)
+            rows.append((named, *_common(one, summed), component, case, *values, used, mark))
         if rows:
             groups.append(Group(tuple(rows), subject.titles.of(peaks.check.configuration)))
     if not groups:
