@@ -67,6 +67,7 @@ _named, _attribute, _ = lazy_exports(
     modules=(
         "torsionnet.bench",
         "torsionnet.bench.campaign",
+        "torsionnet.extend",
         "torsionnet.identification",
         "torsionnet.io",
         "torsionnet.linear",

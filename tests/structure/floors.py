@@ -24,8 +24,8 @@ LAYERS = (  # top to bottom
     Layer(("identification",), "parameters from tests"),
     Layer(("io",), "files of other programs"),
     Layer(
-        ("loading", "drivetrain"),
-        "drivetrains out of model files; `Drivetrain`, a model that can be asked for its responses, modes and equations",
+        ("loading", "drivetrain", "extend"),
+        "drivetrains out of model files; `Drivetrain`, a model that can be asked for its responses, modes and equations; what element types of others need",
     ),
     Layer(("motion",), "laws that are not linear: operating points, scenarios, motion over time"),
     Layer(("machinery",), "engines, orders, critical speeds, limits, dampers"),

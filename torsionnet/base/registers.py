@@ -8,11 +8,14 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
+import warnings
 from collections import OrderedDict
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, MutableMapping, Sequence
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any, Generic, TypeVar
+
+from torsionnet.base.errors import TorsionnetWarning
 
 T = TypeVar("T")
 
@@ -39,13 +42,19 @@ class TypeRegister(MutableMapping[str, T], Generic[T]):
         Full names of the packages.
     families : mapping from str to sequence of str
         Kinds in files of other names, by the file.
+    group : str
+        Group of entry points by which other packages add types, named as their kinds; empty: none do.
     """
 
     def __init__(
-        self, packages: str | Sequence[str], families: Mapping[str, Sequence[str]] = MappingProxyType({})
+        self,
+        packages: str | Sequence[str],
+        families: Mapping[str, Sequence[str]] = MappingProxyType({}),
+        group: str = "",
     ) -> None:
         self.packages = (packages,) if isinstance(packages, str) else tuple(packages)
         self.families = {kind: file for file, kinds in families.items() for kind in kinds}
+        self.group = group
         self._types: dict[str, T] = {}
         self._complete = False
 
@@ -85,6 +94,30 @@ class TypeRegister(MutableMapping[str, T], Generic[T]):
             for file in sorted(self._files):
                 importlib.import_module(f"{self._files[file]}.{file}")
             self._complete = True
+            self._load_added()
+
+    def _load_added(self) -> None:
+        """Import what other packages add; one that fails, or that takes the kind of another type, is left out."""
+        if not self.group:
+            return
+        from importlib.metadata import entry_points  # reads the metadata of every installed package
+
+        for point in entry_points(group=self.group):
+            known = dict(self._types)
+            try:
+                loaded = point.load()
+            except Exception as error:  # noqa: BLE001  # whatever another package raises
+                reason = f"{type(error).__name__}: {error}"
+            else:
+                taken = [kind for kind, cls in known.items() if self._types[kind] is not cls]
+                reason = f'"{taken[0]}" is the kind of a type that is known already' if taken else ""
+                if not reason and isinstance(loaded, type) and point.name not in self._types:
+                    reason = f'it is no type registered as "{point.name}"'
+            if reason:
+                self._types = known
+                package = point.dist.name if point.dist else point.value
+                text = f'"{point.name}" of the package {package} ({point.value}) is left out: {reason}'
+                warnings.warn(text, TorsionnetWarning, stacklevel=2)
 
 
 class Memo:

@@ -61,6 +61,7 @@ ELEMENT_TYPES: TypeRegister[type[Element]] = TypeRegister(
         "loop_drives": ("belt", "chain_drive"),
         "vehicles": ("vehicle", "tyre"),
     },
+    group="torsionnet.elements",
 )
 """Class of every element type, by the word in ``type:``, in alphabetical order; a module is imported when its kind is
 first used."""
