@@ -1,5 +1,6 @@
 # Written by `make generate`.
 from torsionnet import bench as bench
+from torsionnet import extend as extend
 from torsionnet import identification as identification
 from torsionnet import io as io
 from torsionnet import linear as linear
@@ -168,6 +169,7 @@ __all__ = [
     "bench",
     "campaign",
     "convert_damping",
+    "extend",
     "identification",
     "identify",
     "io",
