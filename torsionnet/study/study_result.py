@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -24,9 +24,11 @@ from torsionnet.drivetrain import Drivetrain
 from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.linear.assembly.table_range import range_notes
 from torsionnet.study.answers.answer import AskedStudy
-from torsionnet.study.reductions.limit_counts import LimitTotals
 from torsionnet.study.reductions.summaries import ACCURACY, KeptValues, QuantityRow, Summary
 from torsionnet.study.study import Study
+
+if TYPE_CHECKING:
+    from torsionnet.study.reductions.limit_counts import LimitTotals
 
 # Conversion of a study's result to labelled arrays of xarray.
 

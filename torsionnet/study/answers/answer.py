@@ -22,12 +22,13 @@ from torsionnet.model.checks.parameter_units import parameter_units
 from torsionnet.study.quantities.evaluator import Evaluator
 from torsionnet.study.quantities.quantity import QuantityForm, QuantityLimit, StudyQuantity, as_written
 from torsionnet.study.quantities.variant_block import VariantBlock
-from torsionnet.study.reductions.limit_counts import LimitTotals
 from torsionnet.study.reductions.summaries import KeptValues
 from torsionnet.study.space.space import Space
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from torsionnet.study.reductions.limit_counts import LimitTotals
 
 
 A = TypeVar("A", bound="type[StudyAnswer]")

@@ -114,6 +114,12 @@ class LimitTotals:
     cases: Mapping[str, LimitCounts]
     any_case: LimitCounts
 
+    def add(self, flags: Mapping[str, LimitFlags]) -> None:
+        """Count the variants of one more chunk, the same draws in every configuration."""
+        for configuration, one in flags.items():
+            self.cases[configuration].add(one)
+        self.any_case.add(LimitFlags.union([*flags.values()]))
+
     def beyond(self, names: Sequence[str], configuration: str) -> int:
         """Number of variants of a configuration beyond any of the limits of the quantities ``names``."""
         return self.cases[configuration].beyond(self._places(names))

@@ -5,14 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from torsionnet.study.quantities.evaluator import Evaluator
-from torsionnet.study.reductions.limit_counts import LimitCounts, LimitFlags, LimitTotals
 from torsionnet.study.reductions.summaries import KeptValues, Summary
 from torsionnet.study.run.chunk_values import Chunk, Chunks, ChunkValues, JoinedValues, counted_limits
 from torsionnet.study.space.space import Space
 from torsionnet.study.study import Study
 from torsionnet.study.study_result import StudyResult
+
+if TYPE_CHECKING:
+    from torsionnet.study.reductions.limit_counts import LimitTotals
 
 BLOCK_SIZE = 500
 """Number of variants of a chunk solved together, since larger blocks take more memory, but change no value."""
@@ -72,17 +75,16 @@ def merge_chunks(
     """
     names = study.configurations
     parts = {name: JoinedValues(sharing=len(names)) for name in names}
-    counts, in_any = {name: LimitCounts() for name in names}, LimitCounts()
+    totals = _totals(study) if every > 1 else None
     for numbers in chunks.side_by_side():
-        flags = []
+        flags = {}
         for name, number in zip(names, numbers, strict=True):
             found = chunk(number)
             parts[name].add(replace(found, beyond=None))
             if found.beyond is not None:
-                counts[name].add(found.beyond)
-                flags.append(found.beyond)
-        if flags:
-            in_any.add(LimitFlags.union(flags))
+                flags[name] = found.beyond
+        if totals is not None and flags:
+            totals.add(flags)
     cases = {name: one.whole() for name, one in parts.items()}
     summaries = {
         (name, quantity): Summary(
@@ -98,6 +100,12 @@ def merge_chunks(
         {name: one.impossible for name, one in cases.items()},
         {name: dict(one.remarks) for name, one in cases.items()},
         folder,
-        None if every == 1 else LimitTotals(counted_limits(study, 2), counts, in_any),
+        totals,
         {name: one.read for name, one in cases.items()},
     )
+
+
+def _totals(study: Study) -> LimitTotals:
+    from torsionnet.study.reductions.limit_counts import LimitCounts, LimitTotals
+
+    return LimitTotals(counted_limits(study, 2), {name: LimitCounts() for name in study.configurations}, LimitCounts())

@@ -6,16 +6,18 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import ceil, gcd
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
 from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.study.quantities.quantity import QuantityLimit
 from torsionnet.study.quantities.variant_block import NOTHING_READ, VariantBlock, remark
-from torsionnet.study.reductions.limit_counts import LimitFlags
 from torsionnet.study.reductions.summaries import GrowingHistogram, Histogram, Moments, extremes, kept_indices
 from torsionnet.study.study import Study
+
+if TYPE_CHECKING:
+    from torsionnet.study.reductions.limit_counts import LimitFlags
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,9 +73,17 @@ class ChunkValues:
             {name: Histogram.of(one) for name, one in found.items()},
             int(block.impossible.sum()),
             block.remarks,
-            LimitFlags.of([(limit, found[name]) for name, limit in limits.items()]) if limits else None,
+            _flags([(limit, found[name]) for name, limit in limits.items()]),
             block.read,
         )
+
+
+def _flags(found: Sequence[tuple[QuantityLimit, FloatArray]]) -> LimitFlags | None:
+    if not found:
+        return None
+    from torsionnet.study.reductions.limit_counts import LimitFlags
+
+    return LimitFlags.of(found)
 
 
 @dataclass
@@ -116,7 +126,7 @@ class JoinedValues:
             {name: parts.whole() for name, parts in self.histograms.items()},
             self.impossible,
             self.remarks,
-            LimitFlags.joined(self.beyond) if self.beyond else None,
+            self.beyond[0].joined(self.beyond) if self.beyond else None,
             self.read,
         )
 

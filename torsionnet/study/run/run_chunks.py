@@ -55,7 +55,7 @@ class Workload:
     def of(cls, study: Study) -> Workload:
         """Measure the amount of work of a study on some of its variants.
 
-        The size of chunks follows from the study alone, not from the time.
+        The size of chunks follows from the study alone, not from the time, which is 0 of very few variants.
         """
         case = study.configurations[0]
         evaluator = study.evaluator(case)
@@ -65,12 +65,15 @@ class Workload:
             SINGLE_CHUNK_SIZE if singly else max(LEAST_CHUNK_SIZE, min(MOST_CHUNK_SIZE, CHUNK_POINTS // max(points, 1)))
         )
         size = max(size, ceil(study.count / MOST_FILES))
+        size = min(size, study.space.count)
+        if study.count <= TIMED_VARIANTS[singly]:  # to time them takes as long as the study
+            return cls(study.count, 0.0, size, singly)
         tried = min(TIMED_VARIANTS[singly], study.space.count)
         values = study.space.at(evaluator.model).values(0, tried)
         seconds = _seconds(evaluator, values)
         if seconds / tried * study.count > TIMED_AGAIN:
             seconds = _seconds(evaluator, values)
-        return cls(study.count, seconds / tried, min(size, study.space.count), singly)
+        return cls(study.count, seconds / tried, size, singly)
 
     @property
     def total(self) -> float:
