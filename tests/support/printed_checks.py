@@ -101,7 +101,8 @@ def sum_faults(table: PrintedTable) -> Iterator[str]:
 def utilisation_faults(table: PrintedTable) -> Iterator[str]:
     """Utilisation in percent against value over the value allowed."""
     for row in table.rows:
-        value, allowed, used = row.number(*VERDICT_HEADS), row.number("Allowed"), row.number(*USED_HEADS)
+        heads = (VERDICT_HEADS, ("Allowed",), USED_HEADS)
+        value, allowed, used = (row.number(*names, trimmed=True) for names in heads)
         if value is not None and allowed is not None and used is not None:
             yield from _differs(f"utilisation of {row.cells[0]}", used, (value / allowed).times(100))
 
@@ -216,7 +217,7 @@ def _condition(table: PrintedTable, row: PrintedRow) -> str:
 
 def _in_si(row: PrintedRow, *heads: str) -> Printed | None:
     """Number of a row whose unit may stand behind the name of its component, in the unit without prefix."""
-    found, match = row.number(*heads), re.search(r", (\S+)$", row.text("Component"))
+    found, match = row.number(*heads, trimmed=True), re.search(r", (\S+)$", row.text("Component"))
     return found.times(SI.get(match[1], 1.0)) if found is not None and match else found
 
 
@@ -229,16 +230,16 @@ def _component(row: PrintedRow, names: Sequence[str]) -> str:
 def unit_faults(tables: Sequence[PrintedTable]) -> Iterator[str]:
     """Components whose torques or powers have more than one unit in the document."""
     units: dict[tuple[str, str], set[str]] = {}
-    rows = [(table, row) for table in tables if "Component" in table.heads for row in table.rows]
-    names = sorted({_component(row, ()) for _, row in rows if row.text("Component")}, key=len)
-    for _, row in rows:
+    rows = [row for table in tables if "Component" in table.heads for row in table.rows]
+    names = sorted({_component(row, ()) for row in rows if row.text("Component")}, key=len)
+    for row in rows:
         for head in VERDICT_HEADS:
             behind = re.search(r", (\S+)$", row.text("Component"))
             unit = row.unit(head) or (behind[1] if behind else "")
             if unit in SI and unit not in ("deg", "mrad"):
                 units.setdefault((_component(row, names), unit.lstrip("kM")), set()).add(unit)
     for table in tables:
-        for row in table.rows if table.caption.startswith("Operating instructions") else ():
+        for row in table.rows if table.caption.startswith(("Operating instructions", "Passage")) else ():
             unit, component = row.text("Unit"), row.text("Limit").partition(",")[0]
             if unit in SI and (component, unit.lstrip("kM")) in units:
                 units[component, unit.lstrip("kM")].add(unit)

@@ -29,8 +29,11 @@ class Printed:
     half: float = 0.0
 
     @classmethod
-    def read(cls, text: str, digits: int = FEWEST_DIGITS) -> Printed | None:
-        """Number of a cell, None where it has none; zeros at the end of an integer beyond ``digits`` may be rounded."""
+    def read(cls, text: str, digits: int = FEWEST_DIGITS, *, trimmed: bool = False) -> Printed | None:
+        """Number of a cell, None where it has none; zeros at the end of an integer beyond ``digits`` may be rounded.
+
+        With ``trimmed`` a number of fewer digits has lost zeros behind its point.
+        """
         match = NUMBER.fullmatch(text.strip().replace("−", "-"))
         if match is None:
             return None
@@ -38,6 +41,9 @@ class Printed:
         factor = 10.0 ** int((power or "⁰").translate(RAISED))
         zeros = len(whole) - len(whole.rstrip("0")) if decimals is None else 0
         last = -len(decimals) if decimals else max(0, min(zeros, len(whole) - digits))
+        significant = len(f"{whole}{decimals or ''}".lstrip("0"))
+        if trimmed and 0 < significant < digits:
+            last -= digits - significant
         value = float(f"{sign}{whole}.{decimals or 0}") * factor
         return cls(value, 0.5 * 10.0**last * factor)
 
@@ -81,13 +87,13 @@ class PrintedRow:
         """Cell under the first of these headings that the table has, empty without any."""
         return next((self.cells[self.heads.index(head)] for head in heads if head in self.heads), "")
 
-    def number(self, *heads: str, digits: int = FEWEST_DIGITS) -> Printed | None:
+    def number(self, *heads: str, digits: int = FEWEST_DIGITS, trimmed: bool = False) -> Printed | None:
         """Number under the first of these headings that the table has, in the unit without prefix."""
         head = next((one for one in heads if one in self.heads), None)
         if head is None:
             return None
         at = self.heads.index(head)
-        found = Printed.read(self.cells[at], digits)
+        found = Printed.read(self.cells[at], digits, trimmed=trimmed)
         return None if found is None else found.times(SI.get(self.units[at] or self.text("Unit"), 1.0))
 
     def unit(self, head: str) -> str:

@@ -101,5 +101,5 @@ def _in_units(subject: ReportData, one: PassedLimit) -> tuple[float | None, floa
     """Value, value allowed and their unit for engineers; None each where they are not known."""
     if one.value is None or one.allowed is None:
         return None, None, ""
-    scale, shown = engineering_unit(one.steady.unit, subject.conventions, one.allowed)
+    scale, shown = engineering_unit(one.steady.unit, subject.conventions)
     return one.value * scale, one.allowed * scale, shown

@@ -11,10 +11,13 @@ from torsionnet.base.number_text import aligned_numbers, prefix_of
 from torsionnet.base.table import Column, Table
 from torsionnet.report.document_tree import Cell, Heading, Inline, Math, NumberText, TableBlock, TableGroup, inlines
 from torsionnet.report.report_text import as_words, capital, unit
+from torsionnet.report.report_units import KILO
 from torsionnet.study.shown_units import ShownUnits
 
 MOST_DIGITS = 4
 """Number of significant digits that the smallest number in a column of a report's table has."""
+JUDGED = ("value", "allowed", "in passing", "largest value", "steady")
+"""Headings of the columns of verdicts and passages whose unit stands in a column of its own."""
 HEADING_SYMBOLS: dict[str, Cell] = {
     "J": Math("J"),
     "J referred": (Math("J"), " referred"),
@@ -86,23 +89,22 @@ def results_table(
     return table(caption, columns, rows, [as_words(note) for note in found.notes] if notes else [], most)
 
 
-def with_kilonewtonmetres(found: Table) -> Table:
-    """Table with a column of units in which torques are in kN m, as those of one component are in all tables.
+def with_kilo_units(found: Table) -> Table:
+    """Table of verdicts with torques in kN m and powers in kW, as those of one component are in all tables.
 
     Examples
     --------
-    >>> shown = with_kilonewtonmetres(Table("", (Column("allowed"), Column("unit")), ((95e3, "N*m"), (4.2e7, "Pa"))))
+    >>> shown = with_kilo_units(Table("", (Column("allowed"), Column("unit")), ((95e3, "N*m"), (4.2e7, "Pa"))))
     >>> shown.rows
     ((95.0, 'kN*m'), (42000000.0, 'Pa'))
     """
     at = [one.name for one in found.columns].index(UNIT)
-    plain = [not one.unit for one in found.columns]
     rows = tuple(
         tuple(
-            "kN*m" if place == at else value / 1e3 if plain[place] and isinstance(value, float) else value
-            for place, value in enumerate(row)
+            f"k{value}" if place == at else value / 1e3 if isinstance(value, float) and column.name in JUDGED else value
+            for place, (column, value) in enumerate(zip(found.columns, row, strict=True))
         )
-        if row[at] == "N*m"
+        if row[at] in KILO or row[at] == "N*m"
         else row
         for row in found.rows
     )

@@ -29,8 +29,9 @@ def shaft_margins(
     """Separation margins of every mode from multiples of shaft speeds and electrical frequencies, and from all orders.
 
     Multiples are 1 and 2, of shafts up to the tenth where the rule names these (API 618); orders and fixed frequencies
-    are those of all excitations that act, unless they are among the multiples. Shafts are those whose mean speeds differ, named by their first node; an electric machine counts with its line
-    frequency, or with that of its inverter, pole pairs times the speed (slip neglected).
+    are those of all excitations that act, unless they are among the multiples. Shafts are those whose mean speeds
+    differ, named by their first node; an electric machine counts with its line frequency, or with that of its inverter,
+    pole pairs times the speed (slip neglected).
 
     Parameters
     ----------

@@ -31,9 +31,9 @@ from torsionnet.report.document_tree import (
 from torsionnet.report.report_data import MOST_CASES, ReportData
 from torsionnet.report.report_instructions import instruction_blocks
 from torsionnet.report.report_machines import engine_remarks
-from torsionnet.report.report_tables import results_table, table
+from torsionnet.report.report_tables import results_table, table, with_kilo_units
 from torsionnet.report.report_text import as_words, capital, unit
-from torsionnet.report.report_units import DIGITS, engineering_unit
+from torsionnet.report.report_units import DIGITS, engineering_unit, limit_unit
 
 MOST_DRAWN = 8
 """Largest number of limits that a report draws over speed, each in its worst condition."""
@@ -103,7 +103,7 @@ def _verdicts(subject: ReportData, judged: LimitConclusion, name: str) -> TableB
         list(aligned_numbers([row[0] for row in worst])),
         list(aligned_numbers([row[1] for row in worst])),
         list(aligned_numbers([row[2] for row in worst])),
-        [unit(subject.conventions.unit(one.unit)) for _, one in found],
+        [limit_unit(one.unit, subject.conventions) for _, one in found],
         [NumberText(row[3], 3) for row in worst],
         [one.verdict for _, one in found],
         [one.restrictions or "" for _, one in found],
@@ -140,7 +140,7 @@ def _numbers(subject: ReportData, check: LimitCheck, one: LimitVerdict) -> tuple
     at = one.worst
     if at is None:
         return (None, None, None, None)
-    scale = subject.conventions.scale(one.unit)
+    scale = engineering_unit(one.unit, subject.conventions)[0]
     sizes = (float(one.values[at]) * scale, float(one.allowed[at]) * scale)
     return (float(check.rpm[at]), *sizes, 100 * float(one.utilisation[at]))
 
@@ -283,7 +283,7 @@ def _range(subject: ReportData, barred: PassedRange, number: int) -> Iterator[Bl
     yield Paragraph(
         (Strong(phrase("{low} to {high} rpm{where}:", low=low, high=high, where=where)), *_finding(passages, asked))
     )
-    shown = passage_table(passages, subject.conventions, barred)
+    shown = with_kilo_units(passage_table(passages, subject.conventions, barred))
     yield results_table(shown, phrase("Passage of {low} to {high} rpm{where}", low=low, high=high, where=where))
     yield _passage_picture(subject, _drawn(passages), f"{low} to {high} rpm{where}", number)
     notes = dict.fromkeys(note for one in passages for note in one.response.notes[:-1])
