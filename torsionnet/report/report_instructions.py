@@ -49,7 +49,7 @@ def instruction_blocks(subject: ReportData, found: LimitConclusion) -> list[Bloc
 
 
 def _row(one: Instruction, subject: ReportData) -> tuple[Cell, ...]:
-    scale, shown = engineering_unit(one.unit, subject.conventions, one.value)
+    scale, shown = engineering_unit(one.unit, subject.conventions)
     sizes = (one.value, one.allowed, one.allowed_in_passing)
     return (
         "" if one.from_rpm is None else str(one.from_rpm),

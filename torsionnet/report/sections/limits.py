@@ -247,7 +247,7 @@ def _not_to_be_passed(refused: Sequence[str]) -> list[Block]:
 def _refused(subject: ReportData, refused: PassedRange) -> str:
     """Text of a range that must not be passed in a condition, and of the limit that forbids it."""
     one = instruction(refused, subject.titles.of)
-    scale, shown = engineering_unit(one.unit, subject.conventions, one.value)
+    scale, shown = engineering_unit(one.unit, subject.conventions)
     allowed = one.allowed if math.isnan(one.allowed_in_passing) else one.allowed_in_passing
     return phrase(
         "{range}{where}: {limit} has {value} {unit} at {speed:.4g} rpm, {allowed} allowed",
