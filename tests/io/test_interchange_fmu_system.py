@@ -1,6 +1,5 @@
 """The matrices an FMU makes its state space of: for random drivetrains, also with other values of every parameter."""
 
-import math
 import random
 
 import numpy as np
@@ -12,29 +11,29 @@ from support.random_drivetrains import draw
 
 import torsionnet as tn
 from torsionnet.base.errors import UsageError
+from torsionnet.base.expressions import Name
+from torsionnet.base.program import ProgramAlgebra, ProgramNode
 from torsionnet.io.fmu.archive import suggested_step
 from torsionnet.io.fmu.traced_matrices import dependencies, trace_system
-from torsionnet.io.fmu.traced_numbers import NumberTape, Traced
+from torsionnet.io.fmu.traced_numbers import NumberTape
 
 F = np.array([0.3, 2.0, 9.0, 40.0])
 
 
+class Floats(ProgramAlgebra):
+    """Recorded numbers at values of the parameters: what the C code does."""
+
+    def __init__(self, values):
+        self.values = values
+
+    def leaf(self, payload):
+        return float(self.values[payload.name] if isinstance(payload, Name) else payload)
+
+
 def evaluated(tape, values):
-    """Value of every operation of a tape for other values of the parameters: what the C code does."""
-    found = []
-
-    def number(part):
-        return float(part.value) if part.place is None else found[part.place]
-
-    for sign, *parts in tape.operations:
-        if sign == "parameter":
-            found.append(float(values[parts[0]]))
-        elif sign == "sqrt":
-            found.append(math.sqrt(number(parts[0])))
-        else:
-            left, right = map(number, parts)
-            found.append(left + right if sign == "+" else left * right if sign == "*" else left / right)
-    return number
+    """Value of a number on a tape for other values of the parameters."""
+    found = {}
+    return lambda number: tape.run(Floats(values), [number], found)[0]
 
 
 def response(system, number):
@@ -124,7 +123,7 @@ def test_random_drivetrains_with_any_values():
             continue
         system = trace_system(model)
         tape = system.motion.tape
-        names = [parts[0] for sign, *parts in tape.operations if sign == "parameter"]
+        names = [payload.name for payload in tape.present]
         changes = {name: model.parameters[name] * source.uniform(0.7, 1.3) for name in names}
         for values in (model.parameters, changes):
             other = model.configured(**{name: float(values[name]) for name in names})
@@ -170,7 +169,7 @@ def test_numbers_are_calculated_again():
     tape = NumberTape()
     a = tape.parameter("a", 4)
     result = tape.sqrt(a + 5) * 3 - 1 / (2 - a) + tape.sqrt(9)
-    assert isinstance(result, Traced)
+    assert isinstance(result, ProgramNode)
     assert float(result.value) == 12.5
     assert evaluated(tape, {"a": 20})(result) == 3 * 5 + 1 / 18 + 3
 

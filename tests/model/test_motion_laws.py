@@ -11,7 +11,7 @@ import scipy
 
 import torsionnet as tn
 from torsionnet.base.expressions import FLOAT
-from torsionnet.linear.assembly.symbolic import TWINS, Twin
+from torsionnet.linear.assembly.symbolic import SymbolRecord, symbol_of
 from torsionnet.linear.sensitivity.unknowns import DUALS, Dual
 from torsionnet.model.element_base.laws import MotionState, ScaledCurve
 from torsionnet.model.elements import Constraint, Law, MotionLaw, Values
@@ -271,12 +271,13 @@ class TestAlgebras:
         import sympy
 
         b, k, c = sympy.symbols("b k c")
-        values = {"b": Twin(Fraction(1, 5), b), "k": Twin(Fraction(100), k), "c": Twin(Fraction(3), c)}
-        law = law_of(tn.Clearance("e", **ENDS, gap="b", stiffness="k", damping="c"), TWINS, values)
-        torque = law.torque(Twin(Fraction(3, 10), sympy.Symbol("x")), Twin(Fraction(1), sympy.Symbol("v")))
-        assert sympy.expand(torque.symbol - (k * (sympy.Symbol("x") - b / 2) + c * sympy.Symbol("v"))) == 0
+        record = SymbolRecord()
+        values = {name: record.parameter(name, value) for name, value in {"b": 0.2, "k": 100, "c": 3}.items()}
+        law = law_of(tn.Clearance("e", **ENDS, gap="b", stiffness="k", damping="c"), record.algebra, values)
+        torque = law.torque(record.parameter("x", 0.3), record.parameter("v", 1))
+        assert sympy.expand(symbol_of(torque) - (k * (sympy.Symbol("x") - b / 2) + c * sympy.Symbol("v"))) == 0
         (tangent,) = law.tangent(MotionState(0.3, piece=2))
-        assert (tangent.stiffness.symbol, tangent.damping.symbol) == (k, c)
+        assert (symbol_of(tangent.stiffness), symbol_of(tangent.damping)) == (k, c)
 
     def test_derivatives(self):
         k, cubic = Dual(Fraction(100), np.array([1.0, 0.0])), Dual(Fraction(300), np.array([0.0, 1.0]))

@@ -10,11 +10,12 @@ from hypothesis import strategies as st
 from support import campaigns, strategies
 
 import torsionnet as tn
+from torsionnet.base.program import Program
 from torsionnet.symbolic.algebra import loops
-from torsionnet.symbolic.algebra.algebras import NumericValues
 from torsionnet.symbolic.algebra.loops import SplitBlock
-from torsionnet.symbolic.algebra.network import Network, NetworkMember, Program, Stiffness
+from torsionnet.symbolic.algebra.network import Network, NetworkMember, Stiffness
 from torsionnet.symbolic.algebra.recursion import is_forest, orient, roots_of
+from torsionnet.symbolic.algebra.scaled import NumericValues
 from torsionnet.symbolic.mechanism import bilinear, determinant, recursion_from, single_edges
 
 EXAMPLES = settings(max_examples=campaigns.examples(5, 30), deadline=None)

@@ -52,6 +52,22 @@ def float_if_long(value: Any) -> Any:
     return value
 
 
+_UNITS = {1: Fraction(1), -1: Fraction(-1)}
+
+
+def exact(number: Any) -> Fraction:
+    """Exact fraction of a number as written: 0.1 becomes 1/10, not its binary neighbour."""
+    if type(number) is int and number in _UNITS:
+        return _UNITS[number]
+    return (
+        number
+        if isinstance(number, Fraction)
+        else Fraction(repr(float(number)))
+        if isinstance(number, float)
+        else Fraction(number)
+    )
+
+
 def exact_sqrt(value: Fraction | float) -> Fraction | float:
     """Square root of a number, as a fraction where the root is one."""
     if value < 0:

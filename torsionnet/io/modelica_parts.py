@@ -7,11 +7,11 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import reduce
-from math import pi
 from typing import Any, TypeAlias
 
-from torsionnet.base.expressions import Algebra, Compound, Expression, Name, Number, exact_sqrt, float_if_long
+from torsionnet.base.expressions import Compound, Expression, Name, Number
 from torsionnet.base.plain_names import Names
+from torsionnet.base.program import ProgramNode, Record
 from torsionnet.base.registers import Groups
 from torsionnet.base.units import DIMENSIONS, Dimension
 from torsionnet.model.damping import DampingMeasure
@@ -51,111 +51,49 @@ class Net:
         return lines
 
 
-# Numbers that carry the expression of the model's parameters they come from, so that an export can write it.
+@dataclass(eq=False)
+class WrittenRecord(Record):
+    """Record with differences, powers and the order of operands as they are written, so that an export can write them.
 
-
-@dataclass(frozen=True, eq=False)
-class ExpressionNumber:
-    """Number with its expression in the model's parameters, compared by its present value.
-
-    Elements run on such numbers as they do on fractions.
-
+    Examples
+    --------
     >>> import torsionnet as tn
-    >>> (law,) = tn.Spring("s", nodes=("a", "b"), stiffness="2*k").parts(expression_values({"k": Fraction(5)}))
-    >>> law.stiffness.value, str(law.stiffness.expression)
-    (Fraction(10, 1), '2*k')
+    >>> record = WrittenRecord()
+    >>> values = Values({"k": record.parameter("k", 5)}, record.algebra)
+    >>> (law,) = tn.Spring("s", nodes=("a", "b"), stiffness="2*k").parts(values)
+    >>> float(law.stiffness), str(record.expression(law.stiffness))
+    (10.0, '2*k')
     """
 
-    value: Fraction | float
-    expression: Expression
+    def _pair(self, left: ProgramNode, right: ProgramNode) -> tuple[int, int]:
+        return left.index, right.index
 
-    def __add__(self, right: Any) -> ExpressionNumber:
-        other = expression_number(right)
-        if other.is_constantly(0):
-            return self
-        return other if self.is_constantly(0) else self._with("+", other, self.value + other.value)
+    def subtract(self, left: ProgramNode, right: ProgramNode) -> ProgramNode:
+        a, b = self.constant(left), self.constant(right)
+        if a is not None and b is not None:
+            return self.leaf(a - b)
+        if a == 0:
+            return self.negative(right)
+        return left if b == 0 else self._node(("-", left.index, right.index))
 
-    def __sub__(self, right: Any) -> ExpressionNumber:
-        other = expression_number(right)
-        if self.is_constantly(0):
-            return -other
-        return self if other.is_constantly(0) else self._with("-", other, self.value - other.value)
+    def negative(self, node: ProgramNode) -> ProgramNode:
+        if self.constant(node) is not None:
+            return self.leaf(-node.value)
+        sign, *operands = self.steps[node.index]
+        return self.at(*operands) if sign == "negative" else self._node(("negative", node.index))
 
-    def __mul__(self, right: Any) -> ExpressionNumber:
-        other = expression_number(right)
-        for factor, rest in ((self, other), (other, self)):
-            if factor.is_constantly(0) or rest.is_constantly(1):
-                return factor
-        return self._with("*", other, self.value * other.value)
+    def power(self, base: ProgramNode, exponent: int) -> ProgramNode:
+        if self.constant(base) is not None:
+            return self.leaf(base.value**exponent)
+        return base if exponent == 1 else self._node(("**", base.index, self.leaf(exponent).index))
 
-    def __truediv__(self, right: Any) -> ExpressionNumber:
-        other = expression_number(right)
-        return self if other.is_constantly(1) else self._with("/", other, self.value / other.value)
-
-    def __pow__(self, power: int) -> ExpressionNumber:
-        return self if power == 1 else self._with("**", expression_number(power), self.value**power)
-
-    def __neg__(self) -> ExpressionNumber:
-        match self.expression:
-            case Compound("negative", (inner,)):
-                return _made(-self.value, inner)
-        return _made(-self.value, Compound("negative", (self.expression,)))
-
-    def __radd__(self, left: Any) -> ExpressionNumber:
-        return expression_number(left) + self
-
-    def __rsub__(self, left: Any) -> ExpressionNumber:
-        return expression_number(left) - self
-
-    def __rmul__(self, left: Any) -> ExpressionNumber:
-        return expression_number(left) * self
-
-    def __rtruediv__(self, left: Any) -> ExpressionNumber:
-        return expression_number(left) / self
-
-    def __eq__(self, right: object) -> bool:
-        return self.value == expression_number(right).value
-
-    def __lt__(self, right: Any) -> bool:
-        return bool(self.value < expression_number(right).value)
-
-    def __gt__(self, right: Any) -> bool:
-        return bool(self.value > expression_number(right).value)
-
-    def __hash__(self) -> int:
-        return hash(self.value)
-
-    def __float__(self) -> float:
-        return float(self.value)
-
-    def is_constantly(self, number: int) -> bool:
-        """Whether the number equals ``number`` for all values of the model's parameters."""
-        return isinstance(self.expression, Number) and self.value == number
-
-    def _with(self, sign: str, right: ExpressionNumber, value: Fraction | float) -> ExpressionNumber:
-        return _made(value, Compound(sign, (self.expression, right.expression)))
-
-
-def expression_number(value: Any) -> ExpressionNumber:
-    """Plain number as an :class:`ExpressionNumber` without parameters."""
-    return value if isinstance(value, ExpressionNumber) else ExpressionNumber(value, Number(value))
-
-
-def expression_values(parameters: Mapping[str, Any]) -> Values:
-    """Evaluator of an element's entries that gives numbers with their expressions in these parameters."""
-    named = {name: ExpressionNumber(value, Name(name)) for name, value in parameters.items()}
-    return Values(named, Algebra(expression_number, _square_root, ExpressionNumber(pi, Compound("pi"))))
-
-
-def _square_root(number: ExpressionNumber) -> ExpressionNumber:
-    return _made(exact_sqrt(number.value), Compound("sqrt", (number.expression,)))
-
-
-def _made(value: Fraction | float, expression: Expression) -> ExpressionNumber:
-    """Result of an operation as a number with its expression, or a plain one where it is exact and has no parameter."""
-    value = float_if_long(value)
-    is_plain = isinstance(value, Fraction | int) and not expression.names
-    return ExpressionNumber(value, Number(value) if is_plain else expression)
+    def expression(self, number: Any) -> Expression:
+        """Expression of a number in the parameters of the model."""
+        sign, *operands = self.steps[self.node(number).index]
+        if sign == "leaf":
+            (payload,) = operands
+            return Number(payload) if isinstance(payload, Fraction) else payload
+        return Compound(sign, tuple(self.expression(self.at(operand)) for operand in operands))
 
 
 # Names, units and expressions of a model as Modelica writes them.
@@ -210,7 +148,9 @@ class ModelicaExpressions:
     def __init__(self, names: Mapping[str, str], values: Mapping[str, Any]) -> None:
         self.names: Mapping[str, str] = names
         self.values: Values = Values(values)
-        self.symbolic: Values = expression_values(values)
+        self.record = WrittenRecord()
+        named = {name: self.record.parameter(name, value) for name, value in values.items()}
+        self.symbolic: Values = Values(named, self.record.algebra)
 
     def expression(self, value: Expression) -> str:
         """Modelica text of an expression in SI units; equal to the model's for any values of the parameters."""
@@ -286,7 +226,7 @@ def export_unit(unit: str) -> str:
 COMPONENTS = f"{ROTATIONAL}.Components"
 FIXED = f"node:{GROUND}"
 
-Lever: TypeAlias = tuple[str, ExpressionNumber]
+Lever: TypeAlias = tuple[str, ProgramNode]
 """Connection point of a Modelica model, and the factor from its angle to the weighted sum of angles of a row."""
 
 
@@ -344,8 +284,8 @@ class _PartWriter:
         self.is_first = False
         return name
 
-    def _text(self, number: ExpressionNumber) -> str:
-        return self.words.expression(expression_number(number).expression)
+    def _text(self, number: Any) -> str:
+        return self.words.expression(self.words.record.expression(number))
 
     def _spring(self, law: Law) -> None:
         first, second, factor = self._ends(law.row)
@@ -357,17 +297,17 @@ class _PartWriter:
         self.net.points.join(first, f"{name}.flange_a")
         self.net.points.join(second, f"{name}.flange_b")
 
-    def _ends(self, row: Row) -> tuple[str, str, ExpressionNumber]:
+    def _ends(self, row: Row) -> tuple[str, str, ProgramNode]:
         """Two connection points and a factor, so that their difference of angles times it is the row's sum."""
         nodes = list(row)
         if len(nodes) == 2 and row[nodes[0]] + row[nodes[1]] == 0:
-            return self.points[nodes[0]], self.points[nodes[1]], expression_number(row[nodes[0]])
+            return self.points[nodes[0]], self.points[nodes[1]], self.words.record.node(row[nodes[0]])
         point, factor = self._mean(row)
         return point, self.points.get(GROUND, FIXED), factor
 
     def _mean(self, row: Row) -> Lever:
         """Connection point and a factor, such that its angle times it is the weighted sum of a row."""
-        levers = [(self.points[node], expression_number(share)) for node, share in row.items()]
+        levers = [(self.points[node], self.words.record.node(share)) for node, share in row.items()]
         return reduce(self._mean_of_two, levers)
 
     def _mean_of_two(self, one: Lever, other: Lever) -> Lever:
@@ -388,7 +328,7 @@ class _PartWriter:
             self._hold(self.points[last])
             return
         point, factor = self._mean({node: row[node] for node in some})
-        share = expression_number(row[last])
+        share = self.words.record.node(row[last])
         # Weights that cancel leave two equal angles.
         if factor + share == 0:
             self.net.points.join(point, self.points[last])

@@ -1,7 +1,7 @@
 """Exact elimination in sparse homogeneous equations between named unknowns.
 
-Rows are maps from name to coefficient in any arithmetic: exact rationals decide pivots and rank, and pairs of rational
-and symbol carry the symbols along.
+Rows are maps from name to coefficient in any arithmetic: exact rationals decide pivots and rank, and numbers that are
+recorded over the parameters carry their calculation along.
 
 Sequential elimination of unknowns in linear equations, each row solved for one of its unknowns.
 
@@ -180,20 +180,6 @@ class Elimination:
 
 
 _UNIT = object()
-_UNITS = {1: Fraction(1), -1: Fraction(-1)}
-
-
-def exact(number: Any) -> Fraction:
-    """Exact fraction of a number as written: 0.1 becomes 1/10, not its binary neighbour."""
-    if type(number) is int and number in _UNITS:
-        return _UNITS[number]
-    return (
-        number
-        if isinstance(number, Fraction)
-        else Fraction(repr(float(number)))
-        if isinstance(number, float)
-        else Fraction(number)
-    )
 
 
 class Reduction:

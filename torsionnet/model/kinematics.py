@@ -13,10 +13,11 @@ from functools import cached_property
 from typing import Any
 
 from torsionnet.base.errors import Fault, UsageError, did_you_mean, named_list
+from torsionnet.base.expressions import exact
 from torsionnet.base.phrases import ModelName, phrase
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.elements import Action, Constraint, Element, Law, Part, Row, Values
-from torsionnet.model.elimination import Reduction, exact, reduce_rows, rows_holding, smallest_failing_rows
+from torsionnet.model.elimination import Reduction, reduce_rows, rows_holding, smallest_failing_rows
 
 
 @dataclass(frozen=True)

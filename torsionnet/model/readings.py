@@ -14,12 +14,12 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from torsionnet.base.errors import Fault, UsageError
+from torsionnet.base.expressions import exact
 from torsionnet.base.phrases import ModelName, phrase
 from torsionnet.model.channels import Sensor, channel_words, port_fault
 from torsionnet.model.element_base.laws import own_node
 from torsionnet.model.element_base.round_section import section_modulus
 from torsionnet.model.elements import GROUND, Element, Row, Values
-from torsionnet.model.elimination import exact
 from torsionnet.model.kinematics import Kinematics, virtual_motion
 
 POWERS_OF_S = {"angle": 0, "velocity": 1, "acceleration": 2}

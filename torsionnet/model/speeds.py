@@ -12,11 +12,12 @@ from fractions import Fraction
 from typing import Any, TypeAlias
 
 from torsionnet.base.errors import Fault, ModelError, UsageError, named_list, unknown_name
+from torsionnet.base.expressions import exact
 from torsionnet.base.phrases import ModelName, phrase
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.element_base.laws import AT_REST
 from torsionnet.model.elements import MotionLaw, Values
-from torsionnet.model.elimination import Elimination, Reduction, exact, reduce_rows
+from torsionnet.model.elimination import Elimination, Reduction, reduce_rows
 from torsionnet.model.kinematics import UNIT, exact_row
 from torsionnet.model.operating_point import OperatingPoint
 

@@ -18,11 +18,12 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar, TypeAlias
 
-from torsionnet.linear.assembly.symbolic import twin
+from torsionnet.base.program import ProgramNode
+from torsionnet.linear.assembly.symbolic import symbol_of
 from torsionnet.model.elements import Action
 from torsionnet.symbolic.algebra.delay import delay_symbol
 from torsionnet.symbolic.algebra.minors import sparse_determinant
-from torsionnet.symbolic.algebra.network import ZERO, ProgramNode, Stiffness, SymbolRow
+from torsionnet.symbolic.algebra.network import ZERO, Stiffness, SymbolRow
 from torsionnet.symbolic.mechanism import PURE_S, Mechanism, SymbolicPart
 
 Entries: TypeAlias = dict[int, ProgramNode]
@@ -100,7 +101,7 @@ class ActiveMechanism(Mechanism):
 
     def _act(self, rows: list[Entries], place: int, owner: str, action: Action) -> None:
         above, below = _lowest(action.numerator, action.denominator)
-        law, delay = self._in_s(above) * -1, twin(action.delay).symbol
+        law, delay = self._in_s(above) * -1, symbol_of(action.delay)
         if delay != 0:
             law = law * self.program.leaf(delay_symbol(owner))
         # -B T beside D(s) q, and E(s) T - N(s) e^(-s tau) L q = 0
@@ -126,7 +127,7 @@ def _add(entries: Entries, column: int, value: ProgramNode) -> None:
 
 def _lowest(numerator: Sequence[Any], denominator: Sequence[Any]) -> tuple[list[Any], list[Any]]:
     """Coefficients of an action's numerator and denominator in s, as symbols, without common s or trailing zeros."""
-    above, below = ([twin(value).symbol for value in part] for part in (numerator, denominator))
+    above, below = ([*map(symbol_of, part)] for part in (numerator, denominator))
     for part in (above, below):
         while part and part[-1] == 0:
             part.pop()

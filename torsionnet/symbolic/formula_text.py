@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING, Any
 
 import sympy
 
+from torsionnet.base.program import ARITHMETIC, Program, ProgramAlgebra, ProgramNode
 from torsionnet.symbolic.algebra.algebras import S, evaluate_expression
-from torsionnet.symbolic.algebra.network import ARITHMETIC, Program, ProgramAlgebra, ProgramNode, Stiffness
+from torsionnet.symbolic.algebra.network import Stiffness
 
 if TYPE_CHECKING:
     from torsionnet.symbolic.symbolic_request import SymbolicFraction

@@ -30,8 +30,9 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, ClassVar
 
+from torsionnet.base.program import Program, ProgramNode
 from torsionnet.linear.assembly.assembled import AssembledModel
-from torsionnet.linear.assembly.symbolic import TWINS, law_parts, twin, twin_parameters
+from torsionnet.linear.assembly.symbolic import law_parts, symbol_of, symbolic_values
 from torsionnet.model.channels import Sensor
 from torsionnet.model.elements import Values
 from torsionnet.model.elimination import substitute
@@ -41,8 +42,6 @@ from torsionnet.symbolic.algebra.network import (
     ONE,
     Network,
     NetworkMember,
-    Program,
-    ProgramNode,
     Stiffness,
     SymbolRow,
     add_parallel_laws,
@@ -146,9 +145,8 @@ class Mechanism:
 
     @cached_property
     def values(self) -> Values:
-        """Values of all parameters of the drivetrain as twins (an exact value with its symbol)."""
-        drivetrain = self.drivetrain
-        return Values(twin_parameters(drivetrain.definition.parameters, drivetrain.exact_values), TWINS)
+        """Values of all parameters of the drivetrain, recorded to be written in symbols."""
+        return symbolic_values(self.drivetrain.definition.parameters, self.drivetrain.exact_values)
 
     @cached_property
     def kinematics(self) -> Kinematics:
@@ -158,8 +156,9 @@ class Mechanism:
 
     def row(self, row: Mapping[str, Any]) -> SymbolRow:
         """Symbolic coefficients of a row over coordinates, from its coefficients over nodes."""
-        reduced = substitute({node: twin(value) for node, value in row.items()}, self.kinematics.reduction.solved)
-        return {name: value.symbol for name, value in reduced.items()}
+        number, solved = self.values.algebra.number, self.kinematics.reduction.solved
+        reduced = substitute({node: number(value) for node, value in row.items()}, solved)
+        return {name: symbol_of(value) for name, value in reduced.items()}
 
     @cached_property
     def network(self) -> Network[Stiffness]:
@@ -211,10 +210,10 @@ def parts_of(mechanism: Mechanism, sensor: Sensor) -> list[SymbolicPart]:
     read = reading(sensor, elements, mechanism.values, rows, kinematics.constraints, driving)
     if read.row is not None:
         return [SymbolicPart(read.row, power=read.power)]
-    shares = [(*kinematics.laws[number], twin(factor).symbol) for number, factor in read.laws.items()]
+    shares = [(*kinematics.laws[number], symbol_of(factor)) for number, factor in read.laws.items()]
     laws = [SymbolicPart(law.row, by, law=Stiffness(*law_parts(owner, law))) for owner, law, by in shares if law.acts]
-    rigid = [SymbolicPart({}, twin(by).symbol, rigid=number) for number, by in read.constraints.items()]
-    return laws + rigid + [SymbolicPart({}, twin(by).symbol, action=number) for number, by in read.actions.items()]
+    rigid = [SymbolicPart({}, symbol_of(by), rigid=number) for number, by in read.constraints.items()]
+    return laws + rigid + [SymbolicPart({}, symbol_of(by), action=number) for number, by in read.actions.items()]
 
 
 def loose_constraints(drivetrain: AssembledModel, sensors: Collection[Sensor]) -> tuple[int, ...]:

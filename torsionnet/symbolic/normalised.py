@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 import sympy
 
 from torsionnet.base.errors import UsageError
-from torsionnet.symbolic.algebra.algebras import InPowersOfS, S, TermCounts, in_s, surely_zero
-from torsionnet.symbolic.algebra.network import Program, ProgramNode
-from torsionnet.symbolic.algebra.sparse import Monomials, Sparse, monomials_for
+from torsionnet.base.program import Program, ProgramNode
+from torsionnet.symbolic.algebra.algebras import InPowersOfS, S, in_s, surely_zero
+from torsionnet.symbolic.algebra.sparse import Monomials, Sparse, TermCounts, monomials_for
 from torsionnet.symbolic.formula_text import for_display, latex, polynomial_text
 from torsionnet.symbolic.rational import factor_if_short, to_expression
 

@@ -14,24 +14,22 @@ import sympy
 from numpy.typing import ArrayLike
 
 from torsionnet.base.errors import TorsionnetWarning, UsageError
+from torsionnet.base.expressions import exact
+from torsionnet.base.program import Program, ProgramNode
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.linear.frequency_response import FrequencyResponse
 from torsionnet.model.element_base.dynamic_stiffness import DynamicStiffness
-from torsionnet.model.elimination import exact
 from torsionnet.symbolic.algebra.algebras import (
     InPowersOfS,
     Lengths,
-    NumericValues,
     S,
-    TermCounts,
     exact_fraction,
     in_s,
     surely_zero,
 )
 from torsionnet.symbolic.algebra.delay import InPowersNearRest, RawExpressions, delays_of, refuse_delays
-from torsionnet.symbolic.algebra.network import Program, ProgramNode
-from torsionnet.symbolic.algebra.scaled import Scaled
-from torsionnet.symbolic.algebra.sparse import Monomials, Sparse, monomials_for
+from torsionnet.symbolic.algebra.scaled import NumericValues, Scaled
+from torsionnet.symbolic.algebra.sparse import Monomials, Sparse, TermCounts, monomials_for
 from torsionnet.symbolic.formula_text import polynomial_latex, polynomial_text, where_text, with_where
 
 if TYPE_CHECKING:

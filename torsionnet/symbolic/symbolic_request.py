@@ -21,6 +21,7 @@ from typing import Any
 import sympy
 
 from torsionnet.base.errors import UsageError
+from torsionnet.base.program import Program, ProgramNode
 from torsionnet.base.registers import Memo
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest, resolve_request
@@ -31,7 +32,7 @@ from torsionnet.model.elements import Element, Lock, RigidCoupling
 from torsionnet.model.operating_values import symbol_notes
 from torsionnet.model.readings import port_of
 from torsionnet.symbolic.algebra.algebras import Expressions, Lengths, in_s, vanishes
-from torsionnet.symbolic.algebra.network import Program, ProgramNode, Stiffness
+from torsionnet.symbolic.algebra.network import Stiffness
 from torsionnet.symbolic.mechanism import (
     Mechanism,
     NoContinuedFractionError,

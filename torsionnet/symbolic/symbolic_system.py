@@ -7,23 +7,22 @@ from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Any
 
 from torsionnet.base.errors import comma_list
+from torsionnet.base.program import ProgramNode
 from torsionnet.base.registers import Memo
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.symbolic import (
-    TWINS,
     SymbolicMatrices,
     stiffness_symbol,
+    symbol_of,
     symbolic_matrices,
-    twin,
-    twin_parameters,
+    symbolic_values,
     with_symbols,
 )
 from torsionnet.linear.dynamic_stiffness.transfer_request import resolve_request
 from torsionnet.linear.frequency_response import Channel
 from torsionnet.model.channels import Input, Sensor
-from torsionnet.model.elements import Action, Law, Values
+from torsionnet.model.elements import Action, Law
 from torsionnet.model.kinematics import owned_parts
-from torsionnet.symbolic.algebra.network import ProgramNode
 from torsionnet.symbolic.symbolic_request import (
     SymbolicRequest,
     hold_imposed_angles,
@@ -203,13 +202,13 @@ def _fraction(asked: SymbolicRequest) -> tuple[ProgramNode, ProgramNode]:
 
 def _tables(drivetrain: AssembledModel) -> Mapping[Any, Any]:
     """Frequency-dependent stiffnesses and delays by their symbols, with sympy expressions as coefficients."""
-    values = Values(twin_parameters(drivetrain.definition.parameters, drivetrain.exact_values), TWINS)
+    values = symbolic_values(drivetrain.definition.parameters, drivetrain.exact_values)
     parts = [(owned.element, owned.part) for owned in owned_parts(drivetrain.definition, values)]
     laws = [(owner, part) for owner, part in parts if isinstance(part, Law)]
     found = {
         stiffness_symbol(owner, law.table): with_symbols(law.table) for owner, law in laws if law.table is not None
     }
-    delays = [(owner, twin(part.delay).symbol) for owner, part in parts if isinstance(part, Action)]
+    delays = [(owner, symbol_of(part.delay)) for owner, part in parts if isinstance(part, Action)]
     if not delays:
         return found
     from torsionnet.symbolic.algebra.delay import Delay, delay_symbol

@@ -11,9 +11,8 @@ import sympy
 from numpy.typing import ArrayLike
 
 from torsionnet.base.errors import UsageError, did_you_mean
+from torsionnet.base.program import Program
 from torsionnet.linear.frequency_response import FrequencyResponse
-from torsionnet.symbolic.algebra.algebras import Derivatives, SubstitutedLeaves
-from torsionnet.symbolic.algebra.network import Program
 from torsionnet.symbolic.formula_text import for_display, latex, with_where
 from torsionnet.symbolic.symbolic_request import SymbolicFraction
 
@@ -138,6 +137,8 @@ class TransferFunction(SymbolicFraction):
         >>> H.derivative("k_2").static_gain
         -1/k_2**2
         """
+        from torsionnet.symbolic.algebra.changed import Derivatives
+
         program, symbol = Program(), self._symbol(parameter)
         for function, table in self.used_tables.items():
             if any(coefficient.has(symbol) for coefficient in table.coefficients):
@@ -171,6 +172,8 @@ class TransferFunction(SymbolicFraction):
         return self._changed({name: self.values[name] for name in self.free_symbols - kept if name in self.values})
 
     def _changed(self, given: dict[Any, Any]) -> TransferFunction:
+        from torsionnet.symbolic.algebra.changed import SubstitutedLeaves
+
         def change(expression: Any) -> Any:
             return given.get(expression, expression) if expression.is_Atom else expression.xreplace(given)
 

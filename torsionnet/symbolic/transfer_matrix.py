@@ -18,12 +18,12 @@ import sympy
 from numpy.typing import ArrayLike
 
 from torsionnet.base.errors import UsageError, did_you_mean
+from torsionnet.base.program import Program, ProgramNode
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest
 from torsionnet.linear.frequency_response import Channel, FrequencyResponse
 from torsionnet.model.channels import Input, Sensor
 from torsionnet.symbolic.algebra.algebras import vanishes
-from torsionnet.symbolic.algebra.network import Program, ProgramNode
 from torsionnet.symbolic.mechanism import Mechanism, loose_constraints, parts_of
 from torsionnet.symbolic.symbolic_request import hold_imposed_angles, is_imposed, mechanism
 from torsionnet.symbolic.transfer_function import TransferFunction

@@ -12,10 +12,12 @@ from collections.abc import Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from torsionnet.base.errors import MissingExtraError, TorsionnetError
+from torsionnet.base.program import ProgramNode
 from torsionnet.io.fmu.traced_matrices import System, Variables
-from torsionnet.io.fmu.traced_numbers import Traced
+from torsionnet.io.fmu.traced_numbers import NumberTape
 from torsionnet.signals.formats.extras import import_extra
 
 HEADER = """/* Sizes of this model. */
@@ -82,7 +84,7 @@ def header_source(system: System, variables: Variables, token: str) -> str:
 
 def model_source(system: System, variables: Variables, title: str) -> str:
     """Text of ``model.c`` of an FMU, with start values of the parameters, and the function that fills the matrices."""
-    code = _Code(system, {name: number for number, name in enumerate(variables.open)})
+    code = _Code(system.motion.tape, {name: number for number, name in enumerate(variables.open)})
     wanted = [*variables.derived.values(), *(v for entries in system.matrices.values() for _, _, v in entries)]
     lines = code.steps(wanted)
     lines += [f"derived[{place}] = {code.name(v)};" for place, v in enumerate(variables.derived.values())]
@@ -98,36 +100,44 @@ def model_source(system: System, variables: Variables, title: str) -> str:
     )
 
 
-@dataclass(frozen=True)
 class _Code:
     """Names in C of numbers on the tape of calculations; ``numbers`` says where in p a parameter is."""
 
-    system: System
-    numbers: Mapping[str, int]
+    def __init__(self, tape: NumberTape, numbers: Mapping[str, int]) -> None:
+        self.tape, self.numbers = tape, numbers
+        results = (place for place in range(len(tape.steps)) if tape.constant(tape.at(place)) is None)
+        self.order = {place: number for number, place in enumerate(results)}
 
-    def steps(self, wanted: Iterable[Traced]) -> list[str]:
+    def steps(self, wanted: Iterable[ProgramNode]) -> list[str]:
         """Lines of C that calculate the numbers on the tape, each once."""
-        places = self.system.motion.tape.needed(wanted)
-        return [f"const double {self._place(place)} = {self._operation(place)};" for place in places]
+        results = (place for place in self.tape.needed(wanted) if place in self.order)
+        return [f"const double {self._place(place)} = {self._operation(place)};" for place in results]
 
     def _operation(self, place: int) -> str:
-        sign, *parts = self.system.motion.tape.operations[place]
-        if sign == "parameter":
-            return f"p[{self.numbers[parts[0]]}]"
-        names = [self.name(part) for part in parts]
-        return f"sqrt({names[0]})" if sign == "sqrt" else f"{names[0]} {sign} {names[1]}"
+        sign, *operands = self.tape.steps[place]
+        if sign == "leaf":
+            return f"p[{self.numbers[operands[0].name]}]"
+        numbers = [self.tape.at(operand) for operand in operands]
+        if sign == "sqrt":
+            return f"sqrt({self.name(*numbers)})"
+        left, right = numbers if sign == "/" else sorted(numbers, key=self._rank)
+        return f"{self.name(left)} {sign} {self.name(right)}"
 
-    def name(self, number: Traced) -> str:
+    def _rank(self, number: ProgramNode) -> tuple[int, Any]:
+        """Sort key of a number in a sum or product, constants first."""
+        return (1, self.order[number.index]) if number.index in self.order else (0, number.value)
+
+    def name(self, number: ProgramNode) -> str:
         """Text in C of a number on the tape, the variable that holds it, or the literal of a constant."""
-        return literal(float(number.value)) if number.place is None else self._place(number.place)
+        return self._place(number.index) if number.index in self.order else literal(float(number.value))
 
     def _place(self, place: int) -> str:
-        sign, *parts = self.system.motion.tape.operations[place]
-        if sign != "parameter":
-            return f"v{place}"
+        sign, *operands = self.tape.steps[place]
+        if sign != "leaf":
+            return f"v{self.order[place]}"
         # The number tells left.k from left_k.
-        dotted = "." in parts[0]
-        return f"p{self.numbers[parts[0]]}_{parts[0].replace('.', '_')}" if dotted else f"p_{parts[0]}"
+        name = operands[0].name
+        return f"p{self.numbers[name]}_{name.replace('.', '_')}" if "." in name else f"p_{name}"
 
 
 def literal(value: float) -> str:

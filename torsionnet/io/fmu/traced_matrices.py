@@ -20,10 +20,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.base.errors import UsageError
+from torsionnet.base.program import ProgramNode
 from torsionnet.base.units import DIMENSIONS, Dimension
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.export_losses import refuse_laws_of_motion
-from torsionnet.io.fmu.traced_numbers import Motion, Traced, trace_motion
+from torsionnet.io.fmu.traced_numbers import Motion, NumberTape, trace_motion
 from torsionnet.io.modelica_parts import export_unit
 from torsionnet.linear.dynamic_stiffness.state_space import active_channels, state_space
 from torsionnet.model.channels import UNITS, Sensor
@@ -39,14 +40,15 @@ MOST_COORDINATES = 400
 class Entries:
     """Sparse matrix of traced numbers, with the entries that are not zero for all values of the parameters."""
 
-    of: dict[tuple[int, int], Traced] = field(default_factory=dict)
+    tape: NumberTape
+    of: dict[tuple[int, int], ProgramNode] = field(default_factory=dict)
 
-    def add(self, row: int, column: int, value: Traced) -> None:
+    def add(self, row: int, column: int, value: ProgramNode) -> None:
         place = row, column
         self.of[place] = self.of[place] + value if place in self.of else value
 
-    def __iter__(self) -> Iterator[tuple[int, int, Traced]]:
-        return ((i, j, value) for (i, j), value in sorted(self.of.items()) if not value.vanishes)
+    def __iter__(self) -> Iterator[tuple[int, int, ProgramNode]]:
+        return ((i, j, value) for (i, j), value in sorted(self.of.items()) if not self.tape.vanishes(value))
 
 
 @dataclass(frozen=True)
@@ -96,7 +98,7 @@ def trace_system(drivetrain: Drivetrain) -> System:
     motion = trace_motion(drivetrain)
     coordinates = (*motion.heavy, *motion.damped, *motion.static)
     place = {name: number for number, name in enumerate(coordinates)}
-    matrices = {letter: Entries() for letter in ("M", "C", "K", "L", "R0", "R1", "R2", "F")}
+    matrices = {letter: Entries(motion.tape) for letter in ("M", "C", "K", "L", "R0", "R1", "R2", "F")}
     for _, law in motion.kinematics.laws:
         if law.acts:
             _add_law(matrices, law, motion.over_coordinates(law.row), place, motion)
@@ -127,11 +129,11 @@ def _refuse(drivetrain: Drivetrain) -> None:
 
 
 def _add_law(
-    matrices: Mapping[str, Entries], law: Law, row: Mapping[str, Traced], place: Mapping[str, int], motion: Motion
+    matrices: Mapping[str, Entries], law: Law, row: Mapping[str, ProgramNode], place: Mapping[str, int], motion: Motion
 ) -> None:
     for letter, coefficient in (("M", law.inertia), ("C", law.damping), ("K", law.stiffness)):
-        weight = motion.tape.number(coefficient)
-        if weight.vanishes:
+        weight = motion.tape.node(coefficient)
+        if motion.tape.vanishes(weight):
             continue
         # M = sum J a a^T over the rows a of the laws, and so C and K.
         for first, a in row.items():
@@ -147,23 +149,23 @@ def _add_reading(
     tape, laws = motion.tape, motion.kinematics.laws
     rows = [(owner, law.row) for owner, law in laws]
     read = reading(sensor, drivetrain.elements, motion.values, rows, motion.kinematics.constraints)
-    balanced = balance(read, motion.kinematics, [row for _, row in rows], tape.number)
-    parts = [] if read.row is None else [(read.row, [tape.number(read.power == power) for power in range(3)])]
+    balanced = balance(read, motion.kinematics, [row for _, row in rows], tape.node)
+    parts = [] if read.row is None else [(read.row, [tape.node(read.power == power) for power in range(3)])]
     # A law gives (k + c s + J s^2) times its row.
     for index, factor in balanced.laws:
         _, law = laws[index]
-        if law.acts and not factor.vanishes:
+        if law.acts and not tape.vanishes(factor):
             sizes = (law.stiffness, law.damping, law.inertia)
-            parts.append((law.row, [tape.number(size) * factor for size in sizes]))
+            parts.append((law.row, [tape.node(size) * factor for size in sizes]))
     for row, factors in parts:
         over_coordinates = motion.over_coordinates(row)
         for power, weight in enumerate(factors):
-            if not weight.vanishes:
+            if not tape.vanishes(weight):
                 for name, angle in over_coordinates.items():
                     matrices[f"R{power}"].add(number, place[name], weight * angle)
     for column, load in enumerate(loads):
         for node, share in load.items():
-            matrices["F"].add(number, column, tape.number(share) * tape.number(balanced.applied.get(node, 0)))
+            matrices["F"].add(number, column, tape.node(share) * tape.node(balanced.applied.get(node, 0)))
 
 
 # Variables of an FMU in the order of their value references.
@@ -217,7 +219,7 @@ class Variables:
 
     all: tuple[Variable, ...]
     open: dict[str, float]
-    derived: dict[str, Traced]
+    derived: dict[str, ProgramNode]
     settled: dict[str, float]
 
     def of(self, *roles: str) -> tuple[Variable, ...]:
@@ -233,13 +235,9 @@ def list_variables(drivetrain: Drivetrain, system: System) -> Variables:
     """Variables of a drivetrain's FMU in the order in which its C code numbers them."""
     traced, values = system.motion.parameters, drivetrain.parameters
     written = drivetrain.parameter_definitions
-    open_ = {
-        name: values[name]
-        for name, number in traced.items()
-        if not number.is_constant and not written[name].value.names
-    }
-    derived = {name: number for name, number in traced.items() if not number.is_constant and name not in open_}
-    settled = {name: values[name] for name, number in traced.items() if number.is_constant}
+    settled = {name: values[name] for name, number in traced.items() if system.motion.tape.constant(number) is not None}
+    open_ = {name: values[name] for name in traced if name not in settled and not written[name].value.names}
+    derived = {name: number for name, number in traced.items() if name not in {**settled, **open_}}
     named = _Namer()
     listed = (
         replace(variable, name=named(variable.name, variable.role), reference=reference)
@@ -249,7 +247,7 @@ def list_variables(drivetrain: Drivetrain, system: System) -> Variables:
 
 
 def _unnumbered(
-    drivetrain: Drivetrain, system: System, open_: dict[str, float], derived: dict[str, Traced],
+    drivetrain: Drivetrain, system: System, open_: dict[str, float], derived: dict[str, ProgramNode],
     settled: dict[str, float],
 ) -> Iterator[Variable]:  # fmt: skip
     channels, found = active_channels(drivetrain), dimensions(drivetrain.parameter_definitions)[0]

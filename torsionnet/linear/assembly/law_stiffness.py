@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.base.errors import UsageError, did_you_mean
+from torsionnet.base.expressions import exact
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray, RowSystem
 from torsionnet.linear.assembly.system import Assembly
@@ -28,7 +29,6 @@ from torsionnet.linear.frequency_response import Channel
 from torsionnet.model.channels import UNITS, Sensor
 from torsionnet.model.definition import all_nodes
 from torsionnet.model.elements import Values
-from torsionnet.model.elimination import exact
 from torsionnet.model.kinematics import exact_row
 from torsionnet.model.readings import balance, reading
 

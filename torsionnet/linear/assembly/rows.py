@@ -23,8 +23,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.base.errors import UsageError
+from torsionnet.base.expressions import exact
 from torsionnet.base.registers import Memo
-from torsionnet.model.elimination import exact
 from torsionnet.model.kinematics import Kinematics, exact_row
 
 if TYPE_CHECKING:

@@ -1,10 +1,8 @@
 """Equations of motion of a drivetrain as sympy matrices in the model's own symbols.
 
-M, C, K come from the same elements and the same elimination as the numbers, with twins of value and symbol. Terms are
+M, C, K come from the same elements and the same elimination as the numbers, recorded over the parameters. Terms are
 collected by the ratios they are reflected with, so that ``k_1 + k_2/tau**2`` stays as an engineer writes it and
 ``I_MT + (I_1 - I_MT)`` collapses to ``I_1``.
-
-Here as well: exact numbers with their symbolic expressions, of which decisions use the value and formulas the symbol.
 """
 
 from __future__ import annotations
@@ -19,99 +17,71 @@ from typing import TYPE_CHECKING, Any
 import sympy
 
 from torsionnet.base.errors import UsageError
-from torsionnet.base.expressions import Algebra
+from torsionnet.base.expressions import Name, exact
+from torsionnet.base.program import ProgramAlgebra, ProgramNode, Record
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.model.elements import Action, Law, Row, Values
-from torsionnet.model.elimination import exact
 from torsionnet.model.kinematics import Kinematics, kinematics_on, solve_kinematics
 
 if TYPE_CHECKING:
     from torsionnet.model.element_base.dynamic_stiffness import DynamicStiffness
 
 
-@dataclass(frozen=True, eq=False)
-class Twin:
-    """Twin of an exact rational value and its sympy expression, equal to a number if its value is."""
-
-    value: Fraction
-    symbol: Any
-
-    def __add__(self, other: Any) -> Twin:
-        other = twin(other)
-        return Twin(self.value + other.value, self.symbol + other.symbol)
-
-    def __mul__(self, other: Any) -> Twin:
-        other = twin(other)
-        return Twin(self.value * other.value, self.symbol * other.symbol)
-
-    def __truediv__(self, other: Any) -> Twin:
-        other = twin(other)
-        return Twin(self.value / other.value, self.symbol / other.symbol)
-
-    def __neg__(self) -> Twin:
-        return Twin(-self.value, -self.symbol)
-
-    def __sub__(self, other: Any) -> Twin:
-        return self + (-twin(other))
-
-    def __rsub__(self, other: Any) -> Twin:
-        return twin(other) - self
-
-    def __rtruediv__(self, other: Any) -> Twin:
-        return twin(other) / self
-
-    def __pow__(self, power: int) -> Twin:
-        return Twin(self.value**power, self.symbol**power)
-
-    __radd__ = __add__
-    __rmul__ = __mul__
-
-    def __eq__(self, other: object) -> bool:
-        return self.value == (other.value if isinstance(other, Twin) else other)
-
-    def __lt__(self, other: Any) -> bool:
-        return bool(self.value < twin(other).value)
-
-    def __gt__(self, other: Any) -> bool:
-        return bool(self.value > twin(other).value)
-
-    def __hash__(self) -> int:
-        return hash(self.value)
-
-
+@lru_cache(maxsize=1024)
 def rational(number: Any) -> Any:
     """Sympy rational equal to a number, exact, never a sympy Float."""
     value = exact(number)
     return sympy.Rational(value.numerator, value.denominator)
 
 
-def twin(number: Any) -> Twin:
-    """Twin (an exact value with its symbol) of a plain number, whose symbol is the number itself."""
-    return number if isinstance(number, Twin) else _plain(number)
+class Symbols(ProgramAlgebra):
+    """Algebra of sympy expressions in the symbols of the parameters, for recorded laws and rows."""
+
+    def leaf(self, payload: Any) -> Any:
+        if isinstance(payload, Fraction):
+            return rational(payload)
+        return sympy.Symbol(payload.name) if isinstance(payload, Name) else sympy.pi
+
+    def root(self, argument: Any) -> Any:
+        return sympy.sqrt(argument)
 
 
-@lru_cache(maxsize=1024)
-def _plain(number: Any) -> Twin:
-    return Twin(exact(number), rational(number))
+@dataclass(eq=False)
+class SymbolRecord(Record):
+    """Record whose numbers are decided upon by their exact values, and written in symbols.
+
+    Examples
+    --------
+    >>> record = SymbolRecord()
+    >>> k = record.parameter("k", 3)
+    >>> symbol_of(1 / (2 * k - 1) ** 2), symbol_of(0.5)
+    ((2*k - 1)**(-2), 1/2)
+    """
+
+    symbols: dict[int, Any] = field(default_factory=dict)
+
+    def symbol(self, node: ProgramNode) -> Any:
+        """Sympy expression of a recorded number."""
+        return self.symbols[node.index] if node.index in self.symbols else self.run(Symbols(), [node], self.symbols)[0]
 
 
-def _root(number: Any) -> Twin:
-    number = twin(number)
-    return Twin(exact(float(number.value) ** 0.5), sympy.sqrt(number.symbol))
+def symbol_of(number: Any) -> Any:
+    """Sympy expression of a number on a :class:`SymbolRecord`, or of a plain number."""
+    if not isinstance(number, ProgramNode):
+        return rational(number)
+    record: Any = number.program
+    return record.symbol(number)
 
 
-TWINS = Algebra(number=twin, sqrt=_root, pi=Twin(exact(float(sympy.pi)), sympy.pi))
-"""Algebra in which expressions of parameters evaluate to twins (an exact value with its symbol)."""
-
-
-def twin_parameters(definitions: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Twin]:
-    """Twins (exact value and symbol) of all parameters by name; a derived one has its expression in the basic ones."""
-    twins: dict[str, Twin] = {}
+def symbolic_values(definitions: Mapping[str, Any], values: Mapping[str, Any]) -> Values:
+    """Evaluator that records on a :class:`SymbolRecord`; a derived parameter has its expression in the basic ones."""
+    record = SymbolRecord()
+    found: dict[str, Any] = {}
     for name in values:
         expression = definitions[name].value
-        symbol = expression.evaluate(twins, TWINS).symbol if expression.names else sympy.Symbol(name)
-        twins[name] = Twin(exact(values[name]), symbol)
-    return twins
+        derived = expression.names
+        found[name] = expression.evaluate(found, record.algebra) if derived else record.parameter(name, values[name])
+    return Values(found, record.algebra)
 
 
 OMEGA = sympy.Symbol("omega")
@@ -240,7 +210,7 @@ def symbolic_matrices(drivetrain: AssembledModel, referred_to: Sequence[str] = (
         )
     definition = drivetrain.definition
     names = [referred_to] if isinstance(referred_to, str) else list(referred_to)
-    values = Values(twin_parameters(definition.parameters, drivetrain.exact_values), TWINS)
+    values = symbolic_values(definition.parameters, drivetrain.exact_values)
     kinematics = solve_kinematics(definition, Values(drivetrain.exact_values), names)
     ratios = _Ratios(kinematics, values, definition, names)
     laws = [(owner, law, ratios.reduced(law.row)) for owner, law in ratios.kinematics.laws if law.acts]
@@ -249,7 +219,7 @@ def symbolic_matrices(drivetrain: AssembledModel, referred_to: Sequence[str] = (
     for owner, law, row in laws:
         for key, coefficient in _coefficients(owner, law).items():
             sums[key].add(coefficient, row)
-    nodes = [ratios.reduced({node: twin(1)}) for node in kinematics.nodes]
+    nodes = [ratios.reduced({node: 1}) for node in kinematics.nodes]
     present = set(kinematics.nodes)
     inputs = tuple(name for name, channel in drivetrain.inputs.items() if set(channel.nodes) <= present)
     loads = [ratios.reduced(drivetrain.inputs[name].row) for name in inputs]
@@ -280,23 +250,23 @@ def _numbered(actions: Sequence[tuple[str, Action]]) -> list[str]:
 
 def _action(owner: str, action: Action, ratios: _Ratios, coordinates: Sequence[str]) -> SymbolicAction:
     row, sensed = (_matrix([ratios.reduced(part)], coordinates) for part in (action.row, action.sensed))
-    above, below = (tuple(twin(value).symbol for value in part) for part in (action.numerator, action.denominator))
-    return SymbolicAction(owner, tuple(row), tuple(sensed), above, below, twin(action.delay).symbol)
+    above, below = (tuple(map(symbol_of, part)) for part in (action.numerator, action.denominator))
+    return SymbolicAction(owner, tuple(row), tuple(sensed), above, below, symbol_of(action.delay))
 
 
 class _Ratios:
     """Kinematics of a drivetrain solved in symbols, with the pivots that the exact values choose."""
 
     def __init__(self, plain: Kinematics, values: Values, definition: Any, names: Sequence[str]) -> None:
-        self.kinematics = kinematics_on(values, plain, definition, names)
+        self.kinematics, self.number = kinematics_on(values, plain, definition, names), values.algebra.number
 
     def reduced(self, row: Row) -> Row:
-        return self.kinematics.reduced({node: twin(value) for node, value in row.items()})
+        return self.kinematics.reduced({node: self.number(value) for node, value in row.items()})
 
     def conditions(self) -> tuple[Any, ...]:
         """Expressions that are zero for the parameter values but not as symbols, from constraints that dropped out."""
         found = []
-        rows = [{node: twin(value) for node, value in row.items()} for _, row in self.kinematics.constraints]
+        rows = [row for _, row in self.kinematics.constraints]
         for index in self.kinematics.reduction.redundant:
             for coefficient in _uncancelled(rows[index], self.kinematics.reduction.solved).values():
                 expression = sympy.numer(sympy.together(sympy.expand(coefficient)))
@@ -308,8 +278,8 @@ class _Ratios:
 def _uncancelled(row: Row, solved: Mapping[Any, Row]) -> dict[str, Any]:
     result: dict[str, Any] = {}
     for node, coefficient in row.items():
-        for free, factor in solved.get(node, {node: twin(1)}).items():
-            result[free] = result.get(free, 0) + coefficient.symbol * factor.symbol
+        for free, factor in solved.get(node, {node: 1}).items():
+            result[free] = result.get(free, 0) + symbol_of(coefficient) * symbol_of(factor)
     return result
 
 
@@ -323,7 +293,7 @@ def _coefficients(owner: str, law: Law) -> dict[str, Any]:
     table = stiffness_symbol(owner, law.table) if law.table is not None else 0
     hysteretic = law.stiffness * law.loss_factor
     given = {"M": law.inertia, "C": law.damping, "K": law.stiffness, "H": hysteretic}
-    symbols = {key: twin(value).symbol for key, value in given.items()}
+    symbols = {key: symbol_of(value) for key, value in given.items()}
     return {key: value for key, value in (symbols | {"tables": table}).items() if value != 0}
 
 
@@ -334,7 +304,7 @@ def stiffness_symbol(owner: str, table: DynamicStiffness) -> Any:
 
 def with_symbols(table: DynamicStiffness) -> DynamicStiffness:
     """Copy of a frequency-dependent stiffness with sympy expressions for the values of its coefficients."""
-    return table.with_coefficients(*(twin(one).symbol for one in table.coefficients))
+    return table.with_coefficients(*map(symbol_of, table.coefficients))
 
 
 class _Sum:
@@ -348,7 +318,7 @@ class _Sum:
         self.entries: dict[tuple[int, int], dict[Any, Any]] = {}
 
     def add(self, coefficient: Any, row: Row) -> None:
-        used = [(self.index[name], factor.symbol) for name, factor in row.items() if name in self.index]
+        used = [(self.index[name], symbol_of(factor)) for name, factor in row.items() if name in self.index]
         for i, left in used:
             for j, right in used:
                 ratio, number = _ratio_and_number(left * right)
@@ -395,8 +365,8 @@ def _ratio_and_number(product: Any) -> tuple[Any, Any]:
 
 
 def _matrix(rows: Sequence[Row], coordinates: Sequence[str]) -> sympy.Matrix:
-    return sympy.Matrix(len(rows), len(coordinates), lambda i, j: _symbol(rows[i].get(coordinates[j], 0)))
-
-
-def _symbol(value: Any) -> Any:
-    return value.symbol if isinstance(value, Twin) else value
+    return sympy.Matrix(
+        len(rows),
+        len(coordinates),
+        [symbol_of(row[name]) if name in row else 0 for row in rows for name in coordinates],
+    )

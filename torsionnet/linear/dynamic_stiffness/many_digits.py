@@ -12,6 +12,7 @@ from typing import Any
 
 import torsionnet.linear.dynamic_stiffness.tape as ops
 from torsionnet.base.errors import SolveError
+from torsionnet.base.expressions import exact
 from torsionnet.linear.assembly.rows import ActionLaw, polynomial
 from torsionnet.linear.assembly.system import Assembly
 from torsionnet.linear.dynamic_stiffness.reading_problem import ReadingPart, make_reading_problem
@@ -19,7 +20,6 @@ from torsionnet.linear.dynamic_stiffness.row_algebra import Accuracy
 from torsionnet.linear.dynamic_stiffness.tape import Tape
 from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest
 from torsionnet.model.elements import Law
-from torsionnet.model.elimination import exact
 
 CALCULATION_DIGITS = 200
 """Decimal digits of a response calculated in many digits, far more than any drivetrain met so far has cancelled."""

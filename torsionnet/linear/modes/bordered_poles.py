@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 import torsionnet.linear.modes.ehrlich_aberth as ehrlich_aberth
 from torsionnet.base.errors import UsageError
+from torsionnet.base.expressions import exact
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.law_stiffness import powers_of_s
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray, refuse_actions
@@ -43,7 +44,7 @@ from torsionnet.linear.modes.modular_arithmetic import (
     square_free,
 )
 from torsionnet.linear.modes.spectrum import MAX_OPERATIONS, REFINE_ABOVE, has_pairs, most_uncertain, on_real_axis
-from torsionnet.model.elimination import exact, reduce_rows
+from torsionnet.model.elimination import reduce_rows
 from torsionnet.model.kinematics import exact_row
 
 # Bordered matrix P(s) for poles against measured inputs, in rational numbers, with exact counts of its roots.

@@ -34,11 +34,12 @@ from typing import TypeAlias
 import numpy as np
 
 from torsionnet.base.errors import SolveError
+from torsionnet.base.expressions import exact
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray, polynomial
 from torsionnet.linear.assembly.system import Assembly
 from torsionnet.linear.modes.ehrlich_aberth import minimum_degree_order
 from torsionnet.linear.modes.modular_arithmetic import determinant, interpolating_polynomial, primes, residue
-from torsionnet.model.elimination import exact, reduce_rows
+from torsionnet.model.elimination import reduce_rows
 
 ExactVector: TypeAlias = Mapping[int, Fraction]
 

@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 
 from torsionnet.base.errors import ModelError, UsageError
-from torsionnet.base.expressions import FLOAT
+from torsionnet.base.expressions import FLOAT, exact
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.linear.sensitivity.unknowns import DUALS, Dual, Unknowns, gradient_of, value_of
 from torsionnet.model.balanced_state import BalancedState
@@ -32,7 +32,7 @@ from torsionnet.model.definition import Definition, Tangents
 from torsionnet.model.element_base.dynamic_stiffness import DynamicStiffness
 from torsionnet.model.element_base.element import TangentLaws
 from torsionnet.model.elements import Action, Element, Law, MotionLaw, Row, Values
-from torsionnet.model.elimination import exact, reduce_rows
+from torsionnet.model.elimination import reduce_rows
 from torsionnet.model.kinematics import OwnedPart, constraints_of, imposed_rows, owned_parts
 from torsionnet.model.law_network import following_elements
 from torsionnet.model.motion_laws.piece_curve import PieceCurve

@@ -20,6 +20,7 @@ from typing import Any
 
 import numpy as np
 
+from torsionnet.base.expressions import exact
 from torsionnet.linear.assembly.law_stiffness import LawStiffness
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.linear.dynamic_stiffness.response_problem import Loading, ResponseProblem
@@ -28,7 +29,7 @@ from torsionnet.linear.sensitivity.augmented import Augmented
 from torsionnet.linear.sensitivity.unknowns import DUALS, gradient_of, value_of
 from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.elements import Element, Values
-from torsionnet.model.elimination import exact, reduce_rows
+from torsionnet.model.elimination import reduce_rows
 from torsionnet.model.kinematics import UNIT, exact_row
 from torsionnet.model.readings import Reading, reading
 

@@ -12,13 +12,13 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from torsionnet.base.errors import Fault, ModelError, UsageError
-from torsionnet.base.expressions import Number
+from torsionnet.base.expressions import Number, exact
 from torsionnet.base.units import RPM
 from torsionnet.model.balanced_state import BalancedState
 from torsionnet.model.definition import Definition
 from torsionnet.model.element_base.laws import AT_REST, MotionState
 from torsionnet.model.elements import Element, MotionLaw, Row
-from torsionnet.model.elimination import exact, reduce_rows
+from torsionnet.model.elimination import reduce_rows
 from torsionnet.model.kinematics import UNIT, exact_row
 from torsionnet.model.law_network import LawNetwork, PlacedMotionLaw, keeps_own_point, law_network
 from torsionnet.model.load.external_torques import CutOffError, ExternalTorques, reference_node, stated_torques

@@ -6,17 +6,17 @@ Here as well: tests whether a symbolic polynomial or coefficient is zero for all
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any, TypeAlias
+from typing import Any
 
 import sympy
 
-from torsionnet.symbolic.algebra.network import Program, ProgramAlgebra, ProgramNode, Stiffness
+from torsionnet.base.program import Program, ProgramAlgebra, ProgramNode
+from torsionnet.symbolic.algebra.network import Stiffness
 
 S = sympy.Symbol("s")
-HALF = sympy.Rational(1, 2)
 
 
 @dataclass(frozen=True)
@@ -88,23 +88,6 @@ class InPowersOfS(ProgramAlgebra):
         return tuple(total)
 
 
-class TermCounts(ProgramAlgebra):
-    """Algebra of upper bounds of the number of terms of a program's results when multiplied out."""
-
-    def leaf(self, payload: Any) -> int:
-        parts = payload.parts if isinstance(payload, Stiffness) else (payload,)
-        return sum(terms_of(part) for part in parts)
-
-
-def terms_of(expression: Any) -> int:
-    """Number of terms of a sympy expression or Fraction when multiplied out."""
-    if isinstance(expression, Fraction):
-        return int(expression != 0)
-    if not isinstance(expression, sympy.Add | sympy.Mul | sympy.Pow):
-        return int(expression != 0)
-    return len(sympy.Add.make_args(sympy.expand(expression)))
-
-
 class Lengths(ProgramAlgebra):
     """Algebra that counts symbols, stiffnesses and numbers of nested expressions, each as often as it appears."""
 
@@ -114,56 +97,6 @@ class Lengths(ProgramAlgebra):
 
     def multiply(self, left: int, right: int) -> int:
         return left + right
-
-
-NodePair: TypeAlias = tuple[ProgramNode, ProgramNode]
-"""Result of a program step, and its derivative to one symbol."""
-
-
-@dataclass(frozen=True)
-class Derivatives(ProgramAlgebra):
-    """Algebra that records a program's results together with their derivatives with respect to one symbol."""
-
-    program: Program
-    symbol: Any
-
-    def leaf(self, payload: Any) -> NodePair:
-        return self.program.leaf(payload), self.program.leaf(self._slope(payload))
-
-    def add(self, left: NodePair, right: NodePair) -> NodePair:
-        return left[0] + right[0], left[1] + right[1]
-
-    def multiply(self, left: NodePair, right: NodePair) -> NodePair:
-        # (a b)' = a' b + a b'
-        return left[0] * right[0], left[1] * right[0] + left[0] * right[1]
-
-    def _slope(self, payload: Any) -> Any:
-        if isinstance(payload, Fraction):
-            return 0
-        if not isinstance(payload, Stiffness):
-            return sympy.diff(payload, self.symbol)
-        slopes = [sympy.diff(part, self.symbol) for part in payload.parts]
-        return Stiffness(*slopes) if any(slopes) else 0
-
-
-@dataclass(frozen=True)
-class SubstitutedLeaves(ProgramAlgebra):
-    """Algebra that copies a program and substitutes expressions for symbols in its inputs (leaves)."""
-
-    program: Program
-    change: Callable[[Any], Any]
-
-    def leaf(self, payload: Any) -> ProgramNode:
-        if isinstance(payload, Fraction):
-            return self.program.leaf(payload)
-        if isinstance(payload, Stiffness):
-            return self.program.leaf(stiffness_or_zero(*(self.change(part) for part in payload.parts)))
-        return self.program.leaf(self.change(payload))
-
-
-def stiffness_or_zero(*parts: Any) -> Any:
-    """Dynamic stiffness k + c s + J s^2 of a law from its coefficients, as input of a program, or 0 if all are zero."""
-    return Stiffness(*parts) if any(part != 0 for part in parts) else 0
 
 
 def evaluate_expression(expression: Any, element: Callable[[Any], Any]) -> Any:
@@ -189,32 +122,6 @@ def _power(base: Any, exponent: int) -> Any:
     for _ in range(exponent - 1):
         result = result * base
     return result
-
-
-@dataclass(frozen=True)
-class NumericValues(ProgramAlgebra):
-    """Algebra that evaluates a program with numbers or arrays for its symbols; ``number`` converts Fractions."""
-
-    values: Mapping[Any, Any]
-    number: Callable[[Fraction], Any]
-    s: Any = None
-
-    def leaf(self, payload: Any) -> Any:
-        if isinstance(payload, Fraction):
-            return self.number(payload)
-        if isinstance(payload, Stiffness):
-            k, c, j = (self.leaf(part) for part in payload.parts)
-            return k + self.s * (c + self.s * j)
-        return evaluate_expression(payload, self._element)
-
-    def _element(self, expression: Any) -> Any:
-        if expression.is_Rational:
-            return self.number(Fraction(expression.p, expression.q))
-        if expression in self.values:
-            return self.values[expression]
-        if isinstance(expression, sympy.Pow):  # a root
-            return evaluate_expression(expression.base, self._element) ** float(expression.exp)
-        return complex(expression) if expression.has(sympy.I) else self.number(Fraction(repr(float(expression))))
 
 
 def exact_fraction(value: Any) -> Fraction:

@@ -19,16 +19,8 @@ import sympy
 from sympy.polys.matrices import DomainMatrix
 
 from torsionnet.base.errors import UsageError
-from torsionnet.symbolic.algebra.network import (
-    ONE,
-    Contraction,
-    Network,
-    NetworkMember,
-    Program,
-    ProgramNode,
-    SymbolRow,
-    add_parallel_laws,
-)
+from torsionnet.base.program import Program, ProgramNode
+from torsionnet.symbolic.algebra.network import ONE, Contraction, Network, NetworkMember, SymbolRow, add_parallel_laws
 from torsionnet.symbolic.algebra.recursion import GraphBlock, Quotient, Recursion, SolvedBlock, sum_of_quotients
 
 # Determinants of blocks with many closed loops, by sympy's characteristic polynomial in laws and ratios.

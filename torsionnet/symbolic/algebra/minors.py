@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import TypeAlias
 
 from torsionnet.base.errors import UsageError
-from torsionnet.symbolic.algebra.network import Program, ProgramNode
+from torsionnet.base.program import Program, ProgramNode
 
 SparseRow: TypeAlias = Mapping[int, ProgramNode]
 """Row of a sparse matrix, the node of a program in each column that is not zero."""

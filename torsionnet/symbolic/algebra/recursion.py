@@ -40,17 +40,9 @@ from typing import Any, Generic, Protocol, TypeAlias
 
 import networkx as nx
 
+from torsionnet.base.program import Program, ProgramNode
 from torsionnet.base.registers import Groups
-from torsionnet.symbolic.algebra.network import (
-    L,
-    Network,
-    NetworkMember,
-    Program,
-    ProgramNode,
-    Stiffness,
-    SymbolRow,
-    vanishes,
-)
+from torsionnet.symbolic.algebra.network import L, Network, NetworkMember, Stiffness, SymbolRow, vanishes
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,18 +1,25 @@
 """Complex arrays with a separate exponent, so that products over hundreds of coordinates do not overflow.
 
 Each number carries a bound of what rounding may have done to it: sums of large terms that cancel leave few digits.
+
+Here as well: the algebra that evaluates programs with such arrays or other numbers.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
+import sympy
 from numpy.typing import NDArray
 
+from torsionnet.base.program import ProgramAlgebra
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
+from torsionnet.symbolic.algebra.algebras import evaluate_expression
+from torsionnet.symbolic.algebra.network import Stiffness
 
 ZERO_EXPONENT = -(10**9)
 """Binary exponent of an exact zero, below that of any other number, so that sums keep the other number."""
@@ -104,3 +111,29 @@ class Scaled:
         """Bound of each scaled value's relative rounding error, same shape, infinite or nan where no digit is sure."""
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.where(self.error == 0, 0.0, self.error / np.abs(self.mantissa))
+
+
+@dataclass(frozen=True)
+class NumericValues(ProgramAlgebra):
+    """Algebra that evaluates a program with numbers or arrays for its symbols; ``number`` converts Fractions."""
+
+    values: Mapping[Any, Any]
+    number: Callable[[Fraction], Any]
+    s: Any = None
+
+    def leaf(self, payload: Any) -> Any:
+        if isinstance(payload, Fraction):
+            return self.number(payload)
+        if isinstance(payload, Stiffness):
+            k, c, j = (self.leaf(part) for part in payload.parts)
+            return k + self.s * (c + self.s * j)
+        return evaluate_expression(payload, self._element)
+
+    def _element(self, expression: Any) -> Any:
+        if expression.is_Rational:
+            return self.number(Fraction(expression.p, expression.q))
+        if expression in self.values:
+            return self.values[expression]
+        if isinstance(expression, sympy.Pow):  # a root
+            return evaluate_expression(expression.base, self._element) ** float(expression.exp)
+        return complex(expression) if expression.has(sympy.I) else self.number(Fraction(repr(float(expression))))

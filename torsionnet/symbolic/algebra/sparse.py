@@ -11,8 +11,9 @@ from typing import Any
 
 import sympy
 
+from torsionnet.base.program import ProgramAlgebra
 from torsionnet.symbolic.algebra.algebras import S
-from torsionnet.symbolic.algebra.network import ProgramAlgebra, Stiffness
+from torsionnet.symbolic.algebra.network import Stiffness
 
 EXPONENT_BITS = 12
 """Number of bits for the exponent of one generator in a packed monomial, enough for exponents up to 4095."""
@@ -166,3 +167,20 @@ def _monomial(term: Any) -> tuple[Fraction, dict[Any, int]]:
             key, times = (base, int(power)) if power > 0 else (1 / base, -int(power))
         factors[key] = factors.get(key, 0) + times
     return Fraction(number.p, number.q), factors
+
+
+class TermCounts(ProgramAlgebra):
+    """Algebra of upper bounds of the number of terms of a program's results when multiplied out."""
+
+    def leaf(self, payload: Any) -> int:
+        parts = payload.parts if isinstance(payload, Stiffness) else (payload,)
+        return sum(terms_of(part) for part in parts)
+
+
+def terms_of(expression: Any) -> int:
+    """Number of terms of a sympy expression or Fraction when multiplied out."""
+    if isinstance(expression, Fraction):
+        return int(expression != 0)
+    if not isinstance(expression, sympy.Add | sympy.Mul | sympy.Pow):
+        return int(expression != 0)
+    return len(sympy.Add.make_args(sympy.expand(expression)))
