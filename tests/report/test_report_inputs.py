@@ -60,7 +60,10 @@ def test_parts_of_other_files_are_hashed_in_a_report_on_a_rig(tmp_path):
 
 @pytest.mark.parametrize(
     ("configurations", "where"),
-    [("pitch: {full: {}, zero: {load.power: 450 kW}}", " (in zero pitch)"), ("pitch: {zero: {load.power: 450 kW}}", "")],
+    [
+        ("pitch: {full: {}, zero: {load.power: 450 kW}}", " (in zero pitch)"),
+        ("pitch: {zero: {load.power: 450 kW}}", ""),
+    ],
 )
 def test_a_warning_of_the_checks_stands_in_the_document_with_its_condition(configurations, where):
     text = MARINE.read_text(encoding="utf-8")
