@@ -74,3 +74,20 @@ def test_beats_with_thousands_of_maxima(monkeypatch):
 
 def test_no_speeds():
     assert cycle_extremes(np.zeros((0, 2, 3), dtype=complex), [1, 2]).shape == (2, 0, 3)
+
+
+def test_outputs_that_nothing_excites_are_not_refined(monkeypatch):
+    """cos 2 phi + 0.5 cos 4 phi is 1.5 at 0 and -0.75 at cos 2 phi = -1/2; a flat wave is zero all along its cycle."""
+    refined = []
+    tops = module._tops
+
+    def counted(amplitudes, *others):
+        refined.append(np.abs(amplitudes).sum(axis=1).min())
+        return tops(amplitudes, *others)
+
+    monkeypatch.setattr(module, "_tops", counted)
+    waves = np.zeros((3, 2, 4), complex)
+    waves[:, :, 1] = [1, 0.5]
+    assert cycle_extremes(waves, [2, 4])[:, :, 1] == pytest.approx(np.array([[1.5] * 3, [-0.75] * 3]), rel=1e-9)
+    assert not cycle_extremes(waves, [2, 4])[:, :, [0, 2, 3]].any()
+    assert min(refined) > 0

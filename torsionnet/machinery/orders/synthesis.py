@@ -137,8 +137,9 @@ def _of_part(amplitudes: ComplexArray, counts: NDArray[np.int64]) -> FloatArray:
 def _highest(waves: FloatArray, rise: FloatArray, amplitudes: ComplexArray, counts: NDArray[np.int64]) -> FloatArray:
     found: FloatArray = waves.max(axis=2)
     n = waves.shape[2]
-    # Only a point within that rise of the highest one can have the true maximum beside it.
-    speeds, outputs, points = np.nonzero(waves >= (found - rise)[:, :, None])
+    # Only a point within that rise of the highest one can have the true maximum beside it. Waves without a rise, as
+    # outputs that nothing excites, are flat, and every point of theirs is as high.
+    speeds, outputs, points = np.nonzero(waves >= np.where(rise > 0, found - rise, np.inf)[:, :, None])
     here = waves[speeds, outputs, points]
     is_crest = here >= np.maximum(waves[speeds, outputs, points - 1], waves[speeds, outputs, (points + 1) % n])
     speeds, outputs, points = speeds[is_crest], outputs[is_crest], points[is_crest]
