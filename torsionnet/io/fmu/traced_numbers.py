@@ -92,7 +92,8 @@ class NumberTape(Record):
             return residue(operands[0], CHECK_PRIME)
         if sign in ("leaf", "sqrt"):
             return self._draw.randrange(1, CHECK_PRIME)
-        left, right = self.others[operands[0]], self.others[operands[1]]
+        left: int = self.others[operands[0]]
+        right: int = self.others[operands[1]]
         # The other values are divided modulo their prime.
         factor: int = pow(right, -1, CHECK_PRIME) if sign == "/" else right
         return left + right if sign == "+" else left * factor
