@@ -156,7 +156,7 @@ def display_math(latex: str) -> str:
 
 # Tables in LaTeX as ``longtable``, so that long ones break over pages with their head repeated.
 
-TABLE_SIZES = (r"{\small", r"{\footnotesize\setlength{\tabcolsep}{4pt}", r"{\scriptsize\setlength{\tabcolsep}{3pt}")
+TABLE_SIZES = (r"{\small", r"{\footnotesize\setlength{\tabcolsep}{3.5pt}", r"{\scriptsize\setlength{\tabcolsep}{3pt}")
 """Beginnings of groups in LaTeX for tables, by the sizes of letters: 9, 8 and 7 points."""
 
 
@@ -254,7 +254,7 @@ MOST_UNBROKEN_ROWS, ROWS_BELOW_HEADING = 14, 6
 """Largest number of rows of a LaTeX table on one page, and rows of a longer one that stay below its heading."""
 LETTERS_PER_LINE, PARAGRAPH_LINES, OTHER_LINES = 100, 3, 2
 """Number of letters in a line of LaTeX, and of lines that a paragraph or another block needs at least."""
-LINE_POINTS, PAGE_POINTS, MOST_LINES = 12.0, 483.0, 48.0
+LINE_POINTS, PAGE_POINTS, MOST_LINES = 12.0, 494.0, 48.0
 """Height of a line and width of a page in points, and number of lines that a figure fills at most."""
 
 

@@ -24,7 +24,7 @@ from torsionnet.report.document_tree import (
 )
 from torsionnet.report.writers.inline import LONGEST_WORD, visible_text
 
-PAGE_LETTERS, GAP_LETTERS, FEWEST_LETTERS = 98, 2, 10
+PAGE_LETTERS, GAP_LETTERS, FEWEST_LETTERS = 98, 1.5, 10
 """Width in letters of the page, of the gap between two columns, and of the narrowest column of text."""
 SIZES = (1.0, 0.9, 0.82)
 """Sizes of the letters of tables as shares of the usual one, of which the first that fits is taken: the least is 7
@@ -79,7 +79,7 @@ class TableColumn:
         return max(len(visible_text(self.title)), self.content_letters)
 
     @cached_property
-    def least_letters(self) -> int:
+    def least_letters(self) -> float:
         """Least width in letters that the column needs."""
         heading = self.heading
         words = [len(word) for word in visible_text(heading.text).split()]
@@ -89,7 +89,8 @@ class TableColumn:
         if not self.can_break:
             return min(max([self.content_letters, *words]), PAGE_LETTERS - 2 * GAP_LETTERS)
         longest = max(map(_longest, self.cells), default=0)
-        return min(self.natural_letters, max(FEWEST_LETTERS, longest, *words))
+        word = BOLD_WIDTH * max(words, default=0)
+        return max(word, min(self.natural_letters, max(FEWEST_LETTERS, longest)))
 
     @property
     def can_break(self) -> bool:
