@@ -168,6 +168,20 @@ class PhysicalQuantity(QuantityKind[Expression]):
         return read_scalar(raw, self.dimension)
 
 
+def is_quantity(raw: object, dimension: str) -> bool:
+    """Whether an entry is a number with a unit of a dimension, whatever its size.
+
+    Examples
+    --------
+    >>> is_quantity("-0.04 bar", "pressure"), is_quantity("-0.04", "pressure"), is_quantity("2 N*m", "pressure")
+    (True, True, False)
+    """
+    try:
+        return isinstance(raw, str) and isinstance(read_scalar(raw, dimension), Number)
+    except EntryError:
+        return False
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Value(Spec[float]):
     """Entry of a number with unit, not an expression; stored in SI (frequencies in Hz)."""

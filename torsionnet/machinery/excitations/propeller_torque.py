@@ -10,9 +10,9 @@ import numpy as np
 
 from torsionnet.base.entries.composite import Named, Nested
 from torsionnet.base.entries.declared import Declared
-from torsionnet.base.entries.scalars import Value
-from torsionnet.base.entries.spec import Count, OneOf, Text, entry, name_fault
-from torsionnet.base.errors import EntryPath, Fault, unfit_word
+from torsionnet.base.entries.scalars import Value, is_quantity
+from torsionnet.base.entries.spec import Count, EntryError, OneOf, Text, entry, name_fault
+from torsionnet.base.errors import EntryPath, Fault, got, unfit_word
 from torsionnet.machinery.excitations.harmonic_torque import TableByOrder
 from torsionnet.machinery.excitations.order_excitation import (
     FloatArray,
@@ -43,6 +43,21 @@ BLADE_ORDER = Nested("share and phase", lambda: BladeOrder, "blade_order")
 _BLADE_ORDERS = TableByOrder("multiple of the blades -> share of the mean torque and phase", BLADE_ORDER)
 
 
+@dataclass(frozen=True, eq=False, repr=False)
+class ShareOfFullAhead(Value):
+    """Entry of a torque over that of full ahead; a torque in N m is told what is wanted."""
+
+    def coerce(self, raw: object) -> float:
+        try:
+            return super().coerce(raw)
+        except EntryError:
+            if is_quantity(raw, "torque"):
+                raise EntryError(
+                    f"a share of the mean torque at full ahead, as 11.2 %, is expected, {got(raw)}"
+                ) from None
+            raise
+
+
 @dataclass(frozen=True, kw_only=True)
 class PropellerCondition(Declared):
     """Torque of a propeller in another condition than full ahead: at zero pitch, astern, in ice, out of the water."""
@@ -51,7 +66,9 @@ class PropellerCondition(Declared):
     article: ClassVar[str] = "a condition"
     form: ClassVar[str] = "{torque: 20 %, blade_orders: {1: {share: 10 %}}}"
 
-    torque: float = entry(Value("its mean torque over that of full ahead at rated speed", "1", exclusive=True), 1)
+    torque: float = entry(
+        ShareOfFullAhead("its mean torque over that of full ahead at rated speed", "1", exclusive=True), 1
+    )
     exponent: float | None = entry(
         Value("its mean torque follows speed/rated to this power; default: as full ahead", "1"), None
     )

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from torsionnet.base.entries.composite import Composite, Nested, one_exactly
 from torsionnet.base.entries.declared import Declared
-from torsionnet.base.entries.scalars import Value
+from torsionnet.base.entries.scalars import Value, is_quantity
 from torsionnet.base.entries.spec import EntryError, Json, Schema, Spec, Stored_co, entry, not_none
 from torsionnet.base.errors import LEAVE_OUT, Fault, Remedy, UsageError, got
 from torsionnet.machinery.excitations.order_excitation import ComplexArray, FloatArray
@@ -70,6 +70,10 @@ def mean_pressure(raw: object) -> float:
     try:
         pressure = MEAN_PRESSURE.coerce(raw)
     except EntryError as error:
+        if is_quantity(raw, MEAN_PRESSURE.dimension):
+            raise EntryError(
+                f"a mean indicated pressure is not below 0, {got(raw)}; a trace whose losses leave less stands at 0 bar"
+            ) from None
         raise EntryError(f"a mean indicated pressure has its unit, as 27 bar: {error}") from None
     if 0 < pressure < SMALLEST_MEAN_PRESSURE:
         shown = f"{pressure:g} Pa ({pressure / 1e5:.2g} bar)"
@@ -90,7 +94,8 @@ def interpolated(known: Sequence[float], values: ComplexArray, wanted: FloatArra
     low, high = known[0], known[-1]
     outside = wanted[beyond(known, wanted, HELD_RTOL)]
     if len(outside):
-        text = f"a mean indicated pressure of {outside[0] / 1e5:.4g} bar is asked for"
+        farthest = outside[np.argmax(np.maximum(low - outside, outside - high))]
+        text = f"a mean indicated pressure of {farthest / 1e5:.4g} bar is asked for"
         there = f"{low / 1e5:.4g} to {high / 1e5:.4g} bar" if len(known) > 1 else f"{low / 1e5:.4g} bar only"
         raise UsageError(f"{text}, gas is known for {there}; give what holds there, nothing is extrapolated")
     if len(known) == 1:

@@ -1,0 +1,34 @@
+"""Messages on values that have a unit, but not the one or the sign that their entry wants."""
+
+import numpy as np
+import pytest
+
+import torsionnet as tn
+from torsionnet.base.entries.spec import EntryError
+from torsionnet.machinery.excitations.propeller_torque import PropellerCondition
+from torsionnet.machinery.excitations.table_by_pressure import interpolated, mean_pressure
+
+
+def test_the_torque_of_a_condition_is_a_share():
+    with pytest.raises(tn.ModelError, match=r"a share of the mean torque at full ahead, as 11\.2 %, is expected, .*78"):
+        PropellerCondition(torque="78.9 kN*m", blade_orders={1: {"share": "10 %"}})
+    assert PropellerCondition(torque="11.2 %", blade_orders={1: {"share": "10 %"}}).torque == pytest.approx(0.112)
+    with pytest.raises(tn.ModelError, match="must be greater than 0"):
+        PropellerCondition(torque="-1 %", blade_orders={1: {"share": "10 %"}})
+
+
+def test_a_negative_mean_indicated_pressure_has_its_unit():
+    """Losses of a motored trace; the unit is there, so that nothing is said of it."""
+    with pytest.raises(
+        EntryError, match=r"is not below 0, .*-0.04 bar.*; a trace whose losses leave less stands at 0 bar"
+    ):
+        mean_pressure("-0.04 bar")
+    with pytest.raises(EntryError, match="has its unit, as 27 bar"):
+        mean_pressure("low")
+    assert mean_pressure("19 bar") == pytest.approx(19e5)
+
+
+def test_a_table_that_ends_names_the_pressure_farthest_beyond_it():
+    """19.09 bar at the first speed beyond the table of 19 bar, 19.9 bar at the last one: one correction is enough."""
+    with pytest.raises(tn.UsageError, match=r"19\.9 bar is asked for, gas is known for 0 to 19 bar"):
+        interpolated([0.0, 19e5], np.zeros((2, 1), complex), np.array([18e5, 19.2e5, 19.9e5]))
