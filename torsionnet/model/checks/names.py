@@ -112,6 +112,16 @@ def _no_section(definition: Definition, name: str, path: EntryPath) -> Fault:
         )
         text += "excitations, scenarios, load: and speeds: (box.engaged, engine.misfire, fault.phases, load.power, "
         return Fault(text + "speeds.range)", path, on_key=True)
+    owner, _, entry = name.partition(".")
+    outer = section_of(definition, name) if entry else None
+    if outer is not None:
+        known_entries = dict(outer[2].specs())
+        if entry not in known_entries:
+            return unknown_name(f"entry of {owner}", entry, known_entries, path, on_key=True)
+        whole = f"write {owner}.{entry}: {{...}} with all its entries"
+        return Fault(f"a configuration changes {entry} of {owner} as a whole; {whole}", path, on_key=True)
+    if name in definition.limits:
+        return Fault(f"{name} is a limit; limits are the same in all configurations", path, on_key=True)
     sections = [key for key in SINGLE_SECTIONS if getattr(definition, key)]
     known = [*definition.excitations, *definition.elements, *definition.scenarios, *sections]
     return unknown_name("element, excitation or scenario", name, known, path, on_key=True)

@@ -1,4 +1,4 @@
-"""Messages on values that have a unit, but not the one or the sign that their entry wants."""
+"""Messages on values with another unit or sign than their entry wants, and on changes of nested entries."""
 
 import numpy as np
 import pytest
@@ -7,6 +7,7 @@ import torsionnet as tn
 from torsionnet.base.entries.spec import EntryError
 from torsionnet.machinery.excitations.propeller_torque import PropellerCondition
 from torsionnet.machinery.excitations.table_by_pressure import interpolated, mean_pressure
+from torsionnet.model.files.library import library_models
 
 
 def test_the_torque_of_a_condition_is_a_share():
@@ -32,3 +33,21 @@ def test_a_table_that_ends_names_the_pressure_farthest_beyond_it():
     """19.09 bar at the first speed beyond the table of 19 bar, 19.9 bar at the last one: one correction is enough."""
     with pytest.raises(tn.UsageError, match=r"19\.9 bar is asked for, gas is known for 0 to 19 bar"):
         interpolated([0.0, 19e5], np.zeros((2, 1), complex), np.array([18e5, 19.2e5, 19.9e5]))
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (
+            "engine.gas.motored: [1]",
+            r"a configuration changes gas of engine as a whole; write engine.gas: \{...\} with",
+        ),
+        ("engine.gaz.motored: [1]", 'no entry of engine is named "gaz"; did you mean "gas"'),
+        ("crank.value: 1 kN*m", "crank is a limit; limits are the same in all configurations"),
+    ],
+)
+def test_what_a_configuration_cannot_change_is_named(tmp_path, change, words):
+    text = library_models()["bulk_carrier"].read_text(encoding="utf-8").replace("engine.misfire: [2]", change)
+    (tmp_path / "ship.yaml").write_text(text)
+    with pytest.raises(tn.ModelError, match=words):
+        tn.load(tmp_path / "ship.yaml")
