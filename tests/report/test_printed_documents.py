@@ -117,8 +117,8 @@ def other_digit(text):
         ("Masses", "$J$", -1, "sum of $J$"),
         ("Verdict on every", "Utilisation", 0, "utilisation of line"),
         ("Verdict on every", "Value", 0, "value of line"),
-        ("Components: value", "Value", 0, "value of line"),
-        ("Components: value", "Used", 0, "utilisation of line"),
+        ("in their worst condition", "Worst", 0, "value of line"),
+        ("in their worst condition", "Used", 0, "utilisation of line"),
         ("Components in normal", "Used", 0, "utilisation of line"),
         ("Critical speeds in normal", "All orders", 0, "utilisation of teeth"),
         ("along the line", "Power", 0, "power at line"),
@@ -144,7 +144,7 @@ def test_a_speed_outside_of_the_range_is_noticed(document):
 
 
 def test_two_units_of_a_component_are_noticed(document):
-    wrong = changed(document, "Components: value", "Unit", 0, lambda _: "N·m")
+    wrong = changed(document, "in their worst condition", "Unit", 0, lambda _: "N·m")
     assert any("line is told in N·m, kN·m" in one for one in document_faults(wrong))
 
 

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from support.printed_tables import SI, Printed, PrintedRow, PrintedTable, printed_tables
 
 RPM = math.pi / 30
-VERDICT_HEADS = ("Value", "All orders")
+VERDICT_HEADS = ("Value", "All orders", "Worst")
 USED_HEADS = ("Utilisation", "Used", "Used at peak")
 CONDITION_HEADS = ("Condition", "Worst condition")
 VERDICT_SPEEDS = ("Speed", "Peak at")
@@ -210,9 +210,10 @@ def _verdict_faults(tables: Sequence[PrintedTable]) -> Iterator[str]:
 
 def _condition(table: PrintedTable, row: PrintedRow) -> str:
     """Condition of a row, from its own column, the caption or the title of its group; empty where none is told."""
-    match = re.search("in normal operation, (.*)", table.caption)
-    group = row.group if "further conditions" in table.caption else ""
-    return row.text(*CONDITION_HEADS) or (match[1] if match else "") or group
+    match = re.search("in normal operation, ([^,]*(?:, (?!and )[^,]*)*)", table.caption)
+    grouped = "further conditions" in table.caption or table.caption.startswith("Verdict on every")
+    group = row.group if grouped and not row.group.startswith("Worst of") else ""
+    return (row.text(*CONDITION_HEADS) or (match[1] if match else "") or group).lower()
 
 
 def _in_si(row: PrintedRow, *heads: str) -> Printed | None:
