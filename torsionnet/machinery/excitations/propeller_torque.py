@@ -43,7 +43,6 @@ BLADE_ORDER = Nested("share and phase", lambda: BladeOrder, "blade_order")
 _BLADE_ORDERS = TableByOrder("multiple of the blades -> share of the mean torque and phase", BLADE_ORDER)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class ShareOfFullAhead(Value):
     """Entry of a torque over that of full ahead; a torque in N m is told what is wanted."""
 
