@@ -435,6 +435,11 @@ class ReportData:
         return solve
 
 
+def titles_of(cases: Sequence[Case]) -> str:
+    """Text with the titles of configurations, separated by semicolons where a title has a comma itself."""
+    return ("; " if any(", " in case.title for case in cases) else ", ").join(case.title for case in cases)
+
+
 def _by_drivetrain(cases: Sequence[Case]) -> tuple[tuple[Case, ...], ...]:
     """Configurations in groups of equal drivetrains."""
     found: list[list[Case]] = []

@@ -37,7 +37,7 @@ from torsionnet.report.document_tree import (
     Text,
 )
 from torsionnet.report.formula_widths import expression_latex
-from torsionnet.report.report_data import Case, ReportData
+from torsionnet.report.report_data import Case, ReportData, titles_of
 from torsionnet.report.report_tables import shown_cells, table
 from torsionnet.report.report_text import as_words, first_names, symbol_or_words, unit
 from torsionnet.report.wording import REPORTED_ENTRIES
@@ -342,7 +342,7 @@ def _operating_points(cases: tuple[Case, ...]) -> list[Block]:
         alike.setdefault((*rig.mean_speeds.items(), None, *rig.mean_torques.items()), []).append(case)
     found: list[Block] = []
     for group in alike.values():
-        names = "; ".join(case.title for case in group) if len(alike) > 1 else ""
+        names = titles_of(group) if len(alike) > 1 else ""
         shown = _operating_point(group[0].drivetrain, phrase(", configuration {name}", name=names) if names else "")
         found += [shown] if shown else []
     return found

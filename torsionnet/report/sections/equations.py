@@ -27,7 +27,7 @@ from torsionnet.report.document_tree import (
     Text,
 )
 from torsionnet.report.formula_widths import WIDEST_FORMULA, WIDEST_MATRIX, formula_letters, matrix_letters
-from torsionnet.report.report_data import FEW_CASES, MOST_SYMBOLIC, Case, ReportData, SymbolicEquations
+from torsionnet.report.report_data import FEW_CASES, MOST_SYMBOLIC, Case, ReportData, SymbolicEquations, titles_of
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import as_words, first_names
 from torsionnet.symbolic.equations import (
@@ -107,7 +107,7 @@ def _is_short(system: SymbolicSystem) -> bool:
 
 
 def _where(cases: tuple[Case, ...]) -> str:
-    return "; ".join(case.title for case in cases)
+    return titles_of(cases)
 
 
 def _form(form: SymbolicEquations, *, several: bool) -> list[Block]:

@@ -28,7 +28,7 @@ from torsionnet.report.document_tree import (
 )
 from torsionnet.report.formula_widths import WIDEST_FORMULA, formula_letters
 from torsionnet.report.plan import Pair
-from torsionnet.report.report_data import FEW_CASES, MOST_SYMBOLIC, Case, ReportData, SymbolicEquations
+from torsionnet.report.report_data import FEW_CASES, MOST_SYMBOLIC, Case, ReportData, SymbolicEquations, titles_of
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import capital, first_names, pair_latex, quotient_latex, sentence, unit
 from torsionnet.symbolic.algebra.delay import delays_of
@@ -64,7 +64,7 @@ def formulas_section(subject: ReportData) -> Section | None:
         part = subject.for_pair(pair)
         for form in _forms(part):
             if len(form.cases) < len(part.cases):
-                names = ", ".join(case.title for case in form.cases)
+                names = titles_of(form.cases)
                 inner.append(Paragraph((Strong(phrase("Configuration {name}", name=names)),)))
             inner += _function(part, pair, form)
         blocks.append(Section(f"formula-{number}", (Math(pair_latex(pair)),), tuple(inner)))
