@@ -4,7 +4,6 @@ import json
 from dataclasses import fields, replace
 
 import numpy as np
-import pandas
 import pytest
 
 import torsionnet as tn
@@ -109,7 +108,7 @@ def test_data_frames():
     assert complex_values.attrs["units"]["theta_1/T_M"] == "rad/(N*m)"
     modes = rig.modes()
     np.testing.assert_array_equal(modes.to_dataframe()["damping ratio"], modes.damping_ratios)
-    assert isinstance(modes.energy_table().to_dataframe(), pandas.DataFrame)
+    assert modes.energy_table().to_dataframe().shape == (len(modes.elements), 7)
 
 
 def test_tables_fit_the_terminal(monkeypatch):

@@ -19,6 +19,7 @@ MISTAKES = Path(__file__).parents[1] / "user_types" / "mistakes.py"
 PACKAGES = [
     *(
         tn.bench,
+        tn.extend,
         tn.identification,
         tn.io,
         tn.modal,

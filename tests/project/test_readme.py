@@ -38,7 +38,7 @@ def test_python_example_runs(capsys):
     code = block("python")
     exec(compile(code, "README.md", "exec"), {})
     printed = capsys.readouterr().out
-    assert "natural frequency" in printed
+    assert "natural      damped" in printed  # headings of the table of modes are broken between words
     assert "Matrix" in printed
     assert len([line for line in code.splitlines() if line and not line.startswith("import")]) <= 10
 

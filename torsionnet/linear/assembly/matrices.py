@@ -76,7 +76,7 @@ def matrices(drivetrain: AssembledModel, *, at: float | str | None = None) -> Sy
     >>> rig = tn.load("amt_rig").configured("II")
     >>> system = rig.matrices()
     >>> system.coordinates, system.M.shape, system.T.shape
-    (('primary', 'secondary'), (2, 2), (5, 2))
+    (('motor', 'input_shaft'), (2, 2), (5, 2))
     """
     assembly = drivetrain.assembly
     rows = assembly.system

@@ -92,8 +92,8 @@ def to_control(
     --------
     >>> import torsionnet as tn
     >>> space = tn.load("dmf_rig").to_control("theta_1", "T_T")
-    >>> [round(float(abs(pole)) / 6.283185307, 3) for pole in space.poles()]  # those of modes(measured_input="T_T")
-    [8.755, 8.755]
+    >>> sorted(round(float(abs(pole)) / 6.283185307, 3) for pole in space.poles())  # modes(measured_input="T_T")
+    [8.755, 8.755, 21167.607]
     """
     import control
 

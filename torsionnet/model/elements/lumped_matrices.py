@@ -95,7 +95,8 @@ class LumpedMatrices(Element):
     Examples
     --------
     >>> pair = LumpedMatrices("rig", nodes=["a", "b"], inertia=[[2, 0], [0, 1]], stiffness=[[300, -300], [-300, 350]])
-    >>> [(law.row, float(law.stiffness)) for law in pair.parts(Values({})) if law.stiffness]
+    >>> springs = [law for law in pair.parts(Values({})) if law.stiffness]
+    >>> [({node: int(share) for node, share in law.row.items()}, float(law.stiffness)) for law in springs]
     [({'a': 1, 'b': -1}, 300.0), ({'b': 1}, 50.0)]
     """
 
