@@ -23,7 +23,7 @@ BENCHES = ("Bench", "load_bench", "library_benches")
 SUBJECTS: tuple[tuple[str, str, tuple[str, ...]], ...] = (
     ("Model", "", MODEL),
     ("Elements", "Their entries with units and bounds are on the page [Elements](elements.md).", ("element types",)),
-    ("Element types of one's own", "[](how_to/own_elements.md) shows their use.", ("extend",)),
+    ("Own element types", "[](how_to/own_elements.md) shows their use.", ("extend",)),
     ("Responses and modes", "", ("linear", *RESULTS)),
     ("Running machinery", "", ("machinery",)),
     ("Motion over time", "", ("motion",)),

@@ -32,7 +32,6 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "OneOf": "torsionnet.base.entries.spec",
         "Part": "torsionnet.model.element_base.laws",
         "PhysicalQuantity": "torsionnet.base.entries.scalars",
-        "Row": "torsionnet.model.element_base.laws",
         "Values": "torsionnet.model.element_base.laws",
         "difference": "torsionnet.model.element_base.laws",
         "entry": "torsionnet.base.entries.spec",

@@ -21,7 +21,6 @@ from torsionnet.model.element_base.laws import GROUND as GROUND
 from torsionnet.model.element_base.laws import Law as Law
 from torsionnet.model.element_base.laws import MotionLaw as MotionLaw
 from torsionnet.model.element_base.laws import Part as Part
-from torsionnet.model.element_base.laws import Row as Row
 from torsionnet.model.element_base.laws import Values as Values
 from torsionnet.model.element_base.laws import difference as difference
 from torsionnet.model.element_base.laws import make_row as make_row
@@ -43,7 +42,6 @@ __all__ = [
     "OneOf",
     "Part",
     "PhysicalQuantity",
-    "Row",
     "Values",
     "difference",
     "entry",

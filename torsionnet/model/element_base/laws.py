@@ -145,7 +145,7 @@ WholePart: TypeAlias = Part | MotionLaw
 """Type of the parts of an element with its laws of motion in full."""
 
 
-def make_row(entries: Iterable[tuple[str, Any]]) -> Row:
+def make_row(entries: Iterable[tuple[str, Any]]) -> dict[str, Any]:
     """Weight of every node's angle, by node, from pairs (node, weight).
 
     Coefficients of one node are added, ground and exact zeros drop out.
@@ -157,7 +157,7 @@ def make_row(entries: Iterable[tuple[str, Any]]) -> Row:
     return {node: coefficient for node, coefficient in row.items() if coefficient != 0}
 
 
-def difference(first: str, second: str) -> Row:
+def difference(first: str, second: str) -> dict[str, Any]:
     """Weights 1 and -1 of two nodes' angles, which make the twist theta_first - theta_second."""
     return make_row([(first, 1), (second, -1)])
 
