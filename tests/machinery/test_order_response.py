@@ -466,10 +466,10 @@ class TestPictures:
         data = reference("forced_inline_six")
         run = plant(data).order_response(["torque(crank3)", "angle(hub)"])
         figure = drawn(run, conventions=tn.Conventions(angle="deg"))
-        assert [axes.get_ylabel() for axes in figure.axes] == ["torque(crank3) [N·m]", "angle(hub) [deg]"]
+        assert [axes.get_ylabel() for axes in figure.axes] == ["torque(crank3) [kN·m]", "angle(hub) [deg]"]
         assert figure.axes[-1].get_xlabel() == "speed of cyl1 [rpm]"
         total = figure.axes[0].lines[0]
-        assert total.get_ydata() == pytest.approx(run.half_range[:, 0])
+        assert total.get_ydata() == pytest.approx(run.half_range[:, 0] / 1e3)
         assert all((line.get_ydata() <= 2 * total.get_ydata()).all() for line in figure.axes[0].lines)
 
     def test_waveform_over_two_revolutions(self):
@@ -478,8 +478,9 @@ class TestPictures:
         run = plant(reference("forced_inline_six")).order_response("torque(crank3)")
         (axes,) = waveform(run, rpm=run.rpm[1]).axes
         values = axes.lines[0].get_ydata()
+        assert "[kN·m]" in axes.get_ylabel()
         assert axes.get_xlim() == pytest.approx((0, 720))
-        assert (values.max() - values.min()) / 2 == pytest.approx(run.half_range[1, 0], rel=1e-3)
+        assert (values.max() - values.min()) / 2 == pytest.approx(run.half_range[1, 0] / 1e3, rel=1e-3)
         with pytest.raises(tn.UsageError, match="outside the speeds calculated"):
             waveform(run, rpm=1)
 

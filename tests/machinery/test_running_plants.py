@@ -351,7 +351,7 @@ class TestWindTurbine:
     def test_reports_leave_a_locked_rotor_out_of_orders_and_say_so(self, plant):
         (section,) = make_report(plant, sections=["critical_speeds"], date=None).sections
         lead = "".join(map(str, section.blocks[0].text))
-        assert lead.endswith(" Not in locked: hub is locked by brake on there and has no orders.")
+        assert lead.endswith(" Not in locked generator: hub is locked by brake on there and has no orders.")
 
     @pytest.mark.slow
     def test_weight_of_three_blades_does_not_reach_the_shaft(self, plant):

@@ -138,6 +138,11 @@ def test_what_is_wrong_is_told(folder, more, given, words):
         assert text in str(caught.value)
 
 
+def test_all_files_that_cannot_be_read_are_told_at_once():
+    with pytest.raises(tn.UsageError, match=r"cannot read none\.csv: .*; cannot read nil\.csv: "):
+        plan(measured=["rough=none.csv", "weak=nil.csv"])
+
+
 def test_places_of_one_unit_are_not_guessed(folder):
     record(folder)
     model = tn.loads(PLANT.replace("measure: [phi, T]", "measure: [T, T_2]"))

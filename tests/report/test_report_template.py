@@ -14,6 +14,7 @@ from support.models import EVERY_ELEMENT
 
 import torsionnet as tn
 from torsionnet.base.phrases import PLACEHOLDER, joined, phrase
+from torsionnet.machinery.verdicts.speed_spans import SpeedSpan, restriction_words
 from torsionnet.model.element_base.viscoelastic import RUBBER_SHAPES, FilmGap, Viscoelastic
 from torsionnet.model.elements import ELEMENT_TYPES
 from torsionnet.report import make_report
@@ -30,7 +31,7 @@ from torsionnet.report.document_tree import (
 )
 from torsionnet.report.report_text import as_words, capital, sentence
 from torsionnet.report.rewording import Rewording
-from torsionnet.report.template_reading import read_template
+from torsionnet.report.template_reading import in_language, read_template
 from torsionnet.report.wording import Wording, replaceable_texts
 from torsionnet.report.writers import templating
 from torsionnet.report.writers.html import html_page
@@ -197,10 +198,17 @@ class TestWords:
     def test_findings_on_limits_are_said_in_other_words(self, configuration, said):
         wording = Wording({
             "All limits hold{where} at the speeds examined, {low} to {high} rpm of {shaft}": "halten{where} {low} {high} {shaft}",
-            "With a cylinder out{where}: at most {speed} rpm of {shaft}": "aus{where} {speed} {shaft}",
+            "At most {speed} rpm": "aus {speed}",
+            " of {shaft}": " {shaft}",
         })  # fmt: skip
         check = tn.load("two_stroke_ship").configured(configuration).check_limits()
         assert wording(capital(check.finding())) == said
+
+    def test_a_highest_speed_with_a_barred_range_is_said_in_german(self):
+        shaft = phrase(" of {shaft}", shaft="crank")
+        wording = in_language("de", None).wording
+        text = restriction_words([SpeedSpan(4.0, 4.5)], 10.25, shaft)
+        assert wording(capital(text)) == "Höchstens 97 min⁻¹ von crank, 38 bis 43 min⁻¹ gesperrt"
 
     @pytest.mark.slow
     def test_every_text_stands_in_the_code(self):

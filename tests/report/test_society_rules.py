@@ -9,6 +9,7 @@ import pytest
 from support.limit_cases import hump, m68, stressed
 
 import torsionnet as tn
+from torsionnet.base.phrases import phrase
 from torsionnet.machinery.checks.limit_checks import unfit_limits
 from torsionnet.machinery.limits.class_rule_shaft import GeneratingSetShaft
 from torsionnet.machinery.limits.society_rules import NOT_AT_HAND, SHAFT_SOCIETIES, SOCIETIES
@@ -364,6 +365,17 @@ class TestForms:
         text = repr(report.sections)
         assert "tau c" in text
         assert "tau C" not in text
+
+
+def test_phrases_in_words_of_a_society_keep_their_places():
+    """A place of the template may be called as a word of the society; names from the model stay."""
+    text = phrase(
+        "barred range of {lambda}: {where}", **{"lambda": "lambda_pump", "where": phrase("tau_C in {a}", a="b")}
+    )
+    said = in_society_words(text, SOCIETIES["lr"])
+    assert said == "restricted speed range of lambda_pump: tau_c in b"
+    assert said.template == "restricted speed range of {lambda}: {where}"
+    assert said.values["where"].template == "tau_c in {a}"
 
 
 def test_generator_shaft_by_hand():

@@ -245,7 +245,7 @@ def scenario_motion(
     >>> import torsionnet as tn
     >>> fault = tn.load("turbine_generator_ssr").simulate("T_LPB_G", scenario="two_phases", sampling_rate=2e3)
     >>> [axes.get_ylabel() for axes in scenario_motion(fault).axes]
-    ['torque on generator\\n[MN·m]', 'T_LPB_G\\n[kN·m]']
+    ['torque on generator\\n[kN·m]', 'T_LPB_G\\n[kN·m]']
     """
     figure = time_histories(recording, names, conventions=conventions, title=title)
     panels = figure.axes

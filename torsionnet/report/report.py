@@ -283,7 +283,7 @@ def make_report(
     )
     _require_plan(request, drivetrain)
     cases = cases_of(drivetrain, plan.configurations, plan.kind, plan.normal)
-    inputs += tuple((one.path.name, digest_of(one.path.read_bytes())) for one in request.measured)
+    inputs += _measured_inputs(request)
     subject = ReportData(drivetrain, cases, request, file.name, digest_of(data), inputs)
     require_answers(subject)
     from torsionnet.machinery.limits.society_rules import SOCIETIES
@@ -312,6 +312,19 @@ def _require_plan(request: ReportRequest, model: Drivetrain) -> None:
     if not request.wants("measurement_plan"):
         text = "the report has no section measurement_plan"
         raise UsageError(f"measured orders ({names}): {text}; add --section measurement_plan, or leave them out")
+
+
+def _measured_inputs(request: ReportRequest) -> tuple[tuple[str, str], ...]:
+    """Names of the files with measured orders, each with its SHA-256; all that cannot be read are told at once."""
+    inputs, faults = [], []
+    for one in request.measured:
+        try:
+            inputs.append((one.path.name, digest_of(one.path.read_bytes())))
+        except OSError as error:
+            faults.append(f"cannot read {one.path}: {error.strerror}")
+    if faults:
+        raise UsageError("; ".join(faults))
+    return tuple(inputs)
 
 
 def _read(model: Model) -> tuple[Drivetrain, Path, bytes, tuple[tuple[str, str], ...]]:

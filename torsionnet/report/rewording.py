@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any
 
-from torsionnet.base.phrases import phrase
+from torsionnet.base.phrases import PLACEHOLDER, Phrase, phrase
 from torsionnet.machinery.limits.society_rules import Society
 from torsionnet.report.document_tree import (
     BreakableMath,
@@ -136,6 +136,12 @@ def in_society_words(part: Any, society: Society) -> Any:
     >>> in_society_words(Paragraph(("tau_C is exceeded: barred range",)), SOCIETIES["lr"])
     Paragraph(text=('tau_c is exceeded: restricted speed range',))
     """
+    if isinstance(part, Phrase):  # it stays one, with its places
+        words = PLACEHOLDER.split(part.template)
+        words[::2] = map(society.in_words, words[::2])
+        words[1::2] = (f"{{{place}}}" for place in words[1::2])
+        values = {place: in_society_words(value, society) for place, value in part.values.items()}
+        return Phrase("".join(words), values)
     if isinstance(part, str):
         return society.in_words(part)
     if isinstance(part, tuple):
