@@ -371,3 +371,21 @@ class TestCommand:
     )
     def test_what_is_wrong_is_told(self, options, text):
         assert text in run("holzer", "marine_steam_turbine", *options, code=2).stderr
+
+
+def test_a_rigid_mesh_on_a_moving_housing_is_named():
+    """Angles obey z_1 (theta_1 - theta_h) + z_2 (theta_2 - theta_h) = 0, whose third angle no station shows."""
+    text = """
+torsionnet: 1
+elements:
+  motor: {type: inertia, node: m, inertia: 2 kg*m^2}
+  shaft: {type: spring, nodes: [m, a], stiffness: 9 kN*m/rad}
+  pinion: {type: inertia, node: a, inertia: 0.1 kg*m^2}
+  mesh: {type: gear, nodes: [a, b], teeth: [20, -40]HOUSING}
+  fan: {type: inertia, node: b, inertia: 5 kg*m^2}
+  box: {type: inertia, node: h, inertia: 8 kg*m^2}
+  mount: {type: spring, nodes: [h, ground], stiffness: 50 kN*m/rad}
+"""
+    note = "behind the rigid mesh of mesh the angle counts the motion of the housing"
+    assert note in tn.loads(text.replace("HOUSING", ", housing: h")).holzer_table(1).notes
+    assert note not in tn.loads(text.partition("  box:")[0].replace("HOUSING", "")).holzer_table(1).notes

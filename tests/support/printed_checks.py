@@ -18,6 +18,10 @@ SPEED_HEADS = (*VERDICT_SPEEDS, "From", "To")
 HOLZER_DIGITS, MASS_DIGITS = 6, 4
 """Significant digits of stiffnesses and inertias in a Holzer table and of inertias in the mass-elastic table."""
 HOLZER = re.compile(r"Holzer table of mode (\d+), ([\d.]+) Hz, ω² = ([\d.e+]+) 1/s²")
+HOUSED = re.compile(
+    "(?:the twist|behind the rigid mesh) of (.*?) (?:counts|the angle counts) the motion of the housing"
+)
+"""Gears across which angles do not follow from the stations alone."""
 EVERY_SPEED = re.compile(r"Speeds in every condition: ([\d.]+) to ([\d.]+) rpm of")
 RATED = re.compile(r"rated speed ([\d.]+) rpm")
 OTHER_SPEEDS = ("in passing", "Passage", "run-up", "Start", "idling")
@@ -52,7 +56,7 @@ def holzer_faults(table: PrintedTable) -> Iterator[str]:
     square, frequency = (Printed.read(match[place]) or Printed(float(match[place])) for place in (3, 2))
     root = Printed(math.sqrt(square.value), square.half / (2 * math.sqrt(square.value)))
     yield from _differs("2 pi f", frequency.times(2 * math.pi), root)
-    housed = re.search("the twist of (.*) counts the motion of the housing", " ".join(table.notes))
+    housed = {name for note in table.notes for names in HOUSED.findall(note) for name in names.split(", ")}
     angles = {row.text("Station"): row.number(r"$\theta$") for row in table.rows}
     for rows in table.groups():
         carried = Printed(0.0)
@@ -63,7 +67,7 @@ def holzer_faults(table: PrintedTable) -> Iterator[str]:
             joins = re.search(r" to (.*), which it joins", row.group)
             beyond = after.number(r"$\theta$") if after is not None else angles.get(joins[1]) if joins else None
             twist, here = row.number("Twist"), row.number(r"$\theta$")
-            free = housed is None or row.text("Link") not in housed[1].split(", ")
+            free = housed.isdisjoint(row.text("Link").removesuffix(" (rigid)").split(", "))
             if free and here is not None and beyond is not None:
                 what = f"theta beyond {row.text('Station')}"
                 yield from _differs(what, beyond, here if twist is None else here - twist)

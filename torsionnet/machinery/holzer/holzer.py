@@ -138,13 +138,15 @@ def _film_notes(drivetrain: AssembledModel, omega: float, balance: HolzerBalance
 
 
 def _housing_notes(balance: HolzerBalance) -> Iterator[str]:
-    """Sentence on gears whose twist is not that of two stations alone, as their housing turns with a third motion."""
-    names = [one.element for one in balance.loads if one.housing in one.row and not one.rigid]
-    if names:
-        yield phrase(
-            "the twist of {elements} counts the motion of the housing, and the angle of the next station does too",
-            elements=", ".join(dict.fromkeys(names)),
-        )
+    """Sentences on gears whose twist is not that of two stations alone, as their housing turns with a third motion."""
+    housed = [one for one in balance.loads if one.housing in one.row]
+    for rigid, text in (
+        (False, "the twist of {elements} counts the motion of the housing, and the angle of the next station does too"),
+        (True, "behind the rigid mesh of {elements} the angle counts the motion of the housing"),
+    ):
+        names = dict.fromkeys(one.element for one in housed if one.rigid == rigid)
+        if names:
+            yield phrase(text, elements=", ".join(names))
 
 
 def _trial_rate(at: float | None) -> float:
