@@ -25,5 +25,8 @@ def test_some():
 def test_many(block):
     findings = run(f"long-{block}-{i}" for i in range(campaigns.examples(20, 100)))
     assert findings.wrong == []
-    assert set(ELEMENT_TYPES) - {"lumped_matrices", "mass_elastic"} - IN_ANOTHER_CAMPAIGN - LAWS_OF_MOTION <= findings.drawn.keys()
+    assert (
+        set(ELEMENT_TYPES) - {"lumped_matrices", "mass_elastic"} - IN_ANOTHER_CAMPAIGN - LAWS_OF_MOTION
+        <= findings.drawn.keys()
+    )
     assert min(findings.compared.values()) > 0
