@@ -106,8 +106,7 @@ def utilisation_faults(table: PrintedTable) -> Iterator[str]:
     """Utilisation in percent against value over the value allowed."""
     for row in table.rows:
         heads = (VERDICT_HEADS, ("Allowed",), USED_HEADS)
-        # In a column of equal decimals a number has all of its digits; in others zeros at its end are left out.
-        value, allowed, used = (row.number(*names, trimmed=not table.has_equal_decimals(*names)) for names in heads)
+        value, allowed, used = (row.number(*names, trimmed=not table.keeps_zeros(*names)) for names in heads)
         if value is not None and allowed is not None and used is not None:
             yield from _differs(f"utilisation of {row.cells[0]}", used, (value / allowed).times(100))
 

@@ -111,11 +111,11 @@ class PrintedTable:
     rows: tuple[PrintedRow, ...]
     notes: tuple[str, ...]
 
-    def has_equal_decimals(self, *heads: str) -> bool:
-        """Whether the numbers under the first of these headings that the table has are printed to equal decimals."""
+    def keeps_zeros(self, *heads: str) -> bool:
+        """Whether numbers under the first of these headings that the table has keep zeros at their end, as 0.6000."""
         at = next((self.heads.index(head) for head in heads if head in self.heads), None)
-        matches = [] if at is None else [NUMBER.fullmatch(row.cells[at].strip()) for row in self.rows]
-        return len({len(match.group(3) or "") for match in matches if match}) == 1
+        cells = [] if at is None else [row.cells[at].strip() for row in self.rows]
+        return any("." in cell and cell.endswith("0") for cell in cells)
 
     def groups(self) -> list[list[PrintedRow]]:
         """Rows by the title of their group, in their order."""
