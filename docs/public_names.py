@@ -17,6 +17,7 @@ from typing import Any
 import torsionnet as tn
 from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.spec import Spec
+from torsionnet.base.expressions import Expression
 from torsionnet.base.packages import TABLES, LazyMethod, NotebookResult
 
 SIGNATURES = Path(__file__).parents[1] / "tests" / "public_signatures.txt"
@@ -101,7 +102,7 @@ class PublicName:
     def members(self) -> dict[str, Any]:
         """Public members of a class that have a docstring, by name, those of base classes included."""
         found: dict[str, Any] = {}
-        inner_kinds = tn.Element, Spec
+        inner_kinds = tn.Element, Spec, Expression
         if not self.is_class or (issubclass(self.value, inner_kinds) and self.value is not tn.Element):
             return found  # an element type has entries; what else there is, its base class has
         hidden, inner = self.inner_members, {*INNER_BASES}

@@ -11,8 +11,6 @@ from torsionnet.base.packages import AttributeHints, LazyMethod
 from torsionnet.linear.assembly.assembled import AssembledModel
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
-
     import torsionnet.linear.assembly.matrices
     import torsionnet.linear.batch.batched_responses
     import torsionnet.linear.dynamic_stiffness.state_space
@@ -34,6 +32,7 @@ if TYPE_CHECKING:
     import torsionnet.model.overview
     import torsionnet.motion.scenario_run
     import torsionnet.symbolic.symbolic_system
+    from torsionnet.base.entries.accepted_types import NumberRows
     from torsionnet.base.errors import Fault
     from torsionnet.model.balanced_state import BalancedState
 else:
@@ -114,9 +113,9 @@ class Drivetrain(AssembledModel, AttributeHints):
     @classmethod
     def from_matrices(
         cls,
-        M: ArrayLike,
-        C: ArrayLike | None = None,
-        K: ArrayLike | None = None,
+        M: NumberRows,
+        C: NumberRows | None = None,
+        K: NumberRows | None = None,
         *,
         names: Sequence[str] | None = None,
         name: str = "matrices",

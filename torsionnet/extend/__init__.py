@@ -22,6 +22,7 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "Count": "torsionnet.base.entries.spec",
         "DampingQuantity": "torsionnet.model.damping",
         "Element": "torsionnet.model.element_base.element",
+        "Expression": "torsionnet.base.expressions",
         "Fault": "torsionnet.base.errors",
         "Flag": "torsionnet.base.entries.spec",
         "Law": "torsionnet.model.element_base.laws",

@@ -7,6 +7,7 @@ from torsionnet.base.entries.spec import Flag as Flag
 from torsionnet.base.entries.spec import OneOf as OneOf
 from torsionnet.base.entries.spec import entry as entry
 from torsionnet.base.errors import Fault as Fault
+from torsionnet.base.expressions import Expression as Expression
 from torsionnet.model.damping import DampingQuantity as DampingQuantity
 from torsionnet.model.damping import LossFactor as LossFactor
 from torsionnet.model.damping import loss_factor as loss_factor
@@ -31,6 +32,7 @@ __all__ = [
     "Count",
     "DampingQuantity",
     "Element",
+    "Expression",
     "Fault",
     "Flag",
     "GROUND",

@@ -5,8 +5,10 @@ from dataclasses import dataclass
 from torsionnet.extend import (
     DampingQuantity,
     Element,
+    Expression,
     Law,
     NodeName,
+    Part,
     PhysicalQuantity,
     Values,
     difference,
@@ -36,16 +38,16 @@ class Absorber(Element):
     sign = "positive when the drivetrain drives the hub in the positive sense"
 
     node: str = entry(NodeName("the node of the hub", allow_ground=False))
-    inertia: object = entry(PhysicalQuantity("inertia of the ring", "inertia", "J", exclusive=True))
-    frequency: object = entry(PhysicalQuantity("its frequency, hub held fast", "frequency", "f", exclusive=True))
-    damping: object = entry(DampingQuantity("damping between ring and hub", "damping", "c"), None)
+    inertia: Expression = entry(PhysicalQuantity("inertia of the ring", "inertia", "J", exclusive=True))
+    frequency: Expression = entry(PhysicalQuantity("its frequency, hub held fast", "frequency", "f", exclusive=True))
+    damping: Expression | None = entry(DampingQuantity("damping between ring and hub", "damping", "c"), None)
 
     @property
-    def internal_nodes(self):
+    def internal_nodes(self) -> tuple[str, ...]:
         """Name of the node of the ring."""
         return (f"{self.name}.ring",)
 
-    def own_parts(self, value: Values):
+    def own_parts(self, value: Values) -> tuple[Part, ...]:
         """Laws of the layer and of the ring."""
         (ring,) = self.internal_nodes
         inertia = value(self.inertia)
