@@ -5,7 +5,6 @@ import re
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
 from support.command_line import run
 from support.running_plants import FOLDER
 from validation.build import build, read_case
@@ -184,6 +183,8 @@ def exact_frequency(first=10.0, second=1150.0):
     With theta = cos(beta x) - (omega^2 J_1/(G I_p beta)) sin(beta x), beta = omega sqrt(rho/G), the torque at the far
     end is omega^2 J_2 theta(L).
     """
+    from scipy.optimize import brentq
+
     stiffness, inertia = section_of()
 
     def unbalance(omega):

@@ -5,7 +5,6 @@ import shutil
 from pathlib import Path
 
 import pytest
-from matplotlib.figure import Figure
 
 import torsionnet.report.writers as writers
 from torsionnet.report import make_report
@@ -82,6 +81,8 @@ class TestBreaks:
 def test_text_goes_on_where_a_figure_does_not_fit(tmp_path):
     """Text of 60 % of a page, a figure of 60 % and text of 60 % are two pages, if the figure makes way for the text."""
     text = tuple(Paragraph(("A line of text.",)) for _ in range(22))
+    from matplotlib.figure import Figure
+
     figure = Figure(figsize=(6.8, 6.2), facecolor="grey")
     blocks = (*text, Picture("grey", figure, ("A grey square.",), "grey"), *text)
     pdf.write(Report("T", "Kind", Facts(()), (), (Section("s", ("S",), blocks),)), tmp_path / "r.pdf")
