@@ -71,6 +71,13 @@ def test_every_kind_of_measured_input(seed):
                 model.to_control(output, measured, excitation="T_a")
 
 
+def test_an_excitation_that_shows_in_both_at_once():
+    """Against the acceleration of the driven mass that acceleration is 1, at every frequency."""
+    model = branched(4)
+    space = agrees(model, ["acceleration(a)", "T", "acceleration(b)"], "acceleration(a)", excitation="T_a")
+    np.testing.assert_allclose(space.D[0, 0], 1, rtol=1e-12)
+
+
 def test_two_measured_inputs():
     model = branched(3)
     space = agrees(model, ["speed", "angle(e)"], ["T", "phi"], excitation=["T_a", "T_d"])

@@ -66,6 +66,16 @@ def test_a_reduced_model_is_free_but_for_rounding():
     assert min(found) < 1e-6
 
 
+@pytest.mark.parametrize("ratio", [1 / 3, 0.7 / 1.1, 2.9, 1 / 7, 13 / 11, 0.123456789])
+def test_a_spring_behind_a_gear_is_one_row(ratio):
+    """k (theta_a + ratio theta_b)^2/2 has k, k ratio and k ratio^2, whose rounding is no second spring."""
+    k = 0.7
+    K = [[k, k * ratio], [k * ratio, k * ratio * ratio]]
+    rig = tn.Drivetrain.from_matrices(np.eye(2), None, K)
+    assert sum(bool(law.stiffness) for law in rig.assembly.laws) == 1
+    assert min(rig.modes().natural_frequencies) == 0
+
+
 def test_beside_other_elements_and_in_a_file(tmp_path):
     text = """
 torsionnet: 1

@@ -97,6 +97,20 @@ def test_a_broken_plugin_is_left_out(installed, point, reason):
     assert reason is None or ("of the package torsionnet-absorber" in said and reason in said)
 
 
+def test_a_plugin_takes_no_kind_of_another_type(installed):
+    environment, folder = installed
+    site = folder / "site"
+    (site / "springs_of_others.py").write_text(
+        "from torsionnet.extend import Element, register\n\n\n@register\nclass OtherSpring(Element):\n    kind = 'spring'\n"
+    )
+    points = site / "torsionnet_absorber-0.1.0.dist-info" / "entry_points.txt"
+    points.write_text("[torsionnet.elements]\nspring = springs_of_others:OtherSpring\n")
+    script = "import torsionnet.model.elements as e; list(e.ELEMENT_TYPES); print(e.ELEMENT_TYPES['spring'].__name__)"
+    said = run(environment, folder, "-c", script)
+    assert said.startswith("Spring\n")
+    assert '"spring" is the kind of a type that is known already' in said
+
+
 def test_the_tests_of_the_example(installed):
     environment, _ = installed
-    run(environment, EXAMPLE, "-m", "pytest", "-q", "-p", "no:cacheprovider", "tests")
+    assert "100%" in run(environment, EXAMPLE, "-m", "pytest", "-q", "-p", "no:cacheprovider", "tests")
