@@ -66,7 +66,7 @@ def test_what_has_no_state_space_says_so():
 def test_frequency_response_data():
     H = geared_line().frequency_response(["angle", "T"], "T_M", F)
     data = H.to_control()
-    np.testing.assert_array_equal(np.moveaxis(data.frdata, 2, 0), H.values)
+    np.testing.assert_array_equal(np.moveaxis(data(1j * data.omega), 2, 0), H.values)
     assert data.output_labels == ["angle", "T"]
 
 

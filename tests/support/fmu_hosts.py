@@ -2,6 +2,7 @@
 
 import ctypes
 import functools
+import inspect
 import tempfile
 from pathlib import Path
 
@@ -68,6 +69,8 @@ class Host:
             return
         more = {"eventModeUsed": True} if events else {}
         if ask is not None:
+            if "requiredIntermediateVariables" not in inspect.signature(self.unit.instantiate).parameters:
+                pytest.skip("this fmpy, the newest one for numpy 2.0, asks for no values between steps")
             names = [self.references[name] for name in self.inputs]
             more |= {"intermediateUpdate": lambda *said: ask(self, said[1]), "requiredIntermediateVariables": names}
         self.unit.instantiate(logMessage=lambda *said: self.messages.append((said[1], said[3].decode())), **more)

@@ -58,7 +58,8 @@ def open_content(path: Path) -> Iterator[Content]:
 def _group_name(group: Any) -> str:
     """Name of a group of an MDF file, of its source, or a comment of one short line; empty where it has none."""
     header = group.channel_group
-    given = (getattr(header, "acq_name", ""), getattr(header.acq_source, "name", ""), getattr(header, "comment", ""))
+    source = getattr(header, "acq_source", None)  # groups of version 3 have none
+    given = (getattr(header, "acq_name", ""), getattr(source, "name", ""), getattr(header, "comment", ""))
     names = (str(name).strip() for name in given if name)
     return next((name for name in names if name and len(name) <= LONGEST_NAME and name.isprintable()), "")
 
