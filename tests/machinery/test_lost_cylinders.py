@@ -7,8 +7,9 @@ import pytest
 
 import torsionnet as tn
 from torsionnet.machinery.excitations.engine_entries import EngineEntries
-from torsionnet.machinery.verdicts.limit_check import LimitVerdict, RuleText
+from torsionnet.machinery.verdicts.limit_check import RuleText
 from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion
+from torsionnet.machinery.verdicts.limit_verdict import LimitVerdict
 from torsionnet.model.channels import Input
 from torsionnet.model.files.library import library_models
 from torsionnet.model.load.lost_torques import remaining_by_node

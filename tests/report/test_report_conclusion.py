@@ -6,8 +6,8 @@ from support.report_blocks import blocks, of, rows
 from support.written_models import SHIP_SHAFTING
 
 import torsionnet as tn
-from torsionnet.machinery.verdicts.limit_check import GRAVITY
 from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion
+from torsionnet.machinery.verdicts.limit_verdict import GRAVITY
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import Listing, Paragraph, Picture, TableBlock
 

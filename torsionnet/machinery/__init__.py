@@ -18,7 +18,7 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "HolzerTable": "torsionnet.machinery.holzer.holzer_table",
         "LimitCheck": "torsionnet.machinery.verdicts.limit_check",
         "LimitConclusion": "torsionnet.machinery.verdicts.limit_conclusion",
-        "LimitVerdict": "torsionnet.machinery.verdicts.limit_check",
+        "LimitVerdict": "torsionnet.machinery.verdicts.limit_verdict",
         "MarginClause": "torsionnet.machinery.verdicts.margin_rules",
         "MarginRule": "torsionnet.machinery.verdicts.margin_rules",
         "MassElasticLine": "torsionnet.machinery.holzer.mass_elastic_table",

@@ -26,9 +26,9 @@ from torsionnet.machinery.passage.passage_response import PassagePeak as Passage
 from torsionnet.machinery.passage.passage_response import PassageResponse as PassageResponse
 from torsionnet.machinery.phasors.vector_sums import StarDiagram as StarDiagram
 from torsionnet.machinery.verdicts.limit_check import LimitCheck as LimitCheck
-from torsionnet.machinery.verdicts.limit_check import LimitVerdict as LimitVerdict
 from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion as LimitConclusion
 from torsionnet.machinery.verdicts.limit_conclusion import WorstLimit as WorstLimit
+from torsionnet.machinery.verdicts.limit_verdict import LimitVerdict as LimitVerdict
 from torsionnet.machinery.verdicts.margin_rules import MarginClause as MarginClause
 from torsionnet.machinery.verdicts.margin_rules import MarginRule as MarginRule
 from torsionnet.machinery.verdicts.operating_instructions import instruction_table as instruction_table

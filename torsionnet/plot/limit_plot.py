@@ -16,7 +16,8 @@ from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.equal_remarks import condition_words
 from torsionnet.base.errors import UsageError
 from torsionnet.base.units import RPM
-from torsionnet.machinery.verdicts.limit_check import LimitCheck, LimitVerdict
+from torsionnet.machinery.verdicts.limit_check import LimitCheck
+from torsionnet.machinery.verdicts.limit_verdict import LimitVerdict
 from torsionnet.machinery.verdicts.measured_range import MeasuredRange
 from torsionnet.machinery.verdicts.order_peaks import vibratory_verdicts
 from torsionnet.plot.drawing.labels import axis_label, axis_unit, speed_label, symbol

@@ -14,7 +14,8 @@ from torsionnet.machinery.criticals.critical_speeds import CriticalSpeed
 from torsionnet.machinery.orders.operating_groups import damping_shares
 from torsionnet.machinery.orders.order_amplitudes import SummedOrder
 from torsionnet.machinery.verdicts.condition_peaks import ConditionPeaks, CriticalRecord, JudgedPoint, SumPeak
-from torsionnet.machinery.verdicts.limit_check import LimitCheck, LimitVerdict
+from torsionnet.machinery.verdicts.limit_check import LimitCheck
+from torsionnet.machinery.verdicts.limit_verdict import LimitVerdict
 from torsionnet.machinery.verdicts.order_peaks import LEAST_SHARE, SMALL_SHARE, largest_orders, order_shares
 from torsionnet.report.document_tree import Cell, Heading, Paragraph, TableBlock, Text
 from torsionnet.report.document_tree import TableGroup as Group

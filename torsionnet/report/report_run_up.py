@@ -7,8 +7,9 @@ from collections.abc import Iterator
 from torsionnet.base.number_text import NumberText, aligned_numbers
 from torsionnet.base.phrases import phrase
 from torsionnet.base.units import RPM
-from torsionnet.machinery.verdicts.limit_check import LimitCheck, PassedLimit, RunUpCheck
+from torsionnet.machinery.verdicts.limit_check import LimitCheck
 from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion
+from torsionnet.machinery.verdicts.run_up_check import PassedLimit, RunUpCheck
 from torsionnet.report.document_tree import Block, Heading
 from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_tables import table

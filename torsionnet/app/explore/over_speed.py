@@ -22,7 +22,7 @@ from torsionnet.machinery.limits.evidence import LimitSubject
 from torsionnet.machinery.limits.shaft_limit import RoundSection
 from torsionnet.machinery.orders.order_response import OrderResponse
 from torsionnet.machinery.orders.worst_response import WorstResponse
-from torsionnet.machinery.verdicts.limit_check import FAIL, LimitVerdict
+from torsionnet.machinery.verdicts.limit_verdict import FAIL, LimitVerdict
 from torsionnet.model.channels import Sensor, named_sensor
 from torsionnet.model.elements import Values
 

@@ -17,7 +17,7 @@ from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.limits.evidence import Evidence, LimitSubject
 from torsionnet.machinery.orders.order_amplitudes import OrderAmplitudes
 from torsionnet.machinery.orders.worst_response import ALL_CASES_EQUAL
-from torsionnet.machinery.verdicts.limit_check import (
+from torsionnet.machinery.verdicts.limit_verdict import (
     BARRED,
     FAIL,
     OPEN,

@@ -14,7 +14,7 @@ from torsionnet.base.errors import Fault, got
 from torsionnet.base.units import RPM
 from torsionnet.machinery.limits.evidence import Evidence, LimitSubject
 from torsionnet.machinery.limits.limit import Limit, LimitLine
-from torsionnet.machinery.verdicts.limit_check import FAIL, LimitVerdict
+from torsionnet.machinery.verdicts.limit_verdict import FAIL, LimitVerdict
 from torsionnet.machinery.verdicts.speed_spans import spans_above
 
 BAND_FORMS = "95..105 % or [0.95, 1.05]"

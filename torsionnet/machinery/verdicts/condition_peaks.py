@@ -16,9 +16,10 @@ from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.machinery.criticals.critical_speeds import CriticalSpeed, CriticalSpeeds
 from torsionnet.machinery.orders.order_amplitudes import SummedOrder
 from torsionnet.machinery.orders.speed_refinement import vertex_speed
-from torsionnet.machinery.verdicts.limit_check import LimitCheck, LimitVerdict
+from torsionnet.machinery.verdicts.limit_check import LimitCheck
 from torsionnet.machinery.verdicts.limit_checking import limits_at
 from torsionnet.machinery.verdicts.limit_conclusion import WorstLimit
+from torsionnet.machinery.verdicts.limit_verdict import LimitVerdict
 from torsionnet.machinery.verdicts.order_peaks import (
     LEAST_SHARE,
     OrderPeak,

@@ -1,9 +1,8 @@
-"""Result of a check of limits with worst speed, utilisation and verdict of each criterion, and speeds to be barred."""
+"""Result of a check of all limits in one configuration, with its verdict, speeds to be barred and conclusion."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Annotated, ClassVar
@@ -11,17 +10,27 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from torsionnet.base.conventions import SI, Conventions
-from torsionnet.base.entries.spec import Schema, not_none
+from torsionnet.base.entries.spec import not_none
 from torsionnet.base.equal_remarks import grouped_remarks
-from torsionnet.base.errors import UsageError, comma_list, did_you_mean
+from torsionnet.base.errors import UsageError, did_you_mean
 from torsionnet.base.packages import NotebookResult
 from torsionnet.base.phrases import joined, phrase
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Table, result_table
 from torsionnet.base.units import RPM
 from torsionnet.linear.frequency_response import FloatArray
-from torsionnet.machinery.orders.order_amplitudes import OrderAmplitudes, SummedOrder
+from torsionnet.machinery.orders.order_amplitudes import SummedOrder
+from torsionnet.machinery.verdicts.limit_verdict import (
+    FAIL,
+    INCOMPLETE,
+    OPEN,
+    VERDICT,
+    LimitVerdict,
+    gravest,
+    listed_names,
+)
 from torsionnet.machinery.verdicts.rule_factors import RuleText
+from torsionnet.machinery.verdicts.run_up_check import RunUpCheck, run_up_sentences
 from torsionnet.machinery.verdicts.speed_spans import (
     WHOLE_RPM_RELATIVE,
     SpeedSpan,
@@ -29,37 +38,12 @@ from torsionnet.machinery.verdicts.speed_spans import (
     joined_spans,
     restriction_words,
     rpm_spans,
-    spans_above,
     spans_below,
     starts_sentence,
-    utilisation_of,
 )
 
-PASS, BARRED, REDUCED, INCOMPLETE, OPEN, FAIL = (
-    "pass", "barred range", "reduced speed", "incomplete", "not judged", "fail",
-)  # fmt: skip
-"""Names of the verdicts on a limit, from best to gravest: it holds at every speed; outside of barred speeds; with a
-cylinder out up to a lower speed than rated; at all that was examined; data are missing; it does not hold."""
-GRAVITY = (PASS, BARRED, REDUCED, INCOMPLETE, OPEN, FAIL)
-"""All verdicts on limits, from best to gravest."""
-
-VERDICT: Schema = {"enum": [*GRAVITY]}
-"""JSON Schema of a verdict on a limit."""
 STARTS, STARTS_EXAMINED = "starts and stops not examined", "starts examined from {speed:g} rpm on"
 """Words in every verdict on limits: each start passes speeds below the lowest that was examined, unless a run-up is."""
-MOST_NAMES = 6
-"""Largest number of configurations or limits that a sentence names; of more, the first are named."""
-
-
-def gravest(verdicts: Iterable[str]) -> str:
-    """Name of the gravest of some verdicts on limits, "pass" if there are none.
-
-    Examples
-    --------
-    >>> gravest(["pass", "incomplete", "barred range"])
-    'incomplete'
-    """
-    return max(verdicts, key=GRAVITY.index, default=PASS)
 
 
 def unexamined_sentence(missing: Sequence[str], known: Sequence[str], examined: Sequence[str]) -> list[str]:
@@ -107,288 +91,9 @@ def starts_findings(checks: Sequence[LimitCheck], where: Callable[[Sequence[str]
     yield from (phrase("{sentence}{where}", sentence=text, where=where(names)) for text, names in found.items())
 
 
-def run_up_sentences(found: RunUpCheck) -> Iterator[str]:
-    """Sentences on a run-up: what does not hold, what nobody says, else that all limits in passing hold."""
-    (low, high), verdict = found.rpm, found.verdict
-    about = {"low": low, "high": high, "shaft": found.reference, "load": 100 * found.load}
-    for grave, template in ((FAIL, FAILS_IN_PASSING), (OPEN, OPEN_IN_PASSING)):
-        names = found.names(grave)
-        if names:
-            yield phrase(template, limits=listed_names(names), **about)
-    if verdict == PASS:
-        yield phrase(HOLDS_IN_PASSING, **about)
-
-
-FAILS_IN_PASSING = "starts from {low:g} to {high:g} rpm of {shaft} at {load:g} % load: {limits} not kept in passing"
-OPEN_IN_PASSING = "starts from {low:g} to {high:g} rpm of {shaft} at {load:g} % load: {limits} not judged in passing"
-HOLDS_IN_PASSING = "starts from {low:g} to {high:g} rpm of {shaft} at {load:g} % load: the limits in passing hold"
-"""Findings on a run-up."""
-
-
-def listed_names(names: Sequence[str]) -> str:
-    """Text that lists names of configurations or limits in a sentence, of more than MOST_NAMES only the first."""
-    return comma_list(names, MOST_NAMES)
-
-
 ALL_HOLD = "all limits hold{where} at the speeds examined, {low:g} to {high:g} rpm of {shaft}"
 ALL_EXAMINED_HOLD = "the limits examined hold{where} at the speeds examined, {low:g} to {high:g} rpm of {shaft}"
 """Findings where no limit restricts the speeds: of all limits, and where some were left out."""
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class LimitVerdict:
-    """Verdict on one criterion of one limit, with values and allowed values in SI over speed.
-
-    Attributes
-    ----------
-    limit : str
-        Name of the limit in the model.
-    of : str
-        Element, node or output that is limited.
-    criterion : str
-        Symbol of the allowed value, such as tau_C.
-    quantity : str
-        Quantity that is compared with the allowed value.
-    unit : str
-        SI unit.
-    speeds : (n_speeds,) array
-        rad/s, of the reference shaft.
-    values, allowed : (n_speeds,) arrays
-        ``allowed`` is NaN at speeds that the rule does not cover; both are empty if the limit could not be judged.
-    verdict : {"pass", "barred range", "reduced speed", "fail", "not judged"}
-    text : RuleText
-    barred : tuple of SpeedSpan
-        Speeds to be barred so that the limit holds at all others.
-    highest : float, optional
-        Highest speed permitted in rad/s, where a cylinder is out and the rated or the highest speed would be barred.
-    tolerance : float
-        Relative error of the tachometer that is in ``barred``.
-    in_passing : bool
-        Whether no speed may exceed it, not even while it is passed.
-    seconds_to_pass : float, optional
-        Longest time in s in which ranges in ``passed`` are to be passed.
-    remarks : tuple of str
-    orders : (n_speeds, n_lines) array, optional
-        Amplitudes of the orders behind ``values``, each in its own worst case of excitation.
-    absent : bool
-        Whether the limit is not judged because its element is switched off, or its speed band is not reached.
-    elsewhere : bool
-        Whether that is because of the speeds.
-    case : str
-        Case of excitation that is worst at the worst speed; empty where all are equal.
-    steady_temperature : float, optional
-        Highest temperature in K by the balance of heat.
-    amplitudes : OrderAmplitudes, optional
-        The same amplitudes, and those in the case to which ``values`` belong.
-    """
-
-    SHOWN: ClassVar = (
-        "limit", "of", "criterion", "quantity", "unit", "verdict", "worst_rpm", "worst_value", "worst_allowed",
-        "worst_unit", "worst_utilisation", "barred_rpm", "highest_rpm", "values", "allowed", "text.source",
-        "text.formula", "text.not_covered", "remarks", "restrictions",
-    )  # fmt: skip
-
-    limit: Annotated[str, Out("limit")]
-    of: Annotated[str, Out("of")]
-    criterion: Annotated[str, Out("criterion")]
-    quantity: str
-    unit: str
-    speeds: FloatArray
-    values: FloatArray
-    allowed: Annotated[FloatArray, Out(json="allowed_over_speed")]
-    verdict: Annotated[str, Out("verdict", schema=VERDICT)]
-    text: RuleText
-    barred: tuple[SpeedSpan, ...] = ()
-    highest: float | None = None
-    tolerance: float = 0.0
-    in_passing: bool = False
-    seconds_to_pass: float | None = None
-    remarks: tuple[str, ...] = ()
-    orders: FloatArray | None = None
-    absent: bool = False
-    elsewhere: bool = False
-    case: str = ""
-    steady_temperature: float | None = None
-    amplitudes: OrderAmplitudes | None = None
-
-    @property
-    def passed(self) -> tuple[SpeedSpan, ...]:
-        """Speed ranges (rad/s) barred by a limit below the highest speed permitted, to be passed without stopping."""
-        return spans_below(self.barred, self.highest)
-
-    @cached_property
-    def refused(self) -> tuple[SpeedSpan, ...]:
-        """Speed ranges (rad/s) that a limit permits neither to run nor to pass: those exceeded that it does not bar."""
-        if self.verdict != FAIL or not len(self.values):
-            return ()
-        ends = SpeedSpan(float(self.speeds[0]), float(self.speeds[-1]))
-        above = spans_above(self.speeds, self.values, self.allowed)
-        open_ones = [span for span in above if not any(one.low <= span.low <= one.high for one in self.barred)]
-        return joined_spans([span.widened(self.tolerance).within(ends) for span in open_ones])
-
-    @property
-    def restrictions(self) -> Annotated[str | None, Out("to be barred", json=None)]:
-        """Text of the speeds in rpm that a limit does not permit, None if there are none."""
-        return restriction_words(self.passed, self.highest) or None
-
-    @property
-    def utilisation(self) -> FloatArray:
-        """Utilisation of a limit, the ratio of value to value allowed, without unit, shape (n_speeds,).
-
-        NaN where no value is allowed.
-        """
-        return utilisation_of(self.values, self.allowed)
-
-    @property
-    def worst(self) -> int | None:
-        """Index of the speed with the largest utilisation of a limit; None if there is none."""
-        found = self.utilisation
-        if not np.isfinite(found).any() and np.isinf(found).any():
-            found = np.where(np.isinf(found), self.values, np.nan)  # the largest value, as nothing is allowed
-        return int(np.nanargmax(found)) if np.isfinite(found).any() else None
-
-    @property
-    def worst_rpm(self) -> Annotated[float | None, Out("worst speed", "rpm", digits=5)]:
-        """Speed of the reference shaft in r/min with the largest utilisation of a limit; None if there is none."""
-        return self._at_worst(self.speeds * RPM)
-
-    @property
-    def worst_value(self) -> Annotated[float | None, Out("value", json="value", digits=5, unit_of="unit")]:
-        """Value in SI that a limit judges, at the largest utilisation; None if there is none."""
-        return self._at_worst(self.values)
-
-    @property
-    def worst_allowed(self) -> Annotated[float | None, Out("allowed", json="allowed", digits=5, unit_of="unit")]:
-        """Value in SI that a limit allows, at the largest utilisation; None if there is none."""
-        return self._at_worst(self.allowed)
-
-    @property
-    def worst_unit(self) -> Annotated[str | None, Out("unit", json=None, unit_of="unit")]:
-        """SI unit of a limit's value, None without a largest utilisation."""
-        return None if self.worst is None else self.unit
-
-    @property
-    def worst_utilisation(self) -> Annotated[float | None, Out("utilisation", json="utilisation", digits=4)]:
-        """Largest utilisation of a limit over speed, without unit; None if there is none, or nothing is allowed."""
-        found = self._at_worst(self.utilisation)
-        return found if math.isfinite(found or 0.0) else None
-
-    def _at_worst(self, over_speed: FloatArray) -> float | None:
-        return None if self.worst is None else float(over_speed[self.worst])
-
-    @property
-    def barred_rpm(self) -> tuple[tuple[float, float], ...]:
-        """Pairs of lowest and highest speed in rpm of the ranges to be barred for a limit."""
-        return rpm_spans(self.barred)
-
-    @property
-    def highest_rpm(self) -> float | None:
-        """Highest speed permitted by a limit in rpm where a cylinder is out; None where any speed may be run."""
-        return None if self.highest is None else self.highest * RPM
-
-
-@dataclass(frozen=True, eq=False)
-class PassedLimit:
-    """Verdict on one criterion of a limit while a start passes the speeds of a run-up.
-
-    Attributes
-    ----------
-    steady : LimitVerdict
-        By the vibration that each speed would have if it lasted.
-    rising : float, optional
-        Largest value in SI while the speed rises at the rate of the run-up; where the steady one holds, or no rate is
-        given, it is not calculated.
-    rising_rpm : float, optional
-        Speed in r/min at which that is reached.
-    """
-
-    SHOWN: ClassVar = ("steady.limit", "steady.of", "steady.criterion", "verdict", "rpm", "value", "allowed",
-                       "steady.unit", "utilisation", "steady_value")  # fmt: skip
-
-    steady: LimitVerdict
-    rising: float | None = None
-    rising_rpm: float | None = None
-
-    @property
-    def rpm(self) -> Annotated[float | None, Out("speed", "rpm", digits=5)]:
-        """Speed in r/min of the value that decides."""
-        return self.steady.worst_rpm if self.rising is None else self.rising_rpm
-
-    @property
-    def value(self) -> Annotated[float | None, Out("value", digits=5, unit_of="steady.unit")]:
-        """Value in SI that decides: while the speed rises, else as if each speed lasted."""
-        return self.steady.worst_value if self.rising is None else self.rising
-
-    @property
-    def steady_value(self) -> Annotated[float | None, Out("steady", digits=5, unit_of="steady.unit")]:
-        """Value in SI as if each speed lasted; None where it is not known."""
-        return self.steady.worst_value
-
-    @property
-    def allowed(self) -> Annotated[float | None, Out("allowed", digits=5, unit_of="steady.unit")]:
-        """Value in SI that is allowed at the speed of the value that decides."""
-        if self.rising_rpm is None:
-            return self.steady.worst_allowed
-        return float(np.interp(self.rising_rpm, self.steady.speeds * RPM, self.steady.allowed))
-
-    @property
-    def utilisation(self) -> Annotated[float | None, Out("utilisation", digits=4)]:
-        """Value over value allowed, without unit; None where it is not known."""
-        return None if self.value is None or self.allowed is None else self.value / self.allowed
-
-    @property
-    def verdict(self) -> Annotated[str, Out("verdict", schema=VERDICT)]:
-        """Name of the verdict: "pass", "fail", or "not judged" where nobody says what is permitted in passing."""
-        if self.rising is not None and self.utilisation is not None and self.utilisation <= 1:
-            return PASS
-        return self.steady.verdict
-
-
-@dataclass(frozen=True, eq=False)
-class RunUpCheck:
-    """Verdicts on what the limits permit in passing, over the speeds that every start passes, in one configuration.
-
-    Attributes
-    ----------
-    low, high : float
-        Ends of the run-up in rad/s.
-    reference : str
-        Node of the reference shaft.
-    load : float
-        Share of the rated load.
-    rate : float, optional
-        Rise of the speed in rad/s^2.
-    verdicts : tuple of PassedLimit
-    """
-
-    SHOWN: ClassVar = ("rpm", "load", "rate", "verdict", "verdicts")
-
-    low: float
-    high: float
-    reference: str
-    load: Annotated[float, Out("load")]
-    rate: Annotated[float | None, Out("rate", "rad/s^2")]
-    verdicts: Annotated[tuple[PassedLimit, ...], Out(json="limits")]
-
-    @property
-    def rpm(self) -> Annotated[tuple[float, float], Out(json="speeds_rpm")]:
-        """Lowest and highest speed of the run-up in r/min."""
-        return self.low * RPM, self.high * RPM
-
-    @property
-    def verdict(self) -> Annotated[str, Out(schema=VERDICT)]:
-        """Name of the gravest verdict on a limit in the run-up."""
-        return gravest(one.verdict for one in self.verdicts)
-
-    @property
-    def worst(self) -> PassedLimit | None:
-        """Verdict with the largest utilisation in the run-up; None where nothing is known."""
-        known = [one for one in self.verdicts if one.utilisation is not None]
-        return max(known, key=lambda one: one.utilisation or 0.0, default=None)
-
-    def names(self, verdict: str) -> list[str]:
-        """Names of the limits with a verdict in the run-up, each once."""
-        return list(dict.fromkeys(one.steady.limit for one in self.verdicts if one.verdict == verdict))
 
 
 @dataclass(frozen=True, eq=False)

@@ -33,15 +33,9 @@ from torsionnet.machinery.orders.refined_response import ExaminedSpeeds, merged_
 from torsionnet.machinery.orders.speed_refinement import refine_speeds, speeds_to_refine
 from torsionnet.machinery.orders.worst_response import WorstResponse
 from torsionnet.machinery.passage.passage_solution import passage_response
-from torsionnet.machinery.verdicts.limit_check import (
-    FAIL,
-    OPEN,
-    LimitCheck,
-    LimitVerdict,
-    PassedLimit,
-    RunUpCheck,
-    listed_names,
-)
+from torsionnet.machinery.verdicts.limit_check import LimitCheck
+from torsionnet.machinery.verdicts.limit_verdict import FAIL, OPEN, LimitVerdict, listed_names
+from torsionnet.machinery.verdicts.run_up_check import PassedLimit, RunUpCheck
 from torsionnet.machinery.verdicts.speed_spans import SpeedSpan, spans_above
 from torsionnet.model.channels import Sensor
 from torsionnet.model.definition import Definition

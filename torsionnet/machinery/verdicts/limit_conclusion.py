@@ -16,19 +16,21 @@ from torsionnet.base.table import Column, Table
 from torsionnet.machinery.verdicts.limit_check import (
     ALL_EXAMINED_HOLD,
     ALL_HOLD,
+    LimitCheck,
+    by_range,
+    starts_findings,
+    starts_words,
+    unexamined_sentence,
+)
+from torsionnet.machinery.verdicts.limit_verdict import (
     FAIL,
     INCOMPLETE,
     OPEN,
     PASS,
     VERDICT,
-    LimitCheck,
     LimitVerdict,
-    by_range,
     gravest,
     listed_names,
-    starts_findings,
-    starts_words,
-    unexamined_sentence,
 )
 from torsionnet.machinery.verdicts.measured_range import MeasuredRange
 from torsionnet.machinery.verdicts.operating_instructions import Instruction, operating_instructions

@@ -17,7 +17,8 @@ from torsionnet.base.units import RPM
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.checks.limit_checks import limit_subject
-from torsionnet.machinery.verdicts.limit_check import LimitCheck, LimitVerdict
+from torsionnet.machinery.verdicts.limit_check import LimitCheck
+from torsionnet.machinery.verdicts.limit_verdict import LimitVerdict
 from torsionnet.machinery.verdicts.speed_spans import SpeedSpan, spans_above, utilisation_of
 from torsionnet.model.channels import Sensor, named_sensor
 from torsionnet.signals.orders.tracked_orders import TrackedOrders

@@ -13,14 +13,8 @@ from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.phrases import joined, phrase
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Table, result_table
-from torsionnet.machinery.verdicts.limit_check import (
-    FAIL,
-    LimitCheck,
-    LimitVerdict,
-    by_range,
-    listed_names,
-    starts_words,
-)
+from torsionnet.machinery.verdicts.limit_check import LimitCheck, by_range, starts_words
+from torsionnet.machinery.verdicts.limit_verdict import FAIL, LimitVerdict, listed_names
 from torsionnet.machinery.verdicts.speed_spans import SpeedSpan, joined_spans, span_words
 
 

@@ -11,7 +11,8 @@ import numpy as np
 
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.criticals.critical_speeds import CriticalSpeed, CriticalSpeeds
-from torsionnet.machinery.verdicts.limit_check import LimitCheck, LimitVerdict
+from torsionnet.machinery.verdicts.limit_check import LimitCheck
+from torsionnet.machinery.verdicts.limit_verdict import LimitVerdict
 
 LEAST_SHARE = 0.1
 """Ratio of the amplitude of one order to the value that a limit allows, from which on a critical speed matters: ten

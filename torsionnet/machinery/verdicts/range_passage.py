@@ -19,7 +19,8 @@ from torsionnet.machinery.checks.limit_checks import limit_subject
 from torsionnet.machinery.mean.mean_solution import means_of
 from torsionnet.machinery.passage.passage_response import PassageResponse
 from torsionnet.machinery.passage.passage_solution import passage_response
-from torsionnet.machinery.verdicts.limit_check import LimitCheck, LimitVerdict
+from torsionnet.machinery.verdicts.limit_check import LimitCheck
+from torsionnet.machinery.verdicts.limit_verdict import LimitVerdict
 from torsionnet.machinery.verdicts.operating_instructions import PassedRange
 from torsionnet.machinery.verdicts.speed_spans import SpeedSpan
 from torsionnet.model.channels import Sensor

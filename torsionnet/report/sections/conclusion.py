@@ -10,8 +10,8 @@ from torsionnet.base.number_text import aligned_numbers
 from torsionnet.base.phrases import phrase
 from torsionnet.linear.modes.modes import OSCILLATORY
 from torsionnet.machinery.verdicts.condition_peaks import little_damped
-from torsionnet.machinery.verdicts.limit_check import listed_names
 from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion, WorstLimit
+from torsionnet.machinery.verdicts.limit_verdict import listed_names
 from torsionnet.model.elements import Shaft
 from torsionnet.report.document_tree import (
     Block,

@@ -9,7 +9,8 @@ from torsionnet.base.units import RPM
 from torsionnet.machinery.excitations.engine_entries import EngineEntries
 from torsionnet.machinery.excitations.reciprocating_engine import conditions_running_alone
 from torsionnet.machinery.limits.society_rules import SOCIETIES
-from torsionnet.machinery.verdicts.limit_check import FAIL, OPEN, LimitCheck
+from torsionnet.machinery.verdicts.limit_check import LimitCheck
+from torsionnet.machinery.verdicts.limit_verdict import FAIL, OPEN
 from torsionnet.model.configurations import label
 from torsionnet.model.load.external_torques import ENGINE
 from torsionnet.report.document_tree import (

@@ -12,8 +12,9 @@ from torsionnet.base.phrases import extended, phrase
 from torsionnet.machinery.orders.order_line import lines_of_one_frequency, sum_name
 from torsionnet.machinery.orders.order_response import OrderResponse
 from torsionnet.machinery.orders.worst_response import WorstResponse
-from torsionnet.machinery.verdicts.limit_check import LimitCheck, LimitVerdict
+from torsionnet.machinery.verdicts.limit_check import LimitCheck
 from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion
+from torsionnet.machinery.verdicts.limit_verdict import LimitVerdict
 from torsionnet.machinery.verdicts.order_peaks import (
     vibratory_verdicts,
 )

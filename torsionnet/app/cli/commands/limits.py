@@ -96,7 +96,7 @@ class LimitsCommand(ModelCommand):
         conventions: Conventions,
     ) -> Iterator[Table | str]:
         from torsionnet.machinery.excitations.reciprocating_engine import conditions_running_alone
-        from torsionnet.machinery.verdicts.limit_check import PASS
+        from torsionnet.machinery.verdicts.limit_verdict import PASS
         from torsionnet.machinery.verdicts.operating_instructions import instruction_table
 
         if len(overall.checks) > 1:
@@ -128,7 +128,7 @@ class LimitsCommand(ModelCommand):
 
 
 def _exit_code(verdict: str) -> int:
-    from torsionnet.machinery.verdicts.limit_check import FAIL, INCOMPLETE, OPEN
+    from torsionnet.machinery.verdicts.limit_verdict import FAIL, INCOMPLETE, OPEN
 
     return LIMIT_FAILS if verdict == FAIL else NOT_ALL_JUDGED if verdict in (INCOMPLETE, OPEN) else 0
 

@@ -1,0 +1,208 @@
+"""Verdict on one criterion of one limit: worst speed, utilisation, speeds to be barred, and its remarks."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Annotated, ClassVar
+
+import numpy as np
+
+from torsionnet.base.entries.spec import Schema
+from torsionnet.base.errors import comma_list
+from torsionnet.base.result_rows import Out
+from torsionnet.base.units import RPM
+from torsionnet.linear.frequency_response import FloatArray
+from torsionnet.machinery.orders.order_amplitudes import OrderAmplitudes
+from torsionnet.machinery.verdicts.rule_factors import RuleText
+from torsionnet.machinery.verdicts.speed_spans import (
+    SpeedSpan,
+    joined_spans,
+    restriction_words,
+    rpm_spans,
+    spans_above,
+    spans_below,
+    utilisation_of,
+)
+
+PASS, BARRED, REDUCED, INCOMPLETE, OPEN, FAIL = (
+    "pass", "barred range", "reduced speed", "incomplete", "not judged", "fail",
+)  # fmt: skip
+"""Names of the verdicts on a limit, from best to gravest: it holds at every speed; outside of barred speeds; with a
+cylinder out up to a lower speed than rated; at all that was examined; data are missing; it does not hold."""
+GRAVITY = (PASS, BARRED, REDUCED, INCOMPLETE, OPEN, FAIL)
+"""All verdicts on limits, from best to gravest."""
+VERDICT: Schema = {"enum": [*GRAVITY]}
+"""JSON Schema of a verdict on a limit."""
+MOST_NAMES = 6
+"""Largest number of configurations or limits that a sentence names; of more, the first are named."""
+
+
+def gravest(verdicts: Iterable[str]) -> str:
+    """Name of the gravest of some verdicts on limits, "pass" if there are none.
+
+    Examples
+    --------
+    >>> gravest(["pass", "incomplete", "barred range"])
+    'incomplete'
+    """
+    return max(verdicts, key=GRAVITY.index, default=PASS)
+
+
+def listed_names(names: Sequence[str]) -> str:
+    """Text that lists names of configurations or limits in a sentence, of more than MOST_NAMES only the first."""
+    return comma_list(names, MOST_NAMES)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LimitVerdict:
+    """Verdict on one criterion of one limit, with values and allowed values in SI over speed.
+
+    Attributes
+    ----------
+    limit : str
+        Name of the limit in the model.
+    of : str
+        Element, node or output that is limited.
+    criterion : str
+        Symbol of the allowed value, such as tau_C.
+    quantity : str
+        Quantity that is compared with the allowed value.
+    unit : str
+        SI unit.
+    speeds : (n_speeds,) array
+        rad/s, of the reference shaft.
+    values, allowed : (n_speeds,) arrays
+        ``allowed`` is NaN at speeds that the rule does not cover; both are empty if the limit could not be judged.
+    verdict : {"pass", "barred range", "reduced speed", "fail", "not judged"}
+    text : RuleText
+    barred : tuple of SpeedSpan
+        Speeds to be barred so that the limit holds at all others.
+    highest : float, optional
+        Highest speed permitted in rad/s, where a cylinder is out and the rated or the highest speed would be barred.
+    tolerance : float
+        Relative error of the tachometer that is in ``barred``.
+    in_passing : bool
+        Whether no speed may exceed it, not even while it is passed.
+    seconds_to_pass : float, optional
+        Longest time in s in which ranges in ``passed`` are to be passed.
+    remarks : tuple of str
+    orders : (n_speeds, n_lines) array, optional
+        Amplitudes of the orders behind ``values``, each in its own worst case of excitation.
+    absent : bool
+        Whether the limit is not judged because its element is switched off, or its speed band is not reached.
+    elsewhere : bool
+        Whether that is because of the speeds.
+    case : str
+        Case of excitation that is worst at the worst speed; empty where all are equal.
+    steady_temperature : float, optional
+        Highest temperature in K by the balance of heat.
+    amplitudes : OrderAmplitudes, optional
+        The same amplitudes, and those in the case to which ``values`` belong.
+    """
+
+    SHOWN: ClassVar = (
+        "limit", "of", "criterion", "quantity", "unit", "verdict", "worst_rpm", "worst_value", "worst_allowed",
+        "worst_unit", "worst_utilisation", "barred_rpm", "highest_rpm", "values", "allowed", "text.source",
+        "text.formula", "text.not_covered", "remarks", "restrictions",
+    )  # fmt: skip
+
+    limit: Annotated[str, Out("limit")]
+    of: Annotated[str, Out("of")]
+    criterion: Annotated[str, Out("criterion")]
+    quantity: str
+    unit: str
+    speeds: FloatArray
+    values: FloatArray
+    allowed: Annotated[FloatArray, Out(json="allowed_over_speed")]
+    verdict: Annotated[str, Out("verdict", schema=VERDICT)]
+    text: RuleText
+    barred: tuple[SpeedSpan, ...] = ()
+    highest: float | None = None
+    tolerance: float = 0.0
+    in_passing: bool = False
+    seconds_to_pass: float | None = None
+    remarks: tuple[str, ...] = ()
+    orders: FloatArray | None = None
+    absent: bool = False
+    elsewhere: bool = False
+    case: str = ""
+    steady_temperature: float | None = None
+    amplitudes: OrderAmplitudes | None = None
+
+    @property
+    def passed(self) -> tuple[SpeedSpan, ...]:
+        """Speed ranges (rad/s) barred by a limit below the highest speed permitted, to be passed without stopping."""
+        return spans_below(self.barred, self.highest)
+
+    @cached_property
+    def refused(self) -> tuple[SpeedSpan, ...]:
+        """Speed ranges (rad/s) that a limit permits neither to run nor to pass: those exceeded that it does not bar."""
+        if self.verdict != FAIL or not len(self.values):
+            return ()
+        ends = SpeedSpan(float(self.speeds[0]), float(self.speeds[-1]))
+        above = spans_above(self.speeds, self.values, self.allowed)
+        open_ones = [span for span in above if not any(one.low <= span.low <= one.high for one in self.barred)]
+        return joined_spans([span.widened(self.tolerance).within(ends) for span in open_ones])
+
+    @property
+    def restrictions(self) -> Annotated[str | None, Out("to be barred", json=None)]:
+        """Text of the speeds in rpm that a limit does not permit, None if there are none."""
+        return restriction_words(self.passed, self.highest) or None
+
+    @property
+    def utilisation(self) -> FloatArray:
+        """Utilisation of a limit, the ratio of value to value allowed, without unit, shape (n_speeds,).
+
+        NaN where no value is allowed.
+        """
+        return utilisation_of(self.values, self.allowed)
+
+    @property
+    def worst(self) -> int | None:
+        """Index of the speed with the largest utilisation of a limit; None if there is none."""
+        found = self.utilisation
+        if not np.isfinite(found).any() and np.isinf(found).any():
+            found = np.where(np.isinf(found), self.values, np.nan)  # the largest value, as nothing is allowed
+        return int(np.nanargmax(found)) if np.isfinite(found).any() else None
+
+    @property
+    def worst_rpm(self) -> Annotated[float | None, Out("worst speed", "rpm", digits=5)]:
+        """Speed of the reference shaft in r/min with the largest utilisation of a limit; None if there is none."""
+        return self._at_worst(self.speeds * RPM)
+
+    @property
+    def worst_value(self) -> Annotated[float | None, Out("value", json="value", digits=5, unit_of="unit")]:
+        """Value in SI that a limit judges, at the largest utilisation; None if there is none."""
+        return self._at_worst(self.values)
+
+    @property
+    def worst_allowed(self) -> Annotated[float | None, Out("allowed", json="allowed", digits=5, unit_of="unit")]:
+        """Value in SI that a limit allows, at the largest utilisation; None if there is none."""
+        return self._at_worst(self.allowed)
+
+    @property
+    def worst_unit(self) -> Annotated[str | None, Out("unit", json=None, unit_of="unit")]:
+        """SI unit of a limit's value, None without a largest utilisation."""
+        return None if self.worst is None else self.unit
+
+    @property
+    def worst_utilisation(self) -> Annotated[float | None, Out("utilisation", json="utilisation", digits=4)]:
+        """Largest utilisation of a limit over speed, without unit; None if there is none, or nothing is allowed."""
+        found = self._at_worst(self.utilisation)
+        return found if math.isfinite(found or 0.0) else None
+
+    def _at_worst(self, over_speed: FloatArray) -> float | None:
+        return None if self.worst is None else float(over_speed[self.worst])
+
+    @property
+    def barred_rpm(self) -> tuple[tuple[float, float], ...]:
+        """Pairs of lowest and highest speed in rpm of the ranges to be barred for a limit."""
+        return rpm_spans(self.barred)
+
+    @property
+    def highest_rpm(self) -> float | None:
+        """Highest speed permitted by a limit in rpm where a cylinder is out; None where any speed may be run."""
+        return None if self.highest is None else self.highest * RPM
