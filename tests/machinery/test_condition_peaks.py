@@ -176,3 +176,52 @@ class TestCases:
     def test_a_case_that_is_unknown_keeps_the_worst(self, out):
         critical = next(one.critical for one in out[1].criticals if one.point is not None)
         assert critical.in_case("misfire of cylinder 99") is critical
+
+
+HEAVY, LIGHT, LITTLE = 400.0, 1.0, 0.1
+"""Inertias in kg m^2 of a wheel and of a disc behind the spring K, and the damping of that spring in N m s/rad."""
+RINGING = f"""
+torsionnet: 1
+name: a disc that rings
+elements:
+  wheel: {{type: inertia, node: a, inertia: {HEAVY}}}
+  disc: {{type: inertia, node: b, inertia: {LIGHT}}}
+  spring: {{type: spring, nodes: [a, b], stiffness: {K}, damping: {LITTLE}}}
+speeds: {{of: a, range: 600..800 rpm, step: 10 rpm}}
+excitations:
+  teeth: {{type: harmonic, node: a, orders: {{2: {{amplitude: 10}}, 2.03: {{amplitude: 10}}, 3: {{amplitude: 0.1}}}}}}
+limits:
+  spring: {{rule: curve, output: torque(spring), value: 100 N*m, source: maker}}
+"""
+
+
+@pytest.fixture(scope="module")
+def ringing():
+    model = tn.loads(RINGING)
+    return condition_peaks(model, model.check_limits(), model.critical_speeds())
+
+
+class TestRinging:
+    """The torques act where the mode hardly moves, by 1/400 of its largest angle, but hardly anything damps it."""
+
+    @staticmethod
+    def twisting(order, rpm, torque=10.0):
+        """Torque in N m of the spring: one degree of freedom, the twist, with the inertia J1 J2/(J1 + J2)."""
+        w, reduced = order * rpm / RPM, HEAVY * LIGHT / (HEAVY + LIGHT)
+        stiffness = K + 1j * w * LITTLE
+        return abs(stiffness * torque * reduced / HEAVY / (stiffness - w**2 * reduced))
+
+    def test_a_small_force_with_a_large_magnifier_is_a_critical_speed(self, ringing):
+        natural = math.sqrt(K * (HEAVY + LIGHT) / (HEAVY * LIGHT))
+        speeds = {"teeth 2": natural / 2 * RPM, "teeth 2.03": natural / 2.03 * RPM}
+        assert {one.name for one in ringing.criticals} == set(speeds)
+        for one in ringing.criticals:
+            assert one.critical.excited is False
+            assert one.point.rpm == pytest.approx(speeds[one.name], rel=1e-4)
+            assert one.amplitude == pytest.approx(self.twisting(one.critical.order, one.point.rpm), rel=1e-6)
+            assert one.amplitude == pytest.approx(10 / (HEAVY + LIGHT) * LIGHT * K / (natural * LITTLE), rel=1e-3)
+
+    def test_peaks_near_each_other_are_told_once_each(self, ringing):
+        made = [(one.order, one.mode, round(one.point.rpm)) for one in ringing.sums]
+        natural = math.sqrt(K * (HEAVY + LIGHT) / (HEAVY * LIGHT)) * RPM
+        assert made == [("teeth 2.03", 1, round(natural / 2.03)), ("teeth 2", 1, round(natural / 2))]

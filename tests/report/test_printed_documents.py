@@ -154,3 +154,41 @@ def test_a_margin_wrongly_called_kept_is_noticed():
         "| 1 | 7.2 | 10 | yes |\n| 2 | 12 | 10 | yes |\n"
     )
     assert document_faults(text) == ["Separation margins: margin of 7.2 ± 0.05 against 10 ± 0.5 is called yes"]
+
+
+CRITICALS = """**Table 1** Critical speeds in normal operation
+
+| Order | Critical speed \\[rpm\\] |
+|---|---:|
+| **Mode 5, undamped 87.0 Hz** | |
+| engine 7 | 746.0 |
+
+{note}
+
+**Table 2** Components in normal operation
+
+| Component | Place | Speed \\[rpm\\] | Made by |
+|---|---|---:|---|
+| teeth | peak | 746.0 | {maker} |
+| teeth | peak | {speed} | |
+"""
+
+
+@pytest.mark.parametrize(
+    ("note", "maker", "speed", "faults"),
+    [
+        ("", "engine 7, mode 5", "752.2", []),
+        ("Small: engine 8, mode 5 at 652.7.", "engine 8, mode 5", "752.2", []),
+        ("", "engine 8, mode 5", "752.2", ["engine 8, mode 5 makes a peak at 746.0 rpm and is no critical speed of the table"]),
+        ("", "engine 7", "746.0", ["Components in normal operation: teeth at 746.0 rpm stands twice"]),
+    ],
+)  # fmt: skip
+def test_peaks_without_a_critical_speed_and_rows_that_stand_twice_are_noticed(note, maker, speed, faults):
+    assert document_faults(CRITICALS.format(note=note, maker=maker, speed=speed)) == faults
+
+
+@pytest.mark.parametrize(("told", "faults"), [("engine 7 +6.6 %", 0), ("engine 8 +6.6 %", 1), ("engine 7 +5.6 %", 1)])
+def test_distances_of_critical_speeds_are_complete_and_right(told, faults):
+    text = CRITICALS.format(note="", maker="", speed="752.2")
+    rated = f"rated speed 700 rpm\n\nDistance of the critical speeds from rated speed, 700 rpm: {told}.\n\n"
+    assert len(document_faults(rated + text)) == faults

@@ -11,6 +11,7 @@ from support.report_blocks import blocks, of, rows
 import torsionnet as tn
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import Listing, Paragraph, TableBlock
+from torsionnet.report.report_conditions import alternative_words
 
 PLANT = """
 torsionnet: 1
@@ -55,6 +56,19 @@ def section(model, name, **options):
 
 def words(report, name):
     return " ".join(str(one.text) for one in of(Paragraph, blocks(report, name)))
+
+
+ENGINE = """torsionnet: 1
+name: one cylinder
+elements:
+  crank: {type: inertia, node: c, inertia: 2 kg*m^2}
+  shaft: {type: spring, nodes: [c, w], stiffness: 1 MN*m/rad}
+  wheel: {type: inertia, node: w, inertia: 20 kg*m^2}
+speeds: {of: c, range: 500..1500 rpm, step: 50 rpm}
+excitations:
+  engine: {type: reciprocating_engine, speed_of: c, cycle: 4, cylinders: {1: c}, firing_order: [1], bore: 100 mm,
+    stroke: 100 mm, rod_length: 200 mm, reciprocating_mass: 1 kg, gas: GAS}
+"""
 
 
 @pytest.fixture(scope="module")
@@ -262,6 +276,36 @@ class TestConditions:
             ("clutched", "As the model is written"),
             ("off", "Pump switched off"),
         ]
+
+    def test_a_measure_of_damping_is_called_what_it_is(self):
+        """psi = 2 pi eta: 0.9 is a loss factor of 0.1432; what a condition sets is the relative damping."""
+        text = PLANT.replace("loss_factor: 0.2", "loss_factor: {psi: psi}").replace(
+            "parameters:", "parameters:\n  psi: 0.9", 1
+        )
+        model = tn.loads(text.replace("cold: {k_c: 26 kN*m/rad}", "cold: {psi: 0.7}"))
+        found = rows(of(TableBlock, blocks(section(model, "conditions"), "conditions"))[0])
+        assert found[0][2] == "Rubber: relative damping 0.7 instead of 0.9 (−22 %)"
+        listed = of(TableBlock, blocks(section(model, "installation"), "installation"))[0]
+        machines = {row[0]: row[1] for row in rows(listed)}
+        assert "relative damping 0.9 (loss factor 0.1432)" in machines["Coupling rubber"]
+
+    def test_a_pressure_trace_is_told_by_its_file_and_length(self, tmp_path):
+        """720 pressures of a file are no text of a table."""
+        angles = np.arange(0, 720, 2.0)
+        lines = [f"{angle},{5 + 40 * math.exp(-(((angle - 360) / 60) ** 2))}" for angle in angles]
+        (tmp_path / "idle.csv").write_text("\n".join(["angle [deg],p [bar]", *lines]), encoding="utf-8")
+        gas = "{fired: idle.csv, crankcase: 1 bar, reference: absolute}"
+        listed = str([5e5, *[6e5] * 25])
+        (tmp_path / "engine.yaml").write_text(
+            ENGINE.replace("GAS", gas) + f"configurations:\n  own: {{}}\n  idle: {{engine.gas: {gas}}}\n"
+            f"  list: {{engine.gas: {gas.replace('idle.csv', listed)}}}\n",
+            encoding="utf-8",
+        )
+        model = tn.load(tmp_path / "engine.yaml")
+        (alternatives,) = model.definition.configurations.values()
+        trace = "Engine: gas fired: pressure trace of idle.csv, 360 points"
+        assert alternative_words(model, alternatives["idle"]) == trace
+        assert "fired: pressure trace of 26 points" in alternative_words(model, alternatives["list"])
 
     def test_verdicts_are_those_of_the_limits(self, conditions):
         found = rows(of(TableBlock, blocks(conditions, "conditions"))[1])

@@ -40,6 +40,8 @@ def document_faults(text: str) -> list[str]:
     found += twice_faults(tables)
     found += unit_faults(tables)
     found += distance_faults(text, tables)
+    found += repeated_faults(tables)
+    found += made_faults(tables)
     return found
 
 
@@ -260,14 +262,53 @@ def distance_faults(text: str, tables: Sequence[PrintedTable]) -> Iterator[str]:
     if rated is None or sentence is None:
         return
     speeds: dict[str, list[Printed]] = {}
+    told: set[str] = set()
     for table in tables:
         for row in table.rows:
             if (found := row.number("Critical speed")) is not None:
                 speeds.setdefault(row.text("Order").partition(",")[0], []).append(found)
-    for order, share in re.findall(r"([^,]+?) ([−\d.]+)\s%", sentence[1]):
+    for order, share in re.findall(r"([^,]+?) \+?([−\d.]+)\s%", sentence[1]):
         printed = Printed.read(share)
         expected = [
             (one / Printed(float(rated[1]))).times(100) - Printed(100.0) for one in speeds.get(order.strip(), [])
         ]
         if printed is not None and expected and not any(printed.agrees(one) for one in expected):
             yield f"distance of {order.strip()} is printed as {printed}, its critical speed gives {expected[0]}"
+        told.add(order.strip())
+    for row in (row for table in tables if table.caption.startswith("Critical speeds in normal") for row in table.rows):
+        # The sum of orders of one frequency has the critical speed of each of them.
+        if " + " not in row.text("Order") and row.text("Order") not in told:
+            yield f"distance of {row.text('Order')} is not told"
+
+
+def repeated_faults(tables: Sequence[PrintedTable]) -> Iterator[str]:
+    """Rows that stand twice: one component at one speed, as a peak with two names."""
+    for table in tables:
+        if not table.caption.startswith(("Components in normal", "Peaks of the sum")):
+            continue
+        seen: set[tuple[str, ...]] = set()
+        for row in table.rows:
+            place = row.group, row.text("Component"), row.text("Place"), row.text("Speed")
+            if place in seen:
+                yield f"{table.caption}: {row.text('Component')} at {row.text('Speed')} rpm stands twice"
+            seen.add(place)
+
+
+def made_faults(tables: Sequence[PrintedTable]) -> Iterator[str]:
+    """Peaks whose mode and order are not among the critical speeds, listed or named below their table."""
+    listed = next((one for one in tables if one.caption.startswith("Critical speeds in normal")), None)
+    peaks = next((one for one in tables if one.caption.startswith("Components in normal")), None)
+    if listed is None or peaks is None:
+        return
+    known = {f"{order}, {row.group.partition(',')[0].lower()}" for row in listed.rows for order in _orders(row)}
+    for row in peaks.rows:
+        made = row.text("Made by")
+        order, _, mode = made.partition(", mode ")
+        names = [f"{one}, mode {mode}" for one in order.split(" + ")]
+        if mode and not any(name in known or name in note for name in names for note in [*listed.notes, ""]):
+            yield f"{made} makes a peak at {row.text('Speed')} rpm and is no critical speed of the table"
+
+
+def _orders(row: PrintedRow) -> list[str]:
+    """Orders of a row of critical speeds, each of a sum."""
+    return row.text("Order").split(" + ")

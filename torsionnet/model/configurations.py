@@ -48,6 +48,8 @@ class Overlay:
     """Operating point of a call, which replaces that of the model instead of changing some of its entries."""
     title: str = ""
     """Title of the alternative in documents; empty: words made of its name."""
+    by_files: Mapping[str, Any] = field(default_factory=dict, compare=False)
+    """Changed entries that name files as they are written, where ``entries`` hold the content of these files."""
 
     @property
     def changes_nothing(self) -> bool:
@@ -64,6 +66,7 @@ class Overlay:
             None if point is None else point.renamed(names),
             {names.changed_entry(key): value for key, value in self.entries.items()},
             title=self.title,
+            by_files={names.changed_entry(key): value for key, value in self.by_files.items()},
         )
 
     def to_data(self) -> dict[str, Json]:

@@ -73,7 +73,9 @@ def _with_settled_alternatives(definition: Definition) -> Definition:
             settled = {label: replace(one, **_split_changes(one, known)) for label, one in written.items()}
         if any(names_a_file(value) for one in settled.values() for value in one.entries.values()):
             settled = {
-                label: replace(one, entries=_with_file_contents(definition, one.entries))
+                label: replace(
+                    one, entries=_with_file_contents(definition, one.entries), by_files=_by_files(one.entries)
+                )
                 for label, one in settled.items()
             }
         if settled is not written:
@@ -94,6 +96,11 @@ def _split_changes(overlay: Overlay, known: Container[str]) -> dict[str, Any]:
         else:
             entries[key] = raw
     return {"parameters": parameters, "entries": entries}
+
+
+def _by_files(changes: Mapping[str, Any]) -> dict[str, Any]:
+    """Changed entries that name a file, as they are written."""
+    return {key: value for key, value in changes.items() if names_a_file(value)}
 
 
 def _with_file_contents(definition: Definition, changes: Mapping[str, Any]) -> dict[str, Any]:

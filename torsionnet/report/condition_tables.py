@@ -298,7 +298,7 @@ def _distances(subject: ReportData, shown: Sequence[CriticalRecord]) -> Iterator
     nearest: dict[str, float] = {}
     for one in shown:
         off = one.critical.natural_speed / speeds.rated - 1
-        if one.share >= LEAST_SHARE and abs(off) < abs(nearest.get(one.name, math.inf)):
+        if abs(off) < abs(nearest.get(one.name, math.inf)):
             nearest[one.name] = off
     closest = sorted(nearest.items(), key=lambda pair: abs(pair[1]))
     shares = [f"{100 * off:+.1f}".replace("-", "\N{MINUS SIGN}") for _, off in closest]

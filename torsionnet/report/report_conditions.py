@@ -12,6 +12,7 @@ from torsionnet.base.phrases import joined, phrase
 from torsionnet.base.units import RPM
 from torsionnet.model.checks.parameter_units import parameter_units
 from torsionnet.model.condition_titles import ConditionTitles
+from torsionnet.model.damping import MEASURES, DampingMeasure
 from torsionnet.model.definition import EXCITATIONS, LOAD, section_of
 from torsionnet.report.report_text import as_words, capital, unit
 
@@ -24,6 +25,10 @@ UNCHANGED = "as the model is written"
 """Words for an alternative that changes nothing."""
 FIRING = {"misfire": "without ignition", "gas_off": "without gas torque"}
 """Words for the state of the cylinders that an entry of an engine names, by the entry."""
+GAS = "gas"
+"""Entry of an engine with its pressure traces."""
+LONGEST_LIST = 12
+"""Largest number of values in a list that is written out; of a longer one the length is given."""
 
 
 def alternative_words(model: Drivetrain, overlay: Overlay) -> str:
@@ -43,8 +48,8 @@ def alternative_words(model: Drivetrain, overlay: Overlay) -> str:
     changes = [
         *(_parameter(model, name, value) for name, value in overlay.parameters.items()),
         *(f"{_element(model, name)} switched {word}" for word in ("on", "off") for name in getattr(overlay, word)),
-        *(_entry(model, key, value) for key, value in overlay.entries.items()),
-        *([] if point is None else [f"operating point: {_listed(point.to_data())}"]),
+        *(_entry(model, key, value, overlay.by_files.get(key)) for key, value in overlay.entries.items()),
+        *([] if point is None else [_named("operating_point", point.to_data(), None, "")]),
     ]
     return capital(joined("; ", changes)) if changes else capital(UNCHANGED)
 
@@ -88,7 +93,9 @@ def _meant(model: Drivetrain, name: str) -> str:
     if len(users) != 1:
         return ""
     ((element, entry),) = users
-    return f"{as_words(element.name)}: {as_words(entry)}"
+    value = getattr(element, entry)
+    is_measured = isinstance(value, DampingMeasure) and name in value.value.names
+    return f"{as_words(element.name)}: {MEASURES[value.measure].name if is_measured else as_words(entry)}"
 
 
 def _element(model: Drivetrain, name: str) -> str:
@@ -96,8 +103,8 @@ def _element(model: Drivetrain, name: str) -> str:
     return element.description or as_words(name)
 
 
-def _entry(model: Drivetrain, key: str, value: Any) -> str:
-    """Text of a changed entry of an excitation, an element or the load."""
+def _entry(model: Drivetrain, key: str, value: Any, written: Any = None) -> str:
+    """Text of a changed entry of an excitation, an element or the load, which its author may have written by a file."""
     owner, _, name = key.rpartition(".")
     found = section_of(model.definition, key)
     if found is not None and found[0] == EXCITATIONS:
@@ -108,7 +115,8 @@ def _entry(model: Drivetrain, key: str, value: Any) -> str:
         if name == "enabled":
             return f"{as_words(owner)} {'running' if value else 'not running'}"
     what = "load" if owner == LOAD else as_words(owner)
-    return f"{what}: {as_words(name)} {_listed(value)}"
+    points = "{name}: pressure trace of {count} points" if name == GAS else "{name}: {count} values"
+    return joined("", (f"{what}: ", _named(name, value, written, points)))
 
 
 def _cylinders(value: Any) -> str:
@@ -118,9 +126,25 @@ def _cylinders(value: Any) -> str:
     return f"cylinder{'s' if len(numbers) > 1 else ''} {', '.join(map(str, numbers))}"
 
 
+def _named(name: str, value: Any, written: Any, points: str) -> str:
+    """Text of an entry with its name and its value; of a list too long, ``points`` or the file that it came from."""
+    if isinstance(value, Mapping) and not _is_long(value.get("pressures")):
+        own = written if isinstance(written, Mapping) else {}
+        each = (_named(str(one), inner, own.get(one), points) for one, inner in value.items())
+        return joined("", (f"{as_words(name)} ", joined(", ", each)))
+    found = value["pressures"] if isinstance(value, Mapping) else value
+    if not _is_long(found):
+        return f"{as_words(name)} {_listed(value)}"
+    template = "{name}: pressure trace of {file}, {count} points" if isinstance(written, str) else points
+    return phrase(template, name=as_words(name), file=written, count=len(found))
+
+
+def _is_long(value: Any) -> bool:
+    """Whether a value is a list too long to be written out."""
+    return isinstance(value, Sequence) and not isinstance(value, str) and len(value) > LONGEST_LIST
+
+
 def _listed(value: Any) -> str:
-    if isinstance(value, Mapping):
-        return ", ".join(f"{as_words(str(name))} {_listed(one)}" for name, one in value.items())
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, Sequence) and not isinstance(value, str):

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 from torsionnet.base.entries.scalars import QuantityKind, Value
 from torsionnet.base.expressions import Expression
 from torsionnet.base.number_text import aligned_numbers
-from torsionnet.base.phrases import phrase
+from torsionnet.base.phrases import joined, phrase
 from torsionnet.machinery.excitations.propeller_torque import PropellerTorque
 from torsionnet.machinery.excitations.reciprocating_engine import conditions_running_alone
 from torsionnet.machinery.orders.engine_angles import EngineAngle
 from torsionnet.machinery.orders.worst_response import WorstResponse
-from torsionnet.model.damping import MEASURES, DampingMeasure
+from torsionnet.model.damping import MEASURES, DampingMeasure, convert_damping
 from torsionnet.model.element_base.element_entries import Teeth
 from torsionnet.model.load.external_torques import ENGINE
 from torsionnet.model.overview import given
@@ -103,7 +103,7 @@ def _joined(parts: Iterator[tuple[Inline, str]]) -> Text:
     """Text of labels and values one after the other, separated by semicolons."""
     found: list[Inline] = []
     for label, value in parts:
-        found += ["; "] * bool(found) + ([label, f" {value}"] if value else [label])
+        found += ["; "] * bool(found) + ([label, " ", value] if value else [label])
     text = tuple(found)
     return (capital(text[0]), *text[1:]) if text and isinstance(text[0], str) else text
 
@@ -159,7 +159,8 @@ def _of_element(model: Drivetrain, element: Element) -> Iterator[tuple[Inline, s
                 else ""
             )
             words = MEASURES[value.measure].name
-            yield words, quantity_text(number, MEASURES[value.measure].dimension) + at
+            size = quantity_text(number, MEASURES[value.measure].dimension)
+            yield words, joined("", (size, at, _as_loss_factor(value, number)))
         elif isinstance(spec, QuantityKind) and isinstance(value, Expression):
             number = float(value.evaluate(model.exact_values))
             if number:
@@ -175,6 +176,13 @@ def _of_element(model: Drivetrain, element: Element) -> Iterator[tuple[Inline, s
                 value = getattr(limit, name)
                 if isinstance(spec, Value) and value is not None and value != absent.get(name):
                     yield symbol_or_words(name), quantity_text(value, spec.dimension)
+
+
+def _as_loss_factor(damping: DampingMeasure, number: float) -> str:
+    """Text with the loss factor of a damping given by another measure, as the mass-elastic table has it; or nothing."""
+    if damping.measure in ("eta", "c"):
+        return ""
+    return phrase(" (loss factor {eta:.4g})", eta=convert_damping(number, damping.measure, "eta"))
 
 
 def _source(model: Drivetrain, element: Element) -> str:

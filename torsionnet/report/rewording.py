@@ -47,6 +47,7 @@ none."""
 REWORDED_COLUMNS = {
     "Action",
     "Conclusion",
+    "Data",
     "At",
     "Comparison",
     "Explanation",

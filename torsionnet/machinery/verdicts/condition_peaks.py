@@ -22,6 +22,7 @@ from torsionnet.machinery.verdicts.limit_conclusion import WorstLimit
 from torsionnet.machinery.verdicts.limit_verdict import LimitVerdict
 from torsionnet.machinery.verdicts.order_peaks import (
     LEAST_SHARE,
+    SMALL_SHARE,
     OrderPeak,
     line_index,
     line_name,
@@ -232,9 +233,12 @@ def condition_peaks(
     """
     low, high = float(check.speeds[0]), float(check.speeds[-1])
     inside = [speed for speed in (rated,) if speed is not None and low * (1 - 1e-9) <= speed <= high * (1 + 1e-9)]
-    excited = [one for one in found.crossings if one.excited is not False and math.isfinite(one.natural_speed)]
-    peaks = [(one, line, peaks_in_limits(check, found, one))
-             for one in excited if (line := line_index(check, found, one)) is not None]  # fmt: skip
+    met = [one for one in found.crossings if math.isfinite(one.natural_speed)]
+    each = [(one, line, peaks_in_limits(check, found, one))
+            for one in met if (line := line_index(check, found, one)) is not None]  # fmt: skip
+    # A mode with little damping answers a generalised force that is small beside a cylinder's torque: its peak says so.
+    peaks = [(one, line, own) for one, line, own in each
+             if one.excited is not False or any(peak.share >= SMALL_SHARE for peak in own)]  # fmt: skip
     wanted = [*inside, *(speed for one, line, own in peaks for speed in _speeds(check, one, own, line))]
     tops = [top for one in vibratory_verdicts(check) if not one.in_passing for top in _tops(check, one)]
     wanted += [vertex_speed(check.speeds, one.verdict.values, one.at) for one in tops]
@@ -331,12 +335,13 @@ def _sum_peaks(
         own, here = [one for one in tops if one.verdict is verdict], JudgedPoint(check, verdict, worst)
         near = [peak for peak in peaks if peak.verdict is verdict]
         found = [] if any(_is_near(check, one, worst) for one in own) else [_without_mode(here)]
+        nearest = min(own, key=lambda one: abs(one.at - worst), default=None)
         for top in own:
             # The most used place is that of the check itself, so that its numbers are the same everywhere.
             speed = vertex_speed(check.speeds, verdict.values, top.at)
             there = JudgedPoint(points, _same(points, verdict), _index(points, speed))
             order = top.made_by(check.summed)
-            point = here if _is_near(check, top, worst) else there
+            point = here if top is nearest and _is_near(check, top, worst) else there
             found.append(SumPeak(point, order.name, _mode_near(point, order, near), True))
         yield from sorted(found, key=lambda one: one.point.rpm)
 
