@@ -150,6 +150,13 @@ def motion_plant(drivetrain: AssembledModel) -> MotionPlant:
     UsageError
         A delay, or a law that depends on frequency, beside laws of motion.
     """
+    found = placed_plant(drivetrain)
+    _refuse(found.assembly)
+    return replace(found, actions=law_states(found.assembly))
+
+
+def placed_plant(drivetrain: AssembledModel) -> MotionPlant:
+    """Plant of a drivetrain over frequency, also with delays and tables, without states of its controllers."""
     elements: dict[str, Element] = dict(drivetrain.definition.elements)
     for element in drivetrain.definition.switched_on:
         elements[element.name] = element.unchecked(
@@ -158,14 +165,13 @@ def motion_plant(drivetrain: AssembledModel) -> MotionPlant:
         )
     plain = drivetrain.with_definition(replace(drivetrain.definition, elements=elements, tangents=None))
     assembly = plain.assembly
-    _refuse(assembly)
     laws = tuple(
         LawRow(owner, law.motion, number, assembly.rows_of(law.row)[0])
         for number, (owner, law) in enumerate(zip(assembly.owners, assembly.laws, strict=True))
         if isinstance(law, PlacedLaw) and law.motion is not None
     )
     moving = tuple(one for one in laws if np.abs(one.row).max(initial=0.0) > 0)
-    return MotionPlant(plain, moving, law_states(assembly))
+    return MotionPlant(plain, moving, ())
 
 
 def _refuse(assembly: Assembly) -> None:

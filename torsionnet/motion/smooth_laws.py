@@ -110,7 +110,7 @@ def split_plant(drivetrain: AssembledModel, plant: MotionPlant, scales: tuple[Sc
     UsageError
         Nothing that the model has is scaled so.
     """
-    floats = _float_laws(drivetrain, plant)
+    floats = float_laws(drivetrain, plant)
     named = {(one.owner, floats[one.number].scaled_by) for one in plant.laws if floats[one.number].scaled_by}
     for owner, what in scales:
         if (owner, what) not in named:
@@ -159,7 +159,7 @@ def tied_plant(split: SplitPlant, tie: GridTie, laws: Sequence[TorqueCurve], row
     return replace(split, smooth=(*split.smooth, *added), scales=(*split.scales, *scales))
 
 
-def _float_laws(drivetrain: AssembledModel, plant: MotionPlant) -> Mapping[int, MotionLaw]:
+def float_laws(drivetrain: AssembledModel, plant: MotionPlant) -> Mapping[int, MotionLaw]:
     """Laws of motion with floats as coefficients, by the number of their placed laws."""
     value = Values(drivetrain.exact_values, FLOAT)
     own: dict[str, list[Any]] = {

@@ -1,0 +1,246 @@
+"""Branches of periodic motions over a parameter, followed by their arc length through folds.
+
+A point is (x, p), harmonics of the laws and the parameter. From one point the branch goes on along its tangent (v, q),
+J v + R_p q = 0, by the length ds; Newton's method brings the prediction back onto R(x, p) = 0 on the plane across the
+tangent (H. B. Keller; R. Seydel, Practical Bifurcation and Stability Analysis, chapter 4). Where q changes its sign the
+branch folds back.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Literal
+
+import numpy as np
+
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
+from torsionnet.motion.periodic.harmonic_balance import fitted, packed, unpacked
+from torsionnet.motion.periodic.periodic_problem import PeriodicMotion, PeriodicProblem
+
+FIRST_STEP, LONGEST_STEP, SHORTEST_STEP = 0.02, 0.08, 1e-7
+"""Lengths of steps along a branch, over the parameter and the size of the motion."""
+BEND = 0.9
+"""Least cosine between the directions of two steps: more bend asks for shorter ones."""
+MOST_ITERATIONS, FEW = 10, 3
+"""Newton steps from which a step along the branch is taken back, and up to which the next one is longer."""
+CLOSE = 1e-8
+"""Last Newton step of a point along the branch."""
+DIFFERENCE = 1e-6
+"""Share of the parameter over which its slope is taken as a difference."""
+LOCATED = 1e-9
+"""Share of the parameter to which a fold is located."""
+
+
+@dataclass(frozen=True, eq=False)
+class BranchPoint:
+    """Point of a branch: parameter p, packed motion u, and its tangent, that of the parameter last.
+
+    Lengths count over ``scale``, sizes of the motion and of the parameter.
+    """
+
+    p: float
+    u: FloatArray
+    tangent: FloatArray
+    scale: FloatArray
+
+    @property
+    def turns(self) -> float:
+        """Component of the parameter in the direction of the branch, which passes zero at a fold."""
+        return float(self.tangent[-1])
+
+
+@dataclass(frozen=True, eq=False)
+class Fold:
+    """Motion at which a branch folds back: ``kind`` "maximum" or "minimum" of the parameter."""
+
+    motion: PeriodicMotion
+    kind: Literal["maximum", "minimum"]
+
+
+class Tracer:
+    """Steps along branches of a problem with a fixed number of harmonics."""
+
+    def __init__(self, problem: PeriodicProblem, harmonics: int) -> None:
+        self.problem, self.harmonics = problem, harmonics
+        self.n_laws = len(problem.forces)
+        self.least = problem.least_size
+
+    def first(self, parameter: float, x: ComplexArray, direction: float) -> BranchPoint | None:
+        """Point at a parameter from a motion near it; the branch goes on with the parameter in ``direction``."""
+        found = self.problem.solve(parameter, fitted(x, self.harmonics), self.harmonics)
+        if found is None:
+            return None
+        u = packed(found.x)
+        scale = self._scale(u, parameter)
+        across = np.zeros(len(u) + 1)
+        across[-1] = direction
+        J, slope = self._slopes(u, parameter)
+        return BranchPoint(parameter, u, self._tangent(J, slope, across, scale), scale)
+
+    def _scale(self, u: FloatArray, parameter: float) -> FloatArray:
+        sizes = np.maximum(np.linalg.norm(unpacked(u, self.n_laws)[1:], axis=0), self.least)
+        return np.append(np.repeat(sizes, 2 * self.harmonics + 1), self.problem.parameter_scale or abs(parameter))
+
+    def _slopes(self, u: FloatArray, parameter: float) -> tuple[FloatArray, FloatArray]:
+        """Jacobian over the motion, and slope over the parameter, of the residual."""
+        x = unpacked(u, self.n_laws)
+        balance = self.problem.balance(parameter, self.harmonics)
+        _, answers, _ = balance.residual(x)
+        step = DIFFERENCE * (self.problem.parameter_scale or abs(parameter))
+        ends = [self.problem.balance(parameter + way * step, self.harmonics).residual(x)[0] for way in (-1, 1)]
+        return balance.slopes(answers), packed(ends[1] - ends[0]) / (2 * step)
+
+    @staticmethod
+    def _tangent(J: FloatArray, slope: FloatArray, along: FloatArray, scale: FloatArray) -> FloatArray:
+        # [J R_p; along] t = (0, 1), in scaled lengths
+        whole = np.vstack([np.hstack([J, slope[:, None]]) * scale, along])
+        right = np.zeros(len(along))
+        right[-1] = 1.0
+        found = np.linalg.solve(whole, right)
+        return np.asarray(found / np.linalg.norm(found))
+
+    def step(self, point: BranchPoint, ds: float) -> tuple[BranchPoint, int] | None:
+        """Point a length ds further, with the Newton steps that it took; None where these do not get there."""
+        scale, along = point.scale, point.tangent
+        start = np.append(point.u, point.p)
+        at = start + ds * along * scale
+        for number in range(MOST_ITERATIONS):
+            x = unpacked(at[:-1], self.n_laws)
+            left = self.problem.balance(at[-1], self.harmonics).residual(x)[0]
+            if not np.isfinite(left).all():
+                return None
+            J, slope = self._slopes(at[:-1], at[-1])
+            whole = np.vstack([np.hstack([J, slope[:, None]]) * scale, along])
+            over = float(along @ ((at - start) / scale)) - ds
+            try:
+                change = np.linalg.solve(whole, np.append(packed(left), over))
+            except np.linalg.LinAlgError:
+                return None
+            at = at - change * scale
+            if np.abs(change).max() > 1:
+                return None
+            if np.abs(change).max() <= CLOSE:
+                tangent = self._tangent(J, slope, along, scale)
+                u, p = at[:-1], float(at[-1])
+                following = self._scale(u, p)
+                tangent = tangent * scale / following
+                return BranchPoint(p, u, tangent / np.linalg.norm(tangent), following), number + 1
+        return None
+
+    def along(self, point: BranchPoint, most: int) -> Iterator[BranchPoint]:
+        """Yield points along the branch, each some length further, until it gets lost or ``most`` are found."""
+        ds = FIRST_STEP
+        for _ in range(most):
+            while True:
+                found = self.step(point, ds)
+                if found is not None:
+                    moved = found[0].tangent * found[0].scale / point.scale
+                    if moved @ point.tangent >= BEND * np.linalg.norm(moved) or ds <= 100 * SHORTEST_STEP:
+                        break
+                ds /= 2
+                if ds < SHORTEST_STEP:
+                    return
+            point, count = found
+            yield point
+            if count <= FEW:
+                ds = min(1.5 * ds, LONGEST_STEP)
+
+    def motion(self, point: BranchPoint) -> PeriodicMotion:
+        """Motion of a point."""
+        x = unpacked(point.u, self.n_laws)
+        return self.problem.motion(point.p, x, self.problem.balance(point.p, self.harmonics))
+
+
+@dataclass(frozen=True, eq=False)
+class MotionBranch:
+    """Points along a branch in their order, and how it was found in words."""
+
+    tracer: Tracer
+    points: tuple[BranchPoint, ...]
+    way: str
+
+    def at(self, parameter: float) -> list[PeriodicMotion]:
+        """Motions of the branch at a parameter, with as many harmonics as they need, in the order of the branch."""
+        found = []
+        for before, after in pairwise(self.points):
+            inside = (before.p - parameter) * (after.p - parameter) < 0 or before.p == parameter
+            if not inside:
+                continue
+            share = (parameter - before.p) / (after.p - before.p) if after.p != before.p else 0.0
+            u = before.u + share * (after.u - before.u)
+            motion = self.tracer.problem.solve(parameter, unpacked(u, self.tracer.n_laws))
+            if motion is not None:
+                found.append(motion)
+        if self.points and self.points[-1].p == parameter:
+            found.append(self.tracer.motion(self.points[-1]))
+        return found
+
+    def folds(self) -> list[Fold]:
+        """Motions at which the branch folds back, located with as many harmonics as they need."""
+        found = []
+        for before, after in pairwise(self.points):
+            if before.turns * after.turns < 0:
+                fold = located_fold(self.tracer.problem, before, after, self.tracer.n_laws)
+                if fold is not None:
+                    found.append(fold)
+        return found
+
+
+def located_fold(problem: PeriodicProblem, before: BranchPoint, after: BranchPoint, n_laws: int) -> Fold | None:
+    """Fold between two points of a branch, by secants over the length from the first."""
+    kind: Literal["maximum", "minimum"] = "maximum" if before.turns > 0 else "minimum"
+    middle = problem.solve(before.p, unpacked(before.u, n_laws))
+    if middle is None:
+        return None
+    while True:
+        tracer = Tracer(problem, middle.harmonics)
+        start = tracer.first(before.p, middle.x, float(np.sign(before.turns)))
+        if start is None:
+            return None
+        point = _turning_point(tracer, start, after)
+        if point is None:
+            return None
+        motion = tracer.motion(point)
+        again = problem.solve(point.p, motion.x) if motion.left_out > 1e-6 else None
+        if again is None or again.harmonics <= middle.harmonics:
+            return Fold(motion, kind)
+        middle = replace(middle, x=fitted(middle.x, again.harmonics))
+
+
+def _turning_point(tracer: Tracer, start: BranchPoint, after: BranchPoint) -> BranchPoint | None:
+    """Point at which the parameter stands, by the rule of false positions (Illinois) between two sides of the fold."""
+    # the chord to the point beyond, and on until the parameter has turned
+    other = fitted(unpacked(after.u, tracer.n_laws), tracer.harmonics)
+    chord = (np.append(packed(other), after.p) - np.append(start.u, start.p)) / start.scale
+    length = float(chord @ start.tangent)
+    for _ in range(20):
+        found = tracer.step(start, length)
+        if found is None:
+            length /= 2
+            continue
+        if found[0].turns * start.turns < 0:
+            break
+        start, length = found[0], max(length, FIRST_STEP / 10)
+    else:
+        return None
+    a, b = 0.0, length
+    fa, fb = start.turns, found[0].turns
+    point = found[0]
+    for _ in range(40):
+        c = (a * fb - b * fa) / (fb - fa)
+        stepped = tracer.step(start, c)
+        if stepped is None:
+            return None
+        before, point = point, stepped[0]
+        fc = point.turns
+        # At the fold the parameter stands: it is known long before the place on the branch is.
+        if abs(point.p - before.p) <= LOCATED * abs(point.p) and abs(fc) < 1e-6:
+            return point
+        if fc * fb < 0:
+            a, fa = b, fb
+        else:
+            fa /= 2
+        b, fb = c, fc
+    return point

@@ -1,0 +1,239 @@
+"""Plant condensed to the twists of its laws of motion: exact receptances at every harmonic of a periodic motion.
+
+The plant without its laws answers at s = j k w with its dynamic stiffness D(s), in which springs, dampers, loss
+factors, tables, controllers and delays stand as they are. Beside each law over the twist stands a spring k_0, which its
+torque takes away again,
+
+    D_0(s) = D(s) + B^T diag(k_0) B,   D_0 q = F u - B^T tau,   tau = T(gamma, gamma') - k_0 gamma,   gamma = B q,
+
+so that D_0(0) holds the mean twists. What turns freely as a whole twists nothing: it is left out of the mean, and the
+mean torques on it have to balance.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsionnet.base.errors import UsageError
+from torsionnet.base.phrases import phrase
+from torsionnet.linear.assembly.assembled import AssembledModel
+from torsionnet.linear.assembly.law_stiffness import Functional
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
+from torsionnet.model.channels import Input
+from torsionnet.model.elements import MotionLaw
+from torsionnet.model.motion_laws.piece_curve import PieceCurve, Slope
+from torsionnet.model.motion_laws.smooth_curves import CubicCurve
+from torsionnet.motion.motion_plant import PlacedLaw, placed_plant
+from torsionnet.motion.smooth_laws import float_laws
+
+FREE = 1e-11
+"""Singular value of the stiffness at rest, over the largest, below which a motion turns freely."""
+BALANCED = 1e-9
+"""Share of the mean torques that may be left over by rounding on what turns freely."""
+FAR = 1e4
+"""Frequencies, over the highest of interest, at which a spring before friction shows: inertias have faded there."""
+
+MOST_KEPT = 8
+"""Most sets of receptances that are kept: a way at one frequency asks for the same ones again and again."""
+
+
+@dataclass(frozen=True, eq=False)
+class CondensedLaw:
+    """Law of motion among the unknowns: its element, its curve with floats, and its row over the coordinates.
+
+    ``number`` is that of the placed law in the assembly, ``reference`` the spring k_0 in N m/rad beside it.
+    """
+
+    owner: str
+    law: MotionLaw
+    number: int
+    row: FloatArray
+    reference: float
+
+
+@dataclass(frozen=True, eq=False)
+class Receptances:
+    """Motions of the coordinates at the harmonics of one frequency.
+
+    Attributes
+    ----------
+    s : (n,) complex array
+        j k w in rad/s of each harmonic.
+    driven : (n, n_q, n_in) complex array
+        Coordinates in rad per N m of each input.
+    own : (n, n_q, n_laws) complex array
+        Coordinates in rad per N m of torque between the ends of each law, in the sense of its row.
+    """
+
+    s: ComplexArray
+    driven: ComplexArray
+    own: ComplexArray
+
+
+class CondensedPlant:
+    """Linear plant around laws of motion under torques on inputs, see the text of the module."""
+
+    def __init__(self, drivetrain: AssembledModel, inputs: Sequence[Input]) -> None:
+        self.drivetrain = drivetrain
+        self.placed = placed_plant(drivetrain)
+        self.assembly = self.placed.assembly
+        self.inputs = tuple(inputs)
+        self._known: dict[tuple[float, range], Receptances] = {}
+        floats = float_laws(drivetrain, self.placed)
+        self.laws = tuple(
+            CondensedLaw(one.owner, floats[one.number], one.number, one.row, _reference(floats[one.number]))
+            for one in self.placed.laws
+        )
+        self._require_own_motion()
+        n_q = self.assembly.system.n_coordinates
+        self.rows = np.array([one.row for one in self.laws]).reshape(len(self.laws), n_q)
+        self.references = np.array([one.reference for one in self.laws])
+        self.columns = np.array([self.assembly.rows_of(one.row)[0] for one in inputs]).reshape(-1, n_q).T
+
+    def _require_own_motion(self) -> None:
+        for one in self.laws:
+            if one.law.sensed or one.law.lag:
+                why = (
+                    "follows the speed of another part" if one.law.sensed else "follows its curve with a time constant"
+                )
+                raise UsageError(
+                    f"{one.owner}: its torque {why}, which periodic motion does not work out; use simulate"
+                )
+
+    def stiffness(self, s: ComplexArray) -> ComplexArray:
+        """Dynamic stiffness D_0 (n, n_q, n_q) in N m/rad at the Laplace variable s (n,) in rad/s."""
+        system = self.placed.linear
+        rows, omega = system.rows, s.imag
+        kappa = system.inertia * s[:, None] ** 2 + system.damping * s[:, None] + system.stiffness
+        kappa = kappa.astype(complex)
+        for number, law in self.assembly.system.dynamic:
+            kappa[:, number] += np.asarray(law.kappa(omega))
+        found = rows.T @ (kappa[:, :, None] * rows)
+        for action in self.assembly.system.actions:
+            driven, sensed = (self.assembly.over_coordinates(row) for row in (action.row, action.sensed))
+            found -= action.kappa(s)[:, None, None] * np.outer(driven, sensed)
+        if not np.isfinite(found).all():
+            raise UsageError(
+                "a controller with an integrator holds no mean motion; periodic motion needs a gain at rest"
+            )
+        return np.asarray(found + self.rows.T @ (self.references[:, None] * self.rows))
+
+    def receptances(self, omega: float, harmonics: range) -> Receptances:
+        """Receptances at harmonics of omega in rad/s, of which 0 is the mean; those asked for last are kept."""
+        key = float(omega), harmonics
+        if key not in self._known:
+            if len(self._known) >= MOST_KEPT:
+                del self._known[next(iter(self._known))]
+            self._known[key] = self._receptances(np.asarray(1j * omega * np.array(harmonics), dtype=np.complex128))
+        return self._known[key]
+
+    def _receptances(self, s: ComplexArray) -> Receptances:
+        loads = np.hstack([self.columns, self.rows.T])
+        D = self.stiffness(s)
+        found = np.zeros((len(s), *loads.shape), dtype=complex)
+        still = s == 0
+        if (~still).any():
+            found[~still] = np.linalg.solve(D[~still], np.broadcast_to(loads, (int((~still).sum()), *loads.shape)))
+        for place in np.flatnonzero(still):
+            found[place] = _held(D[place].real) @ loads
+        n_in = self.columns.shape[1]
+        return Receptances(s, found[:, :, :n_in], found[:, :, n_in:])
+
+    def require_balance(self, means: FloatArray) -> None:
+        """Require that mean torques (n_in,) in N m balance on what turns freely.
+
+        Raises
+        ------
+        UsageError
+            A torque is left over.
+        """
+        D = self.stiffness(np.zeros(1, dtype=complex))[0].real
+        left, sizes, _ = np.linalg.svd(_scaled(D)[0])
+        free = left[:, sizes <= FREE * sizes.max(initial=0.0)] * _scaled(D)[1][:, None]
+        torques = self.columns @ means
+        over = free.T @ torques
+        if (np.abs(over) > BALANCED * (np.abs(free.T) @ np.abs(torques))).any():
+            worst = int(np.abs(over).argmax())
+            rest = float(over[worst] / np.abs(free[:, worst]).max())
+            text = "the mean torques do not balance on what turns freely: {rest:.6g} N m are left; give the load"
+            raise UsageError(phrase(text, rest=rest))
+        if np.abs(self.rows @ free).max(initial=0.0) > FREE:
+            names = [
+                one.owner for one, row in zip(self.laws, self.rows @ free, strict=True) if np.abs(row).max() > FREE
+            ]
+            raise UsageError(f"{', '.join(names)}: friction alone holds the mean twist here; give a spring beside it")
+
+    def spring_before(self, law: int, highest: float) -> float:
+        """Stiffness in N m/rad of the spring through which a law moves what has no inertia, else 0.
+
+        ``highest`` in rad/s is the highest frequency of interest. Far above it the receptance of a massless end is
+        that of its spring.
+        """
+        first, second = (
+            complex(self.rows[law] @ one[:, law]) for one in self.receptances(highest * FAR, range(1, 3)).own
+        )
+        # A spring's receptance stays; that of an inertia falls to a quarter, that of a damper to a half.
+        return 1 / first.real if abs(second - first) < 1e-3 * abs(first) else 0.0
+
+    def reading(self, reading: Functional, found: Receptances) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+        """Harmonics of a sensor over coordinates (n, n_q), torques of laws (n_laws,) and torques of inputs (n_in,)."""
+        over_q = np.zeros((len(found.s), self.rows.shape[1]), dtype=complex)
+        over_laws = np.zeros(len(self.laws), dtype=complex)
+        places = {one.number: place for place, one in enumerate(self.laws)}
+        system = self.assembly.system
+        dynamic = dict(system.dynamic)
+        for term in reading.terms:
+            if term.law in places:
+                over_laws[places[term.law]] += float(term.factor)
+                continue
+            kappa = found.s**term.power
+            if term.law is not None:
+                if isinstance(self.assembly.laws[term.law], PlacedLaw):
+                    text = "rigid connections hold its twist still, so that its torque is not determined"
+                    raise UsageError(f"{self.assembly.owners[term.law]}: {text}")
+                inertia, damping, stiffness = (
+                    part[term.law] for part in (system.inertia, system.damping, system.stiffness)
+                )
+                kappa = inertia * found.s**2 + damping * found.s + stiffness
+                if term.law in dynamic:
+                    kappa = kappa + np.asarray(dynamic[term.law].kappa(found.s.imag))
+            over_q += (float(term.factor) * kappa)[:, None] * term.row
+        for number, factor in reading.actions.items():
+            action = self.assembly.system.actions[number]
+            over_q += float(factor) * action.kappa(found.s)[:, None] * self.assembly.over_coordinates(action.sensed)
+        over_inputs = np.array([float(reading.direct(one.row)) for one in self.inputs], dtype=complex)
+        return over_q, over_laws, over_inputs
+
+
+def _reference(law: MotionLaw) -> float:
+    """Spring k_0 in N m/rad that stands beside a law over the twist: the stiffest of its pieces."""
+    curve = law.curve
+    if curve.over == "rate":
+        return 0.0
+    if isinstance(curve, PieceCurve):
+        stiffest = max((float(one.stiffness) for one in curve.pieces if isinstance(one, Slope)), default=0.0)
+        return float(law.scale) * stiffest
+    if isinstance(curve, CubicCurve):
+        return float(law.scale) * (abs(float(curve.stiffness)) or abs(float(curve.cubic)))
+    from torsionnet.model.element_base.laws import MotionState
+
+    return float(law.scale) * abs(float(curve.slopes(MotionState())[0])) or 1.0
+
+
+def _scaled(D: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Stiffness with ones on its diagonal, and the scales (n_q,) of its rows and columns."""
+    sizes = np.sqrt(np.abs(np.diag(D)))
+    scale = 1 / np.where(sizes > 0, sizes, 1.0)
+    return scale[:, None] * D * scale, scale
+
+
+def _held(D: FloatArray) -> FloatArray:
+    """Inverse of the stiffness at rest on the motions that it resists; what turns freely stays where it is."""
+    scaled, scale = _scaled(D)
+    left, sizes, right = np.linalg.svd(scaled)
+    kept = sizes > FREE * sizes.max(initial=0.0)
+    inverse = (right[kept].T / sizes[kept]) @ left[:, kept].T
+    return np.asarray(scale[:, None] * inverse * scale)

@@ -1,0 +1,286 @@
+"""Torques of laws of motion over a period of their twists, and how they change with it.
+
+A law answers samples over one period. What it answers with is linear in small changes of the motion: its slope over
+time times the change, for friction behind a spring also what the change was when it last stopped slipping.
+
+Laws with steps, at which a row stands still while its torque takes any value between, have no torque over their motion
+g, twist or rate. They have one over x = g + T/r, with any r above zero: T(x) is single-valued, with slopes from 0 to r
+(the resolvent of a monotone law). Friction behind a spring k is such a law over the twist x = g + T/k of both together.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.base.errors import UsageError
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
+from torsionnet.model.element_base.laws import MotionLaw, MotionState
+from torsionnet.model.motion_laws.piece_curve import Hold, PieceCurve, Slope
+from torsionnet.model.motion_laws.smooth_curves import CubicCurve
+from torsionnet.motion.periodic.describing_functions import (
+    Describing,
+    describing_function,
+    has_steps,
+    slider_describing_function,
+)
+
+
+@dataclass(frozen=True, eq=False)
+class LawAnswer:
+    """Torque (N,) in N m of a law over a period, with its slopes over the motion x and over its rate.
+
+    ``since`` are, of friction behind a spring, the stretches in which it sticks, as masks (N,), each with the sample at
+    which it last stopped slipping: the torque changes with x less what x was then.
+    """
+
+    torque: FloatArray
+    slope: FloatArray
+    rate_slope: FloatArray | None = None
+    since: tuple[tuple[NDArray[np.bool_], int], ...] = field(default=())
+
+
+class Force(Protocol):
+    """Protocol of a law that answers samples (N,) of its motion x and, where it asks for it, of the rate of x.
+
+    ``power`` is that of s from the twist to the motion g, ``yielding`` is 1/r in x = g + T/r. ``behind_spring`` says
+    that x itself is a motion, that of friction with a spring before it.
+    """
+
+    @property
+    def power(self) -> int: ...
+
+    @property
+    def yielding(self) -> float: ...
+
+    @property
+    def needs_rate(self) -> bool: ...
+
+    @property
+    def behind_spring(self) -> bool: ...
+
+    def over(self, x: FloatArray, rate: FloatArray | None) -> LawAnswer:
+        """Answer to samples over a period."""
+        ...
+
+    def describing(self, amplitude: float, mean: float, omega: float) -> Describing | None:
+        """Describing function at an amplitude in rad about a mean; None where it has no closed form."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class PieceForce:
+    """Law of straight pieces without steps: corners (n - 1,), and torques, stiffnesses, dampings and sides (n,)."""
+
+    corners: FloatArray
+    torques: FloatArray
+    stiffnesses: FloatArray
+    dampings: FloatArray
+    sides: FloatArray
+    over_rate: bool
+    law: MotionLaw
+    power: int = 0
+    yielding: float = 0.0
+    behind_spring: bool = False
+
+    def describing(self, amplitude: float, mean: float, omega: float) -> Describing | None:
+        if self.sides.any() and self.dampings.any():
+            return None
+        return describing_function(self.law.curve, amplitude, mean, omega).scaled(float(self.law.scale))
+
+    @property
+    def needs_rate(self) -> bool:
+        return self.over_rate or bool(self.dampings.any())
+
+    def over(self, x: FloatArray, rate: FloatArray | None) -> LawAnswer:
+        followed = rate if self.over_rate and rate is not None else x
+        piece = np.searchsorted(self.corners, followed, side="right")
+        torque = self.torques[piece] + self.stiffnesses[piece] * x
+        slope = self.stiffnesses[piece]
+        rate_slope = None
+        if rate is not None:
+            rate_slope = self.dampings[piece]
+            torque = torque + rate_slope * rate
+        side = self.sides[piece]
+        if side.any():
+            # Contacts push and never pull: max(0, k d + c d').
+            pulls = side * torque < 0
+            torque, slope = np.where(pulls, 0.0, torque), np.where(pulls, 0.0, slope)
+            rate_slope = None if rate_slope is None else np.where(pulls, 0.0, rate_slope)
+        return LawAnswer(torque, slope, rate_slope)
+
+
+@dataclass(frozen=True, eq=False)
+class ResolvedForce:
+    """Law with steps over x = g + T/r: corners (n,) of x with their torques (n,), straight between and beyond."""
+
+    corners: FloatArray
+    torques: FloatArray
+    before: float
+    after: float
+    power: int
+    yielding: float
+    needs_rate: bool = False
+    behind_spring: bool = False
+
+    def describing(self, amplitude: float, mean: float, omega: float) -> Describing | None:
+        del amplitude, mean, omega
+        return None
+
+    def over(self, x: FloatArray, rate: FloatArray | None) -> LawAnswer:
+        del rate
+        places = np.searchsorted(self.corners, x, side="right")
+        slopes = np.concatenate([[self.before], np.diff(self.torques) / np.diff(self.corners), [self.after]])
+        at = np.clip(places - 1, 0, None)
+        slope = slopes[places]
+        return LawAnswer(self.torques[at] + slope * (x - self.corners[at]), slope)
+
+
+@dataclass(frozen=True, eq=False)
+class SliderForce:
+    """Coulomb friction of a torque behind a spring, over the twist of both together."""
+
+    stiffness: float
+    torque: float
+    power: int = 0
+    needs_rate: bool = False
+    behind_spring: bool = True
+
+    @property
+    def yielding(self) -> float:
+        return 1 / self.stiffness
+
+    def describing(self, amplitude: float, mean: float, omega: float) -> Describing | None:
+        del mean, omega
+        return Describing(0.0, slider_describing_function(self.stiffness, self.torque, amplitude))
+
+    def over(self, x: FloatArray, rate: FloatArray | None) -> LawAnswer:
+        del rate
+        n, k, most = len(x), self.stiffness, self.torque
+        turns = np.flatnonzero((x - np.roll(x, 1)) * (np.roll(x, -1) - x) < 0)
+        if not len(turns) or k * (x.max() - x.min()) <= 2 * most:  # it sticks for good, from the middle of its swing
+            return LawAnswer(k * (x - (x.max() + x.min()) / 2), np.full(n, k))
+        # From the largest twist on, where it slips, monotone from reversal to reversal.
+        order = np.roll(turns, -int(np.argmax(x[turns])))
+        torque, stuck = np.zeros(n), np.zeros(n, dtype=bool)
+        last, at = most, int(order[0])
+        since: list[tuple[NDArray[np.bool_], int]] = []
+        mask = np.zeros(n, dtype=bool)
+        for start, end in pairwise([*order.tolist(), int(order[0]) + n]):
+            own = np.arange(start, end if end > start else end + n) % n
+            free = last + k * (x[own] - x[start])
+            torque[own] = np.clip(free, -most, most)
+            sticks = np.abs(free) < most
+            sticks[0] = True
+            mask[own[sticks]] = True
+            last = float(np.clip(last + k * (x[end % n] - x[start]), -most, most))
+            if not sticks.all() or abs(last) >= most:
+                since.append((mask, at))
+                stuck |= mask
+                mask, at = np.zeros(n, dtype=bool), int(end % n)
+        return LawAnswer(torque, np.where(stuck, k, 0.0), None, tuple(since))
+
+
+@dataclass(frozen=True, eq=False)
+class CurveForce:
+    """Law of a curve without corners."""
+
+    law: MotionLaw
+    power: int = 0
+    yielding: float = 0.0
+    behind_spring: bool = False
+
+    def describing(self, amplitude: float, mean: float, omega: float) -> Describing | None:
+        if not isinstance(self.law.curve, CubicCurve):
+            return None
+        return describing_function(self.law.curve, amplitude, mean, omega).scaled(float(self.law.scale))
+
+    @property
+    def needs_rate(self) -> bool:
+        return self.law.curve.over == "rate"
+
+    def over(self, x: FloatArray, rate: FloatArray | None) -> LawAnswer:
+        curve, scale = self.law.curve, float(self.law.scale)
+        if isinstance(curve, CubicCurve):
+            k, third = float(curve.stiffness), float(curve.cubic)
+            return LawAnswer(scale * (k * x + third * x**3), scale * (k + 3 * third * x**2))
+        rates = np.zeros_like(x) if rate is None else rate
+        pairs = list(zip(x.tolist(), rates.tolist(), strict=True))
+        torque = scale * np.array([float(curve.torque(*one)) for one in pairs])
+        slopes = scale * np.array([[float(value) for value in curve.slopes(MotionState(*one))[:2]] for one in pairs])
+        return LawAnswer(torque, slopes[:, 0], slopes[:, 1] if self.needs_rate else None)
+
+
+def force_of(owner: str, law: MotionLaw, spring_before: Callable[[], float], size: float) -> Force:
+    """Force of a law; ``spring_before`` gives the stiffness of a spring before friction, 0 where there is none.
+
+    ``size`` is a typical torque over motion, the r of laws with steps.
+    """
+    curve, scale = law.curve, float(law.scale)
+    if not isinstance(curve, PieceCurve):
+        return CurveForce(law)
+    slopes = [one for one in curve.pieces if isinstance(one, Slope)]
+    if not has_steps(curve):
+        corners = [float(one.upper) for one in slopes[:-1]]
+        parts = ([scale * float(getattr(one, name)) for one in slopes] for name in ("torque", "stiffness", "damping"))
+        torques, stiffnesses, dampings = map(np.array, parts)
+        sides = np.array([float(one.side) for one in slopes])
+        return PieceForce(np.array(corners), torques, stiffnesses, dampings, sides, curve.over == "rate", law)
+    if curve.over == "twist":
+        return _resolved(owner, curve, scale, size, 0)
+    spring = spring_before()
+    if not spring:
+        return _resolved(owner, curve, scale, size, 1)
+    most = slopes[-1]
+    held = max(float(one.high) for one in curve.pieces if isinstance(one, Hold))
+    if len(curve.pieces) != 3 or most.damping or held != float(most.torque):
+        text = "friction behind a spring that changes with the slip or sticks with more than it slips"
+        raise UsageError(f"{owner}: periodic motion does not work out {text}; use simulate")
+    return SliderForce(spring, scale * float(most.torque))
+
+
+def _resolved(owner: str, curve: PieceCurve, scale: float, r: float, power: int) -> ResolvedForce:
+    """Law with steps over x = g + T/r, by its corners (g, T) turned to (g + T/r, T)."""
+    rate = curve.over == "rate"
+    points: list[tuple[float, float]] = []
+    ends: list[float] = []
+    for number, piece in enumerate(curve.pieces):
+        if isinstance(piece, Hold):
+            points += [(float(piece.at), scale * float(piece.low)), (float(piece.at), scale * float(piece.high))]
+            continue
+        slope = scale * float(piece.damping if rate else piece.stiffness)
+        if number == 0 or number == len(curve.pieces) - 1:
+            ends.append(slope)
+        if number + 1 < len(curve.pieces) and isinstance(curve.pieces[number + 1], Slope):
+            corner = float(piece.upper)
+            points.append((corner, scale * float(piece.torque) + slope * corner))
+    g, torque = np.array(points).T
+    x = g + torque / r
+    if (np.diff(x) <= 0).any() or (np.diff(torque) < 0).any():
+        text = "its torque falls with the motion where it sticks, which periodic motion does not work out"
+        raise UsageError(f"{owner}: {text}; use simulate")
+    before, after = (slope * r / (slope + r) for slope in (ends[0], ends[-1]))
+    return ResolvedForce(x, torque, before, after, power, 1 / r)
+
+
+def slope_matrix(coefficients: ComplexArray, harmonics: int) -> ComplexArray:
+    """Harmonics (H + 1, 2 H + 1) of s(t) x(t) over the real and imaginary parts of those of x, of which 0 is real.
+
+    ``coefficients`` are S_0 .. S_2H of s(t) = sum S_n e^(jnwt). With x_m one-sided, (s x)_k is the sum over m > 0 of
+    S_(k-m) x_m + S_(k+m) conj(x_m), and 2 S_k x_0 (half of it all for k = 0): Toeplitz and Hankel.
+    """
+    H = harmonics
+    k, m = np.arange(H + 1)[:, None], np.arange(1, H + 1)
+    apart = k - m
+    toeplitz = np.where(apart >= 0, coefficients[np.abs(apart)], coefficients[np.abs(apart)].conj())
+    hankel = coefficients[k + m]
+    found = np.empty((H + 1, 2 * H + 1), dtype=complex)
+    found[:, 0] = 2 * coefficients[: H + 1]
+    found[:, 1 : H + 1], found[:, H + 1 :] = toeplitz + hankel, 1j * (toeplitz - hankel)
+    found[0] *= 0.5
+    return found

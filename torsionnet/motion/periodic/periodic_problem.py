@@ -1,0 +1,189 @@
+"""Periodic motion at one frequency: the torques that drive it, its solution with as many harmonics as it needs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from copy import copy
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Literal
+
+import numpy as np
+
+from torsionnet.linear.assembly.law_stiffness import Functional
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
+from torsionnet.motion.periodic.condensed import CondensedPlant
+from torsionnet.motion.periodic.harmonic_balance import (
+    HarmonicBalance,
+    balance_of,
+    fitted,
+    harmonics_of,
+    newton,
+    over_time,
+    samples,
+)
+from torsionnet.motion.periodic.law_forces import Force, force_of
+
+Harmonics = int | Literal["auto"]
+
+FIRST_HARMONICS, MOST_HARMONICS = 24, 600
+"""Harmonics of the first solution, and at most."""
+LEFT_OUT = 1e-6
+"""Motion by the torques of all harmonics left out, over the peak to peak, from which more harmonics are taken."""
+LEAST = 0.1
+"""Least size of a motion along branches, over that with springs in place of the laws."""
+MORE = 1.6
+"""Factor from one number of harmonics to the next."""
+
+
+@dataclass(frozen=True, eq=False)
+class PeriodicDrive:
+    """Torques from outside over a parameter p, a frequency in Hz or a speed in rad/s.
+
+    Attributes
+    ----------
+    omega : callable
+        p -> fundamental circular frequency in rad/s, that of harmonic 1 of the torques.
+    loads : callable
+        p -> harmonics (n, n_in) in N m of the torques on the inputs, the mean first.
+    """
+
+    omega: Callable[[float], float]
+    loads: Callable[[float], ComplexArray]
+
+
+@dataclass(frozen=True, eq=False)
+class PeriodicMotion:
+    """Motion with harmonics x (H + 1, n_laws) of the laws, at a parameter.
+
+    ``omega`` in rad/s is that of its own period, ``subharmonics`` periods of the torques long. ``torques`` are the
+    harmonics (H + 1, n_laws) of the laws, ``left_out`` what further harmonics move over the peak to peak.
+    """
+
+    parameter: float
+    omega: float
+    x: ComplexArray
+    torques: ComplexArray
+    subharmonics: int
+    left_out: float
+
+    @property
+    def harmonics(self) -> int:
+        return len(self.x) - 1
+
+
+class PeriodicProblem:
+    """Laws of motion of a plant under periodic torques, see :mod:`.harmonic_balance`.
+
+    ``parameter_scale`` is the length of the parameter along branches, 0 for the parameter itself, and ``least_size``
+    (n_laws,) that of motions at least.
+    """
+
+    parameter_scale = 0.0
+
+    def __init__(self, plant: CondensedPlant, drive: PeriodicDrive, at: float, subharmonics: int = 1) -> None:
+        self.plant, self.drive, self.subharmonics = plant, drive, subharmonics
+        omega = drive.omega(at)
+        self.shares = np.ones(len(plant.laws))
+        self.forces: tuple[Force, ...] = tuple(
+            force_of(one.owner, one.law, partial(plant.spring_before, place, omega), self._size(place, omega))
+            for place, one in enumerate(plant.laws)
+        )
+        driven = self.balance(at, FIRST_HARMONICS).driven
+        moved = np.linalg.norm(driven[1:], axis=0)
+        self.least_size = LEAST * np.where(moved > 0, moved, np.abs(driven).max(initial=0.0) or 1.0)
+
+    def _size(self, law: int, omega: float) -> float:
+        """Torque in N m per motion of a law's row at omega in rad/s: that of the plant around it."""
+        found = self.plant.receptances(omega, range(1, 2))
+        own = abs(complex(self.plant.rows[law] @ found.own[0, :, law]))
+        over_rate = self.plant.laws[law].law.curve.over == "rate"
+        return 1 / (own * omega if over_rate else own)
+
+    def with_subharmonics(self, count: int) -> PeriodicProblem:
+        """Problem of motions that repeat after so many periods of the torques."""
+        found = copy(self)
+        found.subharmonics = count
+        return found
+
+    def with_drive(self, drive: PeriodicDrive, parameter_scale: float = 0.0) -> PeriodicProblem:
+        """Problem of the same laws under other torques, also over another parameter."""
+        found = copy(self)
+        found.drive, found.parameter_scale = drive, parameter_scale
+        return found
+
+    def balance(self, parameter: float, harmonics: int) -> HarmonicBalance:
+        """Equations at a parameter."""
+        loads, nu = self.drive.loads(parameter), self.subharmonics
+        spread = np.zeros((nu * (len(loads) - 1) + 1, loads.shape[1]), dtype=complex)
+        spread[::nu] = loads
+        found = balance_of(self.plant, self.forces, self.drive.omega(parameter) / nu, spread, harmonics)
+        return found if (self.shares == 1).all() else replace(found, G=found.G * self.shares)
+
+    def solve(self, parameter: float, start: ComplexArray, harmonics: Harmonics = "auto") -> PeriodicMotion | None:
+        """Periodic motion from a start, with the harmonics asked for or as many as it needs; None without one."""
+        count = FIRST_HARMONICS * self.subharmonics if harmonics == "auto" else harmonics
+        count = max(count, len(start) - 1) if harmonics == "auto" else count
+        x = start
+        while True:
+            balance = self.balance(parameter, count)
+            solved = newton(balance, fitted(x, count))
+            if solved is None:
+                return None
+            x = solved
+            found = self.motion(parameter, x, balance)
+            if harmonics != "auto" or found.left_out < LEFT_OUT or count >= MOST_HARMONICS:
+                return found
+            count = min(int(np.ceil(MORE * count)), MOST_HARMONICS)
+
+    def motion(self, parameter: float, x: ComplexArray, balance: HarmonicBalance) -> PeriodicMotion:
+        """Solved motion, with what the harmonics left out would move."""
+        _, answers, torques = balance.residual(x)
+        H = len(x) - 1
+        further = self.plant.receptances(balance.omega, range(H + 1, 2 * H + 1))
+        more = np.stack([harmonics_of(one.torque, 2 * H)[H + 1 :] for one in answers], axis=1)
+        behind = np.array([one.yielding if one.behind_spring else 0.0 for one in self.forces])
+        moved = np.abs(np.einsum("kli,ki->kl", self.plant.rows @ further.own, more) - more * behind).sum(axis=0)
+        twists = self.twists(x, torques)
+        size = np.array([np.ptp(over_time(twists[:, place], samples(H))) for place in range(x.shape[1])])
+        left = float((moved / np.where(size > 0, size, 1.0)).max(initial=0.0))
+        return PeriodicMotion(parameter, balance.omega, x, torques, self.subharmonics, left)
+
+    def twists(self, x: ComplexArray, torques: ComplexArray) -> ComplexArray:
+        """Harmonics (H + 1, n_laws) of the motions g of the laws, without what laws with steps have beside."""
+        return np.asarray(x - torques * np.array([one.yielding for one in self.forces]))
+
+    def coordinates(self, motion: PeriodicMotion) -> tuple[ComplexArray, ComplexArray]:
+        """Harmonics (H + 1, n_q) of the coordinates in rad, and (H + 1, n_in) of the torques on the inputs in N m."""
+        found = self.plant.receptances(motion.omega, range(motion.harmonics + 1))
+        loads = self.drive.loads(motion.parameter)
+        spread = np.zeros((self.subharmonics * (len(loads) - 1) + 1, loads.shape[1]), dtype=complex)
+        spread[:: self.subharmonics] = loads
+        u = fitted(spread, motion.harmonics)
+        yielding = np.array([one.yielding for one in self.forces])
+        tau = motion.torques * (1 + self.plant.references * yielding) - self.plant.references * motion.x
+        q = np.einsum("kin,kn->ki", found.driven, u) - np.einsum("kil,kl->ki", found.own, tau)
+        return q, u
+
+    def readings(self, motion: PeriodicMotion, readings: Sequence[Functional]) -> ComplexArray:
+        """Harmonics (H + 1, n_out) of sensors in SI units."""
+        found = self.plant.receptances(motion.omega, range(motion.harmonics + 1))
+        q, u = self.coordinates(motion)
+        columns = []
+        for one in readings:
+            over_q, over_laws, over_inputs = self.plant.reading(one, found)
+            columns.append((over_q * q).sum(axis=1) + motion.torques @ over_laws + u @ over_inputs)
+        return np.stack(columns, axis=1)
+
+
+def peak_to_peak(harmonics: ComplexArray) -> tuple[float, float]:
+    """Lowest and highest value of a motion with one-sided harmonics (H + 1,), from parabolas through its samples."""
+    values = over_time(harmonics, 4 * samples(len(harmonics) - 1))
+    return -_top(-values), _top(values)
+
+
+def _top(values: FloatArray) -> float:
+    place = int(values.argmax())
+    before, here, after = (float(values[(place + step) % len(values)]) for step in (-1, 0, 1))
+    bend = before - 2 * here + after
+    return here - (after - before) ** 2 / (8 * bend) if bend else here
