@@ -4,7 +4,7 @@
 FROM python:3.13-slim AS build
 WORKDIR /source
 COPY . .
-RUN python -m pip install --no-cache-dir "build>=1.2"
+RUN python -m pip install --no-cache-dir "build==1.6.1"
 RUN python -m build --wheel --outdir /wheels
 
 FROM python:3.13-slim

@@ -132,7 +132,7 @@ signatures: $(VENV)/.group-docs  ## the list of public signatures, tests/public_
 	$(RUN) docs/public_names.py
 
 docs: $(VENV)/.group-docs  ## HTML pages in docs/_build/html; a warning or a broken link is an error
-	$(RUN) -m sphinx -W --keep-going -b html docs docs/_build/html
+	$(RUN) -m sphinx -W --keep-going -b html -d docs/_build/doctrees docs docs/_build/html
 	$(RUN) docs/check_links.py
 
 manuals: $(VENV)/.group-docs $(VENV)/.group-test  ## theory and verification manual as PDF in docs/_build/manuals; needs pdflatex

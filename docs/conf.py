@@ -3,17 +3,18 @@
 import gc
 import subprocess
 import sys
-import tomllib
 from pathlib import Path
 
 DOCS = Path(__file__).parent
 sys.path.insert(0, str(DOCS))
 EXAMPLES = DOCS.parent / "examples"
 
+from torsionnet.base.version import __version__  # noqa: E402
+
 project = "torsionnet"
 author = "torsionnet developers"
 copyright = "2026, torsionnet developers"
-release = version = tomllib.loads((DOCS.parent / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"]
+release = version = __version__
 
 extensions = [
     "myst_parser",

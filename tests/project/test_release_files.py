@@ -38,6 +38,20 @@ def test_one_version_everywhere():
     assert said == dict.fromkeys(said, tn.__version__)
 
 
+def test_every_extra_is_in_all_with_its_bounds():
+    extras = dict(ABOUT["optional-dependencies"])
+    assert sorted(extras.pop("all")) == sorted(line for lines in extras.values() for line in lines)
+
+
+def test_readme_of_the_index_has_no_link_into_a_checkout():
+    links = re.findall(r"""(?:\]\(|src=")([^)"]+)""", ABOUT["readme"]["text"])
+    assert f"{ABOUT['urls']['Repository']}/raw/v{tn.__version__}/docs/images/report.png" in links
+    assert all(link.startswith("https://") for link in links)
+    inside = [path for link in links for path in re.findall(r"/(?:raw|blob)/v[\d.]+/(.+)", link)]
+    assert len(inside) >= 10
+    assert all((ROOT / path).exists() for path in inside)
+
+
 def test_codemeta_is_current():
     assert text_of("codemeta.json") == codemeta(ABOUT)
 
@@ -55,7 +69,7 @@ def test_recipe_says_what_pyproject_says():
     assert RECIPE["requirements"]["run"] == conda_requirements(ABOUT)
     build = tomllib.loads(text_of("pyproject.toml"))["build-system"]["requires"]
     assert RECIPE["requirements"]["host"] == [
-        f"python {ABOUT['requires-python']}", "pip", *(line.replace(">=", " >=") for line in build),
+        f"python {ABOUT['requires-python']}", "pip", *(line.replace("==", " ==") for line in build),
     ]  # fmt: skip
     assert (about["license"], about["license_file"], about["summary"].strip()) == (
         ABOUT["license"], ABOUT["license-files"], ABOUT["description"],

@@ -49,7 +49,7 @@ def test_two_builds_of_a_wheel_have_the_same_bytes(wheel, tmp_path, pytestconfig
     copy = tmp_path / "other checkout"
     for name in ("torsionnet", "library"):
         shutil.copytree(pytestconfig.rootpath / name, copy / name, ignore=shutil.ignore_patterns("__pycache__"))
-    for name in ("pyproject.toml", "README.md", "LICENSE"):
+    for name in ("pyproject.toml", "hatch_build.py", "README.md", "LICENSE"):
         shutil.copy(pytestconfig.rootpath / name, copy)
     for path in filter(Path.is_file, copy.rglob("*")):
         os.utime(path, (1e9, 1e9))

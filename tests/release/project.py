@@ -1,9 +1,10 @@
-"""What pyproject.toml says of the project, as far as other files of a release repeat it."""
+"""What pyproject.toml says of the project, and hatch_build.py adds, as far as other files of a release repeat it."""
 
 from __future__ import annotations
 
 import re
 import tomllib
+from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +14,18 @@ LOWER_BOUND = re.compile(r"([A-Za-z0-9._-]+)>=([0-9][\w.]*)$")
 
 
 def project(root: Path = ROOT) -> dict[str, Any]:
-    """Table [project] of pyproject.toml."""
-    return tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    """Table [project] of pyproject.toml with what the builder adds: version, extras, long description."""
+    from torsionnet.base.version import __version__
+
+    read = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))
+    about = read["project"] | {"version": __version__}
+    about.pop("dynamic")
+    spec = spec_from_file_location("hatch_build", root / "hatch_build.py")
+    assert spec is not None
+    assert spec.loader is not None
+    spec.loader.exec_module(added := module_from_spec(spec))
+    added.ReleaseMetadata(str(root), read["tool"]["hatch"]["metadata"]["hooks"]["custom"]).update(about)
+    return about
 
 
 def lower_bounds(requirements: list[str]) -> dict[str, str]:
