@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import shutil
 import subprocess
 import sys
@@ -29,9 +30,9 @@ SCHEMAS = {
 }
 
 
-def call(*words: str | Path, folder: Path = ROOT) -> None:
+def call(*words: str | Path, folder: Path = ROOT, **settings: str) -> None:
     print("+", *(Path(word).name if Path(word).is_absolute() else word for word in words), flush=True)
-    subprocess.run([str(word) for word in words], check=True, cwd=folder)
+    subprocess.run([str(word) for word in words], check=True, cwd=folder, env={**os.environ, **settings})
 
 
 def stop(reason: str) -> None:
@@ -68,6 +69,14 @@ def compare() -> None:
     print("codemeta.json and the rendered recipe agree with pyproject.toml")
 
 
+def try_source_archive(archive: Path, folder: Path) -> None:
+    """Run the tests of the project's own files from an unpacked source archive, as a distributor does."""
+    shutil.unpack_archive(archive, folder, filter="data")
+    (source,) = folder.iterdir()
+    tests = ("-m", "pytest", "-q", "-n", "2", "-m", "not slow", "tests/project", "tests/base")
+    call(sys.executable, *tests, folder=source, PYTHONPATH=str(source))
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m release", description=__doc__)
     parser.add_argument("--publish", action="store_true", help="addresses that lead nowhere are errors")
@@ -84,6 +93,7 @@ def main() -> None:
         kept = given.keep.resolve() if given.keep else Path(scratch) / "dist"
         call(sys.executable, "-m", "build", "--outdir", kept)
         call(sys.executable, "-m", "twine", "check", "--strict", *kept.glob("torsionnet-*"))
+        try_source_archive(*kept.glob("torsionnet-*.tar.gz"), Path(scratch) / "source archive")
         build = Build(ROOT, Path(scratch))
         python = build.run()
         call(
