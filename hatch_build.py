@@ -1,4 +1,4 @@
-"""What hatchling adds to pyproject.toml when it builds: all extras as one, and links of the README that lead somewhere."""
+"""What hatchling adds to pyproject.toml: all extras as one, and links of the README that lead somewhere."""
 
 from __future__ import annotations
 
