@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import sympy
+from fault_pages import faults_page
 from house_picture import layers_page, picture
 from motion_text import torque_text
 from page_parts import code, prose, table
@@ -603,6 +604,7 @@ PAGES = {
     "report.md": report_page,
     "report_texts.md": report_texts_page,
     "layers.md": layers_page,
+    "faults.md": faults_page,
     "house.svg": picture,
 }
 WRITERS: dict[str, tuple[str, Callable[[Path], None]]] = {

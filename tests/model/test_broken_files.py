@@ -7,7 +7,7 @@ from support.broken_models import BASE, CASES
 
 from torsionnet.base.errors import ModelError, UsageError
 from torsionnet.loading import load, loads
-from torsionnet.model.files import located_yaml, read_file
+from torsionnet.model.files import read_file
 from torsionnet.model.files.located_yaml import PythonParser, compose
 from torsionnet.model.files.reader import read_text
 
@@ -72,26 +72,26 @@ def test_python_parser_agrees(case):
 
 
 BREAKS = [  # the kind of a break and a text that has it: PyYAML says both only in words, which versions may change
-    (located_yaml.OPEN_BRACKET, "a: {b: 1\nc: 2\n"),
-    (located_yaml.OPEN_BRACKET, "a: [b, 1\nc: 2\n"),
-    (located_yaml.OPEN_QUOTE, "a: 'b\nc: 2\n"),
-    (located_yaml.OPEN_QUOTE, 'a: "b\nc: 2\n'),
-    (located_yaml.NOT_CLOSED, "a: [,]\n"),
-    (located_yaml.NOT_CLOSED, "a: }\n"),
-    (located_yaml.INDENTATION, "a:\n  b: 1\n c: 2\n"),
-    (located_yaml.INDENTATION, "a: {b: 1}}\n"),
-    (located_yaml.OUTSIDE, "  a: 1\nb: 2\n"),
-    (located_yaml.TAB, "a:\n\tb: 1\n"),
-    (located_yaml.NO_COLON, "a: 1\nb\nc: 2\n"),
-    (located_yaml.NO_BLANK, "a:\n  b {c: 1, e: 2}\n"),
-    (located_yaml.STRAY_COLON, "a: b: c\n"),
-    (located_yaml.BAD_BEGINNING, "a: @b\n"),
-    (located_yaml.BAD_BEGINNING, "a: %b\n"),
-    (located_yaml.TO_QUOTE, "a: !x!y 1\n"),
-    (located_yaml.BACKSLASH, 'a: "\\q"\n'),
-    (located_yaml.CHARACTER, "a: \x01\n"),
-    (located_yaml.TAG, "a: !b 1\n"),
-    (located_yaml.UNKNOWN_ALIAS, "a: *b\n"),
+    ("open-bracket", "a: {b: 1\nc: 2\n"),
+    ("open-bracket", "a: [b, 1\nc: 2\n"),
+    ("open-quote", "a: 'b\nc: 2\n"),
+    ("open-quote", 'a: "b\nc: 2\n'),
+    ("missing-value", "a: [,]\n"),
+    ("missing-value", "a: }\n"),
+    ("wrong-indentation", "a:\n  b: 1\n c: 2\n"),
+    ("wrong-indentation", "a: {b: 1}}\n"),
+    ("misplaced-line", "  a: 1\nb: 2\n"),
+    ("tab-indentation", "a:\n\tb: 1\n"),
+    ("missing-colon", "a: 1\nb\nc: 2\n"),
+    ("missing-blank", "a:\n  b {c: 1, e: 2}\n"),
+    ("stray-colon", "a: b: c\n"),
+    ("invalid-beginning", "a: @b\n"),
+    ("invalid-beginning", "a: %b\n"),
+    ("missing-quotes", "a: !x!y 1\n"),
+    ("unknown-escape", 'a: "\\q"\n'),
+    ("invalid-character", "a: \x01\n"),
+    ("unknown-tag", "a: !b 1\n"),
+    ("unknown-alias", "a: *b\n"),
 ]
 
 

@@ -29,11 +29,13 @@ def form_faults() -> Iterator[Fault]:
             for path in sorted((ROOT / folder).rglob("*.py")):
                 yield from imports_of_tests(path)
         yield from faults_of_elements()
+        from structure.kinds import kinds_faults
         from structure.public import interface_faults  # loads the package, which may have faults that are told above
         from structure.words import words_faults
 
         yield from words_faults(ROOT, modules)
         yield from interface_faults()
+        yield from kinds_faults(modules)
         told, _ = made_files.communicate()
     for place in told.split():
         yield Fault(place, "is not what the code makes", "make generate")

@@ -52,10 +52,13 @@ class Conventions:
             chosen = getattr(self, name)
             if chosen not in known:
                 raise UsageError(
-                    f'{name} "{chosen}" is not known{did_you_mean(str(chosen), known)}; choose {", ".join(known)}'
+                    f'{name} "{chosen}" is not known{did_you_mean(str(chosen), known)}; choose {", ".join(known)}',
+                    kind="unknown-word",
                 )
         if not (math.isfinite(self.db_reference) and self.db_reference > 0):
-            raise UsageError(f"the dB reference must be a positive number, got {self.db_reference}")
+            raise UsageError(
+                f"the dB reference must be a positive number, got {self.db_reference}", kind="out-of-range"
+            )
 
     def scale(self, unit: str) -> float:
         """Factor from an SI unit to the unit in which its values are shown; not 1 for angles and stresses."""
@@ -163,4 +166,6 @@ def index_of_mode(number: int, kinds: Sequence[str]) -> int:
         return numbers.index(number)
     count = sum(one is not None for one in numbers)
     have = f"there are {count}, counted" if count else "nothing vibrates; modes are counted"
-    raise UsageError(f"there is no mode {number}; {have} from 1 without rigid bodies and real poles")
+    raise UsageError(
+        f"there is no mode {number}; {have} from 1 without rigid bodies and real poles", kind="unknown-mode"
+    )

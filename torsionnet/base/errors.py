@@ -10,6 +10,7 @@ Here as well: text of lists of names in a sentence.
 from __future__ import annotations
 
 import contextlib
+import copyreg
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from contextvars import ContextVar
@@ -48,19 +49,10 @@ class Position:
     source: str = ""
 
 
-UNKNOWN_KEY, MISSING_KEY, UNKNOWN_NAME = "unknown key", "missing key", "unknown name"
-"""Kinds of faults of a key that an entry has not, of a key that it lacks, and of a name that nothing defines."""
-USELESS = "useless"
-"""Kind of a fault of an entry that cannot be used in this configuration, while another may allow it."""
-UNUSED, UNCONNECTED = "unused", "unconnected"
-"""Kinds of faults of a parameter that nothing uses, and of nodes that no element connects to the rest."""
-GIVEN_TWICE, NO_VALUE, NO_TYPE, INVALID_NAME = "given twice", "no value", "no type", "invalid name"
-"""Kinds of faults of a key that stands twice, has no value, of an element without ``type:``, of a word that is no
-name."""
-NO_TABLE, NO_NODE, NO_NODES = "no table", "no node", "no two nodes"
-"""Kinds of faults of a value that is no table of entries by name, no name of a node, no two names of nodes."""
-NO_NUMBER, UNKNOWN_UNIT, DECIMAL_COMMA, LEADING_ZERO = "no number", "unknown unit", "decimal comma", "leading zero"
-"""Kinds of faults of a text that is no number, or has no known unit, a decimal comma, a 0 before its digits."""
+NAMED = ("node", "element", "parameter", "configuration", "axis", "part", "port", "channel", "sensor", "input")
+"""Things of a model that have a name; that of none of them has the kind of fault "unknown-node" and so on."""
+UNKNOWN_NAMES = frozenset(("unknown-name", *(f"unknown-{one}" for one in NAMED)))
+"""Kinds of faults of a name that nothing defines."""
 
 
 @dataclass(frozen=True)
@@ -90,9 +82,9 @@ class Fault:
     """Fault in a model (``severity="error"``), or remark on it (``"warning"``, ``"note"``), with the path of its entry.
 
     ``path`` names the entry in the model's own structure; a reader of files adds ``position``.
-    ``on_key`` marks the entry's name instead of its value. ``kind`` is one of the constants above or of those in
-    ``model/files/located_yaml.py``, or empty, ``about`` the key, name or text in question, ``meant`` the one probably
-    intended, and ``remedy`` what else mends the fault; ``configuration`` is set where only that configuration has the
+    ``on_key`` marks the entry's name instead of its value. ``kind`` is a word of the table of faults, as
+    ``unknown-node``, ``about`` the key, name or text in question, ``meant`` the one probably intended, and ``remedy``
+    what else mends the fault; ``configuration`` is set where only that configuration has the
     fault. Of an entry of a part, ``uses`` are the paths, outermost first, where the part is used that has the fault; a
     reader of files adds ``used_at``. ``causes`` are the keys of an alternative that may bring the fault about.
     ``defined`` is the path of what is used wrongly, where that says what would be right; a reader adds ``defined_at``.
@@ -128,7 +120,7 @@ class Fault:
         return f"in configuration {self.configuration}: {self.message}" if self.configuration else self.message
 
     def __str__(self) -> str:
-        said = f"{self.severity}: {printable_text(self.text)}"
+        said = f"{self.severity}: {printable_text(self.text)}{in_brackets(self.kind)}"
         if self.position is None:
             where = printable_text(".".join(str(part) for part in self.path))
             return f"{where}: {said}" if where else said
@@ -136,6 +128,15 @@ class Fault:
         others += [(self.defined_at, "defined here")] if self.defined_at else []
         shown = "".join(f"\n{_located(one)}: {what}{_excerpt(one)}" for one, what in others)
         return f"{_located(self.position)}: {said}{_excerpt(self.position)}{shown}"
+
+
+def in_brackets(kind: str) -> str:
+    """Kind of a fault as it stands behind its message.
+
+    >>> in_brackets("unknown-node"), in_brackets("")
+    (' [unknown-node]', '')
+    """
+    return f" [{kind}]" if kind else ""
 
 
 def _located(position: Position) -> str:
@@ -191,9 +192,23 @@ def _written_out(found: re.Match[str]) -> str:
 
 
 class TorsionnetError(Exception):
-    """Base of all errors raised on purpose; ``exit_code`` is what the command line returns."""
+    """Base of all errors raised on purpose; ``exit_code`` is what the command line returns.
+
+    ``kind`` is the word for what is wrong, as ``unknown-node``, which ``torsionnet explain`` explains.
+    """
 
     exit_code = 1
+    kind = ""
+
+    def __init__(self, message: str, *, kind: str = "") -> None:
+        super().__init__(message)
+        self.kind = kind or self.kind
+        if self.kind:
+            self.add_note(f"[{self.kind}]")  # a traceback prints it; in other messages the message alone is cited
+
+    def __reduce__(self) -> tuple[object, ...]:
+        # Made without its constructor, of which each class has its own.
+        return copyreg.__newobj__, (type(self), *self.args), self.__dict__  # type: ignore[attr-defined]
 
 
 class ModelError(TorsionnetError, ValueError):
@@ -204,13 +219,10 @@ class ModelError(TorsionnetError, ValueError):
 
     outcome = "Nothing was calculated."
 
-    def __init__(self, faults: Iterable[Fault] | str, title: str = "the model") -> None:
-        self.faults: tuple[Fault, ...] = (Fault(faults),) if isinstance(faults, str) else tuple(faults)
+    def __init__(self, faults: Iterable[Fault] | str, title: str = "the model", *, kind: str = "") -> None:
+        self.faults: tuple[Fault, ...] = (Fault(faults, kind=kind),) if isinstance(faults, str) else tuple(faults)
         self.title = title
         super().__init__(self._text())
-
-    def __reduce__(self) -> tuple[type[ModelError], tuple[tuple[Fault, ...], str]]:
-        return type(self), (self.faults, self.title)
 
     def _text(self) -> str:
         count = sum(fault.severity != "note" for fault in self.faults)
@@ -218,9 +230,10 @@ class ModelError(TorsionnetError, ValueError):
         return "\n".join([*(str(fault) for fault in self.faults), total])
 
 
-def fault_of(what: str | Fault) -> Fault:
-    """Fault with a message, or the fault itself."""
-    return Fault(what) if isinstance(what, str) else what
+def fault_of(what: str | Fault | Exception, kind: str = "") -> Fault:
+    """Fault of a message, or of an error of Python, and its kind; or the fault itself, or that of an error."""
+    found = getattr(what, "fault", what)
+    return found if isinstance(found, Fault) else Fault(str(what), kind=kind)
 
 
 def message_of(error: Exception) -> str:
@@ -231,9 +244,9 @@ def message_of(error: Exception) -> str:
 class FaultyValueError(TorsionnetError, ValueError):
     """Error of a text or number that cannot be read, with the fault that it will be in a file."""
 
-    def __init__(self, fault: str | Fault) -> None:
-        self.fault = fault_of(fault)
-        super().__init__(self.fault.message)
+    def __init__(self, fault: str | Fault, *, kind: str = "") -> None:
+        self.fault = fault_of(fault, kind)
+        super().__init__(self.fault.message, kind=self.fault.kind)
 
 
 class UsageError(FaultyValueError):
@@ -252,6 +265,7 @@ class MissingExtraError(TorsionnetError, ImportError):
     """Error that an optional package is missing; the message names the pip command."""
 
     exit_code = 4
+    kind = "missing-package"
 
 
 class TorsionnetWarning(UserWarning):
@@ -339,7 +353,7 @@ def unknown_key(key: object, known: Iterable[str], path: EntryPath, rest: str) -
     meant, advice = familiar_key(name, known)
     meant = meant or ("" if advice else nearest(name, known))
     text = f'unknown key "{name}"{f"; {advice}" if advice else question(meant)}; {rest}'.replace("?; ", "? ")
-    return Fault(text, path, on_key=True, kind=UNKNOWN_KEY, about=name, meant=meant)
+    return Fault(text, path, on_key=True, kind="unknown-entry", about=name, meant=meant)
 
 
 def unknown_name(
@@ -350,7 +364,9 @@ def unknown_name(
     ``no node is named "x"; did you mean "y"?``; ``rest`` says which there are.
     """
     text = phrase('no {} is named "{}"', what, ModelName(name))
-    return replace(unfit_word(text, name, known, path, rest, on_key=on_key), kind=UNKNOWN_NAME)
+    kind = f"unknown-{what.split(' ', 1)[0].rstrip(',')}"
+    kind = kind if kind in UNKNOWN_NAMES else "unknown-name"
+    return unfit_word(text, name, known, path, rest, on_key=on_key, kind=kind)
 
 
 def unfit_word(
@@ -362,6 +378,7 @@ def unfit_word(
     *,
     meant: str = "",
     on_key: bool = False,
+    kind: str = "unknown-word",
 ) -> Fault:
     """Fault of a word that is none of those that fit, with the question whether ``meant`` or the nearest was meant.
 
@@ -369,7 +386,7 @@ def unfit_word(
     """
     meant = meant or nearest(word, known)
     rest = rest and phrase(" {}" if meant else "; {}", rest)
-    return Fault(phrase("{}{}{}", text, question(meant), rest), path, on_key=on_key, about=word, meant=meant)
+    return Fault(phrase("{}{}{}", text, question(meant), rest), path, on_key=on_key, kind=kind, about=word, meant=meant)
 
 
 def comma_list(names: Iterable[object], most: int | None = None, more: str = " and {} more", none: str = "") -> str:

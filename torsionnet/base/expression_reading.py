@@ -21,7 +21,7 @@ from functools import lru_cache
 from typing import Any
 
 import torsionnet.base.units as units
-from torsionnet.base.errors import NO_NUMBER, Fault
+from torsionnet.base.errors import Fault
 from torsionnet.base.expressions import RATIONAL, Compound, Expression, ExpressionError, Name, Number
 from torsionnet.base.units import NUMERAL, UnitError
 
@@ -96,52 +96,54 @@ class _Reader:
 
     def __init__(self, text: str) -> None:
         if not 0 < len(text.strip()) <= len(text) <= _MAX_LENGTH:
-            raise ExpressionError(f"an expression has 1 to {_MAX_LENGTH} characters, not {len(text)}")
+            raise ExpressionError(
+                f"an expression has 1 to {_MAX_LENGTH} characters, not {len(text)}", kind="unreadable-expression"
+            )
         blanks = len(text) - len(text.lstrip())
         self.source, self.nodes = text.strip().replace("^", "**"), 0
         self.columns = [blanks + i for i, sign in enumerate(text[blanks:]) for _ in range(1 + (sign == "^"))]
 
-    def fault(self, message: str | Fault, node: ast.expr | int) -> ExpressionError:
+    def unreadable(self, message: str | Fault, node: ast.expr | int) -> ExpressionError:
         column = node if isinstance(node, int) else node.col_offset
-        return ExpressionError(message, self.columns[min(column, len(self.columns) - 1)])
+        return ExpressionError(message, self.columns[min(column, len(self.columns) - 1)], kind="unreadable-expression")
 
     def expression(self) -> Expression:
         """Tree of the whole expression."""
         # Characters and words that ast would miss, or only call a syntax error, are refused first.
         good = _CHARACTERS.match(self.source)
         if good and good.end() < len(self.source):
-            raise self.fault(f'"{self.source[good.end()]}" is not allowed in an expression', good.end())
+            raise self.unreadable(f'"{self.source[good.end()]}" is not allowed in an expression', good.end())
         operand = False
         for piece in _PIECE.finditer(self.source):
             kind, found, start = piece.lastgroup, piece[0], piece.start()
             if kind and operand:
-                raise self.fault(f'an operator is missing before "{found}"; a product is written with *', start)
+                raise self.unreadable(f'an operator is missing before "{found}"; a product is written with *', start)
             reason = check_name(found) if kind == "name" and found not in ("pi", "sqrt") else None
             if reason:
-                raise self.fault(reason, start)
+                raise self.unreadable(reason, start)
             if kind == "number":
                 self.number(found, start)
             if found == ".":
-                raise self.fault('"." stands only in decimal numbers and names', start)
+                raise self.unreadable('"." stands only in decimal numbers and names', start)
             operand = bool(kind) or found == ")" or (operand and found == " ")
         try:
             return self.read(ast.parse(self.source, mode="eval").body, 0)
         except SyntaxError as error:
-            raise self.fault("the expression is incomplete here", (error.offset or len(self.source)) - 1) from None
+            raise self.unreadable("the expression is incomplete here", (error.offset or len(self.source)) - 1) from None
         except (RecursionError, MemoryError):
-            raise ExpressionError("the expression is too deeply nested") from None
+            raise ExpressionError("the expression is too deeply nested", kind="unreadable-expression") from None
 
     def number(self, numeral: str, start: int) -> Number:
         try:
             return Number(units.parse_number(numeral))
         except UnitError as error:
-            raise self.fault(error.fault, start) from None
+            raise self.unreadable(error.fault, start) from None
 
     def read(self, node: ast.expr, depth: int) -> Expression:
         self.nodes += 1
         if depth > _MAX_DEPTH or self.nodes > _MAX_NODES:
             limit = f"{_MAX_DEPTH} levels" if depth > _MAX_DEPTH else f"{_MAX_NODES} numbers, names and operators"
-            raise self.fault(f"the expression has more than {limit}", node)
+            raise self.unreadable(f"the expression has more than {limit}", node)
         if isinstance(node, ast.Constant):
             return self.number(self.source[node.col_offset : node.end_col_offset], node.col_offset)
         if isinstance(node, ast.Name) and node.id != "sqrt":
@@ -156,7 +158,9 @@ class _Reader:
             return self.binary(node, depth)
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "sqrt" and node.args:
             return Compound("sqrt", (self.read(node.args[0], depth + 1),))
-        raise self.fault("allowed are numbers, names, + - * / **, sqrt(x) and pi; nothing else can be called", node)
+        raise self.unreadable(
+            "allowed are numbers, names, + - * / **, sqrt(x) and pi; nothing else can be called", node
+        )
 
     def signed(self, node: ast.UnaryOp, depth: int) -> Expression:
         operand = self.read(node.operand, depth + 1)
@@ -179,9 +183,9 @@ class _Reader:
         base, exponent = self.read(node.left, depth + 1), self.read(node.right, depth + 1)
         value = Fraction(exponent.value) if isinstance(exponent, Number) else None
         if value is None or value.denominator not in (1, 2) or abs(value) > _MAX_EXPONENT:
-            raise self.fault(f"an exponent is a whole or half number of at most {_MAX_EXPONENT}", node.right)
+            raise self.unreadable(f"an exponent is a whole or half number of at most {_MAX_EXPONENT}", node.right)
         if _has_power(base):
-            raise self.fault("a power of a power is not allowed", node)
+            raise self.unreadable("a power of a power is not allowed", node)
         return Compound("**", (base, Number(value)))
 
 
@@ -216,7 +220,7 @@ def scalar(value: object) -> Expression:
             given = _of_pint(value)
         else:
             got = str(value).lower() if isinstance(value, bool) else _short(repr(value))
-            raise ExpressionError(Fault(f"expected a number, got {got}", kind=NO_NUMBER))
+            raise ExpressionError(Fault(f"expected a number, got {got}", kind="not-a-number"))
         return Number(given.value, given.dimension, given.text)
     except UnitError as error:
         raise ExpressionError(_or_product(error.fault, value)) from None
@@ -247,5 +251,5 @@ def _of_pint(quantity: Any) -> units.Quantity:
 
 def _read_given(quantity: Any) -> units.Quantity:
     if not isinstance(quantity.magnitude, numbers.Real):
-        raise UnitError(Fault(f"expected one real number, got {quantity.magnitude}", kind=NO_NUMBER))
+        raise UnitError(Fault(f"expected one real number, got {quantity.magnitude}", kind="not-a-number"))
     return units.parse_quantity(f"{float(units.exact(quantity.magnitude))!r} {quantity.units:~}")

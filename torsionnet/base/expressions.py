@@ -86,8 +86,8 @@ _Kind = Dimension | Literal["bare", "unknown"]
 class ExpressionError(FaultyValueError):
     """Error of an expression that cannot be read or evaluated; ``offset`` is the column from 0, or None."""
 
-    def __init__(self, fault: str | Fault, offset: int | None = None) -> None:
-        super().__init__(fault)
+    def __init__(self, fault: str | Fault, offset: int | None = None, *, kind: str = "") -> None:
+        super().__init__(fault, kind=kind)
         self.offset = offset
 
 
@@ -129,9 +129,11 @@ class Expression:
         except OverflowError:
             finite = False
         except ZeroDivisionError:  # an exact fraction that no float is small enough for
-            raise ExpressionError(Fault(phrase('division in "{}" by a value that is too small', self))) from None
+            raise ExpressionError(
+                Fault(phrase('division in "{}" by a value that is too small', self), kind="not-finite")
+            ) from None
         if not finite:
-            raise ExpressionError(Fault(phrase('the value of "{}" is too large', self)))
+            raise ExpressionError(Fault(phrase('the value of "{}" is too large', self), kind="not-finite"))
         return result
 
     def dimension(self, dimensions: Mapping[str, Dimension | None]) -> Dimension | None:
@@ -311,7 +313,7 @@ def _power(compound: Compound, algebra: Algebra, base: Any, _: Any = None) -> An
         return float_if_long(base**exponent.numerator)
     if isinstance(base, int | float | Fraction) and base < 0:
         said = '"{}" is {:g}; a negative number has no square root here'
-        raise ExpressionError(Fault(phrase(said, source, float(base))))
+        raise ExpressionError(Fault(phrase(said, source, float(base)), kind="incalculable-value"))
     # x^(n/2) = sqrt(x)^n.
     return algebra.sqrt(base) ** exponent.numerator
 
@@ -324,13 +326,13 @@ def _exponent(compound: Compound) -> Any:
 def _refuse_zero(value: Any, source: Expression) -> None:
     zero = value == 0
     if getattr(zero, "ndim", 0) == 0 and bool(zero):
-        raise ExpressionError(Fault(phrase('division by zero: "{}" is 0', source)))
+        raise ExpressionError(Fault(phrase('division by zero: "{}" is 0', source), kind="incalculable-value"))
 
 
 def _common_kind(compound: Compound, left: _Kind, right: _Kind) -> _Kind:
     if isinstance(left, Dimension) and isinstance(right, Dimension) and left != right:
         word = "add" if compound.sign == "+" else "subtract"
-        raise ExpressionError(Fault(phrase('"{}" would {} {} and {}', compound, word, left, right)))
+        raise ExpressionError(Fault(phrase('"{}" would {} {} and {}', compound, word, left, right), kind="wrong-unit"))
     return right if left == "bare" or (left == "unknown" and isinstance(right, Dimension)) else left
 
 
@@ -447,7 +449,7 @@ def interpolate_float(rows: Rows, at: float) -> float:
     keys = [float(row[0].value) for row in rows]
     slack = 1e-9 * keys[-1]
     if not keys[0] - slack <= at <= keys[-1] + slack:
-        raise UsageError(f"the table goes from {rows[0][0]} to {rows[-1][0]}")
+        raise UsageError(f"the table goes from {rows[0][0]} to {rows[-1][0]}", kind="out-of-range")
     place = _place(keys, at)
     before, after = keys[place - 1 : place + 1]
     lower, upper = (float(row[1].value) for row in rows[place - 1 : place + 1])

@@ -19,6 +19,7 @@ class FaultRow:
     """Fault, warning or note with its places in files."""
 
     severity: Literal["error", "warning", "note"]
+    kind: str | None
     message: str
     meant: str | None
     configuration: str | None
@@ -41,7 +42,7 @@ def check_record(model: str, faults: Sequence[Fault]) -> CheckRecord:
     """Record of a model's name, number of errors, and faults as plain data."""
     rows = tuple(
         FaultRow(
-            fault.severity, fault.text, fault.meant, fault.configuration, fault.path,  # type: ignore[arg-type]
+            fault.severity, fault.kind, fault.text, fault.meant, fault.configuration, fault.path,  # type: ignore[arg-type]
             fault.position, fault.used_at, fault.defined_at,
         )
         for fault in faults

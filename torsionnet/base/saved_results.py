@@ -43,11 +43,13 @@ def read_saved(kind: type[Saved], source: str | os.PathLike[str]) -> Saved:
     held = data.get(CLASS)
     if held != kind.__name__:
         holds = f"results of the class {held}" if held else "no saved result"
-        raise UsageError(f"{name} holds {holds}, not what {kind.__name__}.to_json writes")
+        raise UsageError(f"{name} holds {holds}, not what {kind.__name__}.to_json writes", kind="wrong-file")
     try:
         result: Saved = _object(kind, data)
     except (AttributeError, KeyError, TypeError, ValueError) as error:
-        raise UsageError(f"{name} is not as {kind.__name__}.to_json has written it: {error}") from None
+        raise UsageError(
+            f"{name} is not as {kind.__name__}.to_json has written it: {error}", kind="wrong-file"
+        ) from None
     return result
 
 
@@ -64,9 +66,9 @@ def json_object(source: str | os.PathLike[str]) -> tuple[str, dict[str, Any]]:
     try:
         data = json.loads(str(source) if is_text else Path(source).read_text(encoding="utf-8"))
     except OSError as error:
-        raise UsageError(f"{name} cannot be read: {error.strerror}") from None
+        raise UsageError(f"{name} cannot be read: {error.strerror}", kind="unreadable-file") from None
     except ValueError as error:
-        raise UsageError(f"{name} is no JSON text: {error}") from None
+        raise UsageError(f"{name} is no JSON text: {error}", kind="wrong-file") from None
     return name, data if isinstance(data, dict) else {}
 
 

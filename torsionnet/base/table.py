@@ -151,7 +151,9 @@ class Table:
             rows = tuple(map(tuple, data["rows"]))
             return cls(data["title"], columns, rows, tuple(data["notes"]))
         except (AttributeError, KeyError, TypeError) as error:
-            raise UsageError(f"{name} holds no table as Table.to_json writes it: {error} is missing") from None
+            raise UsageError(
+                f"{name} holds no table as Table.to_json writes it: {error} is missing", kind="wrong-file"
+            ) from None
 
     def to_dataframe(self) -> pandas.DataFrame:
         """Table as a pandas.DataFrame of numbers and texts, with title, units by column and notes in its ``attrs``.

@@ -22,10 +22,6 @@ from numbers import Integral
 from numbers import Real as RealNumber
 
 from torsionnet.base.errors import (
-    DECIMAL_COMMA,
-    LEADING_ZERO,
-    NO_NUMBER,
-    UNKNOWN_UNIT,
     WRITE,
     Fault,
     FaultyValueError,
@@ -208,7 +204,7 @@ def _tokens(text: str, written: str) -> list[re.Match[str]]:
 
 
 def _refusal(written: str, what: str) -> UnitError:
-    return UnitError(f'the unit "{written}" {what}')
+    return UnitError(f'the unit "{written}" {what}', kind="unknown-unit")
 
 
 def _product(tokens: list[re.Match[str]], written: str, depth: int = 0) -> tuple[Real, Dimension, bool]:
@@ -229,7 +225,7 @@ def _product(tokens: list[re.Match[str]], written: str, depth: int = 0) -> tuple
             if known not in _ATOMS:
                 hint, meant = _hint(known)
                 text = f'"{known}" is not a known unit{hint}'
-                raise UnitError(Fault(text, kind=UNKNOWN_UNIT, about=known, meant=meant))
+                raise UnitError(Fault(text, kind="unknown-unit", about=known, meant=meant))
             other, second = _ATOMS[known]
         elif token["one"]:
             other, second = Fraction(1), _NUMBER
@@ -310,7 +306,10 @@ def parse_unit(text: str) -> Unit:
     torsionnet.base.units.UnitError: "kNn" is not a known unit; did you mean "kN"?
     """
     if not text.strip() or len(text) > _MAX_LENGTH:
-        raise UnitError("the unit is empty" if not text.strip() else f"a unit has at most {_MAX_LENGTH} characters")
+        raise UnitError(
+            "the unit is empty" if not text.strip() else f"a unit has at most {_MAX_LENGTH} characters",
+            kind="unknown-unit",
+        )
     plain = _plain(text)
     disc = _DISC.match(plain)
     # GD² in kgf*m² is, by the custom of its catalogues, a mass in kg: G is read from scales, it is no force.
@@ -349,7 +348,7 @@ def parse_number(text: str) -> Fraction:
     """
     numeral = NUMERAL.fullmatch(text)
     if numeral is None:
-        raise UnitError(Fault(f'expected a number, got "{text}"', kind=NO_NUMBER))
+        raise UnitError(Fault(f'expected a number, got "{text}"', kind="not-a-number"))
     return Fraction(*_ratio(numeral))
 
 
@@ -357,9 +356,9 @@ def _ratio(numeral: re.Match[str]) -> tuple[int, int]:
     sign, mantissa, exponent = numeral.groups()
     if mantissa[0] == "0" and mantissa[1:2].isdigit():
         text = f'"{numeral[0]}" begins with 0, which some programs read as octal; leave the 0 out'
-        raise UnitError(Fault(text, kind=LEADING_ZERO))
+        raise UnitError(Fault(text, kind="leading-zero"))
     if exponent and (len(exponent) > len("+0330") or abs(int(exponent)) > _MAX_DECIMAL_EXPONENT):
-        raise UnitError(f'"{numeral[0]}" is too large or too small a number')
+        raise UnitError(f'"{numeral[0]}" is too large or too small a number', kind="not-finite")
     whole, _, decimals = mantissa.partition(".")
     # Digits times a power of ten, in whole numbers throughout.
     power = int(exponent or 0) - len(decimals)
@@ -378,13 +377,13 @@ def parse_quantity(text: str) -> Quantity:
     torsionnet.base.units.UnitError: "13,3 kN*m/rad" has a decimal comma; write 13.3 kN*m/rad
     """
     if len(text) > _MAX_LENGTH:
-        raise UnitError(f"a quantity has at most {_MAX_LENGTH} characters")
+        raise UnitError(f"a quantity has at most {_MAX_LENGTH} characters", kind="unknown-unit")
     written = text.strip()
     numeral = NUMERAL.match(written)
     if numeral is None:
         infinite = written.lower().lstrip("+-.") in ("inf", "infinity", "nan")
         text = f'expected a number, got "{written}"' + ("; it has to be finite" if infinite else "")
-        raise UnitError(Fault(text, kind=NO_NUMBER))
+        raise UnitError(Fault(text, kind="not-a-number"))
     rest = written[numeral.end() :]
     if rest and _STRAY.match(rest):
         raise UnitError(_misread(written))
@@ -411,7 +410,7 @@ def _celsius(numeral: re.Match[str], written: str) -> Quantity:
     value = Fraction(*_ratio(numeral)) + _ICE
     _check_range(value, written)
     if value < 0:
-        raise UnitError(f'"{written}" is below absolute zero')
+        raise UnitError(f'"{written}" is below absolute zero', kind="out-of-range")
     return Quantity(value, DIMENSIONS["temperature"], written)
 
 
@@ -422,11 +421,13 @@ def _misread(written: str) -> Fault:
     """Fault of a number whose digits do not stand together."""
     if re.match(r"[+-]?[0-9]+:[0-9]", written):
         text = f'expected a number, got "{written}"; write the ratio as a number (3.0) or give teeth: [z1, z2]'
-        return Fault(text, kind=NO_NUMBER, remedy=Remedy(WRITE, "3.0", old=written))
+        return Fault(text, kind="not-a-number", remedy=Remedy(WRITE, "3.0", old=written))
     either = re.match(r"([+-]?[0-9]{1,3}),([0-9]{3})(?![0-9,.])", written)
     if either:
         whole, rest = f"{either[1]}{either[2]}", written[either.end() :]
-        return Fault(f'"{written}" is ambiguous; write {either[1]}.{either[2]}{rest} or {whole}{rest}')
+        return Fault(
+            f'"{written}" is ambiguous; write {either[1]}.{either[2]}{rest} or {whole}{rest}', kind="ambiguous-number"
+        )
     comma = re.match(r"([+-]?[0-9]+),([0-9]+)(?![0-9,.])", written)
     if comma:
         return decimal_comma(written, f"{comma[1]}.{comma[2]}{written[comma.end() :]}")
@@ -436,14 +437,14 @@ def _misread(written: str) -> Fault:
         number = f"{re.sub('[^0-9+-]', '', grouped[1])}{decimals}"
         text = f'"{written}" has thousands separators; write {number}'
         digits = re.match(r"[-+0-9_' .,]*[0-9]", written)
-        return Fault(text, remedy=Remedy(WRITE, number, old=digits[0] if digits else written))
+        return Fault(text, remedy=Remedy(WRITE, number, old=digits[0] if digits else written), kind="ambiguous-number")
     text = f'expected a number and a unit, got "{written}"; digits stand together, with one decimal point'
-    return Fault(text, kind=NO_NUMBER)
+    return Fault(text, kind="not-a-number")
 
 
 def decimal_comma(written: str, meant: str) -> Fault:
     """Fault of a number with a decimal comma, and ``meant`` with a point."""
-    return Fault(f'"{written}" has a decimal comma; write {meant}', kind=DECIMAL_COMMA)
+    return Fault(f'"{written}" has a decimal comma; write {meant}', kind="decimal-comma")
 
 
 def _check_range(value: Real, written: str) -> None:
@@ -452,7 +453,7 @@ def _check_range(value: Real, written: str) -> None:
     except OverflowError:
         size = math.inf
     if math.isinf(size) or (size == 0.0 and value != 0):
-        raise UnitError(f'"{written}" is too large or too small a number')
+        raise UnitError(f'"{written}" is too large or too small a number', kind="not-finite")
 
 
 def exact(value: Real | RealNumber) -> Fraction:
@@ -466,10 +467,10 @@ def exact(value: Real | RealNumber) -> Fraction:
     try:
         size = float(value)
     except OverflowError:
-        raise UnitError("the number is too large") from None
+        raise UnitError("the number is too large", kind="not-finite") from None
     if not math.isfinite(size) or (size == 0.0 and value != 0):
         text = f"expected a finite number that is not too small, got {value}"
-        raise UnitError(Fault(text, kind=NO_NUMBER))
+        raise UnitError(Fault(text, kind="not-a-number"))
     if isinstance(value, Fraction):
         return value
     # numpy's integers and floats come here, too, and write themselves differently.
@@ -514,7 +515,9 @@ def expected_unit(dimension_name: str) -> str:
     'N*m/rad'
     """
     if dimension_name not in _EXPECTED:
-        raise UnitError(f'no dimension is named "{dimension_name}"{did_you_mean(dimension_name, _EXPECTED)}')
+        raise UnitError(
+            f'no dimension is named "{dimension_name}"{did_you_mean(dimension_name, _EXPECTED)}', kind="unknown-word"
+        )
     return _EXPECTED[dimension_name]
 
 
@@ -532,7 +535,9 @@ def convert(value: float, unit: str, to: str) -> float:
         return float(value * float(source.factor / target.factor))
     apart = source.dimension / target.dimension
     hint = "; a cycle is 2*pi rad: 1 Hz is 60 rpm" if apart == _CYCLE ** int(apart.cycle) else ""
-    raise UnitError(f'"{unit}" ({source.dimension}) cannot be converted to "{to}" ({target.dimension}){hint}')
+    raise UnitError(
+        f'"{unit}" ({source.dimension}) cannot be converted to "{to}" ({target.dimension}){hint}', kind="wrong-unit"
+    )
 
 
 def __dir__() -> list[str]:

@@ -60,12 +60,16 @@ def with_point_settings(changes: Overlay, settings: Mapping[str, Any], definitio
         elif name in LOAD_SIZES:
             entries[name] = _load_size(name, value, definition)
         else:
-            raise UsageError(f'"{name}" is no setting{did_you_mean(name, LOAD_SIZES)}; there are {FORMS}')
+            raise UsageError(
+                f'"{name}" is no setting{did_you_mean(name, LOAD_SIZES)}; there are {FORMS}', kind="unknown-word"
+            )
     point, faults = OperatingPoint.read(given)
     faults = [one.under(POINT) for one in faults]
     if point is not None:
         faults += [
-            Fault(f"follows {other}, which is no parameter of the model", (POINT, entry, place))
+            Fault(
+                f"follows {other}, which is no parameter of the model", (POINT, entry, place), kind="unknown-parameter"
+            )
             for entry in given
             for place, value in getattr(point, entry).items()
             for other in sorted(value.names - definition.parameters.keys())
@@ -91,11 +95,11 @@ def _load_size(name: str, value: Any, definition: Definition) -> Any:
     """Power or torque of the load as given; UsageError if the load of the model has no such entry."""
     entry = name.partition(".")[2]
     if definition.load is None:
-        raise UsageError(f"{name}: the model has no load:; its torques stand under {POINT}:")
+        raise UsageError(f"{name}: the model has no load:; its torques stand under {POINT}:", kind="missing-entry")
     if getattr(definition.load, entry) is None:
         other = next((one for one in LOAD_SIZES if getattr(definition.load, one.partition(".")[2]) is not None), "")
         hint = f"its size is {other}" if other else "it has several absorbers, or a table over speed"
-        raise UsageError(f"{name}: the load of the model has no {entry}; {hint}")
+        raise UsageError(f"{name}: the load of the model has no {entry}; {hint}", kind="missing-entry")
     try:
         replace(definition.load, **{entry: value})
     except ModelError as error:

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, TypeAlias, TypeVar, cast
 
 from torsionnet.base.entries.composite import Listed
 from torsionnet.base.entries.spec import EntryError, Json, Renaming, Schema, Spec, Text, reference
-from torsionnet.base.errors import LEAVE_OUT, NO_NODE, Fault, Remedy, UsageError, got, unfit_word, unknown_key
+from torsionnet.base.errors import LEAVE_OUT, Fault, Remedy, UsageError, got, unfit_word, unknown_key
 from torsionnet.base.phrases import ModelName, phrase
 from torsionnet.base.registers import settle
 from torsionnet.model.element_base.element_entries import ElementName, NodeText, PlaceOnElement
@@ -94,15 +94,23 @@ class Sensor(ModelChannel):
         if self.quantity not in SENSOR_QUANTITIES:
             raise UsageError(_wrong_quantity("a sensor measures", self.quantity, SENSOR_QUANTITIES))
         if not isinstance(self.of, str) or not isinstance(self.at, str | None):
-            raise UsageError(f"a sensor is on a node or element given by its name, got {self.of!r}, {self.at!r}")
+            raise UsageError(
+                f"a sensor is on a node or element given by its name, got {self.of!r}, {self.at!r}", kind="not-a-node"
+            )
         if self.at is not None and self.quantity not in PORT_QUANTITIES:
-            raise UsageError(f"only a torque is taken at a port; leave out at={self.at!r}, or measure a torque instead")
+            raise UsageError(
+                f"only a torque is taken at a port; leave out at={self.at!r}, or measure a torque instead",
+                kind="unfit-channel",
+            )
         if self.against is not None:
             if self.is_on_element:
-                raise UsageError(f"the {self.quantity} of an element is not relative to a node: leave out against=")
+                raise UsageError(
+                    f"the {self.quantity} of an element is not relative to a node: leave out against=",
+                    kind="unfit-channel",
+                )
             _settle_pair(self)
         if self.referred_to is not None and self.quantity == "stress":
-            raise UsageError(STRESS_OF_OWN_SHAFT)
+            raise UsageError(STRESS_OF_OWN_SHAFT, kind="unfit-channel")
 
     def __str__(self) -> str:
         return str(channel_words(self))
@@ -147,10 +155,12 @@ class Input(ModelChannel):
         if self.quantity not in (*INPUT_QUANTITIES, "twist"):
             raise UsageError(_wrong_quantity("an input drives", self.quantity, INPUT_QUANTITIES))
         if not isinstance(self.of, str):
-            raise UsageError(f"an input is on a node given by its name, got {self.of!r}")
+            raise UsageError(f"an input is on a node given by its name, got {self.of!r}", kind="not-a-node")
         if self.against is not None:
             if self.is_on_element:
-                raise UsageError("a twist is imposed in an element, not against a node: leave out against=")
+                raise UsageError(
+                    "a twist is imposed in an element, not against a node: leave out against=", kind="unfit-channel"
+                )
             _settle_pair(self)
 
     def __str__(self) -> str:
@@ -333,14 +343,16 @@ class ChannelEntry(Spec[Made_co]):
         if isinstance(raw, self.made) and raw.quantity in self.quantities:
             return raw
         if not isinstance(raw, Mapping):
-            raise EntryError(f"expected {self.description}, {got(raw)}")
+            raise EntryError(f"expected {self.description}, {got(raw)}", kind="wrong-form")
         for key in raw:
             if key not in self.quantities and key not in self._extra:
                 rest = f"expected {' or '.join(self.quantities)}"
                 raise EntryError(unknown_key(key, (*self.quantities, *self._extra), (key,), rest))
         given = [key for key in raw if key in self.quantities]
         if len(given) != 1:
-            raise EntryError(f"expected one of {', '.join(self.quantities)}, as in {self.description}")
+            raise EntryError(
+                f"expected one of {', '.join(self.quantities)}, as in {self.description}", kind="wrong-form"
+            )
         quantity: str = given[0]
         of, against = self._names(quantity, raw[quantity])
         if self.made is Input:
@@ -348,14 +360,14 @@ class ChannelEntry(Spec[Made_co]):
         at = raw.get("at")
         if at is not None and (quantity not in PORT_QUANTITIES or not isinstance(at, str)):
             if quantity in PORT_QUANTITIES:
-                raise EntryError(Fault(f"expected the name of a node, {got(at)}", ("at",), kind=NO_NODE))
+                raise EntryError(Fault(f"expected the name of a node, {got(at)}", ("at",), kind="not-a-node"))
             only = f"only a torque is taken at a port; leave out at:, or measure a torque instead of the {quantity}"
-            raise EntryError(Fault(only, ("at",), remedy=Remedy(LEAVE_OUT)))
+            raise EntryError(Fault(only, ("at",), remedy=Remedy(LEAVE_OUT), kind="unfit-channel"))
         shaft = raw.get("referred_to")
         if not isinstance(shaft, str | None):
-            raise EntryError(Fault(f"expected the name of a node, {got(shaft)}", ("referred_to",), kind=NO_NODE))
+            raise EntryError(Fault(f"expected the name of a node, {got(shaft)}", ("referred_to",), kind="not-a-node"))
         if shaft is not None and quantity == "stress":
-            raise EntryError(STRESS_OF_OWN_SHAFT, ("referred_to",))
+            raise EntryError(STRESS_OF_OWN_SHAFT, ("referred_to",), kind="unfit-channel")
         return cast("Made_co", Sensor(quantity, of, at, against, shaft))
 
     @property
@@ -372,9 +384,11 @@ class ChannelEntry(Spec[Made_co]):
         if isinstance(given, str) and given:
             return given, None
         if quantity not in self._of_pairs or not isinstance(given, list | tuple):
-            raise EntryError(f"expected a name, {got(given)}", (quantity,))
+            raise EntryError(f"expected a name, {got(given)}", (quantity,), kind="not-a-node")
         if len(given) != 2 or not isinstance(given[0], str) or not given[0]:
-            raise EntryError(f"expected a node, or two nodes [first, second], {got(given)}", (quantity,))
+            raise EntryError(
+                f"expected a node, or two nodes [first, second], {got(given)}", (quantity,), kind="not-a-node"
+            )
         fault = pair_fault(given[0], given[1], quantity)
         if fault:
             raise EntryError(fault, (quantity, 0 if given[0] == GROUND else 1))
@@ -432,5 +446,5 @@ def port_fault(element: Element, at: str) -> Fault | None:
         return unfit_word(phrase('{} is not attached to "{}"', name, place), at, known, (), attached)
     if len({*by_name, *by_node}) > 1:
         said = '"{}" could be two ports of {}, which is attached to {}; rename the node'
-        return Fault(phrase(said, place, name, ports))
+        return Fault(phrase(said, place, name, ports), kind="unknown-port")
     return None

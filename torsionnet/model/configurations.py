@@ -82,7 +82,7 @@ class ConfigurationName(Spec[str]):
 
     def coerce(self, raw: object) -> str:
         if not isinstance(raw, str | int) or isinstance(raw, bool):
-            raise EntryError(f"expected a name, {got(raw)}")
+            raise EntryError(f"expected a name, {got(raw)}", kind="wrong-form")
         return str(raw)
 
     def renamed(self, value: Any, names: Renaming) -> Any:
@@ -122,7 +122,7 @@ class AlternativeEntry(Plural[Overlay]):
         if raw is None:
             return Overlay(), []
         if not isinstance(raw, Mapping):
-            return Overlay(), [Fault(f"expected {{parameter: value}}, {got(raw)}")]
+            return Overlay(), [Fault(f"expected {{parameter: value}}, {got(raw)}", kind="wrong-form")]
         known: dict[str, Any] = {}
         parameters: dict[str, Expression] = {}
         entries: dict[str, Any] = {}
@@ -197,7 +197,9 @@ class AxesEntry(Plural[dict[str, dict[str, Overlay]]]):
 
     def read(self, raw: object) -> tuple[dict[str, dict[str, Overlay]], list[Fault]]:
         if not isinstance(raw, Mapping):
-            return {}, [Fault(f"expected axes of alternatives, gear: {{II: {{tau: 7.96}}}}, {got(raw)}")]
+            return {}, [
+                Fault(f"expected axes of alternatives, gear: {{II: {{tau: 7.96}}}}, {got(raw)}", kind="wrong-form")
+            ]
         if raw and not has_axes(raw):
             overlays, faults = _read_axis(raw)
             return {DEFAULT_AXIS: overlays}, faults
@@ -205,7 +207,7 @@ class AxesEntry(Plural[dict[str, dict[str, Overlay]]]):
         faults = []
         for axis, alternatives in raw.items():
             if not isinstance(alternatives, Mapping):
-                faults.append(Fault(f"expected alternatives by name, {got(alternatives)}", (axis,)))
+                faults.append(Fault(f"expected alternatives by name, {got(alternatives)}", (axis,), kind="wrong-form"))
                 continue
             axes[axis], found = _read_axis(alternatives)
             faults += [fault.under(axis) for fault in found]
@@ -248,7 +250,7 @@ def _read_axis(alternatives: Mapping[str, Any]) -> tuple[dict[str, Overlay], lis
     for name, raw in alternatives.items():
         reason = _name_fault(str(name))
         if reason:
-            faults.append(Fault(reason, (name,), on_key=True))
+            faults.append(Fault(reason, (name,), on_key=True, kind="invalid-name"))
             continue
         overlays[str(name)], found = ALTERNATIVE.read(raw)
         faults += [fault.under(name) for fault in found]
@@ -296,11 +298,13 @@ def parse_choice(text: str, axes: Axes) -> dict[str, str]:
     """
     choice: dict[str, str] = {}
     if not isinstance(text, str):
-        raise UsageError(f"a configuration is named by a text such as gear=V, got {text!r}")
+        raise UsageError(f"a configuration is named by a text such as gear=V, got {text!r}", kind="wrong-form")
     for part in (piece.strip() for piece in text.split(",")):
         axis, name = _parse_part(part, axes)
         if axis in choice:
-            raise UsageError(f'"{text}" chooses twice on axis "{axis}"; give one alternative')
+            raise UsageError(
+                f'"{text}" chooses twice on axis "{axis}"; give one alternative', kind="contradicting-entries"
+            )
         choice[axis] = name
     return choice
 
@@ -320,7 +324,8 @@ def _parse_part(part: str, axes: Axes) -> tuple[str, str]:
         return homes[0], part
     if homes:
         raise UsageError(
-            f'"{part}" stands on several axes; write one of {", ".join(f"{axis}={part}" for axis in homes)}'
+            f'"{part}" stands on several axes; write one of {", ".join(f"{axis}={part}" for axis in homes)}',
+            kind="ambiguous-name",
         )
     names = [name for alternatives in axes.values() for name in alternatives]
     hint = f"there is {comma_list(names)}" if names else "the model has no configurations"
@@ -343,7 +348,9 @@ def read_overrides(
     for name, raw in overrides.items():
         if name not in parameters:
             axis = f'; configurations are chosen by text: configured("{name}={raw}")' if name in axes else ""
-            raise UsageError(f'no parameter is named "{name}"{axis or did_you_mean(name, parameters)}')
+            raise UsageError(
+                f'no parameter is named "{name}"{axis or did_you_mean(name, parameters)}', kind="unknown-parameter"
+            )
         try:
             values[name] = read_scalar(raw)
         except EntryError as error:
@@ -362,5 +369,5 @@ def known_elements(names: Iterable[str] | str, elements: Mapping[str, Any]) -> l
     listed = [names] if isinstance(names, str) else list(names)
     for name in listed:
         if name not in elements:
-            raise UsageError(f'no element is named "{name}"{did_you_mean(str(name), elements)}')
+            raise UsageError(f'no element is named "{name}"{did_you_mean(str(name), elements)}', kind="unknown-element")
     return listed

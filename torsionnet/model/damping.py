@@ -89,7 +89,10 @@ MEASURES: dict[str, Measure] = {
 def _measure(name: str) -> Measure:
     if name not in MEASURES:
         known = ", ".join(MEASURES)
-        raise DampingError(f'no measure of damping is named "{name}"{did_you_mean(name, MEASURES)} (known: {known})')
+        raise DampingError(
+            f'no measure of damping is named "{name}"{did_you_mean(name, MEASURES)} (known: {known})',
+            kind="unknown-word",
+        )
     return MEASURES[name]
 
 
@@ -108,24 +111,28 @@ def convert_damping(
     """
     source, target = _measure(measure), _measure(to)
     if not math.isfinite(value):
-        raise DampingError(f"expected a finite number for {measure}, got {value}")
+        raise DampingError(f"expected a finite number for {measure}, got {value}", kind="not-a-number")
     if source == target:
         return float(value)
     ratio = _omega_over_stiffness(stiffness, frequency) if "c" in (measure, to) else None
     try:
         eta = source.to_loss_factor(float(value), FLOAT, ratio)
         if to == "log_decrement" and abs(eta) >= 2:
-            raise DampingError(f"{measure} = {value:g} is zeta = {eta / 2:g}; a decrement needs zeta below 1")
+            raise DampingError(
+                f"{measure} = {value:g} is zeta = {eta / 2:g}; a decrement needs zeta below 1", kind="out-of-range"
+            )
         return float(target.from_loss_factor(eta, FLOAT, ratio))
     except ZeroDivisionError:
-        raise DampingError(f"{measure} = {value:g} has no finite {to}") from None
+        raise DampingError(f"{measure} = {value:g} has no finite {to}", kind="not-finite") from None
 
 
 def _omega_over_stiffness(stiffness: float | None, frequency: float | None) -> float:
     for name, given in (("stiffness in N*m/rad", stiffness), ("frequency in Hz", frequency)):
         if given is None or not (math.isfinite(given) and given > 0):
             got = "" if given is None else f", got {given}"
-            raise DampingError(f"c and a measure without dimension are related by a positive {name}{got}")
+            raise DampingError(
+                f"c and a measure without dimension are related by a positive {name}{got}", kind="out-of-range"
+            )
     return 2 * math.pi * (frequency or 0.0) / (stiffness or 1.0)
 
 
@@ -154,7 +161,7 @@ class DampingMeasure:
         _measure(self.measure)
         given = self.at.unit_dimension if isinstance(self.at, Number) else None
         if given not in (None, DIMENSIONS["frequency"]):
-            raise DampingError(f"the frequency where {self.measure} holds is in Hz, not in {given}")
+            raise DampingError(f"the frequency where {self.measure} holds is in Hz, not in {given}", kind="wrong-unit")
 
     @property
     def names(self) -> frozenset[str]:
@@ -167,10 +174,14 @@ class DampingMeasure:
         ``c`` has none without a stiffness and a frequency.
         """
         if self.measure == "c":
-            raise DampingError("c has a loss factor only at a stiffness and a frequency; use convert_damping")
+            raise DampingError(
+                "c has a loss factor only at a stiffness and a frequency; use convert_damping", kind="missing-entry"
+            )
         value = self.value.evaluate(values, algebra)
         if self.measure in ("Q", "magnifier") and _is_zero(value):
-            raise DampingError(f'{self.measure} = "{self.value}" is 0, the damping would be infinite')
+            raise DampingError(
+                f'{self.measure} = "{self.value}" is 0, the damping would be infinite', kind="out-of-range"
+            )
         return MEASURES[self.measure].to_loss_factor(value, algebra, None)
 
     def viscous(self, stiffness: Any, values: Mapping[str, Any], algebra: Algebra) -> Any:
@@ -181,10 +192,13 @@ class DampingMeasure:
         if self.measure == "c":
             return self.value.evaluate(values, algebra)
         if self.at is None:
-            raise DampingError(f"{self.measure} is a viscous damping only at a frequency; add for example at: 50 Hz")
+            raise DampingError(
+                f"{self.measure} is a viscous damping only at a frequency; add for example at: 50 Hz",
+                kind="missing-entry",
+            )
         frequency = self.at.evaluate(values, algebra)
         if _is_zero(frequency):
-            raise DampingError(f'the frequency "{self.at}" where {self.measure} holds is 0')
+            raise DampingError(f'the frequency "{self.at}" where {self.measure} holds is 0', kind="out-of-range")
         return self.loss_factor(values, algebra) * stiffness / (2 * algebra.pi * frequency)
 
 
@@ -202,7 +216,7 @@ class DampingQuantity(QuantityKind[Expression | DampingMeasure]):
             if not str(raw).rstrip().endswith("%"):
                 raise
             hint = f"a share is a damping ratio at a frequency: write {{zeta: {raw}, at: ... Hz}}"
-            raise EntryError(f"{error.fault.message}; {hint}") from None
+            raise EntryError(f"{error.fault.message}; {hint}", kind="unknown-unit") from None
 
     def _measure(self, raw: Mapping[str, Any]) -> DampingMeasure:
         given = [key for key in raw if key != "at"]
@@ -212,12 +226,13 @@ class DampingQuantity(QuantityKind[Expression | DampingMeasure]):
                 raise EntryError(unfit_word(text, str(key), MEASURES, (key,), known, on_key=True))
         if len(given) != 1:
             raise EntryError(
-                f"give one measure of damping ({', '.join(MEASURES)}) and at: the frequency where it holds"
+                f"give one measure of damping ({', '.join(MEASURES)}) and at: the frequency where it holds",
+                kind="missing-entry",
             )
         measure = given[0]
         if "at" not in raw and measure != "c":
             text = f"{measure} gives a viscous coefficient only at a stated frequency; add at: 12 Hz"
-            raise EntryError(Fault(text, remedy=Remedy(INSERT, "12 Hz", keys=("at",))))
+            raise EntryError(Fault(text, remedy=Remedy(INSERT, "12 Hz", keys=("at",)), kind="missing-entry"))
         value = _within(raw[measure], "damping" if measure == "c" else "1", measure)
         at = _within(raw["at"], "frequency", "at") if "at" in raw else None
         return DampingMeasure(measure, value, at)
@@ -265,7 +280,9 @@ class LossFactor(QuantityKind[Expression | DampingMeasure]):
             return read_scalar(raw, self.dimension)
         known = [name for name in MEASURES if name != "c"]
         if len(raw) != 1 or next(iter(raw)) not in known:
-            raise EntryError(f"give a loss factor, or one measure of damping out of {', '.join(known)}")
+            raise EntryError(
+                f"give a loss factor, or one measure of damping out of {', '.join(known)}", kind="missing-entry"
+            )
         measure = next(iter(raw))
         return DampingMeasure(measure, _within(raw[measure], "1", measure), None)
 

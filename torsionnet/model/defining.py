@@ -20,18 +20,24 @@ def collect_elements(elements: Iterable[Element]) -> tuple[dict[str, Element], l
     if isinstance(elements, Mapping):
         elements = elements.values()
     if not isinstance(elements, Iterable) or isinstance(elements, str):
-        return {}, [Fault(f"expected a list of elements, {got(elements)}", ("elements",))]
+        return {}, [Fault(f"expected a list of elements, {got(elements)}", ("elements",), kind="wrong-form")]
     for element in elements:
         if not isinstance(element, Element):
-            faults.append(Fault(f"expected an element such as Inertia(...), {got(element)}", ("elements",)))
+            faults.append(
+                Fault(f"expected an element such as Inertia(...), {got(element)}", ("elements",), kind="wrong-form")
+            )
             continue
         if element.name in table:
             faults.append(
-                Fault(f'two elements are named "{element.name}"; names must be unique', ("elements", element.name))
+                Fault(
+                    f'two elements are named "{element.name}"; names must be unique',
+                    ("elements", element.name),
+                    kind="repeated-name",
+                )
             )
         table[element.name] = element
     if not table and not faults:
-        faults.append(Fault("a drivetrain needs at least one element", ("elements",)))
+        faults.append(Fault("a drivetrain needs at least one element", ("elements",), kind="missing-entry"))
     return table, faults
 
 
@@ -40,7 +46,7 @@ def define(entries: Mapping[str, Any]) -> tuple[Definition, list[Fault]]:
     values, faults = Definition.read_entries(entries)
     authored = Definition(**{name: value for name, value in values.items() if value is not None})
     if authored.include:
-        faults.append(Fault("files are included by model files only", ("include",), on_key=True))
+        faults.append(Fault("files are included by model files only", ("include",), on_key=True, kind="needless-entry"))
     flat, found = flatten_definition(authored, whole=not any(fault.path[:1] == ("parts",) for fault in faults))
     return flat, [*faults, *found]
 

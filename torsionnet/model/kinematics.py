@@ -160,7 +160,7 @@ def solve_kinematics(
     nodes = all_nodes(definition.active)
     for node in referred_to:
         if node not in nodes:
-            raise UsageError(f'no node is named "{node}"{did_you_mean(node, nodes)}')
+            raise UsageError(f'no node is named "{node}"{did_you_mean(node, nodes)}', kind="unknown-node")
     before = like.made if like else {}
     made = {element.name: _made(element, value, before.get(element.name)) for element in definition.active}
     parts = tuple(part for one in made.values() for part in one.parts)
@@ -191,7 +191,10 @@ def solve_kinematics(
     tied = [i for i in reduction.blocked if any(node in referred_to for node in reduction.free_names(rows[i]))]
     if tied and referred_to:
         kept = ", ".join(referred_to)
-        raise UsageError(f"{kept} cannot all be coordinates: {owners[tied[0]]} ties them to each other or to ground")
+        raise UsageError(
+            f"{kept} cannot all be coordinates: {owners[tied[0]]} ties them to each other or to ground",
+            kind="contradicting-values",
+        )
     coordinates = tuple(node for node in nodes if reduction.is_free(node))
     if referred_to:
         coordinates = in_order_given(coordinates, referred_to)
@@ -314,7 +317,7 @@ def virtual_motion(kinematics: Kinematics, index: int, number: Callable[[Any], A
         loop = sorted(number - len(imposed) for number in origin if number >= len(imposed))
         owners = {names[number] for number in loop}
         loop_names = list(dict.fromkeys(name for name, _ in constraints if name in owners))
-        raise UsageError(Fault(_indeterminate(constraints[index][0], loop_names)))
+        raise UsageError(Fault(_indeterminate(constraints[index][0], loop_names), kind="indeterminate-torque"))
     return {node: row[UNIT] for node, row in reduction.solved.items() if UNIT in row}
 
 

@@ -36,7 +36,7 @@ def operating_parameter_faults(external: ExternalTorques) -> list[Fault]:
     try:
         speeds = [external.operating_speed]
     except UsageError as error:
-        return [Fault(str(error), ("parameters", name, "by")) for name in definition.following]
+        return [error.fault.under("parameters", name, "by") for name in definition.following]
     if definition.speeds is not None and (definition.load or not definition.operating_point.torque):
         speeds += [definition.speeds.values[0], definition.speeds.values[-1]]
     faults: dict[str, Fault] = {}
@@ -45,7 +45,7 @@ def operating_parameter_faults(external: ExternalTorques) -> list[Fault]:
             try:
                 points.value(parameter, speed)
             except UsageError as error:
-                faults.setdefault(name, Fault(str(error), ("parameters", name), on_key=True))
+                faults.setdefault(name, replace(error.fault, path=("parameters", name), on_key=True))
     return list(faults.values())
 
 
@@ -73,7 +73,7 @@ class OperatingPoints:
             try:
                 found[name] = self.value(parameter, speed)
             except UsageError as error:
-                raise UsageError(f"{name}: {error}") from None
+                raise UsageError(f"{name}: {error}", kind=error.kind) from None
         return found
 
     def value(self, parameter: Parameter, speed: float) -> float:
@@ -90,7 +90,8 @@ class OperatingPoints:
             shown = f"{size * RPM:.6g} rpm" if parameter.by == "speed" else f"{size:.6g} N*m"
             where = f"{self.external.reference} at {speed * RPM:.6g} rpm"
             what = str(parameter.by).replace("_", " ")
-            raise UsageError(f"the {what} of {parameter.of} is {shown} with {where}; {error}") from None
+            text = f"the {what} of {parameter.of} is {shown} with {where}; {error}"
+            raise UsageError(text, kind=error.kind) from None
 
     def rows(self, speed: float) -> tuple[int, ...]:
         """Numbers of the rows at which every table stands at a speed of the reference node in rad/s.
@@ -113,12 +114,15 @@ class OperatingPoints:
         if parameter.by == "speed":
             ratio = self.external.ratios.get(parameter.of)
             if ratio is None:
-                raise UsageError(f"{parameter.of} has no fixed ratio to {self.external.reference}")
+                raise UsageError(f"{parameter.of} has no fixed ratio to {self.external.reference}", kind="no-ratio")
             return ratio * speed
         torques = self.external.at(speed)
         if parameter.by == "load":
             if parameter.of not in torques:
-                raise UsageError(f"{parameter.of} neither drives nor absorbs; the load acts on {', '.join(torques)}")
+                raise UsageError(
+                    f"{parameter.of} neither drives nor absorbs; the load acts on {', '.join(torques)}",
+                    kind="unknown-node",
+                )
             return torques[parameter.of]
         # A torque in equilibrium is linear in those from outside, T = sum z T_node.
         if parameter.of not in self._motions:
@@ -190,21 +194,24 @@ def torque_per_node(definition: Definition, values: Mapping[str, Any], name: str
     """
     element = next((one for one in definition.active if one.name == name), None)
     if element is None:
-        raise UsageError(f"{name} is switched off in this configuration, and has no torque there")
+        raise UsageError(f"{name} is switched off in this configuration, and has no torque there", kind="switched-off")
     node, _ = port_of(element, None)
     rows = [
         (owned.element, owned.part.row) for owned in owned_parts(definition, Values(values)) if _hands_on(owned.part)
     ]
     own = [number for number, (owner, row) in enumerate(rows) if owner == name and node in row]
     if len(own) != 1:
-        raise UsageError(f"{name} transmits no mean torque, so nothing can follow it")
+        raise UsageError(f"{name} transmits no mean torque, so nothing can follow it", kind="indeterminate-torque")
     # Virtual work: the element opens by one while all else that hands on a torque stays closed.
     opened = {**exact_row(rows[own[0]][1]), UNIT: Fraction(-1)}
     order = {one: index for index, one in enumerate(all_nodes(definition.active))}
     others = [exact_row(row) for number, (_, row) in enumerate(rows) if number != own[0]]
     reduction = reduce_rows([*others, opened], order, {UNIT})
     if reduction.blocked:
-        raise UsageError(f"{name} shares its mean torque with others by stiffness; nothing can follow it")
+        raise UsageError(
+            f"{name} shares its mean torque with others by stiffness; nothing can follow it",
+            kind="indeterminate-torque",
+        )
     # The torque of a law acts by its row: at the port times the coefficient there.
     factor = float(opened[node])
     return {one: factor * float(row[UNIT]) for one, row in reduction.solved.items() if UNIT in row}

@@ -52,7 +52,7 @@ class LookupTable(Plural[Rows]):
         if isinstance(raw, tuple) and all(isinstance(row, tuple) and isinstance(row[0], Number) for row in raw):
             return raw, []
         if not isinstance(raw, Mapping) or len(raw) < 2:
-            return (), [Fault(f"expected two rows or more, as in {self.example}; {got(raw)}")]
+            return (), [Fault(f"expected two rows or more, as in {self.example}; {got(raw)}", kind="wrong-form")]
         found: list[tuple[Number, Number]] = []
         faults: list[Fault] = []
         for key, value in raw.items():
@@ -62,7 +62,7 @@ class LookupTable(Plural[Rows]):
                 faults.append(replace(error.fault, path=(key,)))
         found.sort(key=lambda row: row[0].value)
         twice = [second for first, second in pairwise(found) if first[0].value == second[0].value]
-        faults += [Fault(f"{key} stands twice in the table; keep one row") for key, _ in twice]
+        faults += [Fault(f"{key} stands twice in the table; keep one row", kind="repeated-name") for key, _ in twice]
         faults += self.unit_faults(found)
         return ((), faults) if faults else (tuple(found), [])
 
@@ -77,7 +77,7 @@ class LookupTable(Plural[Rows]):
     def unit_faults(self, rows: list[tuple[Number, Number]]) -> list[Fault]:
         """Faults of table rows that have units of different kinds."""
         if len({value.unit_dimension for _, value in rows}) > 1:
-            return [Fault("the values of a table must have units of one kind")]
+            return [Fault("the values of a table must have units of one kind", kind="wrong-unit")]
         return []
 
     def plain(self, value: Any) -> Json:
@@ -99,7 +99,9 @@ class LookupTable(Plural[Rows]):
 def _number(raw: object) -> Number:
     value = read_scalar(raw)
     if not isinstance(value, Number):
-        raise EntryError(f'expected a number with unit; "{raw}" is an expression of parameters')
+        raise EntryError(
+            f'expected a number with unit; "{raw}" is an expression of parameters', kind="expression-not-allowed"
+        )
     return value
 
 
@@ -142,10 +144,10 @@ class BoundsEntry(Spec[Bounds]):
         if isinstance(raw, Bounds):
             return raw
         if not isinstance(raw, list | tuple) or len(raw) != 2:
-            raise EntryError(f"bounds are [lower, upper], {got(raw)}")
+            raise EntryError(f"bounds are [lower, upper], {got(raw)}", kind="wrong-form")
         ends = [coerce_part(index, _BOUND, end) for index, end in enumerate(raw)]
         if ends[0].value >= ends[1].value:
-            raise EntryError("the lower bound must be smaller than the upper bound")
+            raise EntryError("the lower bound must be smaller than the upper bound", kind="unordered-rows")
         bounds = Bounds((float(ends[0].value), float(ends[1].value)))
         bounds.dimensions = tuple(end.unit_dimension for end in ends)
         return bounds
@@ -169,7 +171,7 @@ class Bound(Spec[Number]):
     def coerce(self, raw: object) -> Number:
         value = read_scalar(raw)
         if not isinstance(value, Number):
-            raise EntryError("a bound must be a number or a quantity, not an expression")
+            raise EntryError("a bound must be a number or a quantity, not an expression", kind="expression-not-allowed")
         return value
 
 
@@ -209,19 +211,26 @@ class Parameter(Declared):
         if self.by is None:
             extra = [key for key in ("of", "table") if getattr(self, key)]
             if extra:
-                return [Fault(f"{extra[0]} needs by: {' or '.join(FOLLOWED_QUANTITIES)}", (extra[0],), on_key=True)]
+                return [
+                    Fault(
+                        f"{extra[0]} needs by: {' or '.join(FOLLOWED_QUANTITIES)}",
+                        (extra[0],),
+                        on_key=True,
+                        kind="missing-entry",
+                    )
+                ]
             return [self.missing("value")] if self.value is None else []
         if self.value is not None and not isinstance(self.value, OperatingValue):
             return [superfluous(f"a parameter by {self.by} has no value of its own", "value")]
         what, dimension = FOLLOWED_QUANTITIES[self.by]
         if not self.of:
-            return [Fault(f"by: {self.by} needs of: the name of {what}", on_key=True)]
+            return [Fault(f"by: {self.by} needs of: the name of {what}", on_key=True, kind="missing-entry")]
         if self.by == VIBRATORY_TORQUE and not self.table:
-            return [Fault(f"by: {self.by} needs a table", on_key=True)]
+            return [Fault(f"by: {self.by} needs a table", on_key=True, kind="missing-entry")]
         wrong = wrong_key(self.table, DIMENSIONS[dimension])
         if wrong is not None:
             text = f"the rows of a table by {self.by} begin with a {dimension} from 0 on, not {wrong}"
-            return [Fault(text, ("table",), on_key=True)]
+            return [Fault(text, ("table",), on_key=True, kind="wrong-unit")]
         return []
 
     @property
@@ -294,6 +303,7 @@ def resolve(parameters: Mapping[str, Parameter]) -> tuple[dict[str, Fraction | f
                 named_list([*cycle, cycle[0]], between=" -> "),
             ),
             ("parameters", cycle[0]),
+            kind="circular-parameters",
         )
         for cycle in cycles
     ]
@@ -307,7 +317,7 @@ def resolve(parameters: Mapping[str, Parameter]) -> tuple[dict[str, Fraction | f
         except ExpressionError as error:
             causes = (name, *sorted(expression.names))
             text = phrase("{} cannot be calculated: {}", ModelName(name), message_of(error))
-            faults.append(Fault(text, ("parameters", name), causes=causes))
+            faults.append(Fault(text, ("parameters", name), causes=causes, kind="incalculable-value"))
     return values, faults
 
 

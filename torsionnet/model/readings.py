@@ -119,7 +119,7 @@ def referring_factor(sensor: Sensor, elements: Mapping[str, Element], value: Val
             ModelName(own),
             ModelName(shaft),
         )
-        raise UsageError(Fault(text))
+        raise UsageError(Fault(text, kind="no-ratio"))
     # Power is the same at both shafts, so that torques go with 1/ratio.
     ratio = path.ratio(value)
     return 1 / ratio if sensor.quantity == "torque" else ratio
@@ -189,4 +189,6 @@ def port_of(element: Element, at: str | None) -> tuple[str, int]:
 def _other_end(element: Element, index: int) -> int:
     if element.glyph in ("spring", "damper", "coupling", "clearance", "friction") and len(element.ports) == 2:
         return 1 - index
-    raise UsageError(f"attach {element.name} to a node with a lock instead of ground to read the torque there")
+    raise UsageError(
+        f"attach {element.name} to a node with a lock instead of ground to read the torque there", kind="unfit-channel"
+    )

@@ -60,7 +60,7 @@ def referral_faults(elements: Sequence[Element], values: Mapping[str, Any]) -> I
         if reason is None and paths is not None:
             reason = _two_ratios(element, paths, own)
         if reason is not None:
-            yield Fault(reason, path)
+            yield Fault(reason, path, kind="no-ratio")
 
 
 def _two_ratios(element: Element, paths: SpeedPaths, own: str) -> str | None:

@@ -38,7 +38,9 @@ class Pair:
         """
         parts = [part.strip() for part in text.split("/")]
         if len(parts) != 2 or not all(parts):
-            raise UsageError(f'a transfer function is written OUTPUT/INPUT, as in theta_1/T_T; got "{text}"')
+            raise UsageError(
+                f'a transfer function is written OUTPUT/INPUT, as in theta_1/T_T; got "{text}"', kind="wrong-form"
+            )
         return cls(*parts)
 
     def __str__(self) -> str:
@@ -66,13 +68,15 @@ class PairEntry(Spec[Pair]):
         try:
             return Pair.parse(raw) if isinstance(raw, str) else self._in_parts(raw)
         except UsageError as error:
-            raise EntryError(str(error)) from None
+            raise EntryError(error.fault) from None
 
     @staticmethod
     def _in_parts(raw: object) -> Pair:
         if isinstance(raw, Mapping) and {"output", "input"} <= set(raw) <= set(_PARTS):
             return Pair(**{str(key): str(value) for key, value in raw.items()})
-        raise UsageError(f"expected OUTPUT/INPUT, or {{output: ..., input: ..., excitation: ...}}; {got(raw)}")
+        raise UsageError(
+            f"expected OUTPUT/INPUT, or {{output: ..., input: ..., excitation: ...}}; {got(raw)}", kind="wrong-form"
+        )
 
     def renamed(self, value: Any, names: Renaming) -> Any:
         ends = (_CHANNEL.renamed(one, names) for one in (value.output, value.input, value.excitation))

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 from torsionnet.base.entries.composite import Named, Nested, Typed
 from torsionnet.base.entries.scalars import QuantityKind
 from torsionnet.base.entries.spec import NAME_SCHEMA, name_fault
-from torsionnet.base.errors import MISSING_KEY, NO_TYPE, UNKNOWN_KEY, Fault, ModelError, got, unfit_word
+from torsionnet.base.errors import Fault, ModelError, got, unfit_word
 from torsionnet.base.expression_reading import check_name
 from torsionnet.base.expressions import Number
 from torsionnet.base.packages import imported
@@ -36,7 +36,7 @@ class ElementTable(Named[Element]):
     def read(self, raw: object) -> tuple[dict[str, Element], list[Fault]]:
         """Elements by name that can be made, and all faults."""
         if not isinstance(raw, Mapping) or not raw:
-            return {}, [Fault(f"a model needs elements: {FORM}", kind=MISSING_KEY, about="elements")]
+            return {}, [Fault(f"a model needs elements: {FORM}", kind="missing-entry", about="elements")]
         elements: dict[str, Element] = {}
         faults: list[Fault] = []
         for name, entry in raw.items():
@@ -51,10 +51,10 @@ def _read_element(name: Any, raw: object) -> tuple[Element | None, list[Fault]]:
     if isinstance(raw, Element):
         return raw, []
     if not isinstance(name, str) or name_fault(name):
-        unfit = name_fault(str(name)) or Fault(f"the name of an element is a text, {got(name)}")
+        unfit = name_fault(str(name)) or Fault(f"the name of an element is a text, {got(name)}", kind="invalid-name")
         return None, [replace(unfit, on_key=True)]
     if not isinstance(raw, Mapping):
-        return None, [Fault(f"expected {{type: ..., ...}}, {got(raw)}")]
+        return None, [Fault(f"expected {{type: ..., ...}}, {got(raw)}", kind="wrong-form")]
     kind = raw.get("type")
     if not isinstance(kind, str) or kind not in ELEMENT_TYPES:
         return None, [_kind_fault(kind)]
@@ -84,7 +84,7 @@ def _made(cls: type[Element], name: str, entries: Mapping[str, Any]) -> tuple[El
         faults += [fault for fault in found if not (fault.path and fault.path[0] in lacking)]
         return None, [*faults, *_beyond_bounds(cls, known, {fault.path[0] for fault in faults if fault.path})]
     # With unknown keys alone it goes on to the checks, which tell what else is wrong.
-    return (element if all(fault.kind == UNKNOWN_KEY for fault in faults) else None), faults
+    return (element if all(fault.kind == "unknown-entry" for fault in faults) else None), faults
 
 
 def _beyond_bounds(cls: type[Element], known: Mapping[str, Any], told: Container[Any]) -> Iterator[Fault]:
@@ -95,13 +95,13 @@ def _beyond_bounds(cls: type[Element], known: Mapping[str, Any], told: Container
         value, _ = spec.read(known[key])
         reason = spec.bound_fault(value.value) if isinstance(value, Number) else None
         if reason:
-            yield Fault(f"{value}: {spec.description} {reason}", (key,))
+            yield Fault(f"{value}: {spec.description} {reason}", (key,), kind="out-of-range")
 
 
 def _kind_fault(kind: Any) -> Fault:
     known = ", ".join(ELEMENT_TYPES)
     if kind is None:
-        return Fault(f"an element needs a type: {known}", on_key=True, kind=NO_TYPE)
+        return Fault(f"an element needs a type: {known}", on_key=True, kind="missing-type")
     from torsionnet.base.familiar_words import ELEMENT_TYPES as FAMILIAR_TYPES
 
     familiar = FAMILIAR_TYPES.get(str(kind).casefold(), "")

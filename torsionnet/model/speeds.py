@@ -137,17 +137,17 @@ def total_ratio(definition: Definition, values: Mapping[str, Any], first: str, s
     row, other = (reduction.reduced({node: Fraction(1)}) for node in (first, second))
     if not other:
         text = phrase("{} cannot turn, there is no ratio to it; name a node that turns", ModelName(second))
-        raise UsageError(Fault(text))
+        raise UsageError(Fault(text, kind="no-ratio"))
     if row and row.keys() != other.keys():
         free = named_list(sorted(row.keys() | other.keys()))
         text = phrase(
             "no fixed ratio between {} and {}: {} turn independently", ModelName(first), ModelName(second), free
         )
-        raise UsageError(Fault(text))
+        raise UsageError(Fault(text, kind="no-ratio"))
     ratios = {row.get(node, Fraction(0)) / other[node] for node in other}
     if len(ratios) > 1:
         said = "no fixed ratio between {} and {}: the speed splits in between"
-        raise UsageError(Fault(phrase(said, ModelName(first), ModelName(second))))
+        raise UsageError(Fault(phrase(said, ModelName(first), ModelName(second)), kind="no-ratio"))
     return Fraction(ratios.pop())
 
 
@@ -166,7 +166,9 @@ def mean_speeds(definition: Definition, values: Mapping[str, Any]) -> dict[str, 
         if name:
             elimination.add(row)
     if elimination.blocked:
-        raise ModelError([Fault(_contradiction(definition, rows), ("operating_point", "speed"))])
+        raise ModelError(
+            [Fault(_contradiction(definition, rows), ("operating_point", "speed"), kind="contradicting-speeds")]
+        )
     reduction = Reduction(elimination)
     speeds = {node: reduction.in_floats({node: 1}) for node in order if not reduction.is_free(node)}
     # A speed is determined where it follows from the given ones alone.

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from torsionnet.base.errors import UNKNOWN_NAME, Fault, did_you_mean
+from torsionnet.base.errors import UNKNOWN_NAMES, Fault, did_you_mean
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.model.model import Model
 from torsionnet.study.answers.answer import (
@@ -195,7 +195,7 @@ def examine_study(model: Drivetrain, given: Mapping[str, Any]) -> ExaminedStudy:
     found = [
         fault
         for fault in quantity_model_faults(model, configurations, asked)
-        if fault.kind != UNKNOWN_NAME or fault.about not in named
+        if fault.kind not in UNKNOWN_NAMES or fault.about not in named
     ]
     faults += found
     quantities = _sound_quantities(asked, found)

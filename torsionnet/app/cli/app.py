@@ -47,14 +47,14 @@ def exit_code_for_errors() -> Iterator[None]:
 def _explain(error: Exception) -> int:
     """Print what went wrong on stderr and return the exit code of the command."""
     from torsionnet.app.cli.terminal import message
-    from torsionnet.base.errors import TorsionnetError
+    from torsionnet.base.errors import TorsionnetError, in_brackets
 
     if isinstance(error, TorsionnetError):
         text = str(error)
         if hasattr(error, "faults"):
             click.echo(text, err=True)
         else:
-            message("error", text)
+            message("error", f"{text}{in_brackets(error.kind)}")
         return error.exit_code
     if isinstance(error, OSError):
         where = f"{error.filename}: " if error.filename else ""
@@ -130,6 +130,7 @@ COMMANDS = {  # in the order of use; the texts stand here so that the list of co
     "library": "The models, parts and catalogues that come with the package.",
     "new": "A commented model file to start from: ship, genset, rig, train, turbine.",
     "check": "Is a model sound? Every fault with its place in the file.",
+    "explain": "What the word in brackets behind a message means, and what mends it.",
     "show": "Elements, parameters, equations of motion, matrices, schematic.",
     "equations": "Equations of motion and transfer functions in symbols.",
     "modes": "Natural frequencies, damping ratios, mode shapes, energy shares.",

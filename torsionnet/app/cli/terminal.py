@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import click
 
-from torsionnet.base.errors import printable_text
+from torsionnet.base.errors import in_brackets, printable_text
 from torsionnet.base.notes import Note, NoteOrText
 from torsionnet.base.number_text import json_finite
 
@@ -51,7 +51,7 @@ def print_faults(faults: Iterable[Fault]) -> None:
     for fault in faults:
         seen.add(fault.text)
         where = f"{fault.position.file}:{fault.position.line}: " if fault.position else ""
-        message(fault.severity, f"{where}{fault.text}")
+        message(fault.severity, f"{where}{fault.text}{in_brackets(fault.kind)}")
 
 
 def print_warnings(notes: Iterable[NoteOrText]) -> None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from lsprotocol.types import (
     CodeAction,
     CodeActionKind,
+    CodeDescription,
     CompletionItem,
     CompletionItemKind,
     CompletionList,
@@ -33,13 +34,13 @@ from lsprotocol.types import Range as EditorRange
 from lsprotocol.types import TextEdit as EditorEdit
 
 from torsionnet.app.language_server.open_model import EditorText, OpenModel, is_parts_text
+from torsionnet.app.text.fault_table import fault_link
 from torsionnet.app.text.formatting import formatted
 from torsionnet.app.text.named_places import definition, named_places, references, renamable, rename
 from torsionnet.app.text.outline import OutlineItem, hover, outline
 from torsionnet.app.text.text_edits import TextLines, TextSpan
 from torsionnet.app.text.text_faults import LocatedFault, position_span, text_faults
 from torsionnet.base import errors
-from torsionnet.base.errors import MISSING_KEY
 
 if TYPE_CHECKING:
     from torsionnet.app.text.completion import Completion
@@ -205,7 +206,7 @@ def faults_in_editor(model: OpenModel) -> list[LocatedFault]:
 
 
 def _asks_for_a_model(fault: errors.Fault) -> bool:
-    if fault.kind == MISSING_KEY:
+    if fault.kind == "missing-entry":
         return not fault.path
     return fault.severity == "warning" and len(fault.path) == 2 and fault.path[0] == "parts"
 
@@ -224,6 +225,8 @@ def _diagnostic(model: OpenModel, located: LocatedFault) -> Diagnostic:
         message=fault.text,
         severity=SEVERITIES[fault.severity],
         source=SOURCE,
+        code=fault.kind or None,
+        code_description=CodeDescription(fault_link(fault.kind)) if fault.kind else None,
         related_information=[
             DiagnosticRelatedInformation(_location(model, place), what) for place, what in others if place.file
         ]

@@ -11,12 +11,12 @@ from torsionnet.app.text.fixes.syntax_fixes import syntax_fixes
 from torsionnet.app.text.text_edits import TextFix, TextLines, TextSpan, WrittenText
 from torsionnet.app.text.tolerant_reading import tolerant_document
 from torsionnet.base.entries.declared import files_beside
-from torsionnet.base.errors import UNKNOWN_NAME, EntryPath, Fault, ModelError, Position
+from torsionnet.base.errors import UNKNOWN_NAMES, EntryPath, Fault, ModelError, Position
 from torsionnet.base.packages import gc_paused
 from torsionnet.model.checks import names, variants
 from torsionnet.model.defining import define
 from torsionnet.model.definition import Definition
-from torsionnet.model.files.located_yaml import INDENTATION, NO_COLON, OUTSIDE, STRAY_COLON, LocatedDocument, compose
+from torsionnet.model.files.located_yaml import LocatedDocument, compose
 from torsionnet.model.files.part_includes import include_parts
 from torsionnet.model.files.reader import located_faults, presentable_faults, read_text
 
@@ -43,7 +43,7 @@ def unstable_configurations(definition: Definition) -> list[Fault]:
 
 # Faults of the rest of a model text that is no sound YAML, without those that only follow from the break.
 
-_MISPLACED = (INDENTATION, STRAY_COLON, OUTSIDE)
+_MISPLACED = ("wrong-indentation", "stray-colon", "misplaced-line")
 """Kinds of breaks that leave it open to which section the entries around belong."""
 
 
@@ -59,7 +59,7 @@ def partial_faults(text: str, file: str, folder: Path | None, broken: Fault) -> 
         return []
     line = broken.position.line - 1
     home = _entry_at_line(document, line)
-    if broken.kind == NO_COLON:  # it may be the name of a section, which then holds all that follows
+    if broken.kind == "missing-colon":  # it may be the name of a section, which then holds all that follows
         home = home[:1]
     lines = {line, _line_with_text(document, line, -1), _line_with_text(document, line, 1)}
     lost = _lost_sections(document, home) if broken.kind in _MISPLACED else set()
@@ -84,7 +84,7 @@ def _certain_faults(document: LocatedDocument, text: str, folder: Path | None) -
     for fault in (one for check in names.CHECKS for one in check(definition)):
         # The copies that a use makes have names with dots that no text has; a name that stands twice is defined there.
         word = rf"(?<!\w){re.escape(fault.about)}(?!\w)"
-        if fault.kind == UNKNOWN_NAME and "." not in fault.about and len(re.findall(word, text)) < 2:
+        if fault.kind in UNKNOWN_NAMES and "." not in fault.about and len(re.findall(word, text)) < 2:
             faults.append(fault)
     if definition.authored is not None:
         from torsionnet.model.parts.authored_model import at_written_places

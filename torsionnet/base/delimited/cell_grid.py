@@ -147,11 +147,15 @@ class CellGrid:
     remarks: tuple[Cell, ...]
     lines: tuple[str, ...]
 
-    def fault(self, text: str, cell: Cell, severity: str = "error") -> Fault:
+    def fault(self, text: str, cell: Cell, severity: str = "error", *, kind: str = "") -> Fault:
         """Fault in a cell of the sheet, with its position in the file."""
+        return Fault(text, severity=severity, position=self.position(cell), kind=kind)
+
+    def position(self, cell: Cell) -> Position:
+        """Position of a cell in the file."""
         source = self.lines[cell.line - 1][:200].replace("\t", " ") if cell.line <= len(self.lines) else ""
         end = cell.column + max(len(cell.text), 1)
-        return Fault(text, severity=severity, position=Position(self.file, cell.line, cell.column, end, source))
+        return Position(self.file, cell.line, cell.column, end, source)
 
 
 def read_grid(path: Path) -> CellGrid:
@@ -165,7 +169,7 @@ def read_grid(path: Path) -> CellGrid:
     with path.open("rb") as file:
         if file.read(4).startswith(_BINARY):
             text = f'"{path.name}" is a file of a spreadsheet program; save the sheet as CSV'
-            raise ModelError([Fault(text, position=Position(path.name, 1, 1, 2))], path.name)
+            raise ModelError([Fault(text, position=Position(path.name, 1, 1, 2), kind="wrong-file")], path.name)
     with path.open(encoding=detect_encoding(path), newline=None, errors="replace") as file:
         return parse_grid(file.read().splitlines(), path.name)
 
@@ -204,7 +208,9 @@ def _aligned_cells(row: Sequence[tuple[str, int, int]]) -> tuple[Cell, ...]:
 
 
 def _refused(text: str, file: str, lines: Sequence[str]) -> ModelError:
-    return ModelError([Fault(text, position=Position(file, 1, 1, 2, lines[0][:200] if lines else ""))], file)
+    return ModelError(
+        [Fault(text, position=Position(file, 1, 1, 2, lines[0][:200] if lines else ""), kind="unreadable-file")], file
+    )
 
 
 def _rows(body: Sequence[tuple[int, str]], separator: str) -> list[tuple[Cell, ...]]:

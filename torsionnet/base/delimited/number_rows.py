@@ -336,7 +336,7 @@ class NumberRows:
                     else truncation_message(cells[: self._least], [], self.names[: self._least])
                 )
                 if short:
-                    self._fault(short, number, line, 0, len(line))
+                    self._fault("truncated-file", short, number, line, 0, len(line))
                 else:
                     rows.append(self._row(cells, line.rstrip("\r\n"), number, self.read + len(rows) + 1))
                     read.append((cells, number, line))
@@ -359,7 +359,7 @@ class NumberRows:
         for row, text in wrong:
             line = lines[row].rstrip("\r\n")
             at = max(line.find(rows[row][self.stamped[0]].strip()), 0)
-            self._fault(text, numbers[row], line, at, max(len(texts[row]), 1))
+            self._fault("unreadable-time", text, numbers[row], line, at, max(len(texts[row]), 1))
 
     def _check_end(self, lines: list[str]) -> None:
         """Add a fault where the last line of a file without a final line end is cut."""
@@ -369,11 +369,11 @@ class NumberRows:
             last if len(last) > self.width else last[: self._least], above, self.names[: self._least], own=self.own
         )
         if text:
-            self._fault(text, self.line + len(lines) - 1, lines[-1], 0, len(lines[-1]))
+            self._fault("truncated-file", text, self.line + len(lines) - 1, lines[-1], 0, len(lines[-1]))
 
     def _row(self, cells: list[str], line: str, number: int, count: int) -> list[float]:
         if not self._least <= len(cells) <= self.width:
-            self._fault(self.other_width(len(cells), self.width), number, line, 0, len(line))
+            self._fault("wrong-count", self.other_width(len(cells), self.width), number, line, 0, len(line))
             return [np.nan] * self.width
         row = [np.nan] * self.width
         for column in self.stamped:
@@ -391,7 +391,7 @@ class NumberRows:
         if self.dialect.is_number(cell):
             return self.dialect.number(cell)
         at = self._offset(line, column) + line[self._offset(line, column) :].find(cell)
-        self._fault(self.no_number(cell), number, line, at, len(cell))
+        self._fault("not-a-number", self.no_number(cell), number, line, at, len(cell))
         return float("nan")
 
     def _offset(self, line: str, column: int) -> int:
@@ -401,7 +401,8 @@ class NumberRows:
             return max(line.find(f'"{self.dialect.cells(line)[column]}"'), 0)
         return sum(len(part) + 1 for part in line.split(self.dialect.separator)[:column])
 
-    def _fault(self, text: str, number: int, line: str, at: int, width: int) -> None:
+    def _fault(self, kind: str, text: str, number: int, line: str, at: int, width: int) -> None:
         if len(self.faults) < MOST_FAULTS:
             source = line[:200].replace("\t", " ")
-            self.faults.append(Fault(text, position=Position(self.file, number, at + 1, at + 1 + width, source)))
+            position = Position(self.file, number, at + 1, at + 1 + width, source)
+            self.faults.append(Fault(text, position=position, kind=kind))

@@ -54,7 +54,9 @@ def sheet_unit(text: str) -> SheetUnit:
     """
     bare = text.strip().strip("[]").strip()
     if _DOUBTFUL.match(bare):
-        raise UnitError(f'"{bare}" is ambiguous: it may be 1e... or 10 times as much; write 1e-9 or 10^-9')
+        raise UnitError(
+            f'"{bare}" is ambiguous: it may be 1e... or 10 times as much; write 1e-9 or 10^-9', kind="ambiguous-number"
+        )
     plain = re.sub(r"10([⁰¹²³⁴⁵⁶⁷⁸⁹⁻]+)", lambda found: "10^" + found[1].translate(_RAISED_UNIT), bare)
     found = _BEFORE.fullmatch(plain) or _AFTER.fullmatch(plain)
     power = next(int(group) for name, group in found.groupdict().items() if name != "unit" and group) if found else 0

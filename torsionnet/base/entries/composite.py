@@ -21,7 +21,7 @@ from torsionnet.base.entries.spec import (
     list_annotation,
     reference,
 )
-from torsionnet.base.errors import BRACKET, LEAVE_OUT, NO_TABLE, Fault, Remedy, fault_of, got, unfit_word
+from torsionnet.base.errors import BRACKET, LEAVE_OUT, Fault, Remedy, fault_of, got, unfit_word
 
 D = TypeVar("D", bound=Declared)
 Kinds: TypeAlias = Callable[[], Mapping[str, type[D]]]
@@ -120,7 +120,13 @@ class Typed(Composite[D]):
             return cast("D", raw), []
         names = ", ".join(known)
         if not isinstance(raw, Mapping) or kind is None:
-            return None, [Fault(f"expected {{{self.key}: ..., ...}} with one of the {self.key}s {names}", on_key=True)]
+            return None, [
+                Fault(
+                    f"expected {{{self.key}: ..., ...}} with one of the {self.key}s {names}",
+                    on_key=True,
+                    kind="missing-type",
+                )
+            ]
         text = f'no {self.what} {self.key} is named "{kind}"'
         return None, [unfit_word(text, str(kind), known, (self.key,), f"known: {names}")]
 
@@ -199,7 +205,7 @@ class Named(Composite[Mapping[str, Stored_co]], Plural[Mapping[str, Stored_co]])
 
     def read(self, raw: object) -> tuple[Mapping[str, Stored_co], list[Fault]]:
         if not isinstance(raw, Mapping) or len(raw) < self.fewest:
-            return {}, [Fault(f"expected {self.form}, {got(raw)}", kind=NO_TABLE)]
+            return {}, [Fault(f"expected {self.form}, {got(raw)}", kind="not-a-table")]
         table: dict[str, Stored_co] = {}
         faults: list[Fault] = []
         for name, entry in raw.items():
@@ -255,7 +261,7 @@ class Listed(Composite[tuple[Stored_co, ...]], Plural[tuple[Stored_co, ...]]):
     def read(self, raw: object) -> tuple[tuple[Stored_co, ...], list[Fault]]:
         if not isinstance(raw, list | tuple):
             remedy = Remedy(BRACKET) if isinstance(raw, str) else None
-            return (), [Fault(f"expected {self.form}, {got(raw)}", remedy=remedy)]
+            return (), [Fault(f"expected {self.form}, {got(raw)}", remedy=remedy, kind="wrong-form")]
         values: list[Any] = []
         faults: list[Fault] = []
         for index, entry in enumerate(raw):
@@ -296,7 +302,7 @@ class PairOf(Composite[tuple[Stored_co, Stored_co]]):
 
     def read(self, raw: object) -> tuple[tuple[Stored_co, Stored_co] | None, list[Fault]]:
         if not isinstance(raw, list | tuple) or len(raw) != 2:
-            return None, [Fault(f"expected {self.form}, {got(raw)}")]
+            return None, [Fault(f"expected {self.form}, {got(raw)}", kind="wrong-form")]
         values, faults = Listed(self.description, self.of).read(raw)
         return (None if faults else (values[0], values[1])), faults
 
@@ -337,12 +343,12 @@ def one_at_most(owner: object, *names: str, of: str = "") -> list[Fault]:
         return []
     text = f"{of} is given by {found[0]} or by {found[1]}" if of else f"give {found[0]} or {found[1]}"
     remedy = None if of else Remedy(LEAVE_OUT, keys=(found[0], found[1]))
-    return [Fault(f"{text}, not both", (found[1],), on_key=True, remedy=remedy)]
+    return [Fault(f"{text}, not both", (found[1],), on_key=True, remedy=remedy, kind="contradicting-entries")]
 
 
 def superfluous(why: str, key: str) -> Fault:
     """Fault of an entry that is to be left out, for a reason."""
-    return Fault(f"{why}; leave out {key}", (key,), on_key=True, remedy=Remedy(LEAVE_OUT))
+    return Fault(f"{why}; leave out {key}", (key,), on_key=True, remedy=Remedy(LEAVE_OUT), kind="needless-entry")
 
 
 def one_exactly(owner: object, *names: str, of: str = "", form: str = "") -> list[Fault]:
@@ -354,4 +360,4 @@ def one_exactly(owner: object, *names: str, of: str = "", form: str = "") -> lis
         return one_at_most(owner, *names, of=of)
     wanted = f"{', '.join(names[:-1])} or {names[-1]}, one of the {_COUNTS[len(names)]}"
     text = f"{of} is given by {wanted}" if of else f"give {wanted}"
-    return [Fault(f"{text}: {form}" if form else text, on_key=True)]
+    return [Fault(f"{text}: {form}" if form else text, on_key=True, kind="missing-entry")]

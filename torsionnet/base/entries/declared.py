@@ -17,10 +17,7 @@ from typing import Any, ClassVar, Self, TypeAlias
 
 from torsionnet.base.entries.spec import EntryError, Json, Renaming, Schema, Spec, spec_of
 from torsionnet.base.errors import (
-    MISSING_KEY,
-    NO_VALUE,
     SEPARATE,
-    UNKNOWN_KEY,
     WRITE,
     Fault,
     ModelError,
@@ -45,12 +42,12 @@ def version_faults(data: Mapping[Any, Any], kind: str) -> list[Fault]:
     version = data.get(KEY)
     if version is None:
         text = f"the first entry of a {kind} file is {KEY}: {FORMAT_VERSION}, the version of the format"
-        return [Fault(text, kind=MISSING_KEY, about=KEY)]
+        return [Fault(text, kind="missing-entry", about=KEY)]
     if version != FORMAT_VERSION or isinstance(version, bool):
         shown = f"format {version}" if isinstance(version, int) and not isinstance(version, bool) else repr(version)
         text = f"{KEY}: is the version of the format, {FORMAT_VERSION} for this release; this is {shown}"
         known = Remedy(WRITE, str(FORMAT_VERSION)) if str(version) in ("1", "1.0") else None
-        return [Fault(text, (KEY,), remedy=known)]
+        return [Fault(text, (KEY,), remedy=known, kind="wrong-version")]
     return []
 
 
@@ -145,7 +142,7 @@ class Declared:
         if isinstance(raw, cls):
             return raw, []
         if not isinstance(raw, Mapping):
-            return None, [Fault(f"expected {cls.form}, {got(raw)}")]
+            return None, [Fault(f"expected {cls.form}, {got(raw)}", kind="wrong-form")]
         values, faults = cls.read_entries(raw)
         return (None, faults) if faults else cls.made(values)
 
@@ -157,7 +154,7 @@ class Declared:
         except ModelError as error:
             return None, list(error.faults)
         except UsageError as error:
-            return None, [Fault(str(error), on_key=True)]
+            return None, [replace(error.fault, on_key=True)]
 
     @classmethod
     def read_entries(cls, raw: Mapping[Any, Any]) -> tuple[dict[str, Any], list[Fault]]:
@@ -188,7 +185,7 @@ class Declared:
         for key in empty:
             if key not in required:
                 text = f"{key} has no value; give one, or leave the entry out"
-                faults.append(Fault(text, (key,), on_key=True, kind=NO_VALUE, about=key))
+                faults.append(Fault(text, (key,), on_key=True, kind="empty-entry", about=key))
         return faults
 
     @classmethod
@@ -196,7 +193,7 @@ class Declared:
         """Fault of a required entry that is not given."""
         called = f"{cls.article or cls.kind} {name}".rstrip()
         text = f"{called} needs {key}: {dict(cls.specs())[key].example}"
-        return Fault(text, on_key=True, kind=MISSING_KEY, about=key)
+        return Fault(text, on_key=True, kind="missing-entry", about=key)
 
     @classmethod
     def spec_beside(cls, name: str, spec: Spec[Any], entries: Mapping[str, Any]) -> Spec[Any]:
@@ -287,7 +284,7 @@ def _run_together(key: Any, known: Iterable[str], raw: Mapping[Any, Any]) -> Fau
     lacks = f'a blank is missing after "{found[1]}:"' if ":" in found[2] else f'a colon is missing after "{found[1]}"'
     text = f"{lacks}; write {found[1]}: {str(key)[found.end() - 1 :]}"
     apart = Remedy(SEPARATE)
-    return Fault(text, (key,), on_key=True, kind=UNKNOWN_KEY, about=str(key), meant=found[1], remedy=apart)
+    return Fault(text, (key,), on_key=True, kind="unknown-entry", about=str(key), meant=found[1], remedy=apart)
 
 
 _FOLDER: ContextVar[Path | None] = ContextVar("folder of the file that is being read", default=None)
@@ -366,10 +363,13 @@ def nearby_file(name: str) -> Path:
     folder = _FOLDER.get()
     if folder is None:
         text = f'the file "{name}" is meant to lie beside the model file, but this model is text without a folder'
-        raise EntryError(f"{text}; save it and load the file, or give the numbers in a list")
+        raise EntryError(f"{text}; save it and load the file, or give the numbers in a list", kind="missing-file")
     pure = PurePosixPath(name.replace("\\", "/"))
     if pure.is_absolute() or PureWindowsPath(name).drive or ".." in pure.parts or "\0" in name:
-        raise EntryError(f'"{name}" leads out of the folder of the model file; put the file beside it or below')
+        raise EntryError(
+            f'"{name}" leads out of the folder of the model file; put the file beside it or below',
+            kind="forbidden-file",
+        )
     path = folder / pure
     recorded = _RECORDED.get()
     try:
@@ -382,11 +382,14 @@ def nearby_file(name: str) -> Path:
     if not there:
         meant = _nearest_file(path) if inside else ""  # what lies elsewhere, behind a link, is not told
         text = f'there is no file "{name}" beside the model file{question(meant)}'
-        raise EntryError(Fault(text, about=pure.name, meant=meant))
+        raise EntryError(Fault(text, about=pure.name, meant=meant, kind="missing-file"))
     if not inside:
-        raise EntryError(f'"{name}" is a link that leads out of the folder of the model file; put the file there')
+        raise EntryError(
+            f'"{name}" is a link that leads out of the folder of the model file; put the file there',
+            kind="forbidden-file",
+        )
     if size > MOST_FILE_BYTES:
-        raise EntryError(f'"{name}" is too large: more than {MOST_FILE_BYTES // 1_000_000} MB')
+        raise EntryError(f'"{name}" is too large: more than {MOST_FILE_BYTES // 1_000_000} MB', kind="too-large")
     return path
 
 

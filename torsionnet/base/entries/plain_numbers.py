@@ -13,11 +13,11 @@ class PlainNumber(Spec[float]):
 
     def coerce(self, raw: object) -> float:
         if isinstance(raw, bool) or not isinstance(raw, int | float | str):
-            raise EntryError(f"expected a number, {got(raw)}")
+            raise EntryError(f"expected a number, {got(raw)}", kind="not-a-number")
         try:
             return float(raw)
         except (ValueError, OverflowError):
-            raise EntryError(f"expected a number, {got(raw)}") from None
+            raise EntryError(f"expected a number, {got(raw)}", kind="not-a-number") from None
 
     def schema(self) -> Schema:
         return {"type": "number", "description": self.description}
@@ -36,7 +36,7 @@ class PlainNumbers(Plural[tuple[float, ...]]):
         raw = raw.tolist() if hasattr(raw, "tolist") else raw
         if not isinstance(raw, list | tuple):
             remedy = Remedy(BRACKET) if isinstance(raw, str) else None
-            raise EntryError(Fault(f"expected a list of numbers, {got(raw)}", remedy=remedy))
+            raise EntryError(Fault(f"expected a list of numbers, {got(raw)}", remedy=remedy, kind="wrong-form"))
         number, values = PlainNumber(self.description), []
         for index, one in enumerate(raw):
             try:

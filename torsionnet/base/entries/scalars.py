@@ -14,7 +14,7 @@ from itertools import pairwise
 from typing import Any, ClassVar, NamedTuple
 
 from torsionnet.base.entries.spec import EntryError, Json, Plural, Schema, Spec, Stored_co, coerce_part
-from torsionnet.base.errors import IN_UNIT, NO_NUMBER, WRITE, EntryPath, Fault, FaultyValueError, Remedy, got
+from torsionnet.base.errors import IN_UNIT, WRITE, EntryPath, Fault, Remedy, fault_of, got
 from torsionnet.base.expression_reading import scalar
 from torsionnet.base.expressions import Expression, Number, Rows, is_beyond_range
 from torsionnet.base.units import DIMENSIONS, expected_unit, parse_quantity, with_forces
@@ -28,17 +28,19 @@ def read_scalar(raw: object, dimension: str | None = None) -> Expression:
     Its written unit must fit ``dimension``, if there is one.
     """
     if raw is None or isinstance(raw, (Mapping, list, tuple)):
-        raise EntryError(_no_scalar(raw, dimension))
+        raise EntryError(_no_scalar(raw, dimension), kind="empty-entry" if raw is None else "not-a-number")
     try:
         value = scalar(raw)
     except (TypeError, ValueError) as error:
-        fault = error.fault if isinstance(error, FaultyValueError) else Fault(str(error))
-        if dimension not in (None, "1") and fault.kind != NO_NUMBER:
+        fault = fault_of(error, "not-a-number")
+        if dimension not in (None, "1") and fault.kind != "not-a-number":
             fault = replace(fault, message=f"{fault.message}; expected {_wanted(dimension)}")
         raise EntryError(fault) from None
     # Not even squares of some numbers can be calculated.
     if isinstance(value, Number) and is_beyond_range(value.value):
-        raise EntryError(f"{value} is far outside the sizes of drivetrains and their tests; check its unit")
+        raise EntryError(
+            f"{value} is far outside the sizes of drivetrains and their tests; check its unit", kind="implausible-size"
+        )
     return value if dimension is None else check_unit(value, dimension)
 
 
@@ -75,7 +77,7 @@ def check_unit(value: Expression, dimension: str) -> Expression:
     if forces != value.text and parse_quantity(forces).dimension == wanted:
         msg += f"; lb, oz and kg are masses, lbf, ozf and kgf forces: write {forces}"
         remedy = Remedy(WRITE, forces, old=written)
-    raise EntryError(Fault(msg, remedy=remedy))
+    raise EntryError(Fault(msg, remedy=remedy, kind="wrong-unit"))
 
 
 def _wanted(dimension: str) -> str:
@@ -194,14 +196,17 @@ class Value(Spec[float]):
     def coerce(self, raw: object) -> float:
         value = read_scalar(raw, self.dimension)
         if not isinstance(value, Number):
-            raise EntryError(f'expected a number with unit; "{value}" is an expression of parameters')
+            raise EntryError(
+                f'expected a number with unit; "{value}" is an expression of parameters', kind="expression-not-allowed"
+            )
         number = float(value.value)
         if self.below is not None and number >= self.below:
             share = f" ({100 * self.below:g} %)" if self.dimension == "1" else ""
-            raise EntryError(f"must be less than {self.below:g}{share}, {got(raw)}")
+            raise EntryError(f"must be less than {self.below:g}{share}, {got(raw)}", kind="out-of-range")
         if self.lower is not None and (number < self.lower or (self.exclusive and number == self.lower)):
             raise EntryError(
-                f"must {'be greater than' if self.exclusive else 'not be less than'} {self.lower:g}, {got(raw)}"
+                f"must {'be greater than' if self.exclusive else 'not be less than'} {self.lower:g}, {got(raw)}",
+                kind="out-of-range",
             )
         return number
 
@@ -230,9 +235,11 @@ class ValueInUnitOfUse(Spec[Number]):
         try:
             number = scalar(raw)
         except (TypeError, ValueError) as error:
-            raise EntryError(error.fault if isinstance(error, FaultyValueError) else str(error)) from None
+            raise EntryError(fault_of(error, "not-a-number")) from None
         if not isinstance(number, Number):
-            raise EntryError(f'expected a number with unit; "{number}" is an expression of parameters')
+            raise EntryError(
+                f'expected a number with unit; "{number}" is an expression of parameters', kind="expression-not-allowed"
+            )
         Value(self.description, "1", self.lower, self.exclusive).coerce(Fraction(number.value))
         return number
 
@@ -253,7 +260,7 @@ class AnyNumber(Spec[float]):
     def coerce(self, raw: object) -> float:
         value = read_scalar(raw)
         if not isinstance(value, Number):
-            raise EntryError(f"expected a number with unit, {got(raw)}")
+            raise EntryError(f"expected a number with unit, {got(raw)}", kind="not-a-number")
         return float(value.value)
 
     def plain(self, value: float) -> int | float | str:
@@ -310,16 +317,19 @@ def parse_band(raw: object, *, from_zero: bool = False) -> tuple[float, float]:
     else:
         match = _BAND.fullmatch(raw) if isinstance(raw, str) else None
         if match is None:
-            raise EntryError(f"expected a band such as {BAND_FORMS}, {got(raw)}")
+            raise EntryError(f"expected a band such as {BAND_FORMS}, {got(raw)}", kind="wrong-form")
         unit = match[4] or "Hz"  # that of the upper frequency holds for both
         edges = f"{match[1]} {match[2] or unit}", f"{match[3]} {unit}"
     low, high = (_FREQUENCY.coerce(edge) for edge in edges)
     is_at_zero = from_zero and low == 0
     if not (0 < low < high or (is_at_zero and high > 0)):
         above = "" if from_zero else ", both above 0"
-        raise EntryError(f"a band goes from a lower to a higher frequency{above}, as in {BAND_FORMS}; {got(raw)}")
+        raise EntryError(
+            f"a band goes from a lower to a higher frequency{above}, as in {BAND_FORMS}; {got(raw)}",
+            kind="unordered-rows",
+        )
     if not ((low >= LOWEST_HZ or is_at_zero) and low < high <= HIGHEST_HZ):
-        raise EntryError(f"a band lies between {LOWEST_HZ:g} and {HIGHEST_HZ:g} Hz, {got(raw)}")
+        raise EntryError(f"a band lies between {LOWEST_HZ:g} and {HIGHEST_HZ:g} Hz, {got(raw)}", kind="out-of-range")
     return low, high
 
 
@@ -378,7 +388,9 @@ class NumberTable(Spec[Stored_co]):
         rows = tuple(self._row(row, index) for index, row in enumerate(self.listed(raw)))
         for index, (row, following) in enumerate(pairwise(rows), 1):
             if following[0].value <= row[0].value:
-                raise EntryError(f"the {self.columns[0].name} must increase from row to row", (index, 0))
+                raise EntryError(
+                    f"the {self.columns[0].name} must increase from row to row", (index, 0), kind="unordered-rows"
+                )
         return rows
 
     def listed(self, raw: object) -> Sequence[object]:
@@ -386,12 +398,12 @@ class NumberTable(Spec[Stored_co]):
         raw = raw.tolist() if hasattr(raw, "tolist") else raw
         if isinstance(raw, str | Mapping) or not isinstance(raw, Sequence) or len(raw) < self.fewest:
             written = _as_rows(raw) if isinstance(raw, Mapping) else ""
-            raise EntryError(f"expected {self.example}{written}; {got(raw)}")
+            raise EntryError(f"expected {self.example}{written}; {got(raw)}", kind="wrong-form")
         return raw
 
     def _row(self, row: object, index: int) -> tuple[Number, ...]:
         if isinstance(row, str) or not isinstance(row, Sequence) or len(row) != len(self.columns):
-            raise EntryError(f"a row is {self._row_text}, {got(row)}", (index,))
+            raise EntryError(f"a row is {self._row_text}, {got(row)}", (index,), kind="wrong-form")
         return tuple(self._cell(cell, index, place) for place, cell in enumerate(row))
 
     def _cell(self, cell: object, index: int, place: int) -> Number:
@@ -401,14 +413,14 @@ class NumberTable(Spec[Stored_co]):
         except EntryError as error:
             raise EntryError(error.fault.under(index, place)) from None
         if not isinstance(value, Number):
-            raise EntryError("a table holds numbers, not expressions", (index, place))
+            raise EntryError("a table holds numbers, not expressions", (index, place), kind="expression-not-allowed")
         if not column.negative and value.value < 0:
-            raise EntryError(f"{column.name} must not be negative", (index, place))
+            raise EntryError(f"{column.name} must not be negative", (index, place), kind="out-of-range")
         if not column.zero and value.value == 0:
-            raise EntryError(f"{column.name} must be greater than 0", (index, place))
+            raise EntryError(f"{column.name} must be greater than 0", (index, place), kind="out-of-range")
         if is_beyond_range(float(value.value)):
             text = f"{float(value.value):g} is far outside the sizes of drivetrains; check its unit"
-            raise EntryError(text, (index, place))
+            raise EntryError(text, (index, place), kind="implausible-size")
         return value
 
     def plain(self, value: Any) -> Json:

@@ -12,7 +12,7 @@ from dataclasses import MISSING, Field, dataclass, field, fields, is_dataclass, 
 from numbers import Integral
 from typing import Any, ClassVar, Generic, TypeAlias, TypeVar, cast, overload
 
-from torsionnet.base.errors import INVALID_NAME, QUOTE, WRITE, EntryPath, Fault, Remedy, got, unfit_word
+from torsionnet.base.errors import QUOTE, WRITE, EntryPath, Fault, Remedy, got, unfit_word
 from torsionnet.base.expressions import Expression
 
 
@@ -129,9 +129,9 @@ Stored_co = TypeVar("Stored_co", covariant=True)
 class EntryError(ValueError):
     """Error of a value that does not fit its entry; paths of its faults are relative to the entry."""
 
-    def __init__(self, message: str | Fault | Iterable[Fault], path: EntryPath = ()) -> None:
+    def __init__(self, message: str | Fault | Iterable[Fault], path: EntryPath = (), *, kind: str = "") -> None:
         if isinstance(message, str):
-            message = Fault(message, path)
+            message = Fault(message, path, kind=kind)
         self.faults: list[Fault] = [message] if isinstance(message, Fault) else list(message)
         super().__init__(self.fault.message)
 
@@ -316,7 +316,7 @@ def single_name_fault(name: str) -> Fault | None:
 
 def _no_name(name: str) -> Fault:
     text = f'"{name}" is not a valid name; use letters, digits and _, beginning with a letter'
-    return Fault(text, kind=INVALID_NAME, about=name)
+    return Fault(text, kind="invalid-name", about=name)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -327,7 +327,7 @@ class Text(Spec[str]):
 
     def coerce(self, raw: object) -> str:
         if not isinstance(raw, str):
-            raise EntryError(Fault(f"expected {self.what}, {got(raw)}", remedy=Remedy(QUOTE)))
+            raise EntryError(Fault(f"expected {self.what}, {got(raw)}", remedy=Remedy(QUOTE), kind="wrong-form"))
         return raw
 
     def schema(self) -> Schema:
@@ -347,7 +347,7 @@ class OneOf(Spec[str]):
     def coerce(self, raw: object) -> str:
         if raw not in self.options:
             text = f"expected {' or '.join(self.options)}, {got(raw)}"
-            raise EntryError(unfit_word(text, raw, self.options) if isinstance(raw, str) else text)
+            raise EntryError(unfit_word(text, str(raw), self.options))
         return str(raw)
 
     def schema(self) -> Schema:
@@ -367,7 +367,9 @@ class Count(Spec[int]):
 
     def coerce(self, raw: object) -> int:
         if isinstance(raw, bool) or not isinstance(raw, Integral) or not self.lower <= int(raw) <= self.upper:
-            raise EntryError(f"expected a whole number from {self.lower} to {self.upper}, {got(raw)}")
+            raise EntryError(
+                f"expected a whole number from {self.lower} to {self.upper}, {got(raw)}", kind="out-of-range"
+            )
         return int(raw)
 
     def schema(self) -> Schema:
@@ -384,7 +386,7 @@ class Flag(Spec[bool]):
     def coerce(self, raw: object) -> bool:
         if not isinstance(raw, bool):
             remedy = Remedy(WRITE, _TRUTH[raw.lower()]) if isinstance(raw, str) and raw.lower() in _TRUTH else None
-            raise EntryError(Fault(f"expected true or false, {got(raw)}", remedy=remedy))
+            raise EntryError(Fault(f"expected true or false, {got(raw)}", remedy=remedy, kind="wrong-form"))
         return raw
 
     def schema(self) -> Schema:

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from torsionnet.base.entries.declared import version_faults
-from torsionnet.base.errors import MISSING_KEY, Fault, ModelError, TorsionnetError, UsageError, did_you_mean
+from torsionnet.base.errors import Fault, ModelError, TorsionnetError, UsageError, did_you_mean
 from torsionnet.base.packages import NotebookResult, imported
 from torsionnet.base.table import Column, Table
 from torsionnet.base.version import __version__
@@ -312,7 +312,7 @@ def _records(plan: CampaignFile, model: Drivetrain, folder: Path) -> Iterator[Fa
             known = ", ".join(model.configurations[:MOST_NAMED])
             more = "" if len(model.configurations) <= MOST_NAMED else ", ..."
             text = f"a record is of one configuration of the model: name one of {known}{more}"
-            yield Fault(text, ("records", name), on_key=True, kind=MISSING_KEY, about="configuration")
+            yield Fault(text, ("records", name), on_key=True, kind="missing-entry", about="configuration")
         if record.configuration:
             try:
                 model.configured(record.configuration)

@@ -10,7 +10,7 @@ from torsionnet.base.entries.composite import Listed, Named, Nested
 from torsionnet.base.entries.declared import KEY, Declared
 from torsionnet.base.entries.scalars import Band, Bands, Value
 from torsionnet.base.entries.spec import MODEL_NAME, Count, Flag, OneOf, Text, entry
-from torsionnet.base.errors import MISSING_KEY, EntryPath, Fault, TorsionnetError, UsageError
+from torsionnet.base.errors import EntryPath, Fault, TorsionnetError, UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.identification.plan.fit_entries import (
     QUANTITIES,
@@ -323,7 +323,7 @@ class CampaignFile(Declared):
         found = super().key_faults(raw, name)
         if not {"orders", "responses"} & set(raw):
             text = "a campaign needs orders, of turning machines, or responses, of a rig that is shaken or hammered"
-            found.append(Fault(text, on_key=True, kind=MISSING_KEY, about="orders"))
+            found.append(Fault(text, on_key=True, kind="missing-entry", about="orders"))
         if "orders" in raw and not raw.get("wheels"):
             found.append(cls.missing("wheels", name))
         return found

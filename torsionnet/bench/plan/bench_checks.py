@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from torsionnet.base.entries.scalars import check_unit
 from torsionnet.base.entries.spec import EntryError, not_none
-from torsionnet.base.errors import MISSING_KEY, EntryPath, Fault, UsageError, did_you_mean
+from torsionnet.base.errors import EntryPath, Fault, UsageError, did_you_mean
 from torsionnet.base.expressions import Number
 from torsionnet.base.units import RPM
 from torsionnet.bench.plan.bench_motions import BenchMotion, CoastDown, GivenSpeed, RunUp, SteadyPoints
@@ -219,7 +219,7 @@ def _channel(name: str, part: Sensing, plan: Plan, definition: Definition) -> It
         return
     if plan.acquisition.bits is not None and part.range is None:
         text = f"an analog input of {plan.acquisition.bits} bits divides a range; give the transducer one"
-        yield Fault(text, on_key=True, kind=MISSING_KEY, about="range")
+        yield Fault(text, on_key=True, kind="missing-entry", about="range")
     for place, value in _in_unit_of_use(part).items():
         try:
             if value is not None:

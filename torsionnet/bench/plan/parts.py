@@ -11,7 +11,7 @@ from torsionnet.base.entries.composite import Listed, Nested
 from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.scalars import SCALAR_SCHEMA, Value, ValueInUnitOfUse, plain_number
 from torsionnet.base.entries.spec import Count, EntryError, Flag, Json, OneOf, Schema, Spec, coerce_part, entry
-from torsionnet.base.errors import MISSING_KEY, Fault, got
+from torsionnet.base.errors import Fault, got
 from torsionnet.base.expressions import Number
 from torsionnet.model.channels import ChannelName, RecordedName
 
@@ -406,7 +406,7 @@ class ToothedWheel(Declared):
         found = []
         if not self.teeth:
             text = "a toothed wheel needs teeth: 60, or wheel: the channel of the wheel's first pickup"
-            found.append(Fault(text, on_key=True, kind=MISSING_KEY, about="teeth"))
+            found.append(Fault(text, on_key=True, kind="missing-entry", about="teeth"))
         elif self.missing_teeth and self.missing_teeth >= self.teeth - 1:
             text = f"a wheel of {self.teeth} teeth cannot lack {self.missing_teeth}"
             found.append(Fault(text, ("missing_teeth",)))

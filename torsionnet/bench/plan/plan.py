@@ -9,7 +9,7 @@ from typing import ClassVar, TypeAlias
 from torsionnet.base.entries.composite import Named, Nested, Typed
 from torsionnet.base.entries.declared import KEY, Declared
 from torsionnet.base.entries.spec import MODEL_NAME, Count, Text, entry
-from torsionnet.base.errors import MISSING_KEY, Fault
+from torsionnet.base.errors import Fault
 from torsionnet.bench.plan.bench_motions import MOTIONS, BenchMotion
 from torsionnet.bench.plan.parts import (
     Acquisition,
@@ -93,7 +93,7 @@ class Plan(Declared):
     def contradictions(self) -> list[Fault]:
         if self.excitation is None and self.motion is None:
             text = f"a bench needs excitation: {SWEEP}, which shakes, or motion: {RUN_UP}, which turns"
-            return [Fault(text, on_key=True, kind=MISSING_KEY, about="excitation")]
+            return [Fault(text, on_key=True, kind="missing-entry", about="excitation")]
         if self.motion is None:
             return list(self._of_motion_only())
         found = []

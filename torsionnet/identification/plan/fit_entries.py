@@ -10,7 +10,7 @@ from torsionnet.base.entries.composite import Listed, Named, Nested, PairOf
 from torsionnet.base.entries.declared import KEY, Declared
 from torsionnet.base.entries.scalars import AnyNumber, Band, Bands, Value
 from torsionnet.base.entries.spec import MODEL_NAME, Count, Flag, OneOf, Schema, Text, entry
-from torsionnet.base.errors import MISSING_KEY, Fault
+from torsionnet.base.errors import Fault
 from torsionnet.machinery.excitations.speed_range import SpeedBand
 
 _ORDER = Value("vibrations per revolution", "1", exclusive=True, below=10_000)
@@ -149,7 +149,7 @@ class FitMeasurement(Declared):
         given = [key for key in self.SOURCES if getattr(self, key) is not None]
         if len(given) != 1:
             text = f"a measurement needs one of record, response and orders: {dict(self.specs())['record'].description}"
-            return [Fault(text, on_key=True, kind=MISSING_KEY, about="record")]
+            return [Fault(text, on_key=True, kind="missing-entry", about="record")]
         wrong, why = self.ONLY_OF_ORDERS, "belongs to measured orders"
         if self.orders is not None:
             wrong, why = self.NOT_OF_ORDERS, "does not belong to orders, which the excitations of the model cause"

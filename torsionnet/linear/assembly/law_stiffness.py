@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.base.errors import UsageError, did_you_mean
+from torsionnet.base.errors import UsageError, unknown_name
 from torsionnet.base.expressions import exact
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray, RowSystem
@@ -343,8 +343,8 @@ def functional(drivetrain: AssembledModel, sensor: Sensor, name: str = "") -> Fu
                 what, declared = "element", tuple(definition.elements)
             if one in declared:
                 text = f'{what} "{one}" is switched off in this configuration; nothing can be measured there'
-                raise UsageError(text)
-            raise UsageError(f'no {what} is named "{one}"{did_you_mean(one, known)}')
+                raise UsageError(text, kind="switched-off")
+            raise UsageError(unknown_name(what, one, known))
     laws = ((owner, law.row) for owner, law in zip(assembly.owners, assembly.laws, strict=True))
     values = Values(drivetrain.exact_values)
     actions = ((one.owner, one.nodes) for one in assembly.system.actions)

@@ -22,7 +22,9 @@ class CatalogueEntry(Spec["CatalogueRow"]):
 
         if isinstance(raw, CatalogueRow):
             return raw
-        raise EntryError(f"by its name a catalogue is found beside a model file; in Python give Path({raw!r})")
+        raise EntryError(
+            f"by its name a catalogue is found beside a model file; in Python give Path({raw!r})", kind="missing-file"
+        )
 
     def plain(self, value: Any) -> str:
         return str(value.file)
@@ -41,7 +43,7 @@ class SizeName(Spec[str]):
 
     def coerce(self, raw: object) -> str:
         if isinstance(raw, bool) or not isinstance(raw, str | int | float):
-            raise EntryError(f"expected the size as the catalogue names it, {got(raw)}")
+            raise EntryError(f"expected the size as the catalogue names it, {got(raw)}", kind="wrong-form")
         return str(raw)
 
     def schema(self) -> Schema:

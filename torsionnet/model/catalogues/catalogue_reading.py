@@ -51,7 +51,7 @@ def read_catalogue(path: str | os.PathLike[str]) -> Catalogue:
     """
     found = Path(path)
     if not found.is_file():
-        raise UsageError(f'there is no file "{path}"')
+        raise UsageError(f'there is no file "{path}"', kind="missing-file")
     stat = found.stat()
     return Catalogue(found, tuple(row.size for row in _rows(found, stat.st_mtime_ns, stat.st_size)))
 
@@ -74,7 +74,7 @@ def catalogue_row(path: Path, file: str, size: str) -> CatalogueRow:
         lines = [row.cells[0].place.line for row in found]
         first = found[1].cells[0].place
         text = f'{len(found)} rows are of size "{size}", in lines {", ".join(map(str, lines))}; each size has one'
-        raise ModelError([Fault(text, position=first)], file)
+        raise ModelError([Fault(text, position=first, kind="repeated-name")], file)
     return CatalogueRow(file, size, found[0].cells, path)
 
 
@@ -83,7 +83,7 @@ def _unknown(size: str, names: Iterable[str], file: str) -> Fault:
     meant = nearest(size, known)
     shown = comma_list(known, MOST_NAMED, ", ...")
     hint = f'; did you mean "{meant}"? It has {shown}' if meant else f"; it has {shown}"
-    return Fault(f'{file} has no size "{size}"{hint}', (SIZE,))
+    return Fault(f'{file} has no size "{size}"{hint}', (SIZE,), kind="unknown-name")
 
 
 @lru_cache(maxsize=16)
@@ -94,11 +94,16 @@ def _rows(path: Path, changed: int, length: int) -> tuple[CatalogueRow, ...]:
     head, *rest = grid.rows
     names = [named_unit(cell.text) for cell in head]
     place = next((index for index, (name, _) in enumerate(names) if name.casefold() == SIZE), None)
-    faults = [grid.fault(f'two columns are named "{name}"; rename one', head[[one for one, _ in names].index(name)])
+    faults = [grid.fault(f'two columns are named "{name}"; rename one', head[[one for one, _ in names].index(name)],
+                         kind="repeated-name")
               for name, count in Counter(name for name, _ in names if name).items() if count > 1]  # fmt: skip
     if place is None:
         faults.append(
-            grid.fault('the catalogue has no column "size", by which a model names its rows; add it', head[0])
+            grid.fault(
+                'the catalogue has no column "size", by which a model names its rows; add it',
+                head[0],
+                kind="missing-column",
+            )
         )
     units = [_unit(grid, cell, unit, faults) for cell, (_, unit) in zip(head, names, strict=True)]
     numbers = [cell for row in rest for cell in row if is_like_number(cell.text)]
@@ -113,9 +118,7 @@ def _rows(path: Path, changed: int, length: int) -> tuple[CatalogueRow, ...]:
             name, unit = names[index][0], units[index]
             if cell.text and name:
                 raw = cell.text if index == place else _raw(cell.text, unit, decimal)
-                where, heading = grid.fault("", cell).position, grid.fault("", head[index]).position
-                assert where is not None
-                assert heading is not None
+                where, heading = grid.position(cell), grid.position(head[index])
                 cells.append(CatalogueCell(name, raw, unit is not None, is_like_number(raw), where, heading))
         size = row[place].text if place < len(row) else ""
         if size:
@@ -130,10 +133,14 @@ def _unit(grid: CellGrid, cell: Cell, text: str, faults: list[Fault]) -> str | N
     try:
         unit = sheet_unit(text)
     except UnitError as error:
-        faults.append(grid.fault(str(error), cell))
+        faults.append(grid.fault(str(error), cell, kind=error.kind))
         return None
     if unit.power:
-        faults.append(grid.fault(f'the unit "{text}" has a power of ten; write another unit, as MN*m/rad', cell))
+        faults.append(
+            grid.fault(
+                f'the unit "{text}" has a power of ten; write another unit, as MN*m/rad', cell, kind="wrong-unit"
+            )
+        )
     return unit.text
 
 
@@ -171,14 +178,28 @@ def chosen_row(entries: Mapping[str, Any]) -> tuple[CatalogueRow | None, list[Fa
     if isinstance(file, CatalogueRow):
         return file, []
     if file is None:
-        lone = Fault("a size is looked up in a catalogue; add catalogue: couplings.csv", (SIZE,), on_key=True)
+        lone = Fault(
+            "a size is looked up in a catalogue; add catalogue: couplings.csv",
+            (SIZE,),
+            on_key=True,
+            kind="missing-entry",
+        )
         return None, [lone] if SIZE in entries else []
     if isinstance(file, Catalogue):
         return chosen_row({**entries, CATALOGUE: file.path})
     if not isinstance(file, str | Path):
-        return None, [Fault(f"expected the name of a catalogue, as couplings.csv, {got(file)}", (CATALOGUE,))]
+        return None, [
+            Fault(f"expected the name of a catalogue, as couplings.csv, {got(file)}", (CATALOGUE,), kind="wrong-form")
+        ]
     if size is None:
-        return None, [Fault("a catalogue needs the size that is meant, as size: A350", (CATALOGUE,), on_key=True)]
+        return None, [
+            Fault(
+                "a catalogue needs the size that is meant, as size: A350",
+                (CATALOGUE,),
+                on_key=True,
+                kind="missing-entry",
+            )
+        ]
 
     try:
         path = file if isinstance(file, Path) else _path(file)
@@ -186,14 +207,16 @@ def chosen_row(entries: Mapping[str, Any]) -> tuple[CatalogueRow | None, list[Fa
     except EntryError as error:
         return None, [fault.under(CATALOGUE) for fault in error.faults]
     except OSError as error:
-        return None, [Fault(f"{file} cannot be read: {error.strerror or error}", (CATALOGUE,))]
+        return None, [Fault(f"{file} cannot be read: {error.strerror or error}", (CATALOGUE,), kind="unreadable-file")]
     except ModelError as error:
         told = [] if any(fault.path for fault in error.faults) else [_useless(str(file), len(error.faults))]
         return None, [*told, *error.faults]
 
 
 def _useless(file: str, count: int) -> Fault:
-    return Fault(f"{file} cannot be used; {count} fault{'s' if count > 1 else ''} in it", (CATALOGUE,))
+    return Fault(
+        f"{file} cannot be used; {count} fault{'s' if count > 1 else ''} in it", (CATALOGUE,), kind="unreadable-file"
+    )
 
 
 def _path(file: str) -> Path:
@@ -204,7 +227,7 @@ def _path(file: str) -> Path:
         meant = nearest(file, shipped)
         hint = question(meant) or f"; there are {', '.join(shipped)}"
         text = f'no catalogue that comes with the package is named "{file}"{hint} (a file ends in .csv)'
-        raise EntryError(Fault(text, about=file, meant=meant))
+        raise EntryError(Fault(text, about=file, meant=meant, kind="unknown-name"))
     return nearby_file(file)
 
 
@@ -243,7 +266,10 @@ def entries_of_other_size(
     after, faults = row_entries(new, specs, {})
     kept = {name for name, raw in before.items() if specs[name].coerce(raw) != stored[name]}
     lacking = [name for name in before if name not in after and name not in kept]
-    faults += [Fault(f"{row.file} has no {name} of size {size}, but of {row.size}", (SIZE,)) for name in lacking]
+    faults += [
+        Fault(f"{row.file} has no {name} of size {size}, but of {row.size}", (SIZE,), kind="empty-entry")
+        for name in lacking
+    ]
     return {CATALOGUE: new, **{name: raw for name, raw in after.items() if name not in kept}}, faults
 
 
@@ -253,7 +279,7 @@ def cell_value(cell: CatalogueCell, spec: Spec[object], faults: list[Fault]) -> 
     if dimension != "1" and cell.is_number and not cell.has_unit:
         example = f"{cell.column} [{expected_unit(dimension)}]"
         text = f'the column "{cell.column}" has no unit; write its heading as {example}, in the unit it has'
-        faults.append(Fault(text, position=cell.heading))
+        faults.append(Fault(text, position=cell.heading, kind="missing-unit"))
         return None
     raw: Any = cell.raw
     if not hasattr(spec, "dimension"):
@@ -261,5 +287,5 @@ def cell_value(cell: CatalogueCell, spec: Spec[object], faults: list[Fault]) -> 
     try:
         spec.coerce(raw)
     except EntryError as error:
-        faults.append(Fault(error.fault.message, position=cell.place))
+        faults.append(error.fault.at(cell.place))
     return raw

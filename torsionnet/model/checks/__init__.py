@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
-from torsionnet.base.errors import USELESS, Fault
+from torsionnet.base.errors import Fault
 from torsionnet.base.packages import gc_paused
 from torsionnet.model.checks import names, values
 from torsionnet.model.checks.names import at_override
@@ -22,6 +22,10 @@ from torsionnet.model.parameters import resolve
 MOST_COMBINATIONS = 64
 """Largest number of configurations that are all checked, as the time grows with the product of the alternatives; with
 more, each alternative is checked alone."""
+
+
+_USELESS = ("no-effect", "indeterminate-torque")
+"""Kinds of faults of an entry that cannot be used in this configuration, while another may allow it."""
 
 
 @gc_paused()
@@ -38,9 +42,9 @@ def check_definition(definition: Definition) -> list[Fault]:
     base, axes = check_structure(definition, known), definition.configurations
     others = {label(choice, axes): _of_choice(definition, choice) for choice in choices(definition)}
     # An entry of the base model that no configuration can use either is an error.
-    useless = {fault.path for fault in base if fault.kind == USELESS}
+    useless = {fault.path for fault in base if fault.kind in _USELESS}
     for found in others.values():
-        useless &= {fault.path for fault in found if fault.kind == USELESS}
+        useless &= {fault.path for fault in found if fault.kind in _USELESS}
     faults += [replace(fault, severity="error") if fault.path in useless else fault for fault in base]
     for name, found in others.items():
         faults += _in_configuration(name, found, faults)

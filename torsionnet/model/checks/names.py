@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.base.errors import UNUSED, EntryPath, Fault, ModelError, comma_list, nearest, question, unknown_name
+from torsionnet.base.errors import EntryPath, Fault, ModelError, comma_list, nearest, question, unknown_name
 from torsionnet.base.expressions import Expression
 from torsionnet.base.packages import imported
 from torsionnet.base.phrases import ModelName, phrase
@@ -111,7 +111,7 @@ def _no_section(definition: Definition, name: str, path: EntryPath) -> Fault:
             f"a configuration does not change entries of {name}:; it may change parameters, and entries of elements, "
         )
         text += "excitations, scenarios, load: and speeds: (box.engaged, engine.misfire, fault.phases, load.power, "
-        return Fault(text + "speeds.range)", path, on_key=True)
+        return Fault(text + "speeds.range)", path, on_key=True, kind="missing-entry")
     owner, _, entry = name.partition(".")
     outer = section_of(definition, name) if entry else None
     if outer is not None:
@@ -119,9 +119,13 @@ def _no_section(definition: Definition, name: str, path: EntryPath) -> Fault:
         if entry not in known_entries:
             return unknown_name(f"entry of {owner}", entry, known_entries, path, on_key=True)
         whole = f"write {owner}.{entry}: {{...}} with all its entries"
-        return Fault(f"a configuration changes {entry} of {owner} as a whole; {whole}", path, on_key=True)
+        return Fault(
+            f"a configuration changes {entry} of {owner} as a whole; {whole}", path, on_key=True, kind="fixed-entry"
+        )
     if name in definition.limits:
-        return Fault(f"{name} is a limit; limits are the same in all configurations", path, on_key=True)
+        return Fault(
+            f"{name} is a limit; limits are the same in all configurations", path, on_key=True, kind="fixed-entry"
+        )
     sections = [key for key in SINGLE_SECTIONS if getattr(definition, key)]
     known = [*definition.excitations, *definition.elements, *definition.scenarios, *sections]
     return unknown_name("element, excitation or scenario", name, known, path, on_key=True)
@@ -152,13 +156,13 @@ def _moved(before: Element, after: Element, changes: Mapping[str, Any]) -> Itera
     """Faults of elements that an alternative switches by an entry or moves to other nodes, which it may not."""
     if before.enabled != after.enabled:
         text = phrase("write on: [{0}] or off: [{0}] to switch an element", ModelName(before.name))
-        yield Fault(text, ("enabled",), on_key=True)
+        yield Fault(text, ("enabled",), on_key=True, kind="fixed-entry")
     if before.ports != after.ports:
         text = phrase(
             "a configuration does not move {} to other nodes; write two elements, and switch them with on: and off:",
             ModelName(before.name),
         )
-        yield Fault(text, (next(iter(changes)),), on_key=True)
+        yield Fault(text, (next(iter(changes)),), on_key=True, kind="fixed-entry")
 
 
 MOST_HINTS = 20
@@ -171,7 +175,7 @@ def _nodes(definition: Definition) -> dict[str, None]:
 
 def _unknown_node(name: str, nodes: Collection[str], path: EntryPath, *, on_key: bool = False) -> Fault:
     if name == GROUND:
-        return Fault("ground does not move; name a node", path, on_key=on_key)
+        return Fault("ground does not move; name a node", path, on_key=on_key, kind="grounded-node")
     return unknown_name("node", name, nodes, path, on_key=on_key)
 
 
@@ -226,7 +230,9 @@ def unused_parameters(definition: Definition) -> list[Fault]:
     for name in definition.parameters:
         if name not in used:
             text = phrase('parameter "{}" is not used', ModelName(name))
-            faults.append(Fault(text, ("parameters", name), "warning", on_key=True, kind=UNUSED, about=name))
+            faults.append(
+                Fault(text, ("parameters", name), "warning", on_key=True, kind="unused-parameter", about=name)
+            )
     return faults
 
 
@@ -305,13 +311,17 @@ def unknown_elements(definition: Definition) -> list[Fault]:
                 faults.append(replace(unfit, path=("sensors", name, "at")))
         reason = section_fault(element) if sensor.quantity == "stress" else None
         if reason:
-            faults.append(Fault(reason, path))
+            faults.append(Fault(reason, path, kind="unfit-channel"))
     return faults
 
 
 def _no_element(name: str, definition: Definition, path: EntryPath) -> Fault:
     if name in _nodes(definition):
-        return Fault(phrase('"{}" is a node, no element; a torque is taken through an element', ModelName(name)), path)
+        return Fault(
+            phrase('"{}" is a node, no element; a torque is taken through an element', ModelName(name)),
+            path,
+            kind="unknown-element",
+        )
     return unknown_name("element", name, definition.elements, path)
 
 
@@ -331,7 +341,10 @@ def unknown_in_configurations(definition: Definition) -> list[Fault]:
                         faults.append(unknown_name("element", name, definition.elements, (*path, switch, index)))
             both = set(overlay.on) & set(overlay.off)
             text = "{} is switched on and off at once"
-            faults += [Fault(phrase(text, ModelName(name)), (*path, "off")) for name in sorted(both)]
+            faults += [
+                Fault(phrase(text, ModelName(name)), (*path, "off"), kind="contradicting-entries")
+                for name in sorted(both)
+            ]
     return faults
 
 
@@ -349,7 +362,9 @@ def competing_axes(definition: Definition) -> list[Fault]:
                         ModelName(homes[name]),
                     )
                     key = "on" if name in overlay.on else "off" if name in overlay.off else name
-                    faults.append(Fault(text, ("configurations", axis, label, key), on_key=True, about=name))
+                    faults.append(
+                        Fault(text, ("configurations", axis, label, key), on_key=True, about=name, kind="repeated-name")
+                    )
     return faults
 
 
@@ -364,12 +379,12 @@ def hidden_names(definition: Definition) -> list[Fault]:
                 what = "a measured input" if table == "sensors" else channel_words(channel)
                 said = '"{}" is also a node; as input= it means {}, as output= {}, not the node'
                 text = phrase(said, ModelName(name), what, channel_words(channel))
-                faults.append(Fault(text, (table, name), "warning", on_key=True))
+                faults.append(Fault(text, (table, name), "warning", on_key=True, kind="misleading-name"))
     for name in definition.sensors:
         if name in definition.inputs:
             said = '"{}" is a sensor and an input; as input= it means the excitation, as output= the sensor'
             text = phrase(said, ModelName(name))
-            faults.append(Fault(text, ("sensors", name), "warning", on_key=True))
+            faults.append(Fault(text, ("sensors", name), "warning", on_key=True, kind="misleading-name"))
     return faults
 
 
@@ -395,7 +410,7 @@ def dead_ends(definition: Definition) -> list[Fault]:
             said = 'only {} is attached to node "{}"{}; it carries no torque there'
             text = phrase(said, ModelName(names[0]), ModelName(node), question(meant))
             place = ("elements", names[0])
-            faults.append(Fault(text, place, "warning", on_key=True, about=node, meant=meant))
+            faults.append(Fault(text, place, "warning", on_key=True, about=node, meant=meant, kind="dead-end"))
     return faults
 
 

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.base.errors import USELESS, EntryPath, Fault, ModelError, UsageError, unknown_name
+from torsionnet.base.errors import EntryPath, Fault, ModelError, UsageError, unknown_name
 from torsionnet.base.expressions import Expression
 from torsionnet.base.packages import imported
 from torsionnet.base.phrases import ModelName, phrase
@@ -79,7 +79,7 @@ def _unbalanced(given: Mapping[str, float], done: Mapping[str, float]) -> list[F
     text = (
         f"the mean torques ({listed}) leave {over:.4g} N*m over at {last}, and a load acts against the rotation{hint}"
     )
-    return [Fault(text, ("operating_point", "torque"), "warning", on_key=True)]
+    return [Fault(text, ("operating_point", "torque"), "warning", on_key=True, kind="unbalanced-torques")]
 
 
 SAME_TORQUE_SHARE = 0.01
@@ -112,12 +112,12 @@ def unfit_load(external: ExternalTorques) -> list[Fault]:
         for speed in _extremes(definition):
             external.at(speed)
     except CutOffError as error:
-        return [Fault(str(error), ("load",), "note", on_key=True, kind=USELESS)]
+        return [Fault(str(error), ("load",), "note", on_key=True, kind="no-effect")]
     except UsageError as error:
-        return [Fault(str(error), ("load",), on_key=True)]
+        return [Fault(str(error), ("load",), on_key=True, kind="missing-entry")]
     if at < 0:
         text = f"with a load, {external.reference} turns in the positive sense: its mean speed must not be negative"
-        return [Fault(text, ("operating_point", "speed"), on_key=True)]
+        return [Fault(text, ("operating_point", "speed"), on_key=True, kind="out-of-range")]
     return list(_contradicted(external, torques, at))
 
 
@@ -131,7 +131,7 @@ def _contradicted(external: ExternalTorques, torques: Mapping[str, float], at: f
     apart = [node for node in stated if node in torques and not _agree(stated[node], torques[node])]
     for node in apart:
         text = f"the load gives {torques[node]:.6g} N*m here at this speed, the operating point {stated[node]:.6g} N*m"
-        yield Fault(f"{text}; leave one of them out", ("operating_point", "torque", node))
+        yield Fault(f"{text}; leave one of them out", ("operating_point", "torque", node), kind="contradicting-entries")
     if not stated or apart:
         return
     speeds = {node: ratio * at for node, ratio in external.ratios.items()}
@@ -142,7 +142,7 @@ def _contradicted(external: ExternalTorques, torques: Mapping[str, float], at: f
         text = (
             f"these torques drive with {driven / 1e3:.6g} kW, the load takes {load / 1e3:.6g} kW; leave one of them out"
         )
-        yield Fault(text, ("operating_point", "torque"), on_key=True)
+        yield Fault(text, ("operating_point", "torque"), on_key=True, kind="contradicting-entries")
 
 
 def _agree(first: float, second: float) -> bool:
@@ -214,7 +214,7 @@ def _wrong_way(node: str, torque: float, speeds: Mapping[str, float], name: str,
     text = f"{torque:.6g} N*m act {sense} the rotation of {node}, {speeds[node] * RPM:.6g} rpm"
     meant = f"{-torque:.6g} N*m"
     text += f", but {name} {'drives' if drives else 'takes power'} there; did you mean {meant}?"
-    yield Fault(text, ("operating_point", "torque", node), "warning", meant=meant)
+    yield Fault(text, ("operating_point", "torque", node), "warning", meant=meant, kind="wrong-sense")
 
 
 def _beyond_curves(external: ExternalTorques) -> list[Fault]:
@@ -225,7 +225,7 @@ def _beyond_curves(external: ExternalTorques) -> list[Fault]:
     faults: dict[EntryPath, Fault] = {}
     for where, values in _working_points(external):
         for path, what in _beyond(external.definition, values):
-            faults.setdefault(path, Fault(phrase("{}{}", where, what), path))
+            faults.setdefault(path, Fault(phrase("{}{}", where, what), path, kind="out-of-range"))
     return list(faults.values())
 
 
@@ -264,7 +264,7 @@ def _unlike_working_speeds(external: ExternalTorques) -> Iterator[Fault]:
             text = phrase(said, ModelName(element.name), own * RPM, expected * RPM)
             if reference in turning:
                 text = phrase("{} with {} at {:.6g} rpm", text, ModelName(reference), abs(turning[reference]) * RPM)
-            yield Fault(text, ("elements", element.name, SPEED_ENTRY), "warning")
+            yield Fault(text, ("elements", element.name, SPEED_ENTRY), "warning", kind="implausible-size")
 
 
 def _speeds(external: ExternalTorques) -> dict[str, float]:

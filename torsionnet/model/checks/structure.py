@@ -10,8 +10,6 @@ from dataclasses import replace
 from typing import Any
 
 from torsionnet.base.errors import (
-    UNCONNECTED,
-    USELESS,
     Fault,
     UsageError,
     comma_list,
@@ -56,7 +54,7 @@ def unreachable_shafts(definition: Definition, values: Mapping[str, Any]) -> lis
                 referring_factor(sensor, elements, Values(values))
             except UsageError as error:
                 text = phrase("{}: {}", ModelName(name), message_of(error))
-                faults.append(Fault(text, ("sensors", name, "referred_to")))
+                faults.append(Fault(text, ("sensors", name, "referred_to"), kind="no-ratio"))
     return faults
 
 
@@ -84,7 +82,13 @@ def unconnected_parts(definition: Definition) -> list[Fault]:
     others = [group for group in groups if group is not main]
     faults = [_unconnected(definition, group, main) for group in others[:MOST_GROUPS]]
     if len(others) > MOST_GROUPS:
-        faults.append(Fault(f"{len(others) - MOST_GROUPS} more groups of nodes are not connected", ("elements",)))
+        faults.append(
+            Fault(
+                f"{len(others) - MOST_GROUPS} more groups of nodes are not connected",
+                ("elements",),
+                kind="unconnected-nodes",
+            )
+        )
     return faults
 
 
@@ -97,7 +101,7 @@ def _unconnected(definition: Definition, names: Sequence[str], main: Sequence[st
     verb = "is" if len(order) == 1 else "are"
     said = "{} {} not connected to the rest of the drivetrain{}"
     text = phrase(said, named_list(order, MOST_NAMES), verb, question(meant))
-    return Fault(text, ("elements", owner), on_key=True, kind=UNCONNECTED, about=about, meant=meant)
+    return Fault(text, ("elements", owner), on_key=True, kind="unconnected-nodes", about=about, meant=meant)
 
 
 def contradicting_gears(definition: Definition, kinematics: Kinematics) -> list[Fault]:
@@ -119,7 +123,11 @@ def contradicting_gears(definition: Definition, kinematics: Kinematics) -> list[
         named_list(loop),
         both,
     )
-    return [Fault(text, ("elements", loop[-1]), on_key=True)] if loop[-1] in definition.elements else [Fault(text)]
+    return (
+        [Fault(text, ("elements", loop[-1]), on_key=True, kind="contradicting-gears")]
+        if loop[-1] in definition.elements
+        else [Fault(text, kind="contradicting-gears")]
+    )
 
 
 def massless_without_hold(definition: Definition, kinematics: Kinematics) -> list[Fault]:
@@ -141,7 +149,7 @@ def massless_without_hold(definition: Definition, kinematics: Kinematics) -> lis
         them = "it" if len(nodes) == 1 else "them"
         said = "{} {} freely, with no inertia, spring or damper to hold {}"
         text = phrase(said, named_list(nodes, MOST_NAMES), verb, them)
-        faults.append(Fault(text, ("elements", owner) if owner else (), on_key=True))
+        faults.append(Fault(text, ("elements", owner) if owner else (), on_key=True, kind="indeterminate-motion"))
     return faults
 
 
@@ -151,7 +159,7 @@ def locked_channels(definition: Definition, kinematics: Kinematics) -> list[Faul
     for name, channel in definition.inputs.items():
         if nodes.issuperset(channel.nodes) and kinematics.holds_row(channel.row):
             text = phrase("input {} does nothing: {}", ModelName(name), _still(channel))
-            faults.append(Fault(text, ("inputs", name, channel.quantity), "warning", kind=USELESS))
+            faults.append(Fault(text, ("inputs", name, channel.quantity), "warning", kind="no-effect"))
     for name, excitation in definition.excitations.items():
         for path, node in excitation.node_entries if excitation.enabled else ():
             acting = excitation.channel(node)
@@ -162,12 +170,12 @@ def locked_channels(definition: Definition, kinematics: Kinematics) -> list[Faul
                     else phrase("{}, held rigidly", named_nodes(acting))
                 )
                 text = phrase("{} acts on {}, and has no effect; move it to a node that turns", ModelName(name), held)
-                faults.append(Fault(text, ("excitations", name, *path), "warning", kind=USELESS))
+                faults.append(Fault(text, ("excitations", name, *path), "warning", kind="no-effect"))
     for name, sensor in definition.sensors.items():
         moves = not sensor.is_on_element and nodes.issuperset(sensor.nodes)
         if moves and kinematics.holds_row(sensor.row):
             text = phrase("sensor {} reads zero: {}", ModelName(name), _still(sensor))
-            faults.append(Fault(text, ("sensors", name, sensor.quantity), "warning"))
+            faults.append(Fault(text, ("sensors", name, sensor.quantity), "warning", kind="no-effect"))
     return faults
 
 
@@ -184,17 +192,17 @@ def contradicting_inputs(definition: Definition, kinematics: Kinematics) -> list
         if channel.quantity == "torque" and driven is not None:
             said = "the angle of {} is imposed by {}; a torque there does nothing"
             text = phrase(said, named_nodes(channel), ModelName(driven))
-            faults.append(Fault(text, ("inputs", name, channel.quantity)))
+            faults.append(Fault(text, ("inputs", name, channel.quantity), kind="contradicting-angles"))
     fixed = [index for index in kinematics.reduction.blocked if index < len(kinematics.imposed)]
     for index in fixed:
         name = kinematics.imposed[index]
         text = phrase(
             "the angle imposed by {} contradicts a rigid connection to another imposed angle", ModelName(name)
         )
-        faults.append(Fault(text, ("inputs", name)))
+        faults.append(Fault(text, ("inputs", name), kind="contradicting-angles"))
     if not fixed and kinematics.reduction.blocked:
         both = "two imposed angles act on nodes that are rigidly connected"
-        faults.append(Fault(both, ("inputs", kinematics.imposed[-1])))
+        faults.append(Fault(both, ("inputs", kinematics.imposed[-1]), kind="contradicting-angles"))
     return faults
 
 
@@ -212,7 +220,7 @@ def indeterminate_torques(definition: Definition, kinematics: Kinematics) -> lis
                     virtual_motion(kinematics, index)
                 except UsageError as error:
                     path = ("sensors", name, "torque")
-                    faults.append(Fault(message_of(error), path, "warning", kind=USELESS))
+                    faults.append(replace(error.fault, path=path, severity="warning"))
     return faults
 
 

@@ -56,7 +56,7 @@ def parameter_dimensions(definition: Definition) -> list[Fault]:
         for index, found in enumerate(getattr(parameter.bounds, "dimensions", ())):
             if wanted is not None and found is not None and found != wanted:
                 text = f"this bound has the dimension of {found}; the parameter is in {wanted}"
-                faults.append(Fault(text, ("parameters", name, "bounds", index)))
+                faults.append(Fault(text, ("parameters", name, "bounds", index), kind="wrong-unit"))
     return faults
 
 
@@ -66,7 +66,7 @@ def _other_dimension(expression: Expression, found: Dimension, wanted: str) -> F
     text = phrase('"{}" has the dimension of {}; expected {}', expression, found, expected)
     if inverse:
         text = phrase("{}; write {}", text, inverse)
-    return Fault(text, remedy=Remedy(WRITE, inverse, old=str(expression)) if inverse else None)
+    return Fault(text, remedy=Remedy(WRITE, inverse, old=str(expression)) if inverse else None, kind="wrong-unit")
 
 
 def _inverse(expression: Expression) -> str:
@@ -85,7 +85,7 @@ def _overlay_fault(value: Expression, base: Dimension | None, known: Mapping[str
     if found is None or base is None or found == base:
         return None
     text = phrase('"{}" has the dimension of {}; the parameter is in {}', value, found, base)
-    return Fault(text, remedy=Remedy(IN_UNIT, str(base), old=str(value)))
+    return Fault(text, remedy=Remedy(IN_UNIT, str(base), old=str(value)), kind="wrong-unit")
 
 
 def impossible_sizes(definition: Definition, numbers: Numbers) -> list[Fault]:
@@ -96,7 +96,7 @@ def impossible_sizes(definition: Definition, numbers: Numbers) -> list[Fault]:
         if bounds and not bounds[0] <= float(value) <= bounds[1]:  # as written: 0.05 is a bound, and 1/20 a value
             said = "{} = {:g} is outside its bounds {:g} to {:g}"
             text = phrase(said, ModelName(name), float(value), *bounds)
-            faults.append(Fault(text, ("parameters", name), "warning", causes=(name,)))
+            faults.append(Fault(text, ("parameters", name), "warning", causes=(name,), kind="out-of-range"))
     for element in definition.elements.values():
         of_entries = [
             fault.under("elements", element.name, *path)
@@ -127,12 +127,16 @@ def _size_fault(spec: object, expression: Expression, numbers: Numbers, *, measu
     try:
         value = float(expression.evaluate(numbers))
     except (ExpressionError, OverflowError) as error:
-        return Fault(phrase("{} cannot be calculated: {}", expression, message_of(error)), causes=causes)
+        return Fault(
+            phrase("{} cannot be calculated: {}", expression, message_of(error)),
+            causes=causes,
+            kind="incalculable-value",
+        )
     if not math.isfinite(value):
-        return Fault(phrase("{} is not a finite number", expression), causes=causes)
+        return Fault(phrase("{} is not a finite number", expression), causes=causes, kind="not-finite")
     if is_beyond_range(value):
         said = "{} = {:g} is far outside the sizes of drivetrains; check its unit"
-        return Fault(phrase(said, expression, value), causes=causes)
+        return Fault(phrase(said, expression, value), causes=causes, kind="not-finite")
     reason = wrong_size(spec, value, measure=measure, wanted=wanted)
     if reason is None:
         return None
@@ -140,7 +144,7 @@ def _size_fault(spec: object, expression: Expression, numbers: Numbers, *, measu
     text = phrase("{}: {} {}", shown, spec.description if isinstance(spec, QuantityKind) else "", reason)
     if measure:
         text = phrase("{} {}: {}", "the frequency" if wanted == "frequency" else "the damping", shown, reason)
-    return Fault(text, causes=causes)
+    return Fault(text, causes=causes, kind="out-of-range")
 
 
 def wrong_size(spec: object, value: Any, *, measure: bool, wanted: str) -> str | None:
@@ -164,18 +168,18 @@ def _law_sizes(element: Element, numbers: Numbers) -> list[Fault]:
         laws = [part for part in element.parts(Values(numbers)) if isinstance(part, Law)]
     except ZeroDivisionError:
         text = phrase("{} cannot be calculated: something is divided by zero", ModelName(element.name))
-        return [Fault(text, place)]
+        return [Fault(text, place, kind="incalculable-value")]
     except (TorsionnetError, ArithmeticError) as error:
         names = {name for _, _, expression, _ in element.expressions() for name in expression.names}
         text = phrase("{} cannot be calculated: {}", ModelName(element.name), message_of(error))
-        return [Fault(text, place, causes=tuple(sorted(names)))]
+        return [Fault(text, place, causes=tuple(sorted(names)), kind="incalculable-value")]
     if negative_laws(element, laws):
         text = phrase("the values of {} give it a negative inertia, damping or stiffness", ModelName(element.name))
-        return [Fault(text, place)]
+        return [Fault(text, place, kind="negative-law")]
     damping = min((law.damping for law in laws), default=0)
     if damping < 0:
         said = "{} drives vibrations here: its damping is {:.4g} N*m*s/rad"
-        return [Fault(phrase(said, ModelName(element.name), float(damping)), place, "note")]
+        return [Fault(phrase(said, ModelName(element.name), float(damping)), place, "note", kind="negative-law")]
     return []
 
 
@@ -196,6 +200,7 @@ def passive_tables(definition: Definition) -> list[Fault]:
             ),
             ("elements", name, "table"),
             "warning",
+            kind="negative-law",
         )
         for name, element in definition.elements.items()
         for entry, (_, value) in element.scalars().items()
@@ -231,7 +236,7 @@ def unusual_sizes(definition: Definition, numbers: Numbers) -> list[Fault]:
             else:
                 text, meant = _unusual(entry, spec, value, numbers) if isinstance(spec, QuantityKind) else ("", "")
             if text:
-                faults.append(Fault(text, path, "warning", meant=meant))
+                faults.append(Fault(text, path, "warning", meant=meant, kind="implausible-size"))
     return faults
 
 

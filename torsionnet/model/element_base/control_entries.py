@@ -164,13 +164,13 @@ class SensedEntry(Spec[SensedMotion]):
         if isinstance(raw, SensedMotion):
             return raw
         if not isinstance(raw, Mapping) or len(raw) != 1:
-            raise EntryError(f"expected what is sensed, as {{velocity: node}}, {got(raw)}")
+            raise EntryError(f"expected what is sensed, as {{velocity: node}}, {got(raw)}", kind="wrong-form")
         ((quantity, of),) = raw.items()
         if quantity not in SENSED_QUANTITIES:
             hint = did_you_mean(str(quantity), SENSED_QUANTITIES)
             more = "; the torque of a spring is its stiffness times {angle: [node, node]}" if quantity != hint else ""
             text = f'a controller cannot sense "{quantity}"{hint}; known: {", ".join(SENSED_QUANTITIES)}{more}'
-            raise EntryError(Fault(text, (quantity,), on_key=True))
+            raise EntryError(Fault(text, (quantity,), on_key=True, kind="unknown-word"))
         return SensedMotion(quantity, coerce_part(quantity, OneOrTwoNodes(""), of))
 
     def renamed(self, value: Any, names: Renaming) -> Any:
@@ -204,7 +204,9 @@ class OneOrTwoNodes(Spec[tuple[str, ...]]):
             return (TURNING_NODE.coerce(raw if isinstance(raw, str) else raw[0]),)
         first, second = NodePair("").coerce(raw)
         if first == GROUND:
-            raise EntryError("ground does not move; name a node first, and ground second if at all", (0,))
+            raise EntryError(
+                "ground does not move; name a node first, and ground second if at all", (0,), kind="grounded-node"
+            )
         return (first,) if second == GROUND else (first, second)
 
     def plain(self, value: Any) -> Json:
@@ -233,15 +235,15 @@ class ControlLawEntry(Spec[ControlLaw]):
         if not isinstance(raw, Mapping):
             if isinstance(raw, str | int | float | Expression) or hasattr(raw, "numerator"):
                 return ControlLaw(GAIN, (("gain", _scalar(raw)),))
-            raise EntryError(f"expected {_WAYS}, {got(raw)}")
+            raise EntryError(f"expected {_WAYS}, {got(raw)}", kind="wrong-form")
         return self._of_form(_form(raw), raw)
 
     def _of_form(self, form: str, raw: Mapping[str, Any]) -> ControlLaw:
         missing = [name for name in sorted(_NEEDED[form]) if name not in raw]
         if missing:
-            raise EntryError(f"a law by {form} needs {' and '.join(missing)}")
+            raise EntryError(f"a law by {form} needs {' and '.join(missing)}", kind="missing-entry")
         if form == PID and not {"p", "i", "d"} & raw.keys():
-            raise EntryError("give p, i or d; a filter alone does nothing", ("filter",))
+            raise EntryError("give p, i or d; a filter alone does nothing", ("filter",), kind="missing-entry")
         read = _row if form in (POLYNOMIALS, ROOTS) else _scalar
         if form == MATRICES:
             return ControlLaw(form, _matrices(raw))
@@ -306,7 +308,10 @@ def _form(raw: Mapping[str, Any]) -> str:
         if str(name) not in every:
             text = f'"{name}" is not an entry of a control law'
             raise EntryError(unfit_word(text, str(name), every, (name,), f"give {_WAYS}", on_key=True))
-    raise EntryError(f"{', '.join(sorted(names)) or 'nothing'} cannot be combined to a control law; give {_WAYS}")
+    raise EntryError(
+        f"{', '.join(sorted(names)) or 'nothing'} cannot be combined to a control law; give {_WAYS}",
+        kind="contradicting-entries",
+    )
 
 
 def _at(key: str | int, read: Any, raw: object) -> Any:
@@ -319,7 +324,9 @@ def _at(key: str | int, read: Any, raw: object) -> Any:
 def _scalar(raw: object) -> Expression:
     value = raw if isinstance(raw, Expression) else read_scalar(raw)
     if isinstance(value, Number) and not abs(value.value) < _LARGEST_COEFFICIENT:
-        raise EntryError(f"{raw!r} is too large for a coefficient of a law; give a number below 1e40")
+        raise EntryError(
+            f"{raw!r} is too large for a coefficient of a law; give a number below 1e40", kind="not-finite"
+        )
     return value
 
 
@@ -327,9 +334,11 @@ def _listed(raw: object) -> list[Any]:
     raw = raw.tolist() if hasattr(raw, "tolist") else raw
     if isinstance(raw, str) or not isinstance(raw, Sequence):
         remedy = Remedy(BRACKET) if isinstance(raw, str) else None
-        raise EntryError(Fault(f"expected a list of numbers or expressions, {got(raw)}", remedy=remedy))
+        raise EntryError(
+            Fault(f"expected a list of numbers or expressions, {got(raw)}", remedy=remedy, kind="wrong-form")
+        )
     if len(raw) > _MOST_COEFFICIENTS:
-        raise EntryError(f"{len(raw)} values; a law has at most {_MOST_COEFFICIENTS}")
+        raise EntryError(f"{len(raw)} values; a law has at most {_MOST_COEFFICIENTS}", kind="too-large")
     return list(raw)
 
 
@@ -341,7 +350,7 @@ def _row(raw: object) -> tuple[Any, ...]:
 
 def _root(raw: Sequence[object]) -> tuple[Expression, ...]:
     if len(raw) != 2:
-        raise EntryError(f"expected a real number, or [re, im] for a complex pair, {got(raw)}")
+        raise EntryError(f"expected a real number, or [re, im] for a complex pair, {got(raw)}", kind="not-a-number")
     return tuple(_at(place, _scalar, one) for place, one in enumerate(raw))
 
 
@@ -350,7 +359,10 @@ def _matrices(raw: Mapping[str, Any]) -> tuple[tuple[str, Any], ...]:
     A = tuple(_at("A", lambda row: tuple(map(_scalar, _listed(row))), row) for row in _listed(raw["A"]))
     B, C, D = (_flat(name, raw.get(name, 0)) for name in "BCD")
     if not A or any(len(row) != len(A) for row in A) or len(B) != len(A) or len(C) != len(A) or len(D) != 1:
-        raise EntryError("a law senses one motion and makes one torque: A is n x n, B n x 1, C 1 x n and D one number")
+        raise EntryError(
+            "a law senses one motion and makes one torque: A is n x n, B n x 1, C 1 x n and D one number",
+            kind="wrong-count",
+        )
     return (("A", A), ("B", B), ("C", C), ("D", D[0]))
 
 
@@ -367,13 +379,15 @@ def _require_proper_entries(law: ControlLaw) -> None:
     given = dict(law.entries)
     for name in ("numerator", "denominator"):
         if law.form == POLYNOMIALS and not given[name]:
-            raise EntryError("expected at least one coefficient, the highest power of s first", (name,))
+            raise EntryError(
+                "expected at least one coefficient, the highest power of s first", (name,), kind="missing-entry"
+            )
         if law.form == POLYNOMIALS:
             for place, one in enumerate(given[name]):
                 if isinstance(one, tuple):
-                    raise EntryError("a coefficient is a number or an expression", (name, place))
+                    raise EntryError("a coefficient is a number or an expression", (name, place), kind="wrong-form")
     if law.form == POLYNOMIALS and all(one == Number(0) for one in given["denominator"]):
-        raise EntryError("the denominator is zero", ("denominator",))
+        raise EntryError("the denominator is zero", ("denominator",), kind="out-of-range")
 
 
 def _plain(entry: Any) -> Any:
@@ -386,7 +400,9 @@ def _from_control(raw: object) -> Any:
     Other objects unchanged.
     """
     if getattr(raw, "dt", None) not in (None, 0) and not isinstance(raw, Mapping):
-        raise EntryError("a law is continuous in time; this one has a sampling time; convert it first")
+        raise EntryError(
+            "a law is continuous in time; this one has a sampling time; convert it first", kind="wrong-form"
+        )
     if all(hasattr(raw, name) for name in "ABCD"):
         return {name: getattr(raw, name) for name in "ABCD"}
     if hasattr(raw, "num") and hasattr(raw, "den"):
@@ -399,6 +415,6 @@ def _only(part: Any) -> list[float]:
     """Coefficients of a single transfer function, from the 1 x 1 matrix of python-control."""
     if getattr(part, "ndim", 1) == 2 or isinstance(part, list | tuple):
         if len(part) != 1 or len(part[0]) != 1:
-            raise EntryError("a law senses one motion and makes one torque; this one has several")
+            raise EntryError("a law senses one motion and makes one torque; this one has several", kind="wrong-form")
         part = part[0][0]
     return [float(value) for value in part]

@@ -21,7 +21,7 @@ class Temperature(PhysicalQuantity):
     def coerce(self, raw: object) -> Expression:
         value = read_scalar(raw, self.dimension)
         if isinstance(value, Number) and value.unit_dimension is None:
-            raise EntryError(f"a temperature has its unit: write {raw} degC, or {raw} K")
+            raise EntryError(f"a temperature has its unit: write {raw} degC, or {raw} K", kind="missing-unit")
         return value
 
 
@@ -46,28 +46,32 @@ class LookupCurve(LookupTable):
     def key(self, raw: object) -> Number:
         key = self._number(read_scalar(raw), raw)
         if self.over == "temperature" and key.unit_dimension is None:
-            raise EntryError(f"a temperature has its unit: write {raw} degC, or {raw} K")
+            raise EntryError(f"a temperature has its unit: write {raw} degC, or {raw} K", kind="missing-unit")
         if not (self.over == "torque" and is_share(key)):
             check_unit(key, self.over)
         if key.value < 0 or (key.value == 0 and self.over == "frequency"):
-            raise EntryError(f"the rows of this curve begin above 0, got {raw}")
+            raise EntryError(f"the rows of this curve begin above 0, got {raw}", kind="unfit-curve")
         return key
 
     def value(self, raw: object) -> Number:
         value = self._number(read_scalar(raw, self.dimension), raw)
         if value.value < 0 or (self.exclusive and value.value == 0):
-            raise EntryError(f"must {'be greater than' if self.exclusive else 'not be less than'} 0, got {raw}")
+            raise EntryError(
+                f"must {'be greater than' if self.exclusive else 'not be less than'} 0, got {raw}", kind="out-of-range"
+            )
         return value
 
     def unit_faults(self, rows: list[tuple[Number, Number]]) -> list[Fault]:
         if len({is_share(key) for key, _ in rows}) > 1:
-            return [Fault("rows are torques, as 5 kN*m, or shares of T_KN, as 0.5; here are both")]
+            return [Fault("rows are torques, as 5 kN*m, or shares of T_KN, as 0.5; here are both", kind="wrong-unit")]
         return []
 
     @staticmethod
     def _number(value: Expression, raw: object) -> Number:
         if not isinstance(value, Number):
-            raise EntryError(f'a curve holds numbers, not expressions of parameters; got "{raw}"')
+            raise EntryError(
+                f'a curve holds numbers, not expressions of parameters; got "{raw}"', kind="expression-not-allowed"
+            )
         return value
 
     def schema(self) -> Schema:

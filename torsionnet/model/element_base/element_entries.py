@@ -13,7 +13,7 @@ from numbers import Integral
 from typing import Any, ClassVar, Generic, TypeVar
 
 from torsionnet.base.entries.spec import EntryError, Json, Plural, Renaming, Schema, Spec, Stored_co, Text, name_fault
-from torsionnet.base.errors import NO_NODE, NO_NODES, EntryPath, Fault, got
+from torsionnet.base.errors import EntryPath, Fault, got
 from torsionnet.base.expressions import Expression, Number
 from torsionnet.model.element_base.laws import GROUND, Values
 
@@ -26,12 +26,12 @@ class NodeName(Spec[str]):
 
     def coerce(self, raw: object) -> str:
         if not isinstance(raw, str) or not raw:
-            raise EntryError(Fault(f"expected the name of a node, {got(raw)}", kind=NO_NODE))
+            raise EntryError(Fault(f"expected the name of a node, {got(raw)}", kind="not-a-node"))
         fault = name_fault(raw)
         if fault:
             raise EntryError(fault)
         if raw == GROUND and not self.allow_ground:
-            raise EntryError("ground does not move; attach this to a node")
+            raise EntryError("ground does not move; attach this to a node", kind="grounded-node")
         return raw
 
     def renamed(self, value: Any, names: Renaming) -> Any:
@@ -88,7 +88,7 @@ class NodePair(Spec[tuple[str, str]]):
 
     def coerce(self, raw: object) -> tuple[str, str]:
         if isinstance(raw, str) or not isinstance(raw, Sequence) or len(raw) != 2:
-            raise EntryError(Fault(f"expected two nodes [first, second], {got(raw)}", kind=NO_NODES))
+            raise EntryError(Fault(f"expected two nodes [first, second], {got(raw)}", kind="not-two-nodes"))
         names: list[str] = []
         for index, node in enumerate(raw):
             try:
@@ -96,7 +96,9 @@ class NodePair(Spec[tuple[str, str]]):
             except EntryError as error:
                 raise EntryError(error.fault.under(index)) from None
         if names[0] == names[1]:
-            raise EntryError(f'both ends are on node "{names[0]}"; the element would do nothing', (1,))
+            raise EntryError(
+                f'both ends are on node "{names[0]}"; the element would do nothing', (1,), kind="same-node"
+            )
         return (names[0], names[1])
 
     def renamed(self, value: Any, names: Renaming) -> Any:
@@ -138,8 +140,8 @@ class MultipleValues(Plural[tuple[Stored_co, ...]], Generic[Stored_co, One_co]):
     def example(self) -> str:
         return self.example_text
 
-    def refusal(self, raw: object) -> EntryError:
-        return EntryError(f"expected {self.example_text}, {got(raw)}")
+    def form_error(self, raw: object) -> EntryError:
+        return EntryError(f"expected {self.example_text}, {got(raw)}", kind="wrong-form")
 
 
 class QuantityGroup(Spec[Stored_co]):
@@ -183,12 +185,16 @@ class Teeth(Spec[tuple[int, int]]):
 
     def coerce(self, raw: object) -> tuple[int, int]:
         if isinstance(raw, str) or not isinstance(raw, Sequence) or len(raw) != 2:
-            raise EntryError(f"expected two teeth counts [z1, z2], {got(raw)}")
+            raise EntryError(f"expected two teeth counts [z1, z2], {got(raw)}", kind="wrong-count")
         for index, count in enumerate(raw):
             if isinstance(count, bool) or not isinstance(count, Integral) or count == 0:
-                raise EntryError(f"a teeth count is a whole number other than zero, {got(count)}", (index,))
+                raise EntryError(
+                    f"a teeth count is a whole number other than zero, {got(count)}", (index,), kind="not-a-number"
+                )
             if abs(int(count)) > MOST_TEETH:
-                raise EntryError(f"no gear has more than {MOST_TEETH} teeth; for a ratio give ratio:", (index,))
+                raise EntryError(
+                    f"no gear has more than {MOST_TEETH} teeth; for a ratio give ratio:", (index,), kind="too-large"
+                )
         return (int(raw[0]), int(raw[1]))
 
     def plain(self, value: Any) -> Json:

@@ -24,7 +24,7 @@ class TableByName(MultipleValues[tuple[str, One_co], One_co]):
             return ()
         pairs = _pairs(raw)
         if pairs is None or len(pairs) < self.fewest:
-            raise self.refusal(raw)
+            raise self.form_error(raw)
         found: list[tuple[str, One_co | None]] = []
         faults: list[Fault] = []
         for name, value in pairs:
@@ -73,7 +73,7 @@ class ListOf(MultipleValues[One_co, One_co]):
 
     def coerce(self, raw: object) -> tuple[One_co, ...]:
         if not isinstance(raw, list | tuple) or (raw and len(raw) < self.fewest):
-            raise self.refusal(raw)
+            raise self.form_error(raw)
         read = [self.of.read(one) for one in raw]
         faults = [fault.under(index) for index, (_, found) in enumerate(read) for fault in found]
         if faults:

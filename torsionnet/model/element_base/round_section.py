@@ -20,9 +20,19 @@ def section_faults(element: Any) -> list[Fault]:
     """
     inner, outer = element.inner_diameter, element.outer_diameter
     if outer is None:
-        return [] if inner == Number(0) else [Fault("inner_diameter needs outer_diameter too", ("inner_diameter",))]
+        return (
+            []
+            if inner == Number(0)
+            else [Fault("inner_diameter needs outer_diameter too", ("inner_diameter",), kind="missing-entry")]
+        )
     if isinstance(inner, Number) and isinstance(outer, Number) and inner.value >= outer.value:
-        return [Fault("the inner diameter must be smaller than the outer diameter", ("inner_diameter",))]
+        return [
+            Fault(
+                "the inner diameter must be smaller than the outer diameter",
+                ("inner_diameter",),
+                kind="contradicting-values",
+            )
+        ]
     return []
 
 
@@ -43,6 +53,6 @@ def section_modulus(element: Element, value: Values) -> Any:
         The element has no diameter.
     """
     if element.diameters is None:
-        raise UsageError(str(section_fault(element)))
+        raise UsageError(str(section_fault(element)), kind="missing-entry")
     outer, inner = map(value, element.diameters)
     return value.algebra.pi * (outer**4 - inner**4) / (16 * outer)

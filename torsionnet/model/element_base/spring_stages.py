@@ -40,13 +40,20 @@ class StageEnd(Spec[Number]):
         end = read_scalar(raw)
         if not isinstance(end, Number):
             text = f"a stage ends at a torque or an angle with its unit, as 120 N*m or 30 deg; give {end}"
-            raise EntryError(f"{text} as to_torque or to_twist, which take expressions of parameters")
+            raise EntryError(
+                f"{text} as to_torque or to_twist, which take expressions of parameters", kind="expression-not-allowed"
+            )
         if end.unit_dimension not in (DIMENSIONS["torque"], DIMENSIONS["angle"]):
-            raise EntryError(f"a stage ends at a torque or an angle with its unit, as 120 N*m or 30 deg; {got(raw)}")
+            raise EntryError(
+                f"a stage ends at a torque or an angle with its unit, as 120 N*m or 30 deg; {got(raw)}",
+                kind="missing-unit",
+            )
         if end.unit_dimension == DIMENSIONS["torque"] and end.has_angle:
-            raise EntryError(f"{end} is a stiffness; a stage ends at a torque or an angle, as 120 N*m or 30 deg")
+            raise EntryError(
+                f"{end} is a stiffness; a stage ends at a torque or an angle, as 120 N*m or 30 deg", kind="wrong-unit"
+            )
         if end.value <= 0:
-            raise EntryError(f"a stage ends above 0, {got(raw)}")
+            raise EntryError(f"a stage ends above 0, {got(raw)}", kind="out-of-range")
         return end
 
     def plain(self, value: Any) -> Json:
@@ -67,7 +74,7 @@ class StageQuantity(PhysicalQuantity):
         value = super().coerce(raw)
         reason = self.bound_fault(float(value.value)) if isinstance(value, Number) else None
         if reason:
-            raise EntryError(f"{reason}, {got(raw)}")
+            raise EntryError(f"{reason}, {got(raw)}", kind="wrong-form")
         return value
 
 
@@ -196,7 +203,7 @@ def stage_faults(stages: Sequence[SpringStage], value: Values) -> list[Fault]:
             text = (
                 f"the stages end at rising {what}; this one ends at {at} {unit}, begun at {shown(None, begun)} {unit}"
             )
-            found.append(Fault(text, (place, name)))
+            found.append(Fault(text, (place, name), kind="unordered-rows"))
     return found
 
 
@@ -255,9 +262,13 @@ class SpringStages(
     def read(self, raw: object) -> tuple[tuple[SpringStage, ...], list[Fault]]:
         stages, faults = self._listed.read(raw)
         if faults or not stages:
-            return (), faults or [Fault("expected at least one stage")]
+            return (), faults or [Fault("expected at least one stage", kind="missing-entry")]
         text = "every stage but the last needs its end; give it as to: with a torque or an angle"
-        faults = [Fault(text, (place,), on_key=True) for place, stage in enumerate(stages[:-1]) if stage.end is None]
+        faults = [
+            Fault(text, (place,), on_key=True, kind="missing-entry")
+            for place, stage in enumerate(stages[:-1])
+            if stage.end is None
+        ]
         if not faults and not any(one.names for _, _, one, _ in self.quantities(stages)):
             faults = stage_faults(stages, Values({}))
         return stages if not faults else (), faults
@@ -349,5 +360,5 @@ def row_order_faults(column: RowColumn, rows: ExpressionRows, value: Values) -> 
             text = f"the {column.name} must increase from row to row"
             if row[0].names or following[0].names:
                 text += f"; here it is {shown(following[0], here)} after {shown(row[0], before)}"
-            found.append(Fault(text, (index, 0)))
+            found.append(Fault(text, (index, 0), kind="unordered-rows"))
     return found

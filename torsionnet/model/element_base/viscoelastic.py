@@ -76,13 +76,36 @@ class Viscoelastic(Declared):
 
     def contradictions(self) -> list[Fault]:
         if self.shift and (self.C1 is not None or self.C2 is not None):
-            return [Fault("a_T is given by C1 and C2, or by a table, not both", ("shift",), on_key=True)]
+            return [
+                Fault(
+                    "a_T is given by C1 and C2, or by a table, not both",
+                    ("shift",),
+                    on_key=True,
+                    kind="contradicting-entries",
+                )
+            ]
         if (self.C1 is None) != (self.C2 is None):
-            return [Fault("C1 and C2 are given together; universal values are C1: 8.86, C2: 101.6 K", on_key=True)]
+            return [
+                Fault(
+                    "C1 and C2 are given together; universal values are C1: 8.86, C2: 101.6 K",
+                    on_key=True,
+                    kind="missing-entry",
+                )
+            ]
         if self.C1 is not None and self.reference_temperature is None:
-            return [Fault("C1 and C2 need reference_temperature, where a_T is 1", ("C1",), on_key=True)]
+            return [
+                Fault(
+                    "C1 and C2 need reference_temperature, where a_T is 1", ("C1",), on_key=True, kind="missing-entry"
+                )
+            ]
         if self.reference_temperature is not None and self.reference_temperature.names:
-            return [Fault("expected a number with unit; a material has no parameters", ("reference_temperature",))]
+            return [
+                Fault(
+                    "expected a number with unit; a material has no parameters",
+                    ("reference_temperature",),
+                    kind="expression-not-allowed",
+                )
+            ]
         return []
 
     @property
@@ -141,9 +164,9 @@ def temperature_faults(material: Viscoelastic, temperature: Expression | None) -
         return []
     if not isinstance(temperature, Number):
         text = f'"{temperature}" is an expression of parameters; the temperature of a material is a number'
-        return [Fault(text, ("temperature",))]
+        return [Fault(text, ("temperature",), kind="expression-not-allowed")]
     reason = material.temperature_fault(float(temperature.value))
-    return [Fault(reason, ("temperature",))] if reason else []
+    return [Fault(reason, ("temperature",), kind="out-of-range")] if reason else []
 
 
 # Shapes of rubber and of silicone films between two parts that turn against each other.
@@ -163,7 +186,13 @@ class ShearedShape(Declared):
     def contradictions(self) -> list[Fault]:
         if self.inner_diameter < self.outer_diameter:
             return []
-        return [Fault("the inner diameter must be smaller than the outer one", ("inner_diameter",))]
+        return [
+            Fault(
+                "the inner diameter must be smaller than the outer one",
+                ("inner_diameter",),
+                kind="contradicting-values",
+            )
+        ]
 
     @property
     def factor(self) -> float:
@@ -224,9 +253,9 @@ class FilmGap(ShearedShape):
     def contradictions(self) -> list[Fault]:
         rims = [name for name in ("outer_gap", "inner_gap") if getattr(self, name) is not None]
         if rims and self.width is None:
-            return [Fault(f"{rims[0]} needs the width of the ring", (rims[0],), on_key=True)]
+            return [Fault(f"{rims[0]} needs the width of the ring", (rims[0],), on_key=True, kind="missing-entry")]
         if not rims and self.axial_gap is None:
-            return [Fault("give a gap: axial_gap, outer_gap or inner_gap", on_key=True)]
+            return [Fault("give a gap: axial_gap, outer_gap or inner_gap", on_key=True, kind="missing-entry")]
         return super().contradictions()
 
     @property
@@ -274,12 +303,20 @@ def _source_faults(coupling: Any) -> list[Fault]:
     sources = ("stiffness", "stiffness_over_torque", "material")
     found = given_entries(coupling, *sources)
     if not found:
-        return [Fault("give stiffness, stiffness_over_torque, or material and geometry", on_key=True)]
+        return [
+            Fault("give stiffness, stiffness_over_torque, or material and geometry", on_key=True, kind="missing-entry")
+        ]
     if len(found) > 1:
         return one_at_most(coupling, *sources, of="the stiffness")
     if (coupling.material is None) != (coupling.geometry is None):
         lacking = "geometry, as {type: disc, ...}" if coupling.material is not None else "material, as {moduli: ...}"
-        return [Fault(f"stiffness from rubber needs material and geometry; here is no {lacking}", on_key=True)]
+        return [
+            Fault(
+                f"stiffness from rubber needs material and geometry; here is no {lacking}",
+                on_key=True,
+                kind="missing-entry",
+            )
+        ]
     return []
 
 
@@ -296,15 +333,22 @@ def _curve_faults(coupling: Any) -> list[Fault]:
     found = given_curves(coupling)
     for name, operating in found:
         if getattr(coupling, operating) is None:
-            faults.append(Fault(f"{name} needs {operating}, at which it is read", (name,), on_key=True))
+            faults.append(
+                Fault(f"{name} needs {operating}, at which it is read", (name,), on_key=True, kind="missing-entry")
+            )
         if is_share(getattr(coupling, name)[0][0]) and coupling.T_KN is None and operating != "temperature":
             text = "rows without a unit are shares of the nominal torque: give T_KN, or torques in N*m"
-            faults.append(Fault(text, (name,), on_key=True))
+            faults.append(Fault(text, (name,), on_key=True, kind="missing-entry"))
     for operating in dict.fromkeys(_READ_AT.values()):
         if getattr(coupling, operating) is not None and operating not in {where for _, where in found}:
             curves = " or ".join(name for name, where in _READ_AT.items() if where == operating)
             faults.append(
-                Fault(f"nothing here depends on {operating}; give {curves}, or leave it out", (operating,), on_key=True)
+                Fault(
+                    f"nothing here depends on {operating}; give {curves}, or leave it out",
+                    (operating,),
+                    on_key=True,
+                    kind="needless-entry",
+                )
             )
     return faults
 
@@ -315,10 +359,10 @@ def _damping_faults(coupling: Any) -> list[Fault]:
         return both
     if coupling.damping_temperature_factor and coupling.loss_factor is None:
         text = "this factor multiplies loss_factor, which is not given; add loss_factor"
-        return [Fault(text, ("damping_temperature_factor",), on_key=True)]
+        return [Fault(text, ("damping_temperature_factor",), on_key=True, kind="missing-entry")]
     if coupling.frequency_factor and not (coupling.loss_over_frequency or _loses(coupling.loss_factor)):
         text = "a stiffness over frequency needs a damping, too: loss_factor or loss_over_frequency"
-        return [Fault(text, ("frequency_factor",), on_key=True)]
+        return [Fault(text, ("frequency_factor",), on_key=True, kind="missing-entry")]
     return []
 
 
@@ -333,20 +377,31 @@ def _frequency_faults(coupling: Any) -> list[Fault]:
     Their loss is made of numbers: parameters in it would be without derivatives in fits.
     """
     if coupling.material is not None and isinstance(coupling.damping, DampingMeasure):
-        return [Fault("beside a material the damping is a viscous coefficient; give it in N*m*s/rad", ("damping",))]
+        return [
+            Fault(
+                "beside a material the damping is a viscous coefficient; give it in N*m*s/rad",
+                ("damping",),
+                kind="wrong-unit",
+            )
+        ]
     if coupling.material is None and coupling.scale is not None:
         return [
             Fault(
                 "scale multiplies the moduli of a material, which is not given; add material, or leave it out",
                 ("scale",),
                 on_key=True,
+                kind="needless-entry",
             )
         ]
     if not coupling.frequency_factor:
         return []
     names = ["loss_factor", *(["temperature"] if coupling.damping_temperature_factor else [])]
     return [
-        Fault(f"with curves over frequency {name} must be a number, not an expression of parameters", (name,))
+        Fault(
+            f"with curves over frequency {name} must be a number, not an expression of parameters",
+            (name,),
+            kind="expression-not-allowed",
+        )
         for name in names
         if getattr(getattr(coupling, name), "names", ())
     ]

@@ -109,12 +109,16 @@ class Clutch(Element):
     def contradictions(self) -> list[Fault]:
         faults = _friction_faults(self)
         if self.damping is not None and self.stiffness is None:
-            faults.append(Fault("a rigid disc has no damping; give its springs a stiffness too", ("damping",)))
+            faults.append(
+                Fault(
+                    "a rigid disc has no damping; give its springs a stiffness too", ("damping",), kind="missing-entry"
+                )
+            )
         if self.state == "slipping" and not faults:
             faults += _slip_faults(self)
             if self.stick is not None and not faults and self._table[0][0].value < 0:
                 text = "rows through negative slips hold as they are, without sticking; begin them at slip 0"
-                faults.append(Fault(text, ("stick",), on_key=True))
+                faults.append(Fault(text, ("stick",), on_key=True, kind="unfit-curve"))
         return faults
 
     def expressions(self) -> Iterator[tuple[EntryPath, Spec[object], Expression, str]]:
@@ -177,7 +181,9 @@ class Clutch(Element):
         if not value(self.stick) < slipping:
             return []
         text = f"a clutch holds at least the torque with which it slips, {float(slipping):g} N*m"
-        return [Fault(f"{text}; here only {shown(self.stick, value(self.stick))}", ("stick",))]
+        return [
+            Fault(f"{text}; here only {shown(self.stick, value(self.stick))}", ("stick",), kind="contradicting-values")
+        ]
 
     def _disc_and_bodies(self, value: Values) -> list[Law]:
         first, second = self.nodes
@@ -211,7 +217,11 @@ def _friction_faults(clutch: Clutch) -> list[Fault]:
     if (clutch.friction is None) != (clutch.clamp_torque is None):
         given = "friction" if clutch.friction is not None else "clamp_torque"
         return [
-            Fault("give friction and clamp_torque together; clamp_torque is the torque at a coefficient of 1", (given,))
+            Fault(
+                "give friction and clamp_torque together; clamp_torque is the torque at a coefficient of 1",
+                (given,),
+                kind="missing-entry",
+            )
         ]
     return []
 
@@ -221,18 +231,22 @@ def _slip_faults(clutch: Clutch) -> list[Fault]:
     table = clutch.torque if clutch.torque is not None else clutch.friction
     if table is None:
         text = "a slipping clutch needs its torque over slip: torque: [[0 rad/s, 200 N*m], [10 rad/s, 190 N*m]]"
-        return [Fault(f"{text}, or friction and clamp_torque", ("state",))]
+        return [Fault(f"{text}, or friction and clamp_torque", ("state",), kind="missing-entry")]
     if clutch.slip_speed is None:
         return _rest_faults(clutch, table)
     if clutch.slip_speed == Number(0):
         text = "a slipping clutch has a slip_speed other than 0, as 5 rad/s; one that sticks is closed, or has none"
-        return [Fault(text, ("slip_speed",))]
+        return [Fault(text, ("slip_speed",), kind="contradicting-values")]
     if not isinstance(clutch.slip_speed, Number):
         return []
     # Rows from slip 0 on hold for both signs of the slip.
     slip = clutch.slip_speed.value if table[0][0].value < 0 else abs(clutch.slip_speed.value)
     text = outside_message(table, slip)
-    return [Fault(f"{text}; slip_speed is {float(slip):g} rad/s", ("slip_speed",))] if text else []
+    return (
+        [Fault(f"{text}; slip_speed is {float(slip):g} rad/s", ("slip_speed",), kind="contradicting-values")]
+        if text
+        else []
+    )
 
 
 def _reaches_rest(table: Rows) -> bool:
@@ -247,6 +261,12 @@ def _rest_faults(clutch: Clutch, table: Rows) -> list[Fault]:
         return []
     name, what = ("torque", "torque") if clutch.torque is not None else ("friction", "coefficient")
     if table[0][0].value == 0:
-        return [Fault(f"friction acts against the slip: the {what} at slip 0 must not be negative", (name, 0, 1))]
+        return [
+            Fault(
+                f"friction acts against the slip: the {what} at slip 0 must not be negative",
+                (name, 0, 1),
+                kind="unfit-curve",
+            )
+        ]
     text = f"a clutch that may stick needs its {what} at slip 0: begin the rows there, or give slip_speed, as 5 rad/s"
-    return [Fault(text, (name, 0, 0))]
+    return [Fault(text, (name, 0, 0), kind="unfit-curve")]

@@ -148,7 +148,7 @@ class Friction(Element):
             return []
         held, moving = shown(self.stick, value(self.stick)), shown(slipping, value(slipping))
         text = f"friction holds at least the torque with which it slips, {moving}; here only {held}"
-        return [Fault(text, ("stick",))]
+        return [Fault(text, ("stick",), kind="contradicting-values")]
 
     @property
     def internal_nodes(self) -> tuple[str, ...]:
@@ -198,8 +198,8 @@ def _row_faults(rows: ExpressionRows, value: Values) -> list[Fault]:
     faults = [fault.under(name) for fault in row_order_faults(SLIP_COLUMN, rows, value)]
     slip, torque = rows[0]
     if value(slip) > 0:
-        faults.append(Fault("the rows begin at slip 0, where it sticks", (name, 0, 0)))
+        faults.append(Fault("the rows begin at slip 0, where it sticks", (name, 0, 0), kind="unfit-curve"))
     if value(torque) == 0:
         text = "friction has a torque at slip 0; what grows from 0 with the slip alone is a damper"
-        faults.append(Fault(text, (name, 0, 1)))
+        faults.append(Fault(text, (name, 0, 1), kind="unfit-curve"))
     return faults

@@ -89,7 +89,7 @@ class Controller(Element):
                 check_unit(expression, dimension or "1")
             except EntryError as error:
                 of = f"{error}, for it follows the {self.sense.quantity}" if dimension else f"{error}, in SI units"
-                faults.append(Fault(of, ("law", *path)))
+                faults.append(Fault(of, ("law", *path), kind="wrong-unit"))
         return faults
 
     def own_parts(self, value: Values) -> tuple[Part, ...]:

@@ -107,10 +107,16 @@ class CrankThrow(Element):
             # A crank turns through only with l > r.
             if self.rod_length.value > self.crank_radius.value:
                 return []
-            return [Fault("the connecting rod must be longer than the radius of the crank", ("rod_length",))]
+            return [
+                Fault(
+                    "the connecting rod must be longer than the radius of the crank",
+                    ("rod_length",),
+                    kind="contradicting-values",
+                )
+            ]
         masses = [name for name in ("rotating_mass", "reciprocating_mass") if getattr(self, name) != Number(0)]
         needing = [*masses, *(["rod_length"] if self.rod_length is not None else [])]
-        return [Fault(f"{name} needs the crank_radius", (name,), on_key=True) for name in needing]
+        return [Fault(f"{name} needs the crank_radius", (name,), on_key=True, kind="missing-entry") for name in needing]
 
     def _stiffness_faults(self) -> list[Fault]:
         given = [name for name in _SECTIONS if getattr(self, name) is not None]
@@ -120,14 +126,20 @@ class CrankThrow(Element):
         missing = [name for name in (*_SECTIONS, "crank_radius") if getattr(self, name) is None]
         if not missing:
             return []
-        return [Fault(f"a throw needs its stiffness, or, to calculate it, {', '.join(missing)}", on_key=True)]
+        return [
+            Fault(
+                f"a throw needs its stiffness, or, to calculate it, {', '.join(missing)}",
+                on_key=True,
+                kind="missing-entry",
+            )
+        ]
 
     def _bore_faults(self) -> list[Fault]:
         faults = []
         for bore, diameter in _BORES.items():
             inner, outer = getattr(self, bore), getattr(self, diameter)
             if isinstance(inner, Number) and isinstance(outer, Number) and inner.value >= outer.value:
-                faults.append(Fault("the bore must be smaller than the diameter", (bore,)))
+                faults.append(Fault("the bore must be smaller than the diameter", (bore,), kind="contradicting-values"))
         return faults
 
     def own_parts(self, value: Values) -> tuple[Part, ...]:

@@ -81,7 +81,9 @@ class ViscousDamper(Element):
     def contradictions(self) -> list[Fault]:
         films = given_entries(self, *_FILMS)
         if not films:
-            return [Fault("a viscous_damper needs damping, a table, or silicone and gap", on_key=True)]
+            return [
+                Fault("a viscous_damper needs damping, a table, or silicone and gap", on_key=True, kind="missing-entry")
+            ]
         if len(films) > 1:
             return one_at_most(self, *_FILMS, of="the film")
         if self.damping is None and self.stiffness != Number(0):
@@ -89,7 +91,10 @@ class ViscousDamper(Element):
         if self.damping is not None and self.scale is not None:
             return [
                 Fault(
-                    "scale multiplies a table or a silicone, and there is none; leave it out", ("scale",), on_key=True
+                    "scale multiplies a table or a silicone, and there is none; leave it out",
+                    ("scale",),
+                    on_key=True,
+                    kind="needless-entry",
                 )
             ]
         return [*self._measure_faults(), *self._silicone_faults()]
@@ -97,7 +102,13 @@ class ViscousDamper(Element):
     def _silicone_faults(self) -> list[Fault]:
         if (self.silicone is None) != (self.gap is None):
             lacking = "gap, as {outer_diameter: ...}" if self.silicone is not None else "silicone, as {moduli: ...}"
-            return [Fault(f"a film of silicone needs silicone and gap; here is no {lacking}", on_key=True)]
+            return [
+                Fault(
+                    f"a film of silicone needs silicone and gap; here is no {lacking}",
+                    on_key=True,
+                    kind="missing-entry",
+                )
+            ]
         if self.silicone is not None:
             return temperature_faults(self.silicone, self.temperature)
         if self.temperature is not None:
@@ -106,13 +117,20 @@ class ViscousDamper(Element):
                     "nothing here depends on temperature; give silicone and gap, or leave it out",
                     ("temperature",),
                     on_key=True,
+                    kind="needless-entry",
                 )
             ]
         return []
 
     def _measure_faults(self) -> list[Fault]:
         if isinstance(self.damping, DampingMeasure) and self.damping.measure != "c" and self.stiffness == Number(0):
-            return [Fault("a measure of damping needs a film with stiffness; give damping in N*m*s/rad", ("damping",))]
+            return [
+                Fault(
+                    "a measure of damping needs a film with stiffness; give damping in N*m*s/rad",
+                    ("damping",),
+                    kind="missing-entry",
+                )
+            ]
         return []
 
     @property
@@ -271,10 +289,17 @@ class SpringDamper(Element):
 
     def contradictions(self) -> list[Fault]:
         if self.loss_over_frequency and self.damping is not None:
-            return [Fault("the damping is given, or over frequency, not both", ("damping",), on_key=True)]
+            return [
+                Fault(
+                    "the damping is given, or over frequency, not both",
+                    ("damping",),
+                    on_key=True,
+                    kind="contradicting-entries",
+                )
+            ]
         if self.stiffness_over_frequency and not self.loss_over_frequency:
             text = "a stiffness over frequency needs the damping over frequency, too: loss_over_frequency"
-            return [Fault(text, ("stiffness_over_frequency",), on_key=True)]
+            return [Fault(text, ("stiffness_over_frequency",), on_key=True, kind="missing-entry")]
         return []
 
     @property

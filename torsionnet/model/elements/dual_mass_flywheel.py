@@ -124,7 +124,13 @@ class DualMassFlywheel(Element):
         if self.torque is None or stage_at(self.stages, value(self.torque), value) is not None:
             return []
         last = shown(None, stage_torques(self.stages, value)[-1])
-        return [Fault(f"the last stage ends at {last} N*m; leave out its end, or reduce the torque", ("torque",))]
+        return [
+            Fault(
+                f"the last stage ends at {last} N*m; leave out its end, or reduce the torque",
+                ("torque",),
+                kind="contradicting-values",
+            )
+        ]
 
     def value_faults(self, value: Values) -> list[Fault]:
         if not self.stages:
@@ -140,11 +146,22 @@ class DualMassFlywheel(Element):
 
     def _friction_faults(self) -> list[Fault]:
         if isinstance(self.blocked, Number) and self.blocked.value >= 1:
-            return [Fault("blocked must be below 1: with all coils blocked nothing is elastic", ("blocked",))]
+            return [
+                Fault(
+                    "blocked must be below 1: with all coils blocked nothing is elastic",
+                    ("blocked",),
+                    kind="out-of-range",
+                )
+            ]
         given = [name for name in _CENTRIFUGAL if getattr(self, name) is not None]
         if given and len(given) < len(_CENTRIFUGAL):
             missing = " and ".join(name for name in _CENTRIFUGAL if name not in given)
-            return [Fault(f"friction of springs pressed outward needs {', '.join(_CENTRIFUGAL)}; here is no {missing}")]
+            return [
+                Fault(
+                    f"friction of springs pressed outward needs {', '.join(_CENTRIFUGAL)}; here is no {missing}",
+                    kind="missing-entry",
+                )
+            ]
         return []
 
     @property

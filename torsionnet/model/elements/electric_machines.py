@@ -87,33 +87,46 @@ class SynchronousMachine(Element):
 
     def contradictions(self) -> list[Fault]:
         if self.node == self.housing:
-            return [Fault("rotor and stator are on one node; give two different nodes", ("housing",))]
+            return [Fault("rotor and stator are on one node; give two different nodes", ("housing",), kind="same-node")]
         if self.stiffness is not None:
             given = ("pull_out_torque", *_AT_A_PULL_OUT_TORQUE)
             also = [name for name in given if getattr(self, name) is not None]
             return [superfluous("the stiffness is given", name) for name in also]
         if self.pull_out_torque is None:
-            return [Fault("a synchronous machine needs its magnetic stiffness, or its pull_out_torque", on_key=True)]
+            return [
+                Fault(
+                    "a synchronous machine needs its magnetic stiffness, or its pull_out_torque",
+                    on_key=True,
+                    kind="missing-entry",
+                )
+            ]
         if self.pole_pairs is None:
-            return [Fault("the stiffness at a load angle needs the pole pairs: pole_pairs: 2", on_key=True)]
+            return [
+                Fault(
+                    "the stiffness at a load angle needs the pole pairs: pole_pairs: 2",
+                    on_key=True,
+                    kind="missing-entry",
+                )
+            ]
         return self._load_faults()
 
     def _load_faults(self) -> list[Fault]:
         if self.load_angle is None:
             if self.reluctance_torque is not None:
                 text = "salient poles need the load angle: load_angle: 25 deg"
-                return [Fault(text, ("reluctance_torque",), on_key=True)]
+                return [Fault(text, ("reluctance_torque",), on_key=True, kind="missing-entry")]
             return self._torque_faults()
         if self.torque is not None:
             return one_at_most(self, "load_angle", "torque")
         if not isinstance(self.load_angle, Number):
             text = "the load angle is a number, as 25 deg: expressions have no cosine; give torque with parameters"
-            return [Fault(text, ("load_angle",))]
+            return [Fault(text, ("load_angle",), kind="expression-not-allowed")]
         if self.reluctance_torque is None and self.load_angle.evaluate({}) >= math.pi / 2:
             return [
                 Fault(
                     "a synchronous machine falls out of step at 90 deg and more; give a smaller load_angle",
                     ("load_angle",),
+                    kind="out-of-range",
                 )
             ]
         return []
@@ -121,7 +134,13 @@ class SynchronousMachine(Element):
     def _torque_faults(self) -> list[Fault]:
         torque, most = self.torque, self.pull_out_torque
         if isinstance(torque, Number) and isinstance(most, Number) and torque.value >= most.value:
-            return [Fault(f"the machine falls out of step at its pull-out torque {most}; reduce torque", ("torque",))]
+            return [
+                Fault(
+                    f"the machine falls out of step at its pull-out torque {most}; reduce torque",
+                    ("torque",),
+                    kind="out-of-range",
+                )
+            ]
         return []
 
     @property
@@ -258,18 +277,31 @@ class InductionMachine(Element):
 
     def contradictions(self) -> list[Fault]:
         if self.node == self.housing:
-            return [Fault("rotor and stator are on one node; give two different nodes", ("housing",))]
+            return [Fault("rotor and stator are on one node; give two different nodes", ("housing",), kind="same-node")]
         rated = [name for name in _RATED if getattr(self, name) is not None]
         if self.breakdown_slip is not None and rated:
-            return [Fault("give breakdown_slip, or rated_torque and rated_slip, not both", (rated[0],), on_key=True)]
+            return [
+                Fault(
+                    "give breakdown_slip, or rated_torque and rated_slip, not both",
+                    (rated[0],),
+                    on_key=True,
+                    kind="contradicting-entries",
+                )
+            ]
         if self.breakdown_slip is None and len(rated) < len(_RATED):
-            return [Fault("the slope of its torque needs breakdown_slip, or rated_torque and rated_slip", on_key=True)]
+            return [
+                Fault(
+                    "the slope of its torque needs breakdown_slip, or rated_torque and rated_slip",
+                    on_key=True,
+                    kind="missing-entry",
+                )
+            ]
         return [*self._rated_faults(), *self._lag_faults()]
 
     def _rated_faults(self) -> list[Fault]:
         rated, breakdown = self.rated_torque, self.breakdown_torque
         if isinstance(rated, Number) and isinstance(breakdown, Number) and rated.value > breakdown.value:
-            return [Fault(f"{_ABOVE} {breakdown}", ("rated_torque",))]
+            return [Fault(f"{_ABOVE} {breakdown}", ("rated_torque",), kind="out-of-range")]
         return []
 
     def _lag_faults(self) -> list[Fault]:
@@ -280,7 +312,7 @@ class InductionMachine(Element):
             return []
         # From s_k on the slope c is zero or below, and c/tau no stiffness.
         text = "a time constant belongs to a slip below the breakdown slip; beyond, leave it out: the slope alone acts"
-        return [Fault(text, ("time_constant",))]
+        return [Fault(text, ("time_constant",), kind="needless-entry")]
 
     @property
     def internal_nodes(self) -> tuple[str, ...]:
@@ -399,13 +431,19 @@ class GridGenerator(Element):
 
     def contradictions(self) -> list[Fault]:
         if self.node == self.grid:
-            return [Fault("generator and grid are on one node; give two different nodes", ("grid",))]
+            return [Fault("generator and grid are on one node; give two different nodes", ("grid",), kind="same-node")]
         given = [name for name in _BEHIND_A_REACTANCE if getattr(self, name) is not None]
         if self.synchronising_coefficient is not None and given:
             return [superfluous("the synchronising coefficient is given", given[0])]
         if self.synchronising_coefficient is None and len(given) < len(_BEHIND_A_REACTANCE):
             wanted = " and ".join([", ".join(_BEHIND_A_REACTANCE[:-1]), _BEHIND_A_REACTANCE[-1]])
-            return [Fault(f"a generator on a grid needs synchronising_coefficient, or {wanted}", on_key=True)]
+            return [
+                Fault(
+                    f"a generator on a grid needs synchronising_coefficient, or {wanted}",
+                    on_key=True,
+                    kind="missing-entry",
+                )
+            ]
         return [*self._speed_faults(), *self._power_faults()]
 
     def _speed_faults(self) -> list[Fault]:
@@ -417,7 +455,13 @@ class GridGenerator(Element):
         if pairs > 1 - POLE_PAIRS_RTOL and abs(pairs - round(pairs)) < POLE_PAIRS_RTOL * pairs:
             return []
         near = 60 * float(frequency.value) / max(round(pairs), 1)
-        return [Fault(f"no synchronous speed at {frequency}; the nearest is {near:g} rpm", ("speed",))]
+        return [
+            Fault(
+                f"no synchronous speed at {frequency}; the nearest is {near:g} rpm",
+                ("speed",),
+                kind="contradicting-values",
+            )
+        ]
 
     def _power_faults(self) -> list[Fault]:
         data = [getattr(self, name) for name in _BEHIND_A_REACTANCE]
@@ -429,7 +473,9 @@ class GridGenerator(Element):
             return []
         return [
             Fault(
-                f"power must be below emf*grid_voltage/reactance = {emf * voltage / reactance:.4g} per unit", ("power",)
+                f"power must be below emf*grid_voltage/reactance = {emf * voltage / reactance:.4g} per unit",
+                ("power",),
+                kind="out-of-range",
             )
         ]
 

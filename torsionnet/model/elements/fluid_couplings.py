@@ -269,23 +269,29 @@ class Hydrodynamic(Element):
 
     def contradictions(self) -> list[Fault]:
         if len({self.pump, self.turbine, self.housing}) < 3:
-            return [Fault("pump, turbine and housing must be on different nodes", ("turbine",))]
+            return [Fault("pump, turbine and housing must be on different nodes", ("turbine",), kind="same-node")]
         if (self.speed is None) != (self.speed_ratio is None):
             given, missing = ("speed", "speed_ratio") if self.speed_ratio is None else ("speed_ratio", "speed")
             text = f"give {given} with {missing}, or none of them to take both from the operating point"
-            return [Fault(text, (given,), on_key=True)]
+            return [Fault(text, (given,), on_key=True, kind="missing-entry")]
         given_forms = [form for form in _FORMS if getattr(self, form) is not None]
         if len(given_forms) != 1:
             text = "give the capacity once: pump_torque with test_speed, performance with diameter, or k_factor"
-            return [Fault(text, tuple(given_forms[1:2]))]
+            return [Fault(text, tuple(given_forms[1:2]), kind="contradicting-entries")]
         lacking = [name for name in _FORMS[given_forms[0]] if getattr(self, name) is None]
         if lacking:
-            return [Fault(f"{given_forms[0]} needs {lacking[0]}", (given_forms[0],), on_key=True)]
+            return [Fault(f"{given_forms[0]} needs {lacking[0]}", (given_forms[0],), on_key=True, kind="missing-entry")]
         if any(
             row[1].value < 0 or (given_forms[0] == "k_factor" and row[1].value == 0)
             for row in getattr(self, given_forms[0])
         ):
-            return [Fault("a capacity must not be negative, and a K factor must be above zero", (given_forms[0],))]
+            return [
+                Fault(
+                    "a capacity must not be negative, and a K factor must be above zero",
+                    (given_forms[0],),
+                    kind="out-of-range",
+                )
+            ]
         return [fault for name in (given_forms[0], *self.more_tables) for fault in self._uncovered(name)]
 
     def _uncovered(self, name: str) -> list[Fault]:
@@ -293,7 +299,11 @@ class Hydrodynamic(Element):
             return []
         text = outside_message(getattr(self, name), self.speed_ratio.value)
         given = float(self.speed_ratio.value)
-        return [Fault(f"{text} in {name}; speed_ratio is {given:g}", ("speed_ratio",))] if text else []
+        return (
+            [Fault(f"{text} in {name}; speed_ratio is {given:g}", ("speed_ratio",), kind="out-of-range")]
+            if text
+            else []
+        )
 
     def expressions(self) -> Iterator[tuple[EntryPath, Spec[object], Expression, str]]:
         """Path, specification, expression and dimension of every expression in the element's entries.

@@ -104,29 +104,39 @@ class Gearbox(Element):
         if wrong:
             return wrong
         if len(self.gears) > MOST_GEARS:
-            return [Fault(f"{len(self.gears)} gears; a gearbox has at most {MOST_GEARS}", (self._field,))]
+            return [
+                Fault(f"{len(self.gears)} gears; a gearbox has at most {MOST_GEARS}", (self._field,), kind="too-large")
+            ]
         faults = []
         if len({self.input, self.output, self.housing}) < 3:
-            faults.append(Fault("input, output and housing must be on different nodes", ("output",)))
+            faults.append(Fault("input, output and housing must be on different nodes", ("output",), kind="same-node"))
         if self.engaged is None:
             text = (
                 f"say which gear is engaged, as engaged: {self.gears[0]}; it has {', '.join(self.gears)} and {NEUTRAL}"
             )
-            faults.append(Fault(text, on_key=True))
+            faults.append(Fault(text, on_key=True, kind="missing-entry"))
         elif self.engaged not in (*self.gears, NEUTRAL):
             known = f"it has {', '.join(self.gears)} and {NEUTRAL}"
             text = phrase('no gear of {} is named "{}"; {}', ModelName(self.name), self.engaged, known)
-            faults.append(Fault(text, ("engaged",)))
+            faults.append(Fault(text, ("engaged",), kind="unknown-name"))
         for field in ("wheel_inertias", "stiffness"):
             for name, _ in getattr(self, field):
                 if name not in self.gears:
                     said = 'no gear of {} is named "{}"; it has {}'
                     text = phrase(said, ModelName(self.name), name, ", ".join(self.gears))
-                    faults.append(Fault(text, (field, name), on_key=True))
+                    faults.append(Fault(text, (field, name), on_key=True, kind="unknown-name"))
         if NEUTRAL in self.gears:
-            faults.append(Fault(f"{NEUTRAL} is the state without a gear; give the gear another name", (self._field,)))
+            faults.append(
+                Fault(
+                    f"{NEUTRAL} is the state without a gear; give the gear another name",
+                    (self._field,),
+                    kind="invalid-name",
+                )
+            )
         if self.damping is not None and not self.stiffness:
-            faults.append(Fault("rigid meshes have no damping; give them a stiffness too", ("damping",)))
+            faults.append(
+                Fault("rigid meshes have no damping; give them a stiffness too", ("damping",), kind="missing-entry")
+            )
         return faults
 
     @property
@@ -235,13 +245,23 @@ class FinalDrive(Element):
     def contradictions(self) -> list[Fault]:
         faults = one_exactly(self, "ratio", "teeth")
         if self.damping is not None and self.stiffness is None:
-            faults.append(Fault("a rigid mesh has no damping; give the mesh a stiffness too", ("damping",)))
+            faults.append(
+                Fault("a rigid mesh has no damping; give the mesh a stiffness too", ("damping",), kind="missing-entry")
+            )
         if (self.differential == "limited-slip") != (self.slip_damping is not None):
             field = "differential" if self.slip_damping is None else "slip_damping"
-            faults.append(Fault("a limited-slip differential has a slip_damping, and no other has one", (field,)))
+            faults.append(
+                Fault(
+                    "a limited-slip differential has a slip_damping, and no other has one",
+                    (field,),
+                    kind="contradicting-entries",
+                )
+            )
         nodes = [node for node in (self.pinion, self.left, self.right, self.cage, self.housing) if node is not None]
         if len(set(nodes)) < len(nodes):
-            faults.append(Fault("pinion, outputs, cage and housing must be on different nodes", ("pinion",)))
+            faults.append(
+                Fault("pinion, outputs, cage and housing must be on different nodes", ("pinion",), kind="same-node")
+            )
         return faults
 
     @property

@@ -116,13 +116,27 @@ class Propeller(Element):
         laws = [name for name in given if name in _LAWS]
         if given and self.damping is not None:
             how = _NAMES[laws[0]] if laws else "its torque"
-            return [Fault(f"the damping is given or by {how}, not both", ("damping",), on_key=True)]
+            return [
+                Fault(
+                    f"the damping is given or by {how}, not both",
+                    ("damping",),
+                    on_key=True,
+                    kind="contradicting-entries",
+                )
+            ]
         if len(laws) > 1:
             return one_at_most(self, *laws, of="the damping")
         if not laws:
             wanted = " or ".join(_LAWS)
             return (
-                [Fault(f"{given[0]} is needed only for a law of damping; give {wanted}, too", (given[0],), on_key=True)]
+                [
+                    Fault(
+                        f"{given[0]} is needed only for a law of damping; give {wanted}, too",
+                        (given[0],),
+                        on_key=True,
+                        kind="needless-entry",
+                    )
+                ]
                 if given
                 else []
             )
@@ -130,9 +144,14 @@ class Propeller(Element):
         if len(given) < len(needed):
             missing = " and ".join(name for name in needed if name not in given)
             text = f"damping by {_NAMES[laws[0]]} needs {', '.join(needed[:-1])} and {needed[-1]}; here is no {missing}"
-            return [Fault(text, on_key=True)]
+            return [Fault(text, on_key=True, kind="missing-entry")]
         return [
-            Fault(f"{name} has no part in damping by {_NAMES[laws[0]]}; leave it out", (name,), on_key=True)
+            Fault(
+                f"{name} has no part in damping by {_NAMES[laws[0]]}; leave it out",
+                (name,),
+                on_key=True,
+                kind="needless-entry",
+            )
             for name in given
             if name not in needed
         ]
@@ -144,7 +163,7 @@ class Propeller(Element):
         pitch = [name for name in _PITCH if getattr(self, name) is not None]
         if len(pitch) == 1:
             text = "entrained water at another pitch needs pitch_ratio and design_pitch_ratio"
-            faults.append(Fault(text, (pitch[0],), on_key=True))
+            faults.append(Fault(text, (pitch[0],), on_key=True, kind="missing-entry"))
         return faults
 
     @property
@@ -246,7 +265,11 @@ class ConstantPowerLoad(Element):
 
     def contradictions(self) -> list[Fault]:
         if self.node == self.housing:
-            return [Fault("the load and its housing are on one node; give two different nodes", ("housing",))]
+            return [
+                Fault(
+                    "the load and its housing are on one node; give two different nodes", ("housing",), kind="same-node"
+                )
+            ]
         return []
 
     def own_parts(self, value: Values) -> tuple[Part, ...]:

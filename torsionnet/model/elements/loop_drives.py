@@ -86,24 +86,34 @@ class LoopDrive(Element):
     def contradictions(self) -> list[Fault]:
         others = [node for node in (self.arm, self.housing) if node is not None]
         if len({*self.wheels, *others}) < len(self.wheels) + len(others):
-            return [Fault("wheels, arm and housing must be on different nodes", (self.wheels_field,))]
+            return [Fault("wheels, arm and housing must be on different nodes", (self.wheels_field,), kind="same-node")]
         return [*self._span_faults(), *self._tensioner_faults()]
 
     def _span_faults(self) -> list[Fault]:
         if self.stiffness and self.axial_stiffness is not None:
-            return [Fault("give stiffness of the spans or axial_stiffness and lengths, not both", ("axial_stiffness",))]
+            return [
+                Fault(
+                    "give stiffness of the spans or axial_stiffness and lengths, not both",
+                    ("axial_stiffness",),
+                    kind="contradicting-entries",
+                )
+            ]
         if (self.axial_stiffness is None) == bool(self.lengths):
             field = "lengths" if self.lengths else "axial_stiffness"
             return [
-                Fault(f"{field} is given alone; axial_stiffness and lengths of the spans are given together", (field,))
+                Fault(
+                    f"{field} is given alone; axial_stiffness and lengths of the spans are given together",
+                    (field,),
+                    kind="missing-entry",
+                )
             ]
         field = "stiffness" if self.stiffness else "lengths"
         given, count = len(getattr(self, field)), len(self.wheels)
         if given and given != count:
             text = f"{count} wheels have {count} spans, from each to the next and from the last to the first; here are"
-            return [Fault(f"{text} {given}", (field,))]
+            return [Fault(f"{text} {given}", (field,), kind="wrong-count")]
         if self.damping is not None and not given:
-            return [Fault("rigid spans have no damping; give them a stiffness too", ("damping",))]
+            return [Fault("rigid spans have no damping; give them a stiffness too", ("damping",), kind="missing-entry")]
         return []
 
     def _tensioner_faults(self) -> list[Fault]:
@@ -112,13 +122,19 @@ class LoopDrive(Element):
             return []
         if len(given) < 3:
             return [
-                Fault("a tensioner has three entries: tensioner (the node of its wheel), arm and levers", (given[0],))
+                Fault(
+                    "a tensioner has three entries: tensioner (the node of its wheel), arm and levers",
+                    (given[0],),
+                    kind="missing-entry",
+                )
             ]
         if self.tensioner not in self.wheels:
             text = f"the tensioner is on one of the wheels: {', '.join(self.wheels)}"
-            return [Fault(text, ("tensioner",))]
+            return [Fault(text, ("tensioner",), kind="unknown-node")]
         if len(self.levers) != 2 or not (self.stiffness or self.lengths):
-            return [Fault("a tensioner has two levers, [before, after], and elastic spans", ("levers",))]
+            return [
+                Fault("a tensioner has two levers, [before, after], and elastic spans", ("levers",), kind="wrong-count")
+            ]
         return []
 
     def radius_ratios(self, value: Values) -> dict[str, Any]:
@@ -245,11 +261,15 @@ class ChainDrive(LoopDrive):
 
     def contradictions(self) -> list[Fault]:
         broken = [node for node, z in self.sprockets if isinstance(z, Number) and z.value != int(z.value)]
-        faults = [Fault("a count of teeth is a whole number", ("sprockets", node)) for node in broken]
+        faults = [
+            Fault("a count of teeth is a whole number", ("sprockets", node), kind="not-a-number") for node in broken
+        ]
         if self.pitch is None and (self.stiffness or self.lengths):
             faults.append(
                 Fault(
-                    "the stiffness of spans in N/m needs the pitch of the chain; give pitch, as 9.525 mm", on_key=True
+                    "the stiffness of spans in N/m needs the pitch of the chain; give pitch, as 9.525 mm",
+                    on_key=True,
+                    kind="missing-entry",
                 )
             )
         return [*faults, *super().contradictions()]

@@ -34,7 +34,7 @@ class SymmetricMatrix(Spec[SquareMatrix]):
     def coerce(self, raw: object) -> SquareMatrix:
         rows = raw.tolist() if hasattr(raw, "tolist") else raw
         if isinstance(rows, str | Mapping) or not isinstance(rows, Sequence) or not rows:
-            raise EntryError(f"expected rows of numbers, as [[2, -2], [-2, 2]], {got(raw)}")
+            raise EntryError(f"expected rows of numbers, as [[2, -2], [-2, 2]], {got(raw)}", kind="wrong-form")
         faults: list[Fault] = []
         found = tuple(self._row(number, row, len(rows), faults) for number, row in enumerate(rows))
         if faults:
@@ -44,14 +44,17 @@ class SymmetricMatrix(Spec[SquareMatrix]):
     def _row(self, number: int, row: Any, size: int, faults: list[Fault]) -> tuple[Fraction, ...]:
         if isinstance(row, str | Mapping) or not isinstance(row, Sequence) or len(row) != size:
             text = f"a matrix has as many columns as rows, here {size}; row {number + 1} does not"
-            faults.append(Fault(text, (number,)))
+            faults.append(Fault(text, (number,), kind="wrong-count"))
             return ()
         found = []
         for column, raw in enumerate(row):
             try:
                 value = read_scalar(raw, self.dimension)
                 if not isinstance(value, Number):
-                    raise EntryError(f"a matrix holds numbers, {got(raw)}; for parameters use springs and inertias")
+                    raise EntryError(
+                        f"a matrix holds numbers, {got(raw)}; for parameters use springs and inertias",
+                        kind="expression-not-allowed",
+                    )
                 found.append(Fraction(value.value))
             except EntryError as error:
                 faults += [fault.under(number, column) for fault in error.faults]
@@ -122,15 +125,21 @@ class LumpedMatrices(Element):
 
     def contradictions(self) -> list[Fault]:
         if not self.matrices:
-            return [Fault("give at least one of inertia, damping and stiffness", ("inertia",))]
+            return [Fault("give at least one of inertia, damping and stiffness", ("inertia",), kind="missing-entry")]
         twice = next((node for node in self.nodes if self.nodes.count(node) > 1), None)
         if twice is not None:
-            return [Fault(f'node "{twice}" has two rows', ("nodes", self.nodes.index(twice)))]
+            return [Fault(f'node "{twice}" has two rows', ("nodes", self.nodes.index(twice)), kind="repeated-name")]
         faults = []
         for name, matrix in self.matrices.items():
             if len(matrix) != len(self.nodes):
                 rows = f"{len(matrix)} row{'s' if len(matrix) > 1 else ''}"
-                faults.append(Fault(f"{len(self.nodes)} nodes have a matrix with as many rows, not {rows}", (name,)))
+                faults.append(
+                    Fault(
+                        f"{len(self.nodes)} nodes have a matrix with as many rows, not {rows}",
+                        (name,),
+                        kind="wrong-count",
+                    )
+                )
             else:
                 faults += [fault.under(name) for fault in matrix_faults(matrix, name, self.nodes)]
         return faults
@@ -157,19 +166,25 @@ def matrix_faults(matrix: SquareMatrix, name: str, nodes: Sequence[str]) -> list
     sizes = [abs(row[place]) for place, row in enumerate(matrix)]
     for i, row in enumerate(matrix):
         if row[i] < 0:
-            faults.append(Fault(f'the {name} of "{nodes[i]}" against itself is negative, {float(row[i]):g}', (i, i)))
+            faults.append(
+                Fault(
+                    f'the {name} of "{nodes[i]}" against itself is negative, {float(row[i]):g}',
+                    (i, i),
+                    kind="negative-law",
+                )
+            )
         for j in range(i):
             # |A_ij| <= sqrt(A_ii A_jj) in a matrix without negative parts: a measure of both.
             if abs(row[j] - matrix[j][i]) > ROUNDED_NEGATIVE * max(sizes[i], sizes[j], abs(row[j])):
                 text = f"{float(matrix[j][i]):g} in row {nodes[j]} and {float(row[j]):g} in row {nodes[i]}"
-                faults.append(Fault(f"the {name} matrix is not symmetric: {text}", (i, j)))
+                faults.append(Fault(f"the {name} matrix is not symmetric: {text}", (i, j), kind="asymmetric-matrix"))
     if faults:
         return faults
     left = weighted_rows(matrix)[1]
     if left is None:
         return []
     text = f"the {name} matrix gives a motion of {nodes[left]} with the others negative {name}"
-    return [Fault(f"{text}; its rows are no springs, dampers or inertias", (left,))]
+    return [Fault(f"{text}; its rows are no springs, dampers or inertias", (left,), kind="negative-law")]
 
 
 WeightedRow: TypeAlias = tuple[dict[int, Fraction], Fraction]

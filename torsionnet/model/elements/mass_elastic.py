@@ -36,7 +36,9 @@ class Stations(Plural[tuple[tuple[str, str], ...]]):
         if isinstance(raw, tuple):
             return raw
         if not isinstance(raw, Mapping) or not raw:
-            raise EntryError(f"expected {{mass of the sheet: node}}, as {{flywheel: fly}}, {got(raw)}")
+            raise EntryError(
+                f"expected {{mass of the sheet: node}}, as {{flywheel: fly}}, {got(raw)}", kind="wrong-form"
+            )
         found = []
         for mass, node in raw.items():
             try:
@@ -100,12 +102,19 @@ class MassElastic(Element):
                 meant = nearest(mass, known)
                 rest = question(meant) or f"; there are {', '.join(known)}"
                 text = f'the sheet has no mass "{mass}"{rest}'
-                faults.append(Fault(text, ("at", mass), on_key=True, about=mass, meant=meant))
+                faults.append(Fault(text, ("at", mass), on_key=True, about=mass, meant=meant, kind="unknown-name"))
             elif found in taken:
-                faults.append(Fault(f'mass "{found}" is put on two nodes; keep one of them', ("at", mass), on_key=True))
+                faults.append(
+                    Fault(
+                        f'mass "{found}" is put on two nodes; keep one of them',
+                        ("at", mass),
+                        on_key=True,
+                        kind="repeated-name",
+                    )
+                )
             if sum(node == other for _, other in self.at) > 1:
                 text = phrase('two masses are on node "{}"; give each a node of its own', ModelName(node))
-                faults.append(Fault(text, ("at", mass)))
+                faults.append(Fault(text, ("at", mass), kind="same-node"))
             taken += [found] if found else []
         return faults
 

@@ -111,7 +111,11 @@ def _mesh_faults(element: Any) -> list[Fault]:
         "damping": "a rigid mesh has no damping; give the mesh a stiffness too",
         "backlash": "teeth with backlash meet with a stiffness; give the mesh a stiffness too",
     }
-    return [Fault(text, (name,)) for name, text in reasons.items() if getattr(element, name) is not None]
+    return [
+        Fault(text, (name,), kind="out-of-range")
+        for name, text in reasons.items()
+        if getattr(element, name) is not None
+    ]
 
 
 def _mesh(row: Row, element: Any, value: Values) -> WholePart:
@@ -169,9 +173,17 @@ class Gear(Element):
     def contradictions(self) -> list[Fault]:
         faults = one_exactly(self, "ratio", "teeth") + _mesh_faults(self)
         if self.housing in self.nodes:
-            faults.append(Fault("the housing must be on a node of its own, not on one of the two shafts", ("housing",)))
+            faults.append(
+                Fault(
+                    "the housing must be on a node of its own, not on one of the two shafts",
+                    ("housing",),
+                    kind="same-node",
+                )
+            )
         if GROUND in self.nodes and self.housing is None:
-            faults.append(Fault("a gear needs two shafts that turn; to hold a shaft use a lock", ("nodes",)))
+            faults.append(
+                Fault("a gear needs two shafts that turn; to hold a shaft use a lock", ("nodes",), kind="grounded-node")
+            )
         return faults
 
     def _ratio(self, value: Values) -> Any:
@@ -247,9 +259,15 @@ class Planetary(Element):
     def contradictions(self) -> list[Fault]:
         faults = one_exactly(self, "ratio", "teeth") + _mesh_faults(self)
         if self.teeth is not None and not 0 < self.teeth[0] < self.teeth[1]:
-            faults.append(Fault("a ring has more teeth than its sun, and both counts are positive", ("teeth",)))
+            faults.append(
+                Fault(
+                    "a ring has more teeth than its sun, and both counts are positive",
+                    ("teeth",),
+                    kind="contradicting-values",
+                )
+            )
         if len({self.sun, self.ring, self.carrier}) < 3:
-            faults.append(Fault("sun, ring and carrier must be on three different nodes"))
+            faults.append(Fault("sun, ring and carrier must be on three different nodes", kind="same-node"))
         return faults
 
     @property
@@ -298,7 +316,7 @@ class Differential(Element):
     def contradictions(self) -> list[Fault]:
         if len({self.cage, self.left, self.right}) == 3:
             return []
-        return [Fault("cage, left and right must be on three different nodes")]
+        return [Fault("cage, left and right must be on three different nodes", kind="same-node")]
 
     def own_parts(self, value: Values) -> tuple[Part, ...]:
         del value

@@ -98,7 +98,9 @@ class Spring(Element):
         faults = one_at_most(self, *_WAYS) if given_entries(self, *_WAYS) else [self._shapeless()]
         faults += section_faults(self)
         if self.cubic is not None and self.stiffness is None:
-            faults.append(Fault("cubic stands beside a stiffness, which may be 0", ("cubic",), on_key=True))
+            faults.append(
+                Fault("cubic stands beside a stiffness, which may be 0", ("cubic",), on_key=True, kind="missing-entry")
+            )
         elif self.cubic is not None and not has_names(((self.cubic, not_none(self.stiffness)),)):
             faults += self._cubic_faults(Values({}))
         rows = self.torque_over_twist
@@ -161,7 +163,7 @@ class Spring(Element):
         if self.cubic is None or self.stiffness is None or value(self.stiffness) > 0 or value(self.cubic) > 0:
             return []
         text = "without a stiffness a spring needs a cubic above 0, else it gives no torque against its twist"
-        return [Fault(f"{text}; here {shown(self.cubic, value(self.cubic))}", ("cubic",))]
+        return [Fault(f"{text}; here {shown(self.cubic, value(self.cubic))}", ("cubic",), kind="negative-law")]
 
     @property
     def reads_off(self) -> bool:
@@ -182,18 +184,22 @@ def _row_faults(rows: ExpressionRows, value: Values) -> list[Fault]:
         if high[1] < low[1] and low[0] <= 0 <= high[0]:
             fall = f"from {shown(rows[at - 1][1], low[1])} to {shown(given[1], high[1])}"
             faults.append(
-                Fault(f"the torque of a spring does not fall with its twist at rest; here {fall}", (name, at))
+                Fault(
+                    f"the torque of a spring does not fall with its twist at rest; here {fall}",
+                    (name, at),
+                    kind="negative-law",
+                )
             )
     # Rows from twist 0 on are mirrored for negative twists; all others have to cover both signs.
     first, last = numbers[0], numbers[-1]
     if first[0] > 0 or last[0] < 0 or (first[0] < 0 and last[0] == 0):
         text = "rows begin at twist 0, and then hold both ways, or go from a negative to a positive twist"
-        faults.append(Fault(text, (name, 0)))
+        faults.append(Fault(text, (name, 0), kind="unfit-curve"))
     elif first[0] == 0 and first[1] < 0:
         text = "rows from twist 0 on hold both ways, so that the first torque must not be negative"
-        faults.append(Fault(text, (name, 0, 1)))
+        faults.append(Fault(text, (name, 0, 1), kind="unfit-curve"))
     if not faults and len({torque for _, torque in numbers}) == 1:
-        faults.append(Fault("the torque of a spring rises with its twist", (name, len(rows) - 1)))
+        faults.append(Fault("the torque of a spring rises with its twist", (name, len(rows) - 1), kind="unfit-curve"))
     return faults
 
 

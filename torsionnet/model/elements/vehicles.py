@@ -61,9 +61,17 @@ class Vehicle(Element):
 
     def contradictions(self) -> list[Fault]:
         if self.drag_area is not None and self.speed is None:
-            return [Fault("air drag damps by the speed; give speed too, as 100 km/h", ("drag_area",))]
+            return [
+                Fault("air drag damps by the speed; give speed too, as 100 km/h", ("drag_area",), kind="missing-entry")
+            ]
         if self.drag_area is None and self.speed is not None:
-            return [Fault("the speed counts for air drag only; give drag_area, as 0.65 m^2, too", ("speed",))]
+            return [
+                Fault(
+                    "the speed counts for air drag only; give drag_area, as 0.65 m^2, too",
+                    ("speed",),
+                    kind="needless-entry",
+                )
+            ]
         return []
 
     def own_parts(self, value: Values) -> tuple[Part, ...]:
@@ -135,7 +143,13 @@ class Tyre(Element):
             return []
         why = "a rolling tyre" if self.state == "rolling" else "a stiffness by the relaxation length"
         hint = "; one that stands still has state: standing" if self.state == "rolling" else ""
-        return [Fault(f"{why} needs {', '.join(needed)}; here is no {' and no '.join(missing)}{hint}", on_key=True)]
+        return [
+            Fault(
+                f"{why} needs {', '.join(needed)}; here is no {' and no '.join(missing)}{hint}",
+                on_key=True,
+                kind="missing-entry",
+            )
+        ]
 
     @property
     def internal_nodes(self) -> tuple[str, ...]:

@@ -193,4 +193,4 @@ def decode(raw: bytes, file: str) -> str:
 
 
 def _fault(message: str, file: str, line: int = 1, column: int = 1) -> ModelError:
-    return ModelError([Fault(message, position=Position(file, line, column, column + 1))])
+    return ModelError([Fault(message, position=Position(file, line, column, column + 1), kind="unreadable-file")])

@@ -22,50 +22,43 @@ from typing import Any, NamedTuple, TypeAlias
 import yaml
 from yaml.events import AliasEvent, MappingEndEvent, ScalarEvent, SequenceEndEvent, SequenceStartEvent, StreamEndEvent
 
-from torsionnet.base.errors import CLOSE, GIVEN_TWICE, EntryPath, Fault, ModelError, Position, Remedy, fault_of
-
-OPEN_BRACKET, OPEN_QUOTE, NOT_CLOSED = "open bracket", "open quote", "not closed"
-"""Kinds of breaks of the YAML at a bracket or quote that is never closed, or at a value that may be such a one."""
-INDENTATION, OUTSIDE, TAB = "indentation", "outside", "tab"
-"""Kinds of breaks at a line that does not fit those above, stands outside of the model, or begins with a tab."""
-NO_COLON, NO_BLANK, STRAY_COLON = "no colon", "no blank", "stray colon"
-"""Kinds of breaks at a name without a colon, a colon without a blank, and a colon where none can be."""
-BAD_BEGINNING, TO_QUOTE, BACKSLASH = "bad beginning", "to quote", "backslash"
-"""Kinds of breaks at a sign with which no value begins, at a text that needs quotes, at an escape in quotes."""
-CHARACTER, TAG, UNKNOWN_ALIAS = "character", "tag", "unknown alias"
-"""Kinds of breaks at a character that no text holds, at a tag, and at an alias without its anchor."""
+from torsionnet.base.errors import CLOSE, EntryPath, Fault, ModelError, Position, Remedy, fault_of
 
 _MEANINGS = (
     (
         "mapping values are not allowed",
-        STRAY_COLON,
+        "stray-colon",
         'a ":" is not expected here; check the indentation, and put text that holds ": " in quotes',
     ),
-    (r"expected ',' or '}'", OPEN_BRACKET, 'a "," between two entries or the closing "}" is missing{since}'),
-    (r"expected ',' or '\]'", OPEN_BRACKET, 'a "," between two values or the closing "]" is missing{since}'),
-    ("unexpected end of stream", OPEN_QUOTE, "a quote is opened here and never closed"),
-    ("unexpected document separator", OPEN_QUOTE, "a quote is opened here and never closed"),
-    ("could not find expected ':'", NO_COLON, 'a ":" is missing after this name'),
-    ("expected (key|<block end>|'-' indicator)", INDENTATION, "this does not fit the indentation of the lines above"),
+    (r"expected ',' or '}'", "open-bracket", 'a "," between two entries or the closing "}" is missing{since}'),
+    (r"expected ',' or '\]'", "open-bracket", 'a "," between two values or the closing "]" is missing{since}'),
+    ("unexpected end of stream", "open-quote", "a quote is opened here and never closed"),
+    ("unexpected document separator", "open-quote", "a quote is opened here and never closed"),
+    ("could not find expected ':'", "missing-colon", 'a ":" is missing after this name'),
+    (
+        "expected (key|<block end>|'-' indicator)",
+        "wrong-indentation",
+        "this does not fit the indentation of the lines above",
+    ),
     (
         "expected '?<document start",
-        OUTSIDE,
+        "misplaced-line",
         "this stands outside of the model; check the indentation of the lines above",
     ),
     (
         "(unknown escape|escape sequence|hexdecimal)",
-        BACKSLASH,
+        "unknown-escape",
         'a backslash in double quotes begins an escape; use single quotes or write "\\\\"',
     ),
-    ("(undefined tag handle|tag|directive)", TO_QUOTE, 'words that begin with "!" or "%" need quotes'),
-    ("(anchor|alias)", TO_QUOTE, 'text that begins with "&" or "*" needs quotes'),
+    ("(undefined tag handle|tag|directive)", "missing-quotes", 'words that begin with "!" or "%" need quotes'),
+    ("(anchor|alias)", "missing-quotes", 'text that begins with "&" or "*" needs quotes'),
     (
         "block (sequence|mapping) entries are not allowed|block sequence entries",
-        "",
+        "stray-item",
         'a list item ("- ") is not expected here',
     ),
-    ("node content", NOT_CLOSED, "a value is missing or is not closed here"),
-    ("indentation", INDENTATION, "this does not fit the indentation of the lines above"),
+    ("node content", "missing-value", "a value is missing or is not closed here"),
+    ("indentation", "wrong-indentation", "this does not fit the indentation of the lines above"),
 )
 """Kind of the break and message to the user by regular expression of the problem that PyYAML reports."""
 
@@ -82,19 +75,19 @@ def explain(error: yaml.MarkedYAMLError, lines: Sequence[str]) -> tuple[Fault, t
         return _no_start(character), mark
     remedy, since = None, ""
     kind, meaning = _meaning(problem)
-    unseparated = _UNSEPARATED.match(lines[mark[0]]) if kind == STRAY_COLON else None
+    unseparated = _UNSEPARATED.match(lines[mark[0]]) if kind == "stray-colon" else None
     if unseparated:
         text = f'write "{unseparated[2]}: " with a colon and a blank after the name'
-        return Fault(text, kind=NO_BLANK), (mark[0], unseparated.start(2))
+        return Fault(text, kind="missing-blank"), (mark[0], unseparated.start(2))
     if error.context_mark is not None:
         opened = _mark(error.context_mark, lines)
         since = f"; it began at line {opened[0] + 1}, column {opened[1] + 1}"
         if "end of stream" in problem or "document separator" in problem:
             mark = opened
-        elif kind == OPEN_BRACKET and opened[0] < mark[0] and _is_whole(lines[opened[0]]):
+        elif kind == "open-bracket" and opened[0] < mark[0] and _is_whole(lines[opened[0]]):
             text = f'the "{lines[opened[0]][opened[1]]}" opened here is not closed, or a comma is missing after it'
-            return Fault(text, kind=OPEN_BRACKET), opened
-        remedy = Remedy(CLOSE, place=opened) if kind == OPEN_BRACKET else None
+            return Fault(text, kind="open-bracket"), opened
+        remedy = Remedy(CLOSE, place=opened) if kind == "open-bracket" else None
     return Fault(meaning.replace("{since}", since), kind=kind, remedy=remedy), mark
 
 
@@ -111,8 +104,8 @@ def _is_whole(line: str) -> bool:
 
 def _no_start(character: str) -> Fault:
     if character == "\t":
-        return Fault("a tab stands here; YAML is indented with spaces", kind=TAB)
-    return Fault(f'a value cannot begin with "{character}"; put it in quotes', kind=BAD_BEGINNING)
+        return Fault("a tab stands here; YAML is indented with spaces", kind="tab-indentation")
+    return Fault(f'a value cannot begin with "{character}"; put it in quotes', kind="invalid-beginning")
 
 
 def _mark(mark: yaml.Mark | None, lines: Sequence[str]) -> tuple[int, int]:
@@ -284,9 +277,9 @@ class LocatedDocument:
         shown = "" if len(source) > LONGEST_EXCERPT else "".join(char if char.isprintable() else " " for char in source)
         return Position(self.file, span.line + 1, span.column + 1, max(end, span.column + 1) + 1, shown.rstrip())
 
-    def fault(self, what: str | Fault, span: Span) -> Fault:
+    def fault(self, what: str | Fault, span: Span, *, kind: str = "") -> Fault:
         """Fault, or a fault with that message, at a span of the file."""
-        return fault_of(what).at(self.place(span))
+        return fault_of(what, kind).at(self.place(span))
 
 
 def compose(text: str, file: str, parser: Any = None) -> LocatedDocument:
@@ -297,14 +290,18 @@ def compose(text: str, file: str, parser: Any = None) -> LocatedDocument:
     document = LocatedDocument(file, _BREAK.split(text[:MOST_CHARACTERS]))
     if len(text) > MOST_CHARACTERS:
         raise ModelError(
-            [document.fault(f"the file is too large: more than {MOST_CHARACTERS} characters", Span(0, 0, 0, 1))]
+            [
+                document.fault(
+                    f"the file is too large: more than {MOST_CHARACTERS} characters", Span(0, 0, 0, 1), kind="too-large"
+                )
+            ]
         )
     control = re.search(_ASCII_CONTROL if text.isascii() else _CONTROL, text)
     if control:
         line = len(_BREAK.findall(text, 0, control.start()))
         column = control.start() - max((end.end() for end in _BREAK.finditer(text, 0, control.start())), default=0)
         what = f"a character that text cannot hold (U+{ord(control[0]):04X}); delete it"
-        raise ModelError([document.fault(Fault(what, kind=CHARACTER), Span(line, column, line, column + 1))])
+        raise ModelError([document.fault(Fault(what, kind="invalid-character"), Span(line, column, line, column + 1))])
     try:
         composer = _Composer((parser or fastest_parser())(text), document)
         composer.events.get_event()  # the stream begins
@@ -314,7 +311,7 @@ def compose(text: str, file: str, parser: Any = None) -> LocatedDocument:
             more = composer.events.get_event()
             if type(more) is not StreamEndEvent:
                 what = "a second document begins here (---); a file holds one model"
-                raise composer.refusal(what, _span(more))
+                raise composer.refusal(what, _span(more), kind="misplaced-line")
     except yaml.MarkedYAMLError as error:
         fault, mark = explain(error, document.lines)
         raise ModelError([document.fault(fault, Span(mark[0], mark[1], mark[0], mark[1] + 1))]) from None
@@ -331,12 +328,14 @@ class _Composer:
     count: int = 0
     """Number of values made so far, those that aliases stand for included."""
 
-    def refusal(self, what: str | Fault, span: Span) -> ModelError:
-        return ModelError([*self.result.faults, self.result.fault(what, span)])
+    def refusal(self, what: str | Fault, span: Span, *, kind: str = "") -> ModelError:
+        return ModelError([*self.result.faults, self.result.fault(what, span, kind=kind)])
 
     def node(self, event: Any, path: EntryPath, depth: int) -> LocatedNode:
         if depth > MOST_LEVELS:
-            raise self.refusal(f"entries are nested more than {MOST_LEVELS} levels deep", _span(event))
+            raise self.refusal(
+                f"entries are nested more than {MOST_LEVELS} levels deep", _span(event), kind="too-large"
+            )
         kind = type(event)
         if kind is AliasEvent:
             node = self.alias(event)
@@ -353,13 +352,15 @@ class _Composer:
                 self.anchors[event.anchor] = node
             self.count += 1  # what is in it was counted within
         if self.count > MOST_NODES:
-            raise self.refusal(f"the file holds more than {MOST_NODES} entries, aliases (*) followed", _span(event))
+            raise self.refusal(
+                f"the file holds more than {MOST_NODES} entries, aliases (*) followed", _span(event), kind="too-large"
+            )
         return node
 
     def alias(self, event: Any) -> LocatedNode:
         if event.anchor not in self.anchors:
             text = f'no anchor "&{event.anchor}" stands before this alias; text that begins with * needs quotes'
-            raise self.refusal(Fault(text, kind=UNKNOWN_ALIAS), _span(event))
+            raise self.refusal(Fault(text, kind="unknown-alias"), _span(event))
         return replace(self.anchors[event.anchor], place=_place(event, event), key_place=None)
 
     def sequence(self, event: Any, path: EntryPath, depth: int) -> LocatedNode:
@@ -376,10 +377,14 @@ class _Composer:
         size = 1
         while type(inner := self.events.get_event()) is not MappingEndEvent:
             if type(inner) is not ScalarEvent:
-                raise self.refusal("a name is expected before the colon, not a list, mapping or alias", _span(inner))
+                raise self.refusal(
+                    "a name is expected before the colon, not a list, mapping or alias", _span(inner), kind="wrong-form"
+                )
             key, place = inner.value, _place(inner, inner)
             if key == "<<" and inner.implicit[0]:
-                raise self.refusal("merging with << is not supported; write the entries out", _span(inner))
+                raise self.refusal(
+                    "merging with << is not supported; write the entries out", _span(inner), kind="unknown-alias"
+                )
             if inner.tag is not None:
                 raise self.refusal(_no_tag(inner.tag), _span(inner))
             entry = self.node(self.events.get_event(), (*path, key), depth + 1)
@@ -398,7 +403,7 @@ class _Composer:
         assert second.key is not None
         where = f"line {first.key.line + 1}, column {first.key.column + 1}"
         text = f'"{path[-1]}" was already given at {where}; each name stands once'
-        self.result.faults.append(self.result.fault(Fault(text, path, kind=GIVEN_TWICE), second.key))
+        self.result.faults.append(self.result.fault(Fault(text, path, kind="repeated-entry"), second.key))
         self.result.dropped.append((path, second.value))
 
 
@@ -414,4 +419,4 @@ def _span(event: Any) -> Span:
 
 def _no_tag(tag: str) -> Fault:
     shown = tag.replace("tag:yaml.org,2002:", "!!")
-    return Fault(f'tags such as "{shown}" have no meaning in a model file; delete it', kind=TAG)
+    return Fault(f'tags such as "{shown}" have no meaning in a model file; delete it', kind="unknown-tag")

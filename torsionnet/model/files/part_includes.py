@@ -61,7 +61,7 @@ class _Including:
     def add(self, name: str, part: LocatedNode, document: LocatedDocument, path: EntryPath) -> None:
         if name in self.parts:
             text = f'two parts are named "{name}"; the other one is at {self.places[name]}'
-            self.refuse(Fault(text, path, on_key=True), document)
+            self.refuse(Fault(text, path, on_key=True, kind="repeated-name"), document)
             return
         position = document.position(path, on_key=True)
         self.parts[name], self.places[name] = part, f"{position.file}:{position.line}"
@@ -78,11 +78,11 @@ class _Including:
         if node is None:
             return
         if not isinstance(node.value, list):
-            self.refuse(Fault("include is a list of files: [throws.yaml]", ("include",)), document)
+            self.refuse(Fault("include is a list of files: [throws.yaml]", ("include",), kind="wrong-form"), document)
             return
         if len(node.value) > MOST_INCLUDED:
             text = f"{len(node.value)} files are included, at most {MOST_INCLUDED} can be; put several parts into one"
-            self.refuse(Fault(text, ("include",), on_key=True), document)
+            self.refuse(Fault(text, ("include",), on_key=True, kind="too-large"), document)
             return
         for index, name in enumerate(node.value):
             try:
@@ -96,7 +96,9 @@ class _Including:
         path = nearby_file(name)
         home = path.resolve()
         if home in within or home == Path(self.document.file).resolve():
-            raise EntryError(f'"{name}" includes itself, directly or by way of others; leave it out')
+            raise EntryError(
+                f'"{name}" includes itself, directly or by way of others; leave it out', kind="circular-parts"
+            )
         if home in self.read:
             return
         self.read.add(home)
@@ -110,19 +112,24 @@ class _Including:
         self.document.faults += document.faults
         root = document.root
         if root is None or not isinstance(root.value, dict):
-            raise EntryError(f'"{path.name}" holds no parts; it would have parts:, or be a model with ports:')
+            raise EntryError(
+                f'"{path.name}" holds no parts; it would have parts:, or be a model with ports:', kind="wrong-file"
+            )
         self.own_parts(document)
         if "ports" in root.entries:
             entries = {key: node for key, node in root.entries.items() if key not in _OF_THE_WHOLE}
             value = {key: node.value for key, node in entries.items()}
             self.add(path.stem, replace(root, value=value, entries=entries, home=document), document, ())
         elif "elements" in root.entries or "use" in root.entries:
-            raise EntryError(f'"{path.name}" is a model without ports; give it ports: [...], the nodes to join it at')
+            raise EntryError(
+                f'"{path.name}" is a model without ports; give it ports: [...], the nodes to join it at',
+                kind="missing-entry",
+            )
         else:
             for key in root.entries:
                 if key not in _FILE_OF_PARTS:
                     text = f'a file of parts has {", ".join(_FILE_OF_PARTS)}, no "{key}"'
-                    self.refuse(Fault(text, (key,), on_key=True), document)
+                    self.refuse(Fault(text, (key,), on_key=True, kind="unknown-entry"), document)
 
     def used(self, root: LocatedNode) -> set[str]:
         """Names of all parts that the model uses, directly or in its parts; library parts are read when first named."""

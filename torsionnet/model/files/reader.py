@@ -15,9 +15,7 @@ from typing import Any, TypeAlias
 
 from torsionnet.base.entries.declared import files_beside, version_faults
 from torsionnet.base.errors import (
-    MISSING_KEY,
-    UNKNOWN_KEY,
-    UNKNOWN_NAME,
+    UNKNOWN_NAMES,
     EntryPath,
     Fault,
     ModelError,
@@ -45,9 +43,9 @@ def located_faults(faults: Iterable[Fault], document: LocatedDocument) -> list[F
     """Faults with their positions, in the order of the file, each cause once and each message one printable line."""
     found = [fault if fault.position else _place(_reworded(fault, document), document) for fault in faults]
     # That a key is missing which is only misspelt follows from that.
-    meant = {(fault.path[:-1], fault.meant) for fault in found if fault.kind == UNKNOWN_KEY}
+    meant = {(fault.path[:-1], fault.meant) for fault in found if fault.kind == "unknown-entry"}
     return presentable_faults(
-        fault for fault in found if fault.kind != MISSING_KEY or (_parent(fault), fault.about) not in meant
+        fault for fault in found if fault.kind != "missing-entry" or (_parent(fault), fault.about) not in meant
     )
 
 
@@ -120,7 +118,7 @@ def entry_at(data: Any, path: EntryPath) -> Any:
 
 def _reworded(fault: Fault, document: LocatedDocument) -> Fault:
     """Fault of a decimal comma instead of an unknown key, where a flow mapping split the number."""
-    if not fault.path or fault.kind != UNKNOWN_KEY or not str(fault.path[-1])[:1].isdigit():
+    if not fault.path or fault.kind != "unknown-entry" or not str(fault.path[-1])[:1].isdigit():
         return fault
     key, entries = str(fault.path[-1]), entry_at(document.data, fault.path[:-1])
     names = list(entries) if isinstance(entries, Mapping) else []
@@ -154,7 +152,7 @@ def check_partial_model(definition: Definition, document: LocatedDocument, fault
 
 def _with_hint(fault: Fault, lost: set[str]) -> Fault:
     """Fault with the question whether its name is that of an entry that could not be read, misspelt."""
-    meant = "" if fault.kind != UNKNOWN_NAME or fault.meant else nearest(fault.about, sorted(lost))
+    meant = "" if fault.kind not in UNKNOWN_NAMES or fault.meant else nearest(fault.about, sorted(lost))
     return replace(fault, message=phrase("{}{}", fault.message, question(meant)), meant=meant) if meant else fault
 
 
@@ -208,7 +206,7 @@ def read_file(path: str | os.PathLike[str], further: Further | None = None) -> t
     try:
         raw = found.read_bytes()
     except OSError as error:
-        raise UsageError(f"{found} cannot be read: {error.strerror or error}") from None
+        raise UsageError(f"{found} cannot be read: {error.strerror or error}", kind="unreadable-file") from None
     try:
         text = decode(raw, str(found))
     except ModelError as error:
@@ -232,7 +230,9 @@ def read_text(
         return None, [_no_model(document)]
     if "vary" in document.data and "elements" not in document.data:
         text = f"this is a study, no model; torsionnet study {Path(document.file).name} calculates it"
-        return None, located_faults([*document.faults, Fault(text, ("vary",), on_key=True)], document)
+        return None, located_faults(
+            [*document.faults, Fault(text, ("vary",), on_key=True, kind="wrong-file")], document
+        )
     with files_beside(folder):
         if {"include", "use", "parts"} & document.data.keys():
             from torsionnet.model.files.part_includes import include_parts
@@ -252,17 +252,19 @@ def read_text(
 
 def _no_model(document: LocatedDocument) -> Fault:
     if document.data is None:
-        return Fault("the file is empty; a model begins with torsionnet: 1", position=document.position())
+        return Fault(
+            "the file is empty; a model begins with torsionnet: 1", position=document.position(), kind="wrong-file"
+        )
     what = "a list" if isinstance(document.data, list) else "a single value"
     text = f"this is {what}; a model is made of entries: torsionnet: 1, name: ..., elements: ..."
-    return Fault(text, position=document.position())
+    return Fault(text, position=document.position(), kind="wrong-file")
 
 
 def find_model(model: str | os.PathLike[str]) -> Path:
     """Path of the file meant by a path or by the name of a library model; UsageError lists what there is instead."""
     path = Path(model)
     if "\0" in str(path):
-        raise UsageError("a file name cannot hold the character U+0000")
+        raise UsageError("a file name cannot hold the character U+0000", kind="invalid-name")
     library = library_models()
     if isinstance(model, str) and model in library:
         return library[model]
@@ -271,12 +273,14 @@ def find_model(model: str | os.PathLike[str]) -> Path:
     except OSError:  # a name too long, a folder that may not be searched
         is_folder = is_there = False
     if is_folder:
-        raise UsageError(f"{path} is a folder; name a model file in it{_files_in(path)}")
+        raise UsageError(f"{path} is a folder; name a model file in it{_files_in(path)}", kind="wrong-file")
     if not is_there:
-        raise UsageError(_missing(path, library))
+        raise UsageError(_missing(path, library), kind="missing-file")
     if path.suffix.lower() not in SUFFIXES:
         sheet = f"; torsionnet import {path} makes one of a maker's sheet" if path.suffix.lower() == ".csv" else ""
-        raise UsageError(f"{path} is no model file; its name would end in {', '.join(SUFFIXES)}{sheet}")
+        raise UsageError(
+            f"{path} is no model file; its name would end in {', '.join(SUFFIXES)}{sheet}", kind="wrong-file"
+        )
     return path
 
 

@@ -39,7 +39,7 @@ def drivers(definition: Definition, load: Load) -> dict[Input, float]:
     if not shares:
         engines = [name for name, one in definition.excitations.items() if one.kind == ENGINE]
         if len(engines) != 1:
-            raise UsageError("say who drives: driven_by: {node: 1}, or the name of an excitation")
+            raise UsageError("say who drives: driven_by: {node: 1}, or the name of an excitation", kind="missing-entry")
         shares = {engines[0]: 1.0}
     found: dict[Input, float] = {}
     for name, share in shares.items():
@@ -162,7 +162,7 @@ class ExternalTorques:
         """
         found = self.mean_speeds.get(self.reference) or self.rated_speed
         if not found:
-            raise UsageError(NEEDS_RATED)
+            raise UsageError(NEEDS_RATED, kind="missing-entry")
         return float(found)
 
     def _rated_of_absorber(self) -> float | None:
@@ -199,7 +199,10 @@ class ExternalTorques:
             return self._of_load(speed, {})
         stated = stated_torques(self.definition, self.values)
         if not stated or not math.isclose(speed, self.operating_speed):
-            raise UsageError("mean torques over speed need the entry load: {absorbed_at: node, power: ..., ...}")
+            raise UsageError(
+                "mean torques over speed need the entry load: {absorbed_at: node, power: ..., ...}",
+                kind="missing-entry",
+            )
         return stated
 
     def rows(self, speed: float) -> tuple[int, ...]:
@@ -260,7 +263,7 @@ class ExternalTorques:
         for place, absorber in self.absorbers.items():
             ratio = self._ratio(place)
             if absorber.needs_rated and not rated:
-                raise UsageError(f"{NEEDS_RATED}, or rated of its own")
+                raise UsageError(f"{NEEDS_RATED}, or rated of its own", kind="missing-entry")
             torque = absorber.torque_at(abs(ratio) * speed, abs(ratio) * rated if rated else None)
             torque *= remaining.get(place.of, 1.0)
             # An absorber acts against its rotation.
@@ -290,10 +293,10 @@ class ExternalTorques:
         if ratio:
             return ratio
         if node not in all_nodes(self.definition.active):
-            raise CutOffError(f'nothing is attached to "{node}" in this configuration; {UNKNOWN}')
+            raise CutOffError(f'nothing is attached to "{node}" in this configuration; {UNKNOWN}', kind="no-ratio")
         why = "stands still" if ratio is not None else "turns independently"
         text = f"{node} {why} when {self.reference} turns, so that it can neither drive nor absorb"
-        raise CutOffError(f"{text}; {UNKNOWN}")
+        raise CutOffError(f"{text}; {UNKNOWN}", kind="no-ratio")
 
 
 def mean_torques(external: ExternalTorques) -> dict[str, float]:

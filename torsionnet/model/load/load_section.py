@@ -43,7 +43,7 @@ class TableOverSpeed(Plural[tuple[tuple[float, float], ...]]):
             return raw, []
         if not isinstance(raw, Mapping) or len(raw) < 2:
             text = f"expected two speeds or more, each with {self.of.description}: {self.example}; {got(raw)}"
-            return (), [Fault(text)]
+            return (), [Fault(text, kind="wrong-form")]
         found: dict[float, float] = {}
         faults: list[Fault] = []
         for key, value in raw.items():
@@ -53,7 +53,7 @@ class TableOverSpeed(Plural[tuple[tuple[float, float], ...]]):
                 faults.append(replace(error.fault, path=(key,), on_key=True))
                 continue
             if speed in found:
-                faults.append(Fault(f"the speed {key} stands twice", (key,), on_key=True))
+                faults.append(Fault(f"the speed {key} stands twice", (key,), on_key=True, kind="repeated-name"))
             there, wrong = self.of.read(value)
             faults += [fault.under(key) for fault in wrong]
             found[speed] = cast("float", there)
@@ -82,7 +82,9 @@ def value_over_speed(table: tuple[tuple[float, float], ...], speed: float) -> fl
     low, high = speeds[0], speeds[-1]
     if not low * (1 - 1e-9) <= speed <= high * (1 + 1e-9):
         range_text = f"from {low * RPM:.6g} to {high * RPM:.6g} rpm"
-        raise UsageError(f"{speed * RPM:.6g} rpm is outside the table over speed, which goes {range_text}")
+        raise UsageError(
+            f"{speed * RPM:.6g} rpm is outside the table over speed, which goes {range_text}", kind="out-of-range"
+        )
     place = min(max(bisect_right(speeds, speed), 1), len(speeds) - 1)
     (before, lower), (after, upper) = table[place - 1 : place + 1]
     return float(lower + (upper - lower) * (speed - before) / (after - before))
@@ -131,22 +133,31 @@ class Absorber(Declared):
                     (law[0],),
                     on_key=True,
                     remedy=Remedy(LEAVE_OUT),
+                    kind="needless-entry",
                 )
             ]
         if not self.over_speed and len(sizes) != 1:
             text = "what is absorbed is a power or a torque at rated speed, or a table over_speed"
-            return [Fault(f"{text}; here is {'both' if sizes else 'none of them'}", tuple(sizes[1:]), on_key=True)]
+            return [
+                Fault(
+                    f"{text}; here is {'both' if sizes else 'none of them'}",
+                    tuple(sizes[1:]),
+                    on_key=True,
+                    kind="contradicting-entries",
+                )
+            ]
         if not self.over_speed and self.torque_exponent is None:
             return [
                 Fault(
                     "say how the torque follows the speed: torque_exponent: 2 of a propeller, 0 if it does not",
                     on_key=True,
+                    kind="missing-entry",
                 )
             ]
         if self.torque_exponent is not None and abs(self.torque_exponent) > MOST_EXPONENT:
             text = f"torque follows the speed to a power from -{MOST_EXPONENT} to {MOST_EXPONENT}"
             text += f": 2 of a propeller or fan; got {self.torque_exponent:g}"
-            return [Fault(text, ("torque_exponent",))]
+            return [Fault(text, ("torque_exponent",), kind="out-of-range")]
         return []
 
     @property
@@ -230,17 +241,31 @@ class Load(Absorber):
     def contradictions(self) -> list[Fault]:
         if bool(self.absorbed_at) == bool(self.absorbers):
             text = "a load is absorbed_at one node, or has several absorbers"
-            return [Fault(f"{text}; here is {'both' if self.absorbers else 'neither'}", on_key=True)]
+            return [
+                Fault(
+                    f"{text}; here is {'both' if self.absorbers else 'neither'}",
+                    on_key=True,
+                    kind="contradicting-entries",
+                )
+            ]
         if self.absorbers:
             given = [name for name in _LAW if getattr(self, name) not in (None, ())]
-            faults = [Fault(f"{given[0]} belongs into one of the absorbers", (given[0],), on_key=True)] if given else []
+            faults = (
+                [
+                    Fault(
+                        f"{given[0]} belongs into one of the absorbers", (given[0],), on_key=True, kind="needless-entry"
+                    )
+                ]
+                if given
+                else []
+            )
         else:
             faults = super().contradictions()
         total = sum(self.driven_by.values()) if self.driven_by else 1.0
         if abs(total - 1) > SHARE_ROUNDING:
             listed = ", ".join(f"{name} {share:g}" for name, share in self.driven_by.items())
             text = f"the shares of the drivers ({listed}) sum to {total:g}; they have to sum to 1"
-            faults.append(Fault(text, ("driven_by",)))
+            faults.append(Fault(text, ("driven_by",), kind="contradicting-values"))
         return faults
 
     def at_share(self, share: float) -> Load:

@@ -131,11 +131,18 @@ def with_use(
     if model is not None:
         if not model.ports:
             text = f'"{model.name}" has no ports; give them when it is made: ports=["inner", "outer"]'
-            return written, [Fault(text, ("use", name, "part"))]
+            return written, [Fault(text, ("use", name, "part"), kind="missing-entry")]
         use = {**use, "part": _put(parts, model)}
     uses, faults = USE.read({name: use})
     if name in written.use:
-        faults.append(Fault(f'"{name}" is used already; give this one another name', ("use", name), on_key=True))
+        faults.append(
+            Fault(
+                f'"{name}" is used already; give this one another name',
+                ("use", name),
+                on_key=True,
+                kind="repeated-name",
+            )
+        )
     found = [fault.under("use") for fault in faults]
     return replace(written, parts=parts, use={**written.use, **uses}), found
 

@@ -77,7 +77,9 @@ def use_faults(use: Use, ports: Collection[str], parameters: Collection[str]) ->
         nodes = ", ".join(f"{port}: ..." for port in missing)
         text = f"port{'s' if len(missing) > 1 else ''} {', '.join(missing)} of {use.part} not connected"
         path: EntryPath = ("at",) if use.at else ()
-        yield Fault(f"{text}; give the node in at: {{{nodes}}}", path, on_key=True, defined=_ports_of(use))
+        yield Fault(
+            f"{text}; give the node in at: {{{nodes}}}", path, on_key=True, defined=_ports_of(use), kind="missing-entry"
+        )
     for table in ("at", "parameters"):
         for key, value in getattr(use, table).items():
             yield from _wrong_length(use, table, key, value)
@@ -115,12 +117,20 @@ def _wrong_length(use: Use, table: str, key: str, value: Any) -> Iterator[Fault]
         return
     path = (table, key)
     if use.repeat is None:
-        yield Fault(f"a list for {key} needs repeat: {len(value)}; without, there is one copy and one value", path)
+        yield Fault(
+            f"a list for {key} needs repeat: {len(value)}; without, there is one copy and one value",
+            path,
+            kind="wrong-form",
+        )
     elif use.chain and table == "at" and key == use.chain[1]:
-        yield Fault(f"{key} is the end of a chain, one node; a list of nodes names those of {use.chain[0]}", path)
+        yield Fault(
+            f"{key} is the end of a chain, one node; a list of nodes names those of {use.chain[0]}",
+            path,
+            kind="wrong-form",
+        )
     elif len(value) != use.repeat:
         text = f"{key} has {len(value)} values for {use.repeat} copies"
-        yield Fault(f"{text}; give {use.repeat}, or one for all", path)
+        yield Fault(f"{text}; give {use.repeat}, or one for all", path, kind="wrong-count")
 
 
 SECTIONS = ("parameters", "elements", "inputs", "sensors", "configurations", "excitations", "limits")
@@ -182,7 +192,7 @@ class _Flattening:
         for name in parts:
             if name not in self.done:
                 text = f'part "{name}" is not used'
-                self.faults.append(Fault(text, ("parts", name), "warning", on_key=True, about=name))
+                self.faults.append(Fault(text, ("parts", name), "warning", on_key=True, about=name, kind="unused-part"))
 
     def content(self, owner: Definition | Part, path: EntryPath, within: tuple[str, ...]) -> PartContent:
         """Elements, parameters and other contents of a model or a part with everything it uses."""
@@ -205,11 +215,17 @@ class _Flattening:
             return False
         if use.part in within:
             circle = " -> ".join([*within[within.index(use.part) :], use.part])
-            self.tell(Fault(f"a part cannot contain itself: {circle}; leave out one of these uses", (*place, "part")))
+            self.tell(
+                Fault(
+                    f"a part cannot contain itself: {circle}; leave out one of these uses",
+                    (*place, "part"),
+                    kind="circular-parts",
+                )
+            )
             return False
         if len(within) == MOST_LEVELS:
             text = f"parts are nested more than {MOST_LEVELS} levels deep; put some of them together"
-            self.tell(Fault(text, (*place, "part")))
+            self.tell(Fault(text, (*place, "part"), kind="too-large"))
             return False
         return True
 
@@ -251,19 +267,19 @@ class _Flattening:
         count = whole.size + part.size * (use.repeat or 1)
         if count > MOST_ENTRIES:
             text = f"this makes {count} entries (elements, parameters, sensors, ...); a model may have {MOST_ENTRIES}"
-            self.tell(Fault(text, place, on_key=True))
+            self.tell(Fault(text, place, on_key=True, kind="too-large"))
             return
         for copy in copies(name, use):
             if copy.name in whole.elements:
                 text = f'"{copy.name}" is an element; what is used needs another name'
-                self.tell(Fault(text, place, on_key=True, about=copy.name))
+                self.tell(Fault(text, place, on_key=True, about=copy.name, kind="repeated-name"))
                 return
             for section, entries in self.renamed(copy, part).items():
                 table = getattr(whole, section)
                 twice = next((key for key in entries if key in table), None)
                 if twice is not None:
                     text = f'"{twice}" is already there among the {section}; use the part under another name'
-                    self.tell(Fault(text, place, on_key=True, about=twice))
+                    self.tell(Fault(text, place, on_key=True, about=twice, kind="repeated-name"))
                     return
                 table.update(entries)
 
@@ -288,7 +304,7 @@ class _Flattening:
                     paths = [(section, own, *_below(fault.path, section)) for fault in error.faults]
                     self.faults += [replace(fault, path=path) for fault, path in zip(error.faults, paths, strict=True)]
                 except UsageError as error:
-                    self.faults.append(Fault(str(error), (section, own)))
+                    self.faults.append(error.fault.under(section, own))
         for name, value in copy.values.items():
             own = names.own(name)
             found["parameters"][own] = found["parameters"][own].given(value)

@@ -123,9 +123,11 @@ class Use(Declared):
 
     def contradictions(self) -> list[Fault]:
         if self.chain is not None and self.repeat is None:
-            return [Fault("a chain needs repeat: the number of copies in it", ("chain",), on_key=True)]
+            return [
+                Fault("a chain needs repeat: the number of copies in it", ("chain",), on_key=True, kind="missing-entry")
+            ]
         if self.chain is not None and self.chain[0] == self.chain[1]:
-            return [Fault("a chain leads from one port to another, [front, rear]", ("chain",))]
+            return [Fault("a chain leads from one port to another, [front, rear]", ("chain",), kind="wrong-form")]
         return []
 
     def prefixes(self, name: str) -> tuple[str, ...]:

@@ -98,7 +98,7 @@ def decide_side(columns: SheetColumns, rows: SheetRows, grid: CellGrid, option: 
         unclear += [cell] if is_unclear else []
         said += [] if side is None else [side]
         remarks.append(SheetRemark(cell.text, cell.line, "" if side is None else "referred" if side else "real"))
-        faults += [grid.fault(text, cell) for text in _weighing(cell.text, columns)]
+        faults += [grid.fault(text, cell, kind="contradicting-entries") for text in _weighing(cell.text, columns)]
     for cell in _free_cells(columns):
         unclear += [cell] if any(remark_side(cell.text, names)) else []
     if not option and _turn_apart(rows.ratios):
@@ -106,14 +106,24 @@ def decide_side(columns: SheetColumns, rows: SheetRows, grid: CellGrid, option: 
         if first and len(set(said)) > 1:
             both = "the sheet says of its values that they are referred, and that they are real"
             faults.append(
-                grid.fault(f"{both}; choose by the option values, real or referred", Cell(first.text, first.line, 1))
+                grid.fault(
+                    f"{both}; choose by the option values, real or referred",
+                    Cell(first.text, first.line, 1),
+                    kind="ambiguous-heading",
+                )
             )
-        faults += [grid.fault(f'"{cell.text}" {_UNKNOWN_SIDE}', cell) for cell in unclear]
+        faults += [grid.fault(f'"{cell.text}" {_UNKNOWN_SIDE}', cell, kind="unknown-word") for cell in unclear]
         headings = [one.cell for one in columns.all if one.referred and one.meaning in ("inertia", "stiffness")]
         for cell in (*headings, *(cell for cell in texts if remark_side(cell.text, names)[0])):
             if elsewhere := _turning_elsewhere(referral_target(cell.text), rows):
                 said_to = f'"{cell.text}" refers values to {elsewhere.label}, whose speed ratio is not 1'
-                faults.append(grid.fault(f"{said_to}; give ratios to that speed, or choose by the option values", cell))
+                faults.append(
+                    grid.fault(
+                        f"{said_to}; give ratios to that speed, or choose by the option values",
+                        cell,
+                        kind="ambiguous-heading",
+                    )
+                )
     referred = option == "referred" if option else bool(said and said[0])
     return SideDecision(referred, bool(said or option), tuple(remarks), tuple(faults), bool(option))
 
@@ -359,10 +369,13 @@ class SheetEntry(Spec[MassElasticSheet]):
                 allowed = _CHOICES.get(key, ())
                 if value not in allowed:
                     text = f"expected {' or '.join(allowed)}" if allowed else f"a sheet has {FILE}, values and factors"
-                    raise EntryError(Fault(f"{text}, {got(value if allowed else key)}", (key,), on_key=not allowed))
+                    kind = "unknown-word" if allowed else "unknown-entry"
+                    raise EntryError(
+                        Fault(f"{text}, {got(value if allowed else key)}", (key,), on_key=not allowed, kind=kind)
+                    )
             raw = raw.get(FILE)
         if not isinstance(raw, str | Path):
-            raise EntryError(f"expected the name of a sheet, as engine.csv, {got(raw)}")
+            raise EntryError(f"expected the name of a sheet, as engine.csv, {got(raw)}", kind="wrong-form")
         reading = SheetReading(**said)
         try:
             if isinstance(raw, Path):
@@ -370,9 +383,13 @@ class SheetEntry(Spec[MassElasticSheet]):
             return read_sheet(nearby_file(raw), raw, reading)
         except ModelError as error:
             count = f"{len(error.faults)} fault{'s' if len(error.faults) > 1 else ''}"
-            raise EntryError([Fault(f'the sheet "{raw}" cannot be used; {count} in it'), *error.faults]) from None
+            raise EntryError(
+                [Fault(f'the sheet "{raw}" cannot be used; {count} in it', kind="unreadable-file"), *error.faults]
+            ) from None
         except OSError as error:
-            raise EntryError(f'the sheet "{raw}" cannot be read: {error.strerror or error}') from None
+            raise EntryError(
+                f'the sheet "{raw}" cannot be read: {error.strerror or error}', kind="unreadable-file"
+            ) from None
 
     def plain(self, value: Any) -> str | dict[str, str]:
         said = {key: text for key, text in asdict(value.reading).items() if text}

@@ -121,7 +121,8 @@ def read_columns(grid: CellGrid) -> SheetColumns:
             columns.append(_column(place, texts, below, faults, grid))
             continue
         # A first column without heading numbers the rows.
-        faults += [grid.fault(f'"{cell.text}" stands below no heading; give its column one', cell)
+        faults += [grid.fault(f'"{cell.text}" stands below no heading; give its column one', cell,
+                              kind="missing-column")
                    for cell in below if place and is_like_number(cell.text)]  # fmt: skip
         remark = "has no heading and is left out" if below else ""
         columns.append(SheetColumn(place, Cell("", heads[0][0].line, 1), "", None, "", None, remark))
@@ -185,7 +186,7 @@ def _words(heading: SheetHeading) -> str:
 
 def _no_inertia(grid: CellGrid) -> Fault:
     text = "no column of inertias; write its heading as J [kg*m^2] or inertia (kg m²)"
-    return grid.fault(text, next(cell for row in grid.rows for cell in row if cell.text))
+    return grid.fault(text, next(cell for row in grid.rows for cell in row if cell.text), kind="missing-column")
 
 
 def _readable(text: str) -> SheetUnit | None:
@@ -221,7 +222,9 @@ def _column(
 ) -> SheetColumn:
     cell, joined = texts[0], _joined(texts)
     if len(joined) > MOST_CHARACTERS and any(is_like_number(one.text) for one in below):
-        faults.append(grid.fault(f"the heading is longer than {MOST_CHARACTERS} characters; shorten it", cell))
+        faults.append(
+            grid.fault(f"the heading is longer than {MOST_CHARACTERS} characters; shorten it", cell, kind="too-large")
+        )
     heading = read_heading(joined)
     words, referred = heading_side(_words(heading))
     unit, unit_text = _unit_of(heading, words)
@@ -234,7 +237,7 @@ def _column(
     fitting = [one for one in known if one.fits(dimension)] if not named else [BY_KEY[named]]
     if unit_text and unit is None:
         if known and known[0].needs_unit:
-            faults.append(grid.fault(_bad_unit(unit_text, known[0]), cell))
+            faults.append(grid.fault(_bad_unit(unit_text, known[0]), cell, kind="wrong-unit"))
         return blank
     by_unit = _by_unit(unit_text, unit)
     likely = known or meanings_of(words, loosely=True) or meanings_of(re.sub(r"\([^()]*\)", " ", heading.words))
@@ -247,19 +250,20 @@ def _column(
             meaning = BY_KEY[by_unit] if by_unit else likely[0]
             bracket = None if unit_text else re.search(r"[(]([^()]*[A-Za-z][^()]*[*·/^²³\d][^()]*)[)]", heading.words)
             fault = _not_understood(unknown_words(words, meaning), meaning, texts, grid)
-            faults.append(grid.fault(_bad_unit(bracket[1], meaning), cell) if bracket else fault)
+            faults.append(grid.fault(_bad_unit(bracket[1], meaning), cell, kind="wrong-unit") if bracket else fault)
         return blank
     if not fitting:
         if known and known[0].needs_unit and known[0].key in ("inertia", "stiffness", "absolute", "relative"):
-            faults.append(grid.fault(_bad_unit(unit_text, known[0]), cell))
+            faults.append(grid.fault(_bad_unit(unit_text, known[0]), cell, kind="wrong-unit"))
         return blank
     meaning = _preferred(fitting, unit)
-    faults += [grid.fault(text, cell) for text in _doubts(meaning, cell.text, unit_text, below)]
+    doubt = "ambiguous-heading" if meaning.key == "gear ratio" else "missing-unit"
+    faults += [grid.fault(text, cell, kind=doubt) for text in _doubts(meaning, cell.text, unit_text, below)]
     if not meaning.is_text:
-        faults += [grid.fault(text, cell) for text in _unclear(heading, words, meaning)]
+        faults += [grid.fault(text, cell, kind="ambiguous-heading") for text in _unclear(heading, words, meaning)]
     if referred and meaning.fits(DIMENSIONS["length"]):
         text = f'"{cell.text}" is not of the shaft itself; give the stiffness instead, or its real {meaning.shown}'
-        faults.append(grid.fault(text, cell))
+        faults.append(grid.fault(text, cell, kind="ambiguous-heading"))
     return replace(blank, meaning=meaning.key)
 
 
@@ -301,8 +305,10 @@ def _not_understood(unknown: Sequence[str], meaning: Meaning, texts: Sequence[Ce
     for cell in texts:
         at = cell.text.casefold().find(unknown[0])
         if at >= 0:
-            return grid.fault(text, Cell(cell.text[at : at + len(unknown[0])], cell.line, cell.column + at))
-    return grid.fault(text, texts[0])
+            return grid.fault(
+                text, Cell(cell.text[at : at + len(unknown[0])], cell.line, cell.column + at), kind="ambiguous-heading"
+            )
+    return grid.fault(text, texts[0], kind="ambiguous-heading")
 
 
 def _preferred(fitting: Sequence[Meaning], unit: SheetUnit | None) -> Meaning:
@@ -378,7 +384,9 @@ def _without_doubles(columns: Sequence[SheetColumn], faults: list[Fault], grid: 
                     for one in kept]  # fmt: skip
             continue
         text = f'"{same[0].heading}" and "{same[1].heading}" both mean {meaning.shown}'
-        faults.append(grid.fault(f"{text}; leave one, or call the other something else", same[1].cell))
+        faults.append(
+            grid.fault(f"{text}; leave one, or call the other something else", same[1].cell, kind="repeated-name")
+        )
     return kept
 
 
@@ -390,4 +398,4 @@ def _misspelt(column: SheetColumn, columns: Sequence[SheetColumn], grid: CellGri
     near = [word for word in _WORDS if SequenceMatcher(None, plain, word).ratio() >= LEAST_SIMILARITY]
     if near and _WORDS[near[0]] not in {one.meaning for one in columns}:
         yield grid.fault(f'"{column.heading}" is no heading of a mass-elastic sheet; did you mean "{near[0]}"?',
-                         column.cell)  # fmt: skip
+                         column.cell, kind="unknown-column")  # fmt: skip

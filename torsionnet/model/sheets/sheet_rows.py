@@ -163,9 +163,9 @@ class _Rows:
             return "mass"
         return f"mass_{label.text}" if label.text.isdigit() else plain_name(label.text)
 
-    def _fault(self, text: str, cell: Cell | None, row: Row) -> None:
+    def _fault(self, kind: str, text: str, cell: Cell | None, row: Row) -> None:
         at = cell or self._label(row) or next(one for one in row if one.text)
-        self.values.faults.append(self.values.grid.fault(text, at))
+        self.values.faults.append(self.values.grid.fault(text, at, kind=kind))
 
     def read(self) -> None:
         """Read the masses of a sheet, and links whose ends may still be open."""
@@ -178,7 +178,12 @@ class _Rows:
             if shaft_only:
                 if both and self._is_mass(row):
                     cell = self.values.columns.cell(row, "inertia")
-                    self._fault("a row with from and to is a shaft; its inertia stands in a row of its own", cell, row)
+                    self._fault(
+                        "needless-entry",
+                        "a row with from and to is a shaft; its inertia stands in a row of its own",
+                        cell,
+                        row,
+                    )
                 if not both:
                     pending = [one for one in pending if one.link is not None]
                 pending.append(self._link(row, None if both else last))
@@ -195,7 +200,7 @@ class _Rows:
         self.begun += pending
         if not self.masses and not self.values.faults:
             row = self.all[0] if self.all else self.values.grid.rows[-1]
-            self._fault("no row has an inertia", None, row)
+            self._fault("missing-entry", "no row has an inertia", None, row)
 
     def _mass(self, row: Row, before: Fraction) -> tuple[str, Fraction]:
         label, plain = self._label(row), self._plain(row)
@@ -221,7 +226,7 @@ class _Rows:
         assert column is not None
         text = f'"{column.heading}" does not say what it acts on'
         text += '; call it "absolute damping" (of the mass, to ground) or "relative damping" (of the shaft)'
-        fault = self.values.grid.fault(text, column.cell)
+        fault = self.values.grid.fault(text, column.cell, kind="ambiguous-heading")
         if fault not in self.values.faults:
             self.values.faults.append(fault)
         return None
@@ -233,7 +238,12 @@ class _Rows:
             return before
         cell = self.values.columns.cell(row, "ratio" if ratio else "speed")
         if not found.si:
-            self._fault("a mass that does not turn has no speed ratio; expected a number other than 0", cell, row)
+            self._fault(
+                "out-of-range",
+                "a mass that does not turn has no speed ratio; expected a number other than 0",
+                cell,
+                row,
+            )
             return before
         if ratio:
             return exact(found.si)
@@ -248,7 +258,12 @@ class _Rows:
         losses = [(key, value) for key in _LOSSES if (value := of(row, key)) is not None]
         losses = [(key, value) for key, value in losses if value.si]
         if len(losses) > 1:
-            self._fault(f"{losses[0][0]} and {losses[1][0]} say the same thing twice; leave one", None, row)
+            self._fault(
+                "contradicting-entries",
+                f"{losses[0][0]} and {losses[1][0]} say the same thing twice; leave one",
+                None,
+                row,
+            )
         relative = of(row, "relative")
         if relative is None and self._has(row, DAMPING) and not self._is_mass(row):
             relative = self._open_damping(row)
@@ -289,7 +304,9 @@ class _Rows:
         if link is None:
             return self._rigid_gear(begun, first, second, explicit=bool(source or target))
         if first == second:
-            self._fault(f'"{self.masses[first].label}" is connected to itself', target or source, begun.row)
+            self._fault(
+                "same-node", f'"{self.masses[first].label}" is connected to itself', target or source, begun.row
+            )
             return []
         if not self._is_whole(link, begun.row):
             return []
@@ -303,7 +320,12 @@ class _Rows:
         if link is not None and not (link.stiffness is not None and (link.stiffness.is_rigid or not link.stiffness.si)):
             cell = self.values.columns.cell(begun.row, "stiffness")
             which = "after the last mass" if begun.first else "before the first mass"
-            self._fault(f"a shaft {which} leads nowhere; leave its stiffness empty, or say to: ground", cell, begun.row)
+            self._fault(
+                "missing-entry",
+                f"a shaft {which} leads nowhere; leave its stiffness empty, or say to: ground",
+                cell,
+                begun.row,
+            )
         return []
 
     def _rigid_gear(self, begun: _Begun, first: str, second: str, *, explicit: bool) -> list[SheetLink]:
@@ -315,7 +337,9 @@ class _Rows:
             text = (
                 f'nothing is said of how "{one.label if one else first}" and "{other.label if other else second}" are'
             )
-            self._fault(f"{text} connected; give a stiffness or a compliance, or write rigid", None, begun.row)
+            self._fault(
+                "missing-entry", f"{text} connected; give a stiffness or a compliance, or write rigid", None, begun.row
+            )
             return []
         if self.branched and not explicit:
             return []
@@ -323,17 +347,22 @@ class _Rows:
 
     def _is_whole(self, link: SheetLink, row: Row) -> bool:
         if link.stiffness is None and not (link.outer and link.length):
-            self._fault("the shaft has neither stiffness nor outer diameter and length", None, row)
+            self._fault("missing-entry", "the shaft has neither stiffness nor outer diameter and length", None, row)
             return False
         if link.stiffness is not None and not link.stiffness.is_rigid and not link.stiffness.si:
             if link.damping is not None and link.damping.si:
                 return True
             cell = self.values.columns.cell(row, "stiffness")
-            self._fault("a shaft of stiffness 0 connects nothing; write rigid, or leave the cell empty", cell, row)
+            self._fault(
+                "out-of-range",
+                "a shaft of stiffness 0 connects nothing; write rigid, or leave the cell empty",
+                cell,
+                row,
+            )
             return False
         if link.outer is not None and link.inner is not None and link.inner.si >= link.outer.si:
             cell = self.values.columns.cell(row, "inner")
-            self._fault("the inner diameter must be smaller than the outer diameter", cell, row)
+            self._fault("contradicting-values", "the inner diameter must be smaller than the outer diameter", cell, row)
             return False
         return True
 
@@ -350,12 +379,13 @@ class _Rows:
         found = found or [mass.name for mass in self.masses.values() if mass.name.casefold() == text]
         if len(found) == 1:
             return found[0]
+        kind = "ambiguous-name" if found else "unknown-name"
         if found:
             told = f'"{cell.text}" is the name of {len(found)} masses; say which by its number'
         else:
             told = f'no mass is named or numbered "{cell.text}"'
             told += did_you_mean(cell.text, [mass.label for mass in self.masses.values()])
-        self._fault(told, cell, ())
+        self._fault(kind, told, cell, ())
         return None
 
     def _check_together(self, links: Sequence[SheetLink]) -> None:
@@ -369,4 +399,4 @@ class _Rows:
             if group is not home:
                 pair = " with ".join(f'"{self.masses[name].label}"' for name in (group[0], home[0]))
                 text = f"nothing connects {pair}; say in a column to or from what does"
-                self._fault(text, None, self.rows[group[0]])
+                self._fault("unconnected-nodes", text, None, self.rows[group[0]])

@@ -76,7 +76,9 @@ class SheetValues:
             return SheetValue(Fraction(0), is_rigid=True)
         value = self._value(column, cell)
         if value is not None and value.si < 0 and key not in ("ratio", "speed"):
-            self.faults.append(self.grid.fault(f"{cell.text}: the {BY_KEY[key].shown} must not be negative", cell))
+            self.faults.append(
+                self.grid.fault(f"{cell.text}: the {BY_KEY[key].shown} must not be negative", cell, kind="out-of-range")
+            )
             return None
         return value
 
@@ -95,23 +97,23 @@ class SheetValues:
                 return None
         elif unit is None and meaning.needs_unit:
             text = f'"{cell.text}" has no unit, and neither has the heading "{column.heading}"'
-            self.faults.append(self.grid.fault(f"{text}; write that as {meaning.example}", cell))
+            self.faults.append(self.grid.fault(f"{text}; write that as {meaning.example}", cell, kind="missing-unit"))
             return None
         if number is None:
             text = f'"{cell.text}" is not a number; the column "{column.heading}" was taken as {meaning.shown}'
-            self.faults.append(self.grid.fault(text, cell))
+            self.faults.append(self.grid.fault(text, cell, kind="not-a-number"))
             return None
         try:
             return self._possible(_in_unit(number, unit), cell)
         except (UnitError, OverflowError) as error:
-            self.faults.append(self.grid.fault(str(error), cell))
+            self.faults.append(self.grid.fault(str(error), cell, kind="not-finite"))
             return None
 
     def _possible(self, value: SheetValue, cell: Cell) -> SheetValue | None:
         if not is_beyond_range(value.si):
             return value
         text = f"{cell.text} is far outside the sizes of drivetrains; check its unit"
-        self.faults.append(self.grid.fault(text, cell))
+        self.faults.append(self.grid.fault(text, cell, kind="implausible-size"))
         return None
 
     def _quotient(self, cell: Cell, above: str, below: str) -> SheetValue | None:
@@ -122,7 +124,7 @@ class SheetValues:
         except UnitError:
             numbers = []
         if not numbers or not numbers[1]:
-            self.faults.append(self.grid.fault(f'"{cell.text}" is not a number', cell))
+            self.faults.append(self.grid.fault(f'"{cell.text}" is not a number', cell, kind="not-a-number"))
             return None
         return self._possible(SheetValue(numbers[0] / numbers[1]), cell)
 
@@ -132,15 +134,17 @@ class SheetValues:
         try:
             unit = sheet_unit(text)
         except UnitError as error:
-            self.faults.append(self.grid.fault(f'"{cell.text}" is not a number: {error}', cell))
+            self.faults.append(self.grid.fault(f'"{cell.text}" is not a number: {error}', cell, kind="not-a-number"))
             return None
         if not meaning.fits(unit.dimension):
             said = f'"{text}" is not a unit of {meaning.dimensions[0]}; write one, as in {meaning.example}'
-            self.faults.append(self.grid.fault(said, cell))
+            self.faults.append(self.grid.fault(said, cell, kind="wrong-unit"))
             return None
         if column.unit is not None and (unit.factor, unit.dimension) != (column.unit.factor, column.unit.dimension):
             said = f'"{cell.text}" is in another unit than its heading says ("{column.unit_text}")'
-            self.faults.append(self.grid.fault(f"{said}; write all cells of a column in one unit", cell))
+            self.faults.append(
+                self.grid.fault(f"{said}; write all cells of a column in one unit", cell, kind="wrong-unit")
+            )
             return None
         return unit
 

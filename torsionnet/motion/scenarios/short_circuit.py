@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 from torsionnet.base.entries.composite import superfluous
 from torsionnet.base.entries.scalars import PhysicalQuantity, Value
 from torsionnet.base.entries.spec import Count, entry
-from torsionnet.base.errors import MISSING_KEY, Fault, unknown_name
+from torsionnet.base.errors import Fault, unknown_name
 from torsionnet.base.expressions import Expression, Number
 from torsionnet.base.phrases import phrase
 from torsionnet.model.operating_point import MachineName
@@ -155,10 +155,10 @@ class ShortCircuitScenario(Scenario):
         faults = []
         if self.rated_torque is None and found.torque is None:
             text = f"{self.machine} does not say which torque is 1 per unit; give rated_torque: 2.4 MN*m"
-            faults.append(Fault(text, on_key=True, kind=MISSING_KEY))
+            faults.append(Fault(text, on_key=True, kind="missing-entry"))
         if self.frequency is None and found.frequency is None:
             text = f"{self.machine} does not say the frequency of its line; give frequency: 50 Hz"
-            faults.append(Fault(text, on_key=True, kind=MISSING_KEY))
+            faults.append(Fault(text, on_key=True, kind="missing-entry"))
         return faults if self.angle is None else [*faults, *self._grid_faults(model, found)]
 
     def _grid_faults(self, model: ScenarioSubject, machine: FaultedMachine) -> list[Fault]:
@@ -169,7 +169,7 @@ class ShortCircuitScenario(Scenario):
                 return [Fault(f"{text}, and give rated_torque and frequency", ("machine",))]
         if self._frequency(model, machine) is not None and self._pairs(model, machine) is None:
             text = f"{self.machine} does not say its pole pairs, nor a speed that fits the line; give pole_pairs: 1"
-            return [Fault(text, on_key=True, kind=MISSING_KEY)]
+            return [Fault(text, on_key=True, kind="missing-entry")]
         return []
 
     def _frequency(self, model: ScenarioSubject, machine: FaultedMachine) -> float | None:

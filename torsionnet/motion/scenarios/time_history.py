@@ -20,7 +20,7 @@ from torsionnet.base.entries.scalars import (
     plain_scalar,
 )
 from torsionnet.base.entries.spec import EntryError, Json, Schema, Spec
-from torsionnet.base.errors import MISSING_KEY, EntryPath, Fault, got, unknown_key
+from torsionnet.base.errors import EntryPath, Fault, got, unknown_key
 from torsionnet.base.expressions import Expression, Number
 from torsionnet.model.elements import Values
 
@@ -308,7 +308,7 @@ class HistoryEntry(Composite[Course]):
         rest = f"a sinusoid has {', '.join(_WORDS)}"
         faults = [unknown_key(key, list(_WORDS), (key,), rest) for key in raw if key not in specs]
         faults += [
-            Fault(f"a sinusoid needs its {key}", on_key=True, kind=MISSING_KEY)
+            Fault(f"a sinusoid needs its {key}", on_key=True, kind="missing-entry")
             for key in ("amplitude", "frequency")
             if raw.get(key) is None
         ]

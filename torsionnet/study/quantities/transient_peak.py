@@ -12,7 +12,7 @@ from torsionnet.base.entries.composite import Composite, Listed
 from torsionnet.base.entries.declared import nearby_file
 from torsionnet.base.entries.scalars import SCALAR_SCHEMA, Value
 from torsionnet.base.entries.spec import EntryError, Json, OneOf, Schema, Text, entry, not_none
-from torsionnet.base.errors import MISSING_KEY, Fault, TorsionnetError, UsageError, got, remedy
+from torsionnet.base.errors import Fault, TorsionnetError, UsageError, got, remedy
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.identification.plan.fit_entries import READING, FileReading
 from torsionnet.linear.assembly.rows import FloatArray
@@ -178,7 +178,9 @@ class TransientPeak(StudyQuantity):
         faults = []
         if self.duration is None:
             faults.append(
-                Fault("a torque needs the duration that is simulated, as duration: 2 s", on_key=True, kind=MISSING_KEY)
+                Fault(
+                    "a torque needs the duration that is simulated, as duration: 2 s", on_key=True, kind="missing-entry"
+                )
             )
         if self.torque == 0:
             faults.append(Fault("a torque of 0 moves nothing; give its size, as 500 N*m", ("torque",)))

@@ -13,7 +13,7 @@ from torsionnet.base.entries.composite import Listed, Named, Nested, Typed
 from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.scalars import QuantityKind
 from torsionnet.base.entries.spec import entry
-from torsionnet.base.errors import UNKNOWN_NAME, EntryPath, Fault, unknown_name
+from torsionnet.base.errors import EntryPath, Fault, unknown_name
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.model.changes import value_of_entry
 from torsionnet.model.elements import Element
@@ -206,12 +206,12 @@ def _unknown(name: str, model: Model) -> Fault:
     if name in model.axes:
         alternatives = ", ".join(model.axes[name])
         text = f'"{name}" is no parameter but an axis of configurations; a study takes these as configurations:'
-        return Fault(f"{text} {alternatives}", path, on_key=True, kind=UNKNOWN_NAME, about=name)
+        return Fault(f"{text} {alternatives}", path, on_key=True, kind="unknown-parameter", about=name)
     value = value_of_entry(model.definition, name)
     if value is not None and value.names:
         used = ", ".join(sorted(value.names))
         text = f'"{name}" follows from parameters, it is "{value}"; vary {used}'
-        return Fault(text, path, on_key=True, kind=UNKNOWN_NAME, about=name, meant=used)
+        return Fault(text, path, on_key=True, kind="unknown-parameter", about=name, meant=used)
     element, _, key = name.rpartition(".")
     if element in model.definition.elements:
         return _no_entry(model.definition.elements[element], key, path)

@@ -16,7 +16,7 @@ from torsionnet.app.cli.cases import ConfiguredCase, ModelCommand
 from torsionnet.app.cli.command import JSON, TABLE, Answer, Command, separated_by_lines, text_answer
 from torsionnet.app.cli.options import STANDARD_INPUT, OutputFile, argument, checked_model, option
 from torsionnet.app.cli.terminal import message, print_line
-from torsionnet.base.errors import Fault, UsageError, readable_text
+from torsionnet.base.errors import Fault, UsageError, in_brackets, readable_text
 from torsionnet.base.result_rows import Out
 
 if TYPE_CHECKING:
@@ -191,7 +191,7 @@ class CheckCommand(Command):
             except (UsageError, OSError) as error:
                 if isinstance(error, OSError) and not self.watch:
                     raise
-                message("error", str(error))
+                message("error", f"{error}{in_brackets(getattr(error, 'kind', ''))}")
                 code = WRONG_USAGE
         if any(fault.severity == "error" for faults in reports.values() for fault in faults):
             code = code or WRONG_MODEL

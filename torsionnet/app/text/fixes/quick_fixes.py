@@ -9,18 +9,9 @@ from torsionnet.app.text.fixes import value_fixes
 from torsionnet.app.text.fixes.value_fixes import FaultPlace, example_values
 from torsionnet.app.text.text_edits import STEP, TextEdit, TextFix, TextSpan, WrittenText, edited
 from torsionnet.base.errors import (
-    GIVEN_TWICE,
     INSERT,
     LEAVE_OUT,
-    MISSING_KEY,
-    NO_NODE,
-    NO_NODES,
-    NO_TABLE,
-    NO_TYPE,
-    NO_VALUE,
     SEPARATE,
-    UNKNOWN_KEY,
-    UNUSED,
     Fault,
     ModelError,
     UsageError,
@@ -36,7 +27,7 @@ _SECTIONS_OF_NAMES = ("elements", "parameters", "inputs", "sensors", "excitation
 def missing_entry(place: FaultPlace) -> Iterator[TextFix]:
     """An entry that is missing, with an example of its value."""
     fault, written = place.fault, place.written
-    if fault.kind != MISSING_KEY or not fault.about:
+    if fault.kind != "missing-entry" or not fault.about:
         return
     root = written.node(())
     if fault.about == "torsionnet" and not written.is_flow(root):
@@ -59,7 +50,7 @@ def missing_entry(place: FaultPlace) -> Iterator[TextFix]:
 def entry_without_value(place: FaultPlace) -> Iterator[TextFix]:
     """A value for an entry that has none, or the entry left out."""
     fault = place.fault
-    if fault.kind != NO_VALUE or place.value_span is None:
+    if fault.kind != "empty-entry" or not fault.about or place.value_span is None:
         return
     yield from place.without(fault.path)
     for value in example_values(place.written.document, fault.path[:-1], fault.about):
@@ -73,7 +64,7 @@ def entry_without_value(place: FaultPlace) -> Iterator[TextFix]:
 def given_twice(place: FaultPlace) -> Iterator[TextFix]:
     """Another name for the second of two entries with one name, or one of both left out."""
     fault, text = place.fault, place.written.text
-    if fault.kind != GIVEN_TWICE:
+    if fault.kind != "repeated-entry":
         return
     name, span = str(fault.path[-1]), place.span
     siblings = place.written.node(fault.path[:-1]).entries
@@ -98,7 +89,7 @@ def given_twice(place: FaultPlace) -> Iterator[TextFix]:
 
 def unused_parameter(place: FaultPlace) -> Iterator[TextFix]:
     """Parameter deleted that nothing uses; with errors in the text, what cannot be read may be its use."""
-    if place.fault.kind == UNUSED and not any(one.severity == "error" for one in place.others):
+    if place.fault.kind == "unused-parameter" and not any(one.severity == "error" for one in place.others):
         yield from place.without(place.fault.path)
 
 
@@ -112,7 +103,7 @@ def left_out(place: FaultPlace) -> Iterator[TextFix]:
 def spring_for_shaft(place: FaultPlace) -> Iterator[TextFix]:
     """A spring where a shaft is given by its stiffness."""
     path = place.fault.path
-    if place.fault.kind == UNKNOWN_KEY and path[-1:] == ("stiffness",) and place.element_type == "shaft":
+    if place.fault.kind == "unknown-entry" and path[-1:] == ("stiffness",) and place.element_type == "shaft":
         edit = place.written.replacement((*path[:-1], "type"), "spring")
         yield from place.fix("write type: spring", edit)
 
@@ -137,13 +128,13 @@ _TWO_NAMES = re.compile(r"(\w+)\s*(?:\s|[-–/>;]|->|\bto\b)\s*(\w+)")
 def colon_for_equals(place: FaultPlace) -> Iterator[TextFix]:
     """A colon and a blank between a name and its value, where an equals sign or nothing stands."""
     path, span = place.fault.path, place.span
-    if place.fault.kind == NO_TABLE:
+    if place.fault.kind == "not-a-table":
         found = _NAME_AND_VALUE.fullmatch(place.shown)
     elif place.remedy(SEPARATE):
         found = _RUN_TOGETHER.fullmatch(place.shown)
-    elif place.fault.kind == UNKNOWN_KEY:
+    elif place.fault.kind == "unknown-entry":
         found = _EQUALS.fullmatch(place.shown)
-    elif place.fault.kind == NO_TYPE:
+    elif place.fault.kind == "missing-type":
         node = node_at(place.written.document, path)
         key = next((key for key in (node.entries if node else ()) if re.fullmatch(r"type[\s=:]+\w+", str(key))), "")
         if not key or node is None:
@@ -164,7 +155,7 @@ def nodes_in_brackets(place: FaultPlace) -> Iterator[TextFix]:
     if span is None:
         return
     shown = text[span.start : span.end]
-    if place.fault.kind == NO_NODES:
+    if place.fault.kind == "not-two-nodes":
         several = re.match(r"\(?\s*(\w+)\s*[,;]\s*(\w+)\s*\)?(?=\s*([,}]|$))", text[span.start :], re.MULTILINE)
         named = _TWO_NAMES.fullmatch(shown)
         listed = re.fullmatch(r"\[\s*(\w+)\s*[;/-]\s*(\w+)\s*\]", shown)
@@ -172,7 +163,7 @@ def nodes_in_brackets(place: FaultPlace) -> Iterator[TextFix]:
         if found:
             new = f"[{found[1]}, {found[2]}]"
             yield from place.fix(f"write {new}", TextEdit(TextSpan(span.start, span.start + found.end()), new))
-    elif place.fault.kind == NO_NODE:
+    elif place.fault.kind == "not-a-node":
         one = re.fullmatch(r"\[\s*(\w+)\s*\]", shown)
         if one:
             yield from place.fix(f"write {one[1]}", TextEdit(span, one[1]))
@@ -182,7 +173,7 @@ def damper_to_ground(place: FaultPlace) -> Iterator[TextFix]:
     """Ground as the second node of a damper that is given one."""
     path, written = place.fault.path, place.written
     node = node_at(written.document, path)
-    if place.fault.kind != UNKNOWN_KEY or path[-1:] != ("node",) or place.element_type != "damper":
+    if place.fault.kind != "unknown-entry" or path[-1:] != ("node",) or place.element_type != "damper":
         return
     if node is None or not isinstance(node.value, str):
         return

@@ -11,21 +11,6 @@ from torsionnet.base.errors import Fault, ModelError
 from torsionnet.base.packages import gc_paused
 from torsionnet.model.definition import Definition
 from torsionnet.model.files.located_yaml import (
-    BACKSLASH,
-    BAD_BEGINNING,
-    CHARACTER,
-    INDENTATION,
-    NO_BLANK,
-    NO_COLON,
-    NOT_CLOSED,
-    OPEN_BRACKET,
-    OPEN_QUOTE,
-    OUTSIDE,
-    STRAY_COLON,
-    TAB,
-    TAG,
-    TO_QUOTE,
-    UNKNOWN_ALIAS,
     compose,
 )
 
@@ -280,21 +265,21 @@ def _alias(here: _Break) -> Iterator[TextFix]:
 
 
 _RULES = (
-    (_character, (CHARACTER,)),
-    (_tabs, (TAB,)),
-    (_indentation, (INDENTATION, OUTSIDE)),
-    (_quote, (OPEN_QUOTE,)),
-    (_bracket, (OPEN_BRACKET, NOT_CLOSED)),
-    (_colon, (NO_BLANK,)),
-    (_joined, (STRAY_COLON, INDENTATION)),
-    (_opening, (STRAY_COLON, INDENTATION)),
-    (_behind, (STRAY_COLON, BAD_BEGINNING, INDENTATION)),
-    (_missing_colon, (NO_COLON, STRAY_COLON, INDENTATION)),
-    (_indentation, (STRAY_COLON,)),
-    (_quoted_value, (STRAY_COLON, BAD_BEGINNING, TO_QUOTE, UNKNOWN_ALIAS)),
-    (_surplus, (OUTSIDE, INDENTATION, BAD_BEGINNING, NOT_CLOSED)),
-    (_single_quotes, (BACKSLASH,)),
-    (_tag, (TAG,)),
-    (_alias, (UNKNOWN_ALIAS,)),
+    (_character, ("invalid-character",)),
+    (_tabs, ("tab-indentation",)),
+    (_indentation, ("wrong-indentation", "misplaced-line")),
+    (_quote, ("open-quote",)),
+    (_bracket, ("open-bracket", "missing-value")),
+    (_colon, ("missing-blank",)),
+    (_joined, ("stray-colon", "wrong-indentation")),
+    (_opening, ("stray-colon", "wrong-indentation")),
+    (_behind, ("stray-colon", "invalid-beginning", "wrong-indentation")),
+    (_missing_colon, ("missing-colon", "stray-colon", "wrong-indentation")),
+    (_indentation, ("stray-colon",)),
+    (_quoted_value, ("stray-colon", "invalid-beginning", "missing-quotes", "unknown-alias")),
+    (_surplus, ("misplaced-line", "wrong-indentation", "invalid-beginning", "missing-value")),
+    (_single_quotes, ("unknown-escape",)),
+    (_tag, ("unknown-tag",)),
+    (_alias, ("unknown-alias",)),
 )
 """Kinds of breaks that a rule may mend, in the order in which the rules are tried."""

@@ -13,15 +13,8 @@ from torsionnet.base.entries.composite import Named
 from torsionnet.base.entries.spec import Json, Spec
 from torsionnet.base.errors import (
     BRACKET,
-    DECIMAL_COMMA,
-    GIVEN_TWICE,
     IN_UNIT,
-    INVALID_NAME,
-    LEADING_ZERO,
     QUOTE,
-    UNCONNECTED,
-    UNKNOWN_KEY,
-    UNKNOWN_UNIT,
     WRITE,
     EntryPath,
     Fault,
@@ -76,7 +69,7 @@ class FaultPlace:
     def is_empty(self) -> bool:
         """Whether the fault is that the entry at its path has no value."""
         node = node_at(self.written.document, self.fault.path)
-        return node is not None and node.value is None and not self.fault.on_key and self.fault.kind != GIVEN_TWICE
+        return node is not None and node.value is None and not self.fault.on_key and self.fault.kind != "repeated-entry"
 
     def fix(self, title: str, *edits: TextEdit) -> Iterator[TextFix]:
         """Fix by some edits, if reading the changed entry finds nothing new."""
@@ -214,7 +207,7 @@ def number_meant(place: FaultPlace) -> Iterator[TextFix]:
 
 def sign_of_product(place: FaultPlace) -> Iterator[TextFix]:
     """A sign of multiplication before a parameter that was read as a unit."""
-    if place.fault.kind != UNKNOWN_UNIT or place.value_span is None:
+    if place.fault.kind != "unknown-unit" or place.value_span is None:
         return
     name, text = place.fault.about, place.written.text[place.value_span.start : place.value_span.end]
     known = node_at(place.written.document, ("parameters",))
@@ -228,7 +221,7 @@ def sign_of_product(place: FaultPlace) -> Iterator[TextFix]:
 
 def point_for_comma(place: FaultPlace) -> Iterator[TextFix]:
     """A decimal point, also where a comma in brackets split the number."""
-    if place.fault.kind != DECIMAL_COMMA:
+    if place.fault.kind != "decimal-comma":
         return
     start, text = place.span.start, place.written.text
     found = re.search(r"(\d),(\d)", place.shown)
@@ -256,7 +249,7 @@ def as_said(place: FaultPlace) -> Iterator[TextFix]:
 
 
 def without_zeros(place: FaultPlace) -> Iterator[TextFix]:
-    if place.fault.kind == LEADING_ZERO:
+    if place.fault.kind == "leading-zero":
         zeros = re.match(r"(['\"]?[-+]?)(0+)(?=\d)", place.shown)
         if zeros:
             start = place.span.start
@@ -312,12 +305,12 @@ def name_meant(place: FaultPlace) -> Iterator[TextFix]:
         return
     if fault.path == ("parameters", meant):  # it would define itself
         return
-    if fault.kind == UNCONNECTED:
+    if fault.kind == "unconnected-nodes":
         rare, right = sorted((fault.about, meant), key=lambda word: len(list(word_edits(word, text, 0, ""))))
         yield from place.fix(f'write "{right}"', *word_edits(rare, text, 0, right))
         return
     siblings = node_at(place.written.document, fault.path[:-1])
-    if fault.on_key and siblings is not None and meant in siblings.entries and fault.kind == UNKNOWN_KEY:
+    if fault.on_key and siblings is not None and meant in siblings.entries and fault.kind == "unknown-entry":
         yield from place.without(fault.path)
         return
     for span in (place.span, *([place.value_span] if place.value_span else [])):
@@ -330,7 +323,7 @@ def name_meant(place: FaultPlace) -> Iterator[TextFix]:
 def valid_name(place: FaultPlace) -> Iterator[TextFix]:
     """A name of letters, digits and _ in all places that have it."""
     name = place.fault.about
-    if place.fault.kind != INVALID_NAME or '"' in name:
+    if place.fault.kind != "invalid-name" or '"' in name:
         return
     split = re.fullmatch(r"(\w+)(\s*)([{\[]\w*)", name)
     if split:  # a colon is missing before the bracket
@@ -350,7 +343,7 @@ def text_with_comma(place: FaultPlace) -> Iterator[TextFix]:
     """Quotes around a text whose comma split it."""
     fault, written = place.fault, place.written
     node = node_at(written.document, fault.path)
-    if fault.kind != UNKNOWN_KEY or node is None or node.value is not None:
+    if fault.kind != "unknown-entry" or node is None or node.value is not None:
         return
     siblings = written.node(fault.path[:-1]).entries
     keys = list(siblings)

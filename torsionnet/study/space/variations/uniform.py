@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from torsionnet.base.entries.composite import Listed
 from torsionnet.base.entries.spec import OneOf, entry
-from torsionnet.base.errors import UNKNOWN_KEY, Fault
+from torsionnet.base.errors import Fault
 from torsionnet.base.expressions import Number
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.study.space.samples import Many
@@ -196,7 +196,7 @@ class ValueRange(Variation):
     def key_faults(cls, raw: Mapping[Any, Any], name: str = "") -> list[Fault]:
         return [
             replace(fault, message=f'unknown key "{fault.about}"; the ends of a range are low and high')
-            if fault.kind == UNKNOWN_KEY and fault.about in OTHER_ENDS
+            if fault.kind == "unknown-entry" and fault.about in OTHER_ENDS
             else fault
             for fault in super().key_faults(raw, name)
         ]

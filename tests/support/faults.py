@@ -1,0 +1,65 @@
+"""Kinds and places of the faults that a call has, and those of the examples in the table of faults."""
+
+import shlex
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import torsionnet as tn
+from support.command_line import runner
+from torsionnet.app.cli.app import app
+from torsionnet.app.text.fault_table import RIG, FaultKind
+from torsionnet.base.errors import EntryPath, Fault, TorsionnetError
+from torsionnet.model.files.reader import read_text
+
+
+def faults_of(call: Callable[[], Any]) -> list[tuple[str, EntryPath]]:
+    """Kind and path of each fault with which a call is refused; empty where it is not.
+
+    >>> faults_of(lambda: tn.loads("torsionnet: 1"))
+    [('missing-entry', ())]
+    """
+    return [(one.kind, one.path) for one in raised_faults(call)]
+
+
+def raised_faults(call: Callable[[], Any]) -> tuple[Fault, ...]:
+    """Faults with which a call is refused; of an error without a fault its message and kind."""
+    try:
+        call()
+    except (TorsionnetError, ValueError) as error:
+        if not hasattr(error, "faults") and not isinstance(error, TorsionnetError):
+            raise
+        single = getattr(error, "fault", None) or Fault(str(error), kind=getattr(error, "kind", ""))
+        return tuple(getattr(error, "faults", [single]))
+    return ()
+
+
+def model_text(text: str) -> str:
+    """Whole text of a model in the table, of which the elements may be those of all examples."""
+    return text if "torsionnet:" in text else f"torsionnet: 1\n{text}" if "elements:" in text else RIG + text
+
+
+def example_faults(kind: FaultKind, *, mended: bool) -> list[tuple[str, str]]:
+    """Kind and message of each fault of an example in the working folder, or of the mended example."""
+    change = kind.repaired if mended else str
+    for name, text in kind.files.items():
+        Path(name).write_text(change(text), encoding="utf-8")
+    if kind.shell:
+        return _told(change(kind.shell))
+    if kind.model:
+        found = [one for one in read_text(model_text(change(kind.model)), "", Path())[1] if one.severity != "note"]
+    else:
+        names = {"tn": tn, "np": np, "Path": Path}
+        found = [*raised_faults(lambda: exec(change(kind.python), names))]
+    return [(one.kind, one.text) for one in found]
+
+
+def _told(command: str) -> list[tuple[str, str]]:
+    """Kind and message of the faults that a command prints."""
+    program, *words = shlex.split(command)
+    assert program == "torsionnet"
+    result = runner().invoke(app, words)
+    told = [line.partition("error: ")[2] for line in result.output.splitlines() if "error: " in line]
+    return [(kind.rstrip("]"), message) for message, _, kind in (line.rpartition(" [") for line in told)]
