@@ -497,7 +497,7 @@ def test_frf_infinite_at_zero_is_a_warning_on_stderr(axes):
         (["--points", "1"], "--points"),
         (["--output", "theta_2"], 'did you mean "theta_1"?'),
         (["--quantity", "compliance"], "--quantity"),
-        (["--excitation", "T_X"], "T_X"),
+        (["--driven-by", "T_X"], "T_X"),
         (["--output", "T_T", "--plot", "unlike.svg"], "do not fit on one axis"),
     ],
 )

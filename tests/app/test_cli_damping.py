@@ -28,7 +28,7 @@ def run_up(tmp_path):
 
 def test_run_up(run_up, tmp_path, capsys):
     figure, table = tmp_path / "a.png", tmp_path / "a.csv"
-    words = ["damping", run_up, "--from", "run-up", "--channel", "T", "--order", "1", "--speed", "n"]
+    words = ["damping", run_up, "--kind", "run-up", "--channel", "T", "--orders", "1", "--speed-channel", "n"]
     assert main([*words, "--json", "--plot", str(figure), "--csv", str(table)]) == 0
     (mode,) = json.loads(capsys.readouterr().out)["modes"]
     assert mode["natural_frequency_Hz"] == pytest.approx(F0, rel=1e-3)
@@ -47,12 +47,12 @@ def test_run_up_by_the_pulses_of_a_wheel_with_a_gap(tmp_path, capsys):
     passed = np.interp(2 * np.pi * teeth / 60, np.interp(fine, time, turned), fine)
     path = tmp_path / "pulses.npz"
     write_recording(replace(record, signals=(record["T"],), pulses=(PulseChannel("fly", passed),)), path)
-    words = ["damping", str(path), "--from", "run-up", "--channel", "T", "--order", "1"]
-    assert main([*words, "--angle", "fly", "--pulses", "fly=60-2", "--json"]) == 0
+    words = ["damping", str(path), "--kind", "run-up", "--channel", "T", "--orders", "1"]
+    assert main([*words, "--angle-channel", "fly", "--pulses", "fly=60-2", "--json"]) == 0
     (mode,) = json.loads(capsys.readouterr().out)["modes"]
     assert mode["natural_frequency_Hz"] == pytest.approx(F0, rel=1e-3)
     assert mode["damping_ratio"] == pytest.approx(ZETA, rel=0.03)
-    assert main([*words, "--angle", "n", "--pulses", "fly=60-2"]) == 2
+    assert main([*words, "--angle-channel", "n", "--pulses", "fly=60-2"]) == 2
     assert "names this wheel" in capsys.readouterr().err
 
 
@@ -67,16 +67,16 @@ def test_decay_beside_a_model(tmp_path, capsys):
     words = [
         "damping",
         str(tmp_path / "decay.npz"),
-        "--from",
+        "--kind",
         "decay",
         "--channel",
         "T",
         "--start",
         "0",
-        "--modes",
+        "--mode-count",
         "1",
     ]
-    assert main([*words, "--end", "0.9", "--against", "amt_rig", "-c", "V", "--json"]) == 0
+    assert main([*words, "--stop", "0.9", "--model", "amt_rig", "-c", "V", "--json"]) == 0
     (pair,) = json.loads(capsys.readouterr().out)["against_model"]
     assert pair["frequency_error"] == pytest.approx(0, abs=1e-3)
 
@@ -96,27 +96,30 @@ def test_tracked_orders(tmp_path, capsys):
         "T", "torque", np.array([1.0]), times, 2 * np.pi * f, values[None], widths, reference="a pulse"
     )
     write_tracked_orders([orders], path)
-    assert main(["damping", str(path), "--from", "run-up", "--channel", "T", "--order", "1", "--json"]) == 0
+    assert main(["damping", str(path), "--kind", "run-up", "--channel", "T", "--orders", "1", "--json"]) == 0
     captured = capsys.readouterr()
     (mode,) = json.loads(captured.out)["modes"]
     assert mode["natural_frequency_Hz"] == pytest.approx(F0, rel=1e-3)
     assert mode["damping_ratio"] == pytest.approx(ZETA, rel=0.03)
     assert "smears is not known" in captured.err
-    assert main(["damping", str(path), "--from", "run-up", "--channel", "U", "--order", "1"]) == 2
+    assert main(["damping", str(path), "--kind", "run-up", "--channel", "U", "--orders", "1"]) == 2
     assert 'no tracked channel is named "U"' in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ("--from run-up --channel T --speed n", "give --order, vibrations per revolution"),
-        ("--from run-up --channel T --order 1", "give --speed CHANNEL or --angle CHANNEL"),
-        ("--from run-up --channel T --order 1 --speed T", "T is torque, and the rotation needs an angle or a speed"),
+        ("--kind run-up --channel T --speed-channel n", "give --orders, vibrations per revolution"),
+        ("--kind run-up --channel T --orders 1", "give --speed-channel or --angle-channel"),
         (
-            "--from decay --channel T --channel n --order 1 --band 1 2",
-            "--order is for --from run-up or ambient; --band",
+            "--kind run-up --channel T --orders 1 --speed-channel T",
+            "T is torque, and the rotation needs an angle or a speed",
         ),
-        ("--from ambient --channel T", "give the highest frequency of interest, --to, in Hz"),
+        (
+            "--kind decay --channel T --channel n --orders 1 --band 1 2",
+            "--orders is for --kind run-up or ambient; --band",
+        ),
+        ("--kind ambient --channel T", "give the highest frequency of interest, --up-to, in Hz"),
     ],
 )
 def test_what_is_missing_is_named(run_up, words, said, capsys):

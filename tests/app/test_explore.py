@@ -190,7 +190,7 @@ class TestChoices:
         session = open_session("wind_turbine_5mw")
         found = answer(session, State(output="rotor_speed", input="shaft_torque", excitation="T_gen"))
         assert found["excitation"] == "T_gen"
-        assert "--excitation T_gen" in found["command"]
+        assert "--driven-by T_gen" in found["command"]
         assert answer(session, State(output="rotor_speed", input="shaft_torque"))["excitation"] == "T_aero"
 
 

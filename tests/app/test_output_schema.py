@@ -124,8 +124,8 @@ CALLS = {
     "study": ["study spread.yaml"],
     "fit": ["fit fit.yaml", "fit short_fit.yaml --profile --rank"],
     "damping": [
-        "damping decay.csv --from decay --channel T --start 0",
-        "damping decay.csv --from decay --channel T --start 0 --against rig.yaml -c soft",
+        "damping decay.csv --kind decay --channel T --start 0",
+        "damping decay.csv --kind decay --channel T --start 0 --model rig.yaml -c soft",
     ],
     "track": ["track turning.csv --reference n --channel T --orders 3"],
     "campaign": ["campaign fan/campaign.yaml"],

@@ -138,7 +138,7 @@ def use_model(path: Path) -> None:
     model.modes()
     if model.sensors and model.inputs:
         driven = next(iter(model.inputs))
-        model.frequency_response(next(iter(model.sensors)), driven, FREQUENCIES, excitation=driven)
+        model.frequency_response(next(iter(model.sensors)), driven, FREQUENCIES, driven_by=driven)
 
 
 def use_running(path: Path) -> None:

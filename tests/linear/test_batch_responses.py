@@ -27,7 +27,7 @@ def one_by_one(batch, output, input, f, excitation=None, method="auto"):
     for index in range(len(batch)):
         try:
             found.append(
-                batch.model(index).frequency_response(output, input, f, excitation=excitation, method=method).values
+                batch.model(index).frequency_response(output, input, f, driven_by=excitation, method=method).values
             )
         except tn.ModelError:
             found.append(None)

@@ -40,7 +40,7 @@ def test_the_side_upstream_does_not_matter():
 def test_downstream_of_the_cut_it_turns_round_with_the_excitation():
     """Driven from the gear, what is upstream of the meter is the gear side: only the motor and its node remain."""
     rig = geared_line()
-    modes = rig.modes(measured_input="T", excitation="g")
+    modes = rig.modes(measured_input="T", driven_by="g")
     assert modes.kinds == ("rigid body",)
     assert np.isnan(modes.shape_at("g")).all()
 
@@ -102,10 +102,10 @@ def test_a_measured_input_the_excitation_does_not_reach():
 
 def test_several_measured_inputs():
     rig = geared_line()
-    poles = rig.modes(measured_input=["angle(m)", "angle(g)"], excitation=["m", "g"])
+    poles = rig.modes(measured_input=["angle(m)", "angle(g)"], driven_by=["m", "g"])
     assert len(poles) == 0
-    with pytest.raises(tn.UsageError, match="excitation= goes with measured_input="):
-        rig.modes(excitation="m")
+    with pytest.raises(tn.UsageError, match="driven_by= goes with measured_input="):
+        rig.modes(driven_by="m")
 
 
 def test_a_spring_as_torque_meter_adds_its_own_pole():
@@ -137,5 +137,5 @@ def test_torque_on_a_node_that_also_follows_an_imposed_angle():
         inputs = {"T": {"torque": "c"}} | ({"phi": {"angle": "r"}} if imposed else {})
         return tn.Drivetrain("axle", elements, inputs=inputs)
 
-    found, expected = (rig(imposed=one).modes(measured_input="angle(x)", excitation="T") for one in (True, False))
+    found, expected = (rig(imposed=one).modes(measured_input="angle(x)", driven_by="T") for one in (True, False))
     assert found.eigenvalues == pytest.approx(expected.eigenvalues, rel=1e-12)

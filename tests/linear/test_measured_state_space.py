@@ -63,24 +63,24 @@ def test_every_kind_of_measured_input(seed):
     for output in ("T", "phi", "speed", "acc", "angle(e)"):
         for measured in ("T", "phi", "speed", "acc"):
             # An improper response grows without bound, by its frequency or quicker.
-            H = model.frequency_response(output, measured, [1e7, 1e8], excitation="T_a").values[:, 0, 0]
+            H = model.frequency_response(output, measured, [1e7, 1e8], driven_by="T_a").values[:, 0, 0]
             if abs(H[1] / H[0]) < 5:
-                agrees(model, output, measured, excitation="T_a")
+                agrees(model, output, measured, driven_by="T_a")
                 continue
             with pytest.raises(tn.UsageError, match="contains the rate of change of the measured input"):
-                model.to_control(output, measured, excitation="T_a")
+                model.to_control(output, measured, driven_by="T_a")
 
 
 def test_an_excitation_that_shows_in_both_at_once():
     """Against the acceleration of the driven mass that acceleration is 1, at every frequency."""
     model = branched(4)
-    space = agrees(model, ["acceleration(a)", "T", "acceleration(b)"], "acceleration(a)", excitation="T_a")
+    space = agrees(model, ["acceleration(a)", "T", "acceleration(b)"], "acceleration(a)", driven_by="T_a")
     np.testing.assert_allclose(space.D[0, 0], 1, rtol=1e-12)
 
 
 def test_two_measured_inputs():
     model = branched(3)
-    space = agrees(model, ["speed", "angle(e)"], ["T", "phi"], excitation=["T_a", "T_d"])
+    space = agrees(model, ["speed", "angle(e)"], ["T", "phi"], driven_by=["T_a", "T_d"])
     assert (space.ninputs, space.noutputs) == (2, 2)
 
 
@@ -124,4 +124,4 @@ def test_requests_that_have_no_state_space():
     with pytest.raises(tn.UsageError, match="name output and input"):
         model.to_control("phi")
     with pytest.raises(tn.UsageError, match="acc/phi contains the rate of change of the measured input"):
-        model.to_control("acc", "phi", excitation="T_a")
+        model.to_control("acc", "phi", driven_by="T_a")

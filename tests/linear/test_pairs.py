@@ -153,7 +153,7 @@ class TestTorque:
         for measured, place in (("T_m", 1), ("rel", 3)):
             found = rig.frequency_response("T_d", measured, F).values[:, 0, 0]
             assert found == pytest.approx(self.EXPECTED[:, 0] / self.EXPECTED[:, place], rel=1e-9)
-            again = rig.frequency_response("T_d", measured, F, excitation="crank-block").values[:, 0, 0]
+            again = rig.frequency_response("T_d", measured, F, driven_by="crank-block").values[:, 0, 0]
             assert again == pytest.approx(found, rel=1e-12)
 
     def test_poles_against_a_measured_input(self):
@@ -163,11 +163,11 @@ class TestTorque:
                     tn.Inertia("c_J", node="c", inertia=5)]  # fmt: skip
         rig = tn.Drivetrain("chain", elements)
         # T = k (a - b) stays zero under T on a, -T on c: 1 s^2 a = T, 2 s^2 a = 300 (c - a), 5 s^2 c = 300 (a - c) - T.
-        found = rig.modes(measured_input="torque(t)", excitation="a-c")
+        found = rig.modes(measured_input="torque(t)", driven_by="a-c")
         vibrating = found.damped_frequencies[found.damped_frequencies > 0]
         # c = a (1 + 2 s^2/300); 5 s^2 c + 2 s^2 a + s^2 a = 0: 8 + 10 s^2 / 300 = 0.
         assert vibrating == pytest.approx([np.sqrt(240) / 2 / np.pi], rel=1e-9)
-        alone = rig.modes(measured_input="torque(t)", excitation="a")
+        alone = rig.modes(measured_input="torque(t)", driven_by="a")
         kept = alone.damped_frequencies[alone.damped_frequencies > 0]
         assert kept == pytest.approx([np.sqrt(300 * (1 / 2 + 1 / 5)) / 2 / np.pi], rel=1e-9)
 
@@ -214,11 +214,11 @@ class TestImposedMotion:
     def test_cut_goes_not_between_what_an_imposed_motion_ties(self):
         """A transducer beside a relative motion that is imposed around it does not separate anything."""
         rig = plant({**self.INPUTS, "T": {"torque": "wheel"}}, READ)
-        got = rig.frequency_response("load", "torque(shaft)", F, excitation="T").values[:, 0, 0]
+        got = rig.frequency_response("load", "torque(shaft)", F, driven_by="T").values[:, 0, 0]
         each = [dense(f, held=[PAIR], loads=[row(("wheel", 1))]) for f in F]
         kappa = VALUES["k"] + DAMPING["c"] * 2j * np.pi * F
         assert got == pytest.approx([x[4] / (k * (x[0] - x[1])) for x, k in zip(each, kappa, strict=True)], rel=1e-8)
-        rig.modes(measured_input="torque(drive)", excitation="T")
+        rig.modes(measured_input="torque(drive)", driven_by="T")
 
     def test_gear_ratio_free_of_ground(self):
         """The torque that imposes it is what acts between both: angle under angle times that torque is reciprocal."""
@@ -247,7 +247,7 @@ class TestSymbols:
         assert found == pytest.approx(rig.frequency_response(["roll", "T_d"], ["T_E", "T_l"], F).values, rel=1e-9)
         excitations = ["T_E", "T_l"]
         measured = rig.symbolic().transfer_matrix(["rel"], ["roll", "T_d"], excitations).evaluate(F).values
-        numbers = rig.frequency_response(["rel"], ["roll", "T_d"], F, excitation=excitations).values
+        numbers = rig.frequency_response(["rel"], ["roll", "T_d"], F, driven_by=excitations).values
         assert measured == pytest.approx(numbers, rel=1e-8)
 
     def test_equations_and_latex(self):

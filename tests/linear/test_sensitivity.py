@@ -509,15 +509,15 @@ def test_poles_against_measured_inputs_against_differences(model, measured, exci
     rig = tn.load(model)
     rig = rig.configured(rig.configurations[0]) if rig.configurations else rig
     excitation = excitation or next(iter(rig.inputs))
-    found = mode_sensitivities(rig, measured_input=measured, excitation=excitation)
-    kinds = rig.modes(measured_input=measured, excitation=excitation).kinds
+    found = mode_sensitivities(rig, measured_input=measured, driven_by=excitation)
+    kinds = rig.modes(measured_input=measured, driven_by=excitation).kinds
     found_at = [place for place, kind in enumerate(kinds) if kind != "rigid body"]
     for p, name in enumerate(found.parameters[::3]):
         x = rig.parameters[name]
 
         def poles(share, name=name, x=x):
             moved = rig.configured(**{name: float(x) * (1 + share)})
-            return moved.modes(measured_input=measured, excitation=excitation).eigenvalues
+            return moved.modes(measured_input=measured, driven_by=excitation).eigenvalues
 
         coarse, fine = ((poles(h) - poles(-h)) / (2 * h) for h in (2e-4, 1e-4))
         expected = ((4 * fine - coarse) / 3)[found_at]

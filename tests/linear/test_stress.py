@@ -88,7 +88,7 @@ class TestWhereTheSectionIsAParameter:
 
     def test_a_measured_stress_too(self, rig):
         for d in (0.1, 0.12):
-            found = rig.configured(d=d).frequency_response("angle(a)", "tau", [1e-3], excitation="T").values[0, 0, 0]
+            found = rig.configured(d=d).frequency_response("angle(a)", "tau", [1e-3], driven_by="T").values[0, 0, 0]
             assert found == pytest.approx(2 * 1 / (79.3e9 * d), rel=1e-6)
 
 

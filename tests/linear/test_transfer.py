@@ -102,7 +102,7 @@ class TestMeasuredInputs:
             ],
             inputs={"T_a": {"torque": "a"}, "T_e": {"torque": "e"}},
         )
-        H = rig.frequency_response(["c", "b"], ["torque(m1)", "torque(m2)"], F, excitation=["T_a", "T_e"])
+        H = rig.frequency_response(["c", "b"], ["torque(m1)", "torque(m2)"], F, driven_by=["T_a", "T_e"])
         outputs = rig.frequency_response(["c", "b"], ["T_a", "T_e"], F).values
         measured = rig.frequency_response(["torque(m1)", "torque(m2)"], ["T_a", "T_e"], F).values
         np.testing.assert_allclose(H.values @ measured, outputs, rtol=1e-10)
@@ -123,7 +123,7 @@ class TestMeasuredInputs:
             ],
         )
         with pytest.warns(tn.TorsionnetWarning, match=r"torque\(meter\).*first 1 Hz"):
-            H = model.frequency_response("a", "torque(meter)", [0.5, 1.0], excitation="a")
+            H = model.frequency_response("a", "torque(meter)", [0.5, 1.0], driven_by="a")
         assert H.conditioning[1] < 1e-10 < H.conditioning[0]
 
 
@@ -217,10 +217,10 @@ class TestQuestions:
             ("torque(sof)", "T_M", {}, 'did you mean "soft"'),
             ("torque(stage, q)", "T_M", {}, "attached to g"),
             ("velocity(q)", "T_M", {}, "no node"),
-            ("angle", "T", {"excitation": "nobody"}, "no input or node"),
+            ("angle", "T", {"driven_by": "nobody"}, "no input or node"),
             ("angle", ["T", "T_M"], {}, "T_M is an excitation"),
             ("angle", ["T", "twist(soft)"], {}, "2 measured"),
-            ("angle", "T_M", {"excitation": "g"}, "excitation= goes with measured inputs"),
+            ("angle", "T_M", {"driven_by": "g"}, "driven_by= goes with measured inputs"),
             ([], "T_M", {}, "at least one"),
             ("angle", "h", {}, '"h" moves nothing: it is locked'),
         ],
@@ -241,7 +241,7 @@ class TestQuestions:
         )
         with pytest.raises(tn.UsageError, match="T_M, T_W"):
             two.frequency_response("angle", "T", F)
-        assert value(two, "angle", "T", excitation="T_M") == pytest.approx(value(rig, "angle", "T"))
+        assert value(two, "angle", "T", driven_by="T_M") == pytest.approx(value(rig, "angle", "T"))
 
     def test_switched_off_parts_are_named(self):
         rig = geared_line().switched(off=["stiff", "brake"])

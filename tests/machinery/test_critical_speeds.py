@@ -253,7 +253,7 @@ class TestMarinePlant:
     """Numbers of the wet plant: strong damper, so that undamped and damped frequencies have little to do."""
 
     def test_undamped_and_damped_order_3(self, cylinders):
-        critical = cylinders.critical_speeds(excitations=["cyl1"]).of(3, 3)
+        critical = cylinders.critical_speeds(excitation=["cyl1"]).of(3, 3)
         assert critical.mode.undamped_frequency == pytest.approx(38.75, abs=0.005)
         assert critical.mode.natural_frequency == pytest.approx(26.49, abs=0.005)
         assert critical.undamped_speed / RPM == pytest.approx(775, abs=0.1)
@@ -264,19 +264,19 @@ class TestMarinePlant:
         run = cylinders.order_response("torque(k56)", speeds=at)
         together = abs(sum(run.of_order(3, excitation=f"cyl{n}") for n in range(1, 7)))
         assert run.rpm[np.argmax(together)] == pytest.approx(521, abs=1)
-        one = cylinders.critical_speeds("torque(k56)", excitations=["cyl3"]).of(3, 3).peaks[0]
-        alone = cylinders.order_response("torque(k56)", speeds=at, excitations=["cyl3"])
+        one = cylinders.critical_speeds("torque(k56)", excitation=["cyl3"]).of(3, 3).peaks[0]
+        alone = cylinders.order_response("torque(k56)", speeds=at, excitation=["cyl3"])
         assert one.speed / RPM == pytest.approx(alone.rpm[np.argmax(abs(alone.of_order(3)))], abs=0.25)
 
     def test_lowest_modes(self, cylinders):
-        found = cylinders.critical_speeds(excitations=["cyl1"])
+        found = cylinders.critical_speeds(excitation=["cyl1"])
         assert found.of(1, 0.5).mode.undamped_frequency == pytest.approx(3.52, abs=0.005)
         assert found.of(1, 0.5).undamped_speed / RPM == pytest.approx(423, abs=0.5)
         assert found.of(2, 1.5).mode.undamped_frequency == pytest.approx(10.55, abs=0.005)
         assert found.of(2, 1.5).undamped_speed / RPM == pytest.approx(422, abs=0.5)
 
     def test_the_mode_of_the_ring_is_overdamped(self, cylinders):
-        modes = cylinders.critical_speeds(excitations=["cyl1"]).modes
+        modes = cylinders.critical_speeds(excitation=["cyl1"]).modes
         assert modes[-1].undamped_frequency == pytest.approx(17.89, abs=0.005)
         assert math.isnan(modes[-1].natural_frequency)
         assert [mode.number for mode in modes] == list(range(1, len(modes) + 1))
@@ -286,7 +286,7 @@ class TestMarinePlant:
     def test_one_mode_has_one_number(self, cylinders):
         """The film leaves the third undamped mode no vibration: what all tables call mode 3 is the fourth without it."""
         modes = cylinders.modes()
-        found = cylinders.critical_speeds(excitations=["cyl1"])
+        found = cylinders.critical_speeds(excitation=["cyl1"])
         numbered = dict(zip(modes.numbers, modes.natural_frequencies.tolist(), strict=True))
         assert numbered.keys() > {None}
         for mode in found.modes[:-1]:
@@ -310,7 +310,7 @@ class TestMarinePlant:
             for element in cylinders.elements.values()
         ]
         stiff = tn.Drivetrain("locked", elements, parameters=cylinders.definition.parameters)
-        locked = cylinders.critical_speeds(dampers="locked", damper_names=["dmp_film"], excitations=["cyl1"])
+        locked = cylinders.critical_speeds(dampers="locked", damper_names=["dmp_film"], excitation=["cyl1"])
         assert "damper ring locked" in locked.title
         frequencies = stiff.modes().undamped_natural_frequencies
         assert [mode.undamped_frequency for mode in locked.modes] == pytest.approx(frequencies[frequencies > 0])
@@ -433,12 +433,12 @@ class TestQuestions:
     @pytest.mark.parametrize(
         ("settings", "text"),
         [
-            ({"excitations": ["bladez"]}, 'did you mean "blades"'),
+            ({"excitation": ["bladez"]}, 'did you mean "blades"'),
             ({"reach": 1.5}, "reach is a share of the speeds"),
             ({"line_frequency": -50}, "above 0 Hz"),
             ({"speeds": [0.0, 10.0]}, "above 0, in rad/s"),
             ({"speeds": []}, "above 0, in rad/s"),
-            ({"outputs": "shft"}, 'no sensor or node is named "shft"'),
+            ({"output": "shft"}, 'no sensor or node is named "shft"'),
             ({"margin": "api6"}, "no margin rule"),
         ],
     )

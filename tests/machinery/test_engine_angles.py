@@ -91,8 +91,8 @@ class TestTwins:
     def test_unequal_speeds_add_their_half_ranges(self):
         """A propeller keeps its phase to the first engine; a declared phase is honoured, as the wheels mesh for good."""
         found = plant(ratio=-2).order_response("torque(sh)")
-        first = plant(ratio=-2).order_response("torque(sh)", excitations=["port", "screw"])
-        second = plant(ratio=-2).order_response("torque(sh)", excitations=["star"])
+        first = plant(ratio=-2).order_response("torque(sh)", excitation=["port", "screw"])
+        second = plant(ratio=-2).order_response("torque(sh)", excitation=["star"])
         assert found.half_range == pytest.approx(first.half_range + second.half_range, rel=1e-9)
         assert found.engine_notes == (
             "port and star turn at unequal speeds with no phase between them: half ranges are added",
@@ -113,7 +113,7 @@ class TestTwins:
         alone = plant().configured("port").order_response("torque(sh)")
         assert type(alone) is OrderResponse
         assert alone.half_range == pytest.approx(
-            plant().order_response("torque(sh)", excitations=["port", "screw"]).half_range, rel=1e-12
+            plant().order_response("torque(sh)", excitation=["port", "screw"]).half_range, rel=1e-12
         )
 
     def test_largest_amplitude_of_an_order_in_both(self):

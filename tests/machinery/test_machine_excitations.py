@@ -291,7 +291,7 @@ class TestElectricMachine:
         one = {"type": "electric_machine", "node": "motor", "orders": {6: {"amplitude": 5}}}
         rig = geared([600], one=one, two=one | {"enabled": False})
         assert {line.excitation for line in rig.order_response("motor").lines} == {"one"}
-        assert rig.order_response("motor", excitations=["two"]).values.any()
+        assert rig.order_response("motor", excitation=["two"]).values.any()
 
 
 class TestSums:
@@ -450,7 +450,7 @@ class TestFiles:
     def test_what_is_written_can_be_read_again(self, given):
         rig = tn.loads(FILE.replace("WHAT", given))
         assert tn.loads(rig.to_yaml()) == rig
-        assert rig.order_response("torque(stage)", excitations=["x"]).values.any()
+        assert rig.order_response("torque(stage)", excitation=["x"]).values.any()
 
     @pytest.mark.parametrize(
         ("given", "old", "new", "where", "what"),

@@ -331,7 +331,7 @@ class TestWindTurbine:
 
     def test_ratio_through_a_housing_on_springs(self, plant):
         """(1 + 99/21)(1 + 94/20)(97/29): orders of the generator are 109 times as many of the rotor."""
-        run = plant.order_response("T_hs", speeds=[1.2], excitations=["generator"])
+        run = plant.order_response("T_hs", speeds=[1.2], excitation=["generator"])
         ratio = (1 + 99 / 21) * (1 + 94 / 20) * 97 / 29
         assert sorted(float(line.relative) for line in run.lines) == pytest.approx([2 * ratio, 12 * ratio])
 
@@ -356,20 +356,20 @@ class TestWindTurbine:
     @pytest.mark.slow
     def test_weight_of_three_blades_does_not_reach_the_shaft(self, plant):
         run = plant.order_response(
-            ["T_ms", "torque(blade1.edge)"], speeds=[1.2], excitations=["weight_A", "weight_B", "weight_C"]
+            ["T_ms", "torque(blade1.edge)"], speeds=[1.2], excitation=["weight_A", "weight_B", "weight_C"]
         )
         assert abs(run.of_order(1, "T_ms")[0]) < 1e-6 * abs(run.of_order(1, "torque(blade1.edge)")[0])
 
     def test_three_times_a_turn(self, plant):
         """Ninth order meets the first vibration of rotor against generator."""
-        run = plant.order_response("T_ms", excitations=["tower"])
+        run = plant.order_response("T_ms", excitation=["tower"])
         first = plant.modes().damped_frequencies
         near = first[np.abs(first - 1.685).argmin()]
         assert worst_speed(run, 9, "T_ms") == pytest.approx(near * 60 / 9, abs=0.05)
 
     def test_teeth_meet_at_their_frequency(self, plant):
         """29 times the pinion is 97 times the wheel."""
-        run = plant.order_response("T_hs", speeds=[1.2], excitations=["teeth_pinion", "teeth_wheel"])
+        run = plant.order_response("T_hs", speeds=[1.2], excitation=["teeth_pinion", "teeth_wheel"])
         pinion, wheel = (
             sorted(line.relative for line in run.lines if line.excitation == name)
             for name in ("teeth_pinion", "teeth_wheel")

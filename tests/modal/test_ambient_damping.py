@@ -39,7 +39,7 @@ def ambient(seed, *, sine=0.0, count=60_000):
 
 def test_modes_of_noise_and_an_order_among_them():
     pytest.importorskip("pyoma2")
-    found = modes_from_ambient(ambient(0, sine=0.5), ["T"], highest=30, orders=[1], speeds=(81, 82))
+    found = modes_from_ambient(ambient(0, sine=0.5), ["T"], up_to=30, orders=[1], speeds=(81, 82))
     assert found.natural_frequencies == pytest.approx([8, 13, 20], rel=0.005)
     assert found.damping_ratios[[0, 2]] == pytest.approx([0.02, 0.01], rel=0.3)
     assert np.all(np.abs(found.damping_ratios - [0.02, 0, 0.01]) < 2 * found.damping_half_widths)
@@ -62,7 +62,7 @@ def test_intervals_of_ambient_modes_hold_the_truth():
     pytest.importorskip("pyoma2")
     hits, seeds = np.zeros(4), campaigns.examples(12, 60)
     for seed in range(seeds):
-        found = modes_from_ambient(ambient(seed), ["T"], highest=30)
+        found = modes_from_ambient(ambient(seed), ["T"], up_to=30)
         near = [int(np.abs(found.natural_frequencies - f).argmin()) for f in (8, 20)]
         hits[:2] += np.abs(found.natural_frequencies[near] - [8, 20]) < found.frequency_half_widths[near]
         hits[2:] += np.abs(found.damping_ratios[near] - [0.02, 0.01]) < found.damping_half_widths[near]
@@ -73,15 +73,15 @@ def test_missing_package_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "pyoma2", None)
     monkeypatch.setitem(sys.modules, "pyoma2.functions.ssi", None)
     with pytest.raises(MissingExtraError, match=r'pip install "torsionnet\[ambient\]"'):
-        modes_from_ambient(ambient(0, count=5000), ["T"], highest=30)
+        modes_from_ambient(ambient(0, count=5000), ["T"], up_to=30)
 
 
 def test_wrong_input_is_named():
     record = ambient(0, count=5000)
     with pytest.raises(UsageError, match="between 0 and 50 Hz"):
-        modes_from_ambient(record, ["T"], highest=60)
+        modes_from_ambient(record, ["T"], up_to=60)
     with pytest.raises(UsageError, match="at least one channel"):
-        modes_from_ambient(record, [], highest=30)
+        modes_from_ambient(record, [], up_to=30)
     pytest.importorskip("pyoma2")
     with pytest.raises(SolveError, match=r"20 s are too short for an ambient record: take 30 s"):
-        modes_from_ambient(ambient(0, count=2000), ["T"], highest=30)
+        modes_from_ambient(ambient(0, count=2000), ["T"], up_to=30)

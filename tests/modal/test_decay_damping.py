@@ -45,7 +45,7 @@ def test_two_modes_of_a_clutch_drop_in_noise():
 
 
 def test_close_modes_are_told_apart():
-    found = modes_from_decay(record(decay(9, 0.01, 100) + decay(9.6, 0.02, 60), 0.2), "T", start=1, modes=2)
+    found = modes_from_decay(record(decay(9, 0.01, 100) + decay(9.6, 0.02, 60), 0.2), "T", start=1, mode_count=2)
     assert found.natural_frequencies == pytest.approx([9, 9.6], rel=1e-3)
     assert found.damping_ratios == pytest.approx([0.01, 0.02], rel=0.03)
 
@@ -107,7 +107,7 @@ def test_wrong_input_is_named():
     with pytest.raises(UsageError, match=r"the start at 9 s is outside the record from 0 to 5.999 s"):
         modes_from_decay(values, "T", start=9)
     with pytest.raises(SolveError, match=r"cycles of .* too few|nothing in the signal vibrates|too few"):
-        modes_from_decay(values, "T", start=1.0, end=1.2)
+        modes_from_decay(values, "T", start=1.0, stop=1.2)
     with pytest.raises(SolveError, match=r"nothing in the signal vibrates and decays|cycles"):
         modes_from_decay(record(np.exp(-TIMES), 0.01), "T", start=0)
 
@@ -117,7 +117,7 @@ def test_intervals_of_a_decay_hold_the_truth():
     clean, hits = decay(9, 0.02, 100) + np.where(TIMES < 1, 0, decay(23, 0.015, 30, 1, 0.5)), np.zeros((2, 2))
     seeds = campaigns.examples(60, 150)
     for seed in range(seeds):
-        found = modes_from_decay(record(clean, 1, seed), "T", start=1.01, modes=2)
+        found = modes_from_decay(record(clean, 1, seed), "T", start=1.01, mode_count=2)
         hits[0] += np.abs(found.natural_frequencies - [9, 23]) < found.frequency_half_widths
         hits[1] += np.abs(found.damping_ratios - [0.02, 0.015]) < found.damping_half_widths
     assert np.all(hits / seeds >= 0.90)

@@ -61,7 +61,7 @@ def test_swept_fit_without_noise_is_far_better_than_asked():
 
 def test_inertia_torque_grows_with_the_square_of_the_speed():
     record = swept(8, 8, 40, power=2)
-    found = modes_from_run_up(record, "T", 1, "n", excitation="inertia")
+    found = modes_from_run_up(record, "T", 1, "n", excitation_law="inertia")
     assert found.natural_frequencies == pytest.approx([F0], rel=1e-4)
     assert found.damping_ratios == pytest.approx([ZETA], rel=5e-3)
     assert any("square of the speed" in note for note in found.notes)
@@ -88,7 +88,7 @@ def test_an_order_of_an_engine_is_read_beside_others():
 def test_two_modes_that_overlap():
     one, other = swept(2, 8, 40), swept(2, 8, 40, f0=22.5, zeta=0.03)
     torque = one["T"].values - 0.8 * other["T"].values
-    found = modes_from_run_up(one.with_signals(Signal("T", "torque", torque)), "T", 1, "n", modes=2)
+    found = modes_from_run_up(one.with_signals(Signal("T", "torque", torque)), "T", 1, "n", mode_count=2)
     assert found.natural_frequencies == pytest.approx([F0, 22.5], rel=1e-3)
     assert found.damping_ratios == pytest.approx([ZETA, 0.03], rel=0.03)
 
@@ -189,13 +189,13 @@ def test_resonance_that_is_not_passed():
 def test_wrong_input_is_named():
     record = swept(10)
     with pytest.raises(UsageError, match="positive numbers of vibrations per revolution; at least one mode"):
-        modes_from_run_up(record, "T", -1, "n", modes=0)
+        modes_from_run_up(record, "T", -1, "n", mode_count=0)
     with pytest.raises(UsageError, match="needs an angle or a speed"):
         modes_from_run_up(record, "T", 1, "T")
     with pytest.raises(SolveError, match="never between 50 and 60 Hz"):
         modes_from_run_up(record, "T", 1, "n", band=(50, 60))
     with pytest.raises(UsageError, match='"constant" or "inertia"'):
-        modes_from_run_up(record, "T", 1, "n", excitation="square")
+        modes_from_run_up(record, "T", 1, "n", excitation_law="square")
     backwards = replace(tracked(1), times=tracked(1).times[::-1])
     with pytest.raises(UsageError, match="steady points are no run-up"):
         modes_from_tracked_orders(backwards, 1)

@@ -26,7 +26,7 @@ class TestFrequencyResponse:
     def test_against_a_measured_input(self):
         """Torque over speed, both read with the loop closed."""
         plant = Plant(3)
-        found = plant.rig.frequency_response("n2", "velocity(n1)", FREQUENCIES, excitation="n0").values[:, 0, 0]
+        found = plant.rig.frequency_response("n2", "velocity(n1)", FREQUENCIES, driven_by="n0").values[:, 0, 0]
         for f, value in zip(FREQUENCIES, found, strict=True):
             s = 2j * np.pi * f
             motion = np.linalg.inv(plant.dynamic_stiffness(s))[:, 0]
@@ -78,4 +78,4 @@ class TestFrequencyResponse:
         s = 2j * np.pi
         assert H.values.item() == pytest.approx(7 / (s**2 * 2 * s**2), rel=1e-12)
         with pytest.raises(tn.UsageError, match="stays zero"):
-            tn.Drivetrain("linked", elements).frequency_response("b", "angle(a)", [1.0], excitation="b")
+            tn.Drivetrain("linked", elements).frequency_response("b", "angle(a)", [1.0], driven_by="b")

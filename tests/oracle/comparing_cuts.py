@@ -30,7 +30,7 @@ def compare_measured_poles(context: Context, asked: Asked) -> None:
     to_ground = any(r.quantity == "torque" and mechanics.parts[r.of].ports[r.port] == GROUND for r in measured)
     if mechanics.is_frequency_dependent or mechanics.freedom > MOST_FREEDOM or to_ground or vanishes(mechanics, asked):
         return
-    driven = {"measured_input": list(asked.inputs), "excitation": list(asked.excitations)}
+    driven = {"measured_input": list(asked.inputs), "driven_by": list(asked.excitations)}
     outcome = called(lambda: context.drivetrain.modes(**driven))
     rest = cut_off(mechanics.model, measured[0], asked.question.excitations) if len(measured) == 1 else None
     name = "poles of measured inputs" if rest is None else "poles behind a cut"

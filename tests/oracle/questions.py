@@ -30,7 +30,7 @@ class Asked:
     @property
     def excited(self) -> dict[str, list[str]]:
         """The argument ``excitation`` where one is needed."""
-        return {"excitation": list(self.excitations)} if self.excitations else {}
+        return {"driven_by": list(self.excitations)} if self.excitations else {}
 
     def only(self, output: int) -> Asked:
         """The same for one output."""

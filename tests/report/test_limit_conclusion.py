@@ -95,7 +95,7 @@ def test_the_last_line_is_the_verdict_on_the_model(file, arguments, code, told):
 def test_a_limit_or_excitation_left_out_is_no_pass():
     rig = tn.loads(json.dumps(fan(other={"rule": "curve", "output": "T", "value": "1 N*m", "source": "maker"})))
     rig = rig.configured("supply=mains,rig=n0")
-    found = LimitConclusion((rig.check_limits("shaft", excitations=["blades"]),))
+    found = LimitConclusion((rig.check_limits("shaft", excitation=["blades"]),))
     assert found.verdict == "incomplete"
     assert found.left_out == ("limits not examined: other", "excitations not examined: poles")
     assert "the limits examined hold" in found.sentence

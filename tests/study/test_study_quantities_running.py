@@ -80,7 +80,7 @@ def test_one_order_of_an_engine_is_that_of_its_order_response() -> None:
         {"T": made("order_torque", output="T_cpl", order=3.0, excitations=["engine"])},
     )(values)
     for value, own in zip(found["T"], columns(values), strict=True):
-        run = ship_at_three_speeds().configured(**own).order_response("T_cpl", excitations=["engine"])
+        run = ship_at_three_speeds().configured(**own).order_response("T_cpl", excitation=["engine"])
         assert value == pytest.approx(np.abs(run.of_order(3.0)).max(), rel=1e-9)
 
 
@@ -284,7 +284,7 @@ def test_margins_are_those_of_the_critical_speeds() -> None:
     found = Evaluator(held, ("k_cpl",), asked)(values)["third"]
     for value, own in zip(found, columns(values), strict=True):
         listed = held.configured(**own).critical_speeds(
-            speeds=np.array([600, 650]) * math.pi / 30, excitations=["engine"], reach=0.9
+            speeds=np.array([600, 650]) * math.pi / 30, excitation=["engine"], reach=0.9
         )
         assert value == pytest.approx(
             min(one.margin for one in listed.crossings if one.order == 3.0), rel=1e-9, abs=1e-15

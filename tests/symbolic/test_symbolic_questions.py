@@ -136,8 +136,8 @@ class TestImposedAngles:
         assert "3*s**2/10" not in str(rig.symbolic().transfer_function("a", "phi"))
 
     def test_under_a_measured_torque(self, rig):
-        agree(rig, "a", "T_c", excitation="phi")
-        agree(rig, "a", "T_s", excitation="T")
+        agree(rig, "a", "T_c", driven_by="phi")
+        agree(rig, "a", "T_s", driven_by="T")
 
     def test_matrices_are_those_at_rest(self, rig):
         S = rig.symbolic()
@@ -164,7 +164,7 @@ class TestMatrices:
         measured, excitation = ["torque(s0)", "torque(s2)", "angle(n4)"][:count], ["n0", "n2", "n4"][:count]
         outputs = ["n1", "n3"]
         G = model.symbolic().transfer_matrix(outputs, measured, excitation)
-        expected = model.frequency_response(outputs, measured, F, excitation=excitation)
+        expected = model.frequency_response(outputs, measured, F, driven_by=excitation)
         assert G.evaluate(F).values == pytest.approx(expected.values, rel=1e-9)
 
     @pytest.mark.parametrize("excitation", [["T", "U"], ["T", "psi"], ["phi", "psi"], ["U", "phi"]])
@@ -178,7 +178,7 @@ class TestMatrices:
         model = tn.Drivetrain("between", elements, values, inputs=inputs)
         outputs, measured = ["b", "torque(k1)"], ["angle(a)", "torque(k2)"]
         G = model.symbolic().transfer_matrix(outputs, measured, excitation)
-        expected = model.frequency_response(outputs, measured, F, excitation=excitation)
+        expected = model.frequency_response(outputs, measured, F, driven_by=excitation)
         assert G.evaluate(F).values == pytest.approx(expected.values, rel=1e-10)
 
     def test_wrong_questions(self):

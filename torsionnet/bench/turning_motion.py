@@ -262,7 +262,7 @@ def _steady(
     values, notes = np.zeros((len(motion.speeds), 0, len(sensors)), dtype=complex), readings.notes
     if acting:
         run = drivetrain.order_response(
-            list(sensors), speeds=list(motion.speeds), speed_of=reference, excitations=acting
+            list(sensors), speeds=list(motion.speeds), speed_of=reference, excitation=acting
         )
         lines, values, more = _one_case(run)
         values, notes = _by_speed(values, run, motion.speeds), (*notes, *more)

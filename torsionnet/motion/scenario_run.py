@@ -66,8 +66,8 @@ class DrivenPlaces:
 
 def simulate(
     drivetrain: AssembledModel,
-    outputs: Channels | None = None,
-    inputs: Mapping[str, ArrayLike | Signal] | None = None,
+    output: Channels | None = None,
+    input: Mapping[str, ArrayLike | Signal] | None = None,
     sampling_rate: float | None = None,
     *,
     between: str | Mapping[str, str] | None = None,
@@ -82,9 +82,9 @@ def simulate(
 
     Parameters
     ----------
-    outputs : str, Sensor or sequence of these
+    output : str, Sensor or sequence of these
         As for :meth:`frequency_response`; in a scenario the model's sensors unless others are named.
-    inputs : mapping
+    input : mapping
         Name of an input or node -> (n,) torques in N m, or a :class:`~torsionnet.signals.Signal`. That on a node is
         called ``torque on NODE`` in the result.
     sampling_rate : float
@@ -125,14 +125,14 @@ def simulate(
     ('short circuit of 3 phases', 7.95)
     """
     if scenario is not None:
-        if inputs is not None or between is not None:
-            raise UsageError("a scenario brings its own torques; leave out inputs and between, or the scenario")
-        return _run_scenario(drivetrain, scenario, outputs, start, sampling_rate, duration, check=check)
-    if outputs is None or inputs is None or sampling_rate is None:
-        raise UsageError("a simulation needs outputs, inputs and a sampling rate, or a scenario")
+        if input is not None or between is not None:
+            raise UsageError("a scenario brings its own torques; leave out input and between, or the scenario")
+        return _run_scenario(drivetrain, scenario, output, start, sampling_rate, duration, check=check)
+    if output is None or input is None or sampling_rate is None:
+        raise UsageError("a simulation needs output, input and a sampling rate, or a scenario")
     begin = start or REST
     return simulate_torques(
-        drivetrain, outputs, inputs, sampling_rate, begin, duration=duration, check=check, between=between
+        drivetrain, output, input, sampling_rate, begin, duration=duration, check=check, between=between
     )
 
 

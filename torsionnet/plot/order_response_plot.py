@@ -27,7 +27,7 @@ HALF_WIDTH_LABEL = 45
 
 def order_response(
     response: OrderResponse,
-    outputs: str | Sequence[str] | None = None,
+    output: str | Sequence[str] | None = None,
     *,
     most: int = MOST_LINES,
     conventions: Conventions = SI,
@@ -39,7 +39,7 @@ def order_response(
     Parameters
     ----------
     response : OrderResponse
-    outputs : str or sequence of str, optional
+    output : str or sequence of str, optional
         By default all, one below the other.
     most : int
         Orders drawn.
@@ -59,7 +59,7 @@ def order_response(
     UsageError
         No such output.
     """
-    names = [outputs] if isinstance(outputs, str) else list(outputs or [one.name for one in response.outputs])
+    names = [output] if isinstance(output, str) else list(output or [one.name for one in response.outputs])
     figure, panels = style.stacked_panels(0.8 + 2.6 * len(names), [1] * len(names))
     total = response.half_range
     for panel, name in zip(panels, names, strict=True):

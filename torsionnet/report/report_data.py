@@ -134,7 +134,7 @@ class ReportData:
 
     def _modes(self, case: Case, measured: str | None, excitation: str | None = None) -> Modes:
         lowest = MOST_MODES if self.is_large and measured is None else None
-        found = case.drivetrain.modes(measured_input=measured, excitation=excitation, lowest=lowest)
+        found = case.drivetrain.modes(measured_input=measured, driven_by=excitation, lowest=lowest)
         return found.first(MOST_MODES) if len(found) > MOST_MODES else found
 
     def cut_modes(self, pair: Pair) -> tuple[Modes, ...] | None:
@@ -429,7 +429,7 @@ class ReportData:
 
         def solve(frequencies: FloatArray) -> FrequencyResponse:
             return case.drivetrain.frequency_response(
-                pair.output, pair.input, frequencies, excitation=pair.excitation or None
+                pair.output, pair.input, frequencies, driven_by=pair.excitation or None
             )
 
         return solve

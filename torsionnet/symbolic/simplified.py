@@ -215,7 +215,7 @@ class _Reference:
     def _magnitude(self, drivetrain: AssembledModel) -> ComplexArray:
         asked = self.request
         response = frequency_response(
-            drivetrain, asked.output, asked.input, self.frequencies, excitation=asked.excitation
+            drivetrain, asked.output, asked.input, self.frequencies, driven_by=asked.excitation
         )
         return np.asarray(np.abs(response.values[:, 0, 0]))
 

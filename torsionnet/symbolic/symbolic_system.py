@@ -59,13 +59,13 @@ class SymbolicSystem(SymbolicMatrices):
     memo: Memo = field(default_factory=Memo, repr=False)
 
     def transfer_function(
-        self, output: str | Sensor, input: str | Sensor | Input, excitation: str | Input | None = None
+        self, output: str | Sensor, input: str | Sensor | Input, driven_by: str | Input | None = None
     ) -> TransferFunction:
         """Exact symbolic transfer function from one input of the drivetrain to one output.
 
         Parameters
         ----------
-        output, input, excitation
+        output, input, driven_by
             As for :meth:`torsionnet.Drivetrain.frequency_response`, one of each. A measured torque that cuts the
             drivetrain in two removes everything upstream from the result; an imposed angle removes what hangs on the
             driven node alone.
@@ -78,7 +78,7 @@ class SymbolicSystem(SymbolicMatrices):
         """
         drivetrain = self._model
         require_one_channel_each(output, input)
-        request = without_imposed_angles(drivetrain, output, input, excitation)
+        request = without_imposed_angles(drivetrain, output, input, driven_by)
         memo = self.memo if request.drivetrain is drivetrain else None
         asked = resolve(request.drivetrain, output, request.input, request.excitation, self.referred_to, memo)
         if request.channel is not None:
@@ -87,9 +87,9 @@ class SymbolicSystem(SymbolicMatrices):
 
     def transfer_matrix(
         self,
-        outputs: Sequence[str | Sensor],
-        inputs: Sequence[str | Sensor | Input],
-        excitation: str | Input | Sequence[str | Input] | None = None,
+        output: Sequence[str | Sensor],
+        input: Sequence[str | Sensor | Input],
+        driven_by: str | Input | Sequence[str | Input] | None = None,
     ) -> TransferMatrix:
         """Matrix of symbolic transfer functions, a row for each output and a column for each input.
 
@@ -107,13 +107,13 @@ class SymbolicSystem(SymbolicMatrices):
         from torsionnet.symbolic.transfer_matrix import TransferMatrix, measured_transfer_matrix
 
         drivetrain = self._model
-        request = resolve_request(drivetrain, list(outputs), list(inputs), excitation)
-        if request.is_measured and len(inputs) > 1:
+        request = resolve_request(drivetrain, list(output), list(input), driven_by)
+        if request.is_measured and len(input) > 1:
             return measured_transfer_matrix(drivetrain, request, self._written)
-        given = excitation if isinstance(excitation, str | Input | None) else excitation[0]
+        given = driven_by if isinstance(driven_by, str | Input | None) else driven_by[0]
         source = given if request.is_measured else None
         return TransferMatrix(
-            tuple(tuple(self.transfer_function(output, entry, source) for entry in inputs) for output in outputs)
+            tuple(tuple(self.transfer_function(row, column, source) for column in input) for row in output)
         )
 
     def _written(
@@ -140,7 +140,7 @@ class SymbolicSystem(SymbolicMatrices):
         self,
         output: str | Sensor,
         input: str | Sensor,
-        excitation: str | None = None,
+        driven_by: str | None = None,
         *,
         tolerance: float = 0.01,
         band: tuple[float, float] | None = None,
@@ -152,9 +152,9 @@ class SymbolicSystem(SymbolicMatrices):
         from torsionnet.symbolic.simplified import simplified
 
         def written(rig: AssembledModel) -> TransferFunction:
-            return symbolic(rig).transfer_function(output, input, excitation)
+            return symbolic(rig).transfer_function(output, input, driven_by)
 
-        return simplified(self._model, output, input, excitation, written=written, tolerance=tolerance, band=band)
+        return simplified(self._model, output, input, driven_by, written=written, tolerance=tolerance, band=band)
 
     @property
     def formulas(self) -> Mapping[Any, Any]:

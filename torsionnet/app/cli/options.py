@@ -290,7 +290,11 @@ HIGHEST_FREQUENCY = option("--to", help="Highest frequency in Hz.")
 ALIGN = option(
     "--align", help="Move the output by its lag before windows cut the record, and put the phase of the lag back."
 )
-EXCITATION = option("--excitation", metavar="INPUT", help="What drives the drivetrain then, if it has several inputs.")
+DRIVEN_BY = option(
+    "--driven-by",
+    metavar="INPUT",
+    help="What drives the drivetrain while an input is measured, if it has several inputs.",
+)
 
 
 REFERRED_TO: Any = option(

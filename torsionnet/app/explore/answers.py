@@ -149,7 +149,7 @@ def _of_response(session: Session, state: State) -> list[str]:
     """Options of ``torsionnet frf`` for the input, the band and the form of a response."""
     words = ["--input", state.input]
     if state.excitation and len(session.base.inputs) != 1:
-        words += ["--excitation", state.excitation]
+        words += ["--driven-by", state.excitation]
     if any(state.band):
         words += ["--from", f"{state.band[0]:g}", "--to", f"{state.band[1]:g}"]
     if state.quantity:
@@ -269,12 +269,12 @@ def _measured(rig: Drivetrain, state: State) -> Modes | None:
     if not state.excitation:
         return None
     lowest = MOST_MODES if len(rig.nodes) > MANY_NODES else None
-    return rig.modes(measured_input=state.input, excitation=state.excitation, lowest=lowest)
+    return rig.modes(measured_input=state.input, driven_by=state.excitation, lowest=lowest)
 
 
 def respond(rig: Drivetrain, state: State, frequencies: FloatArray) -> FrequencyResponse:
     """Frequency response in SI that a state of the page shows, at frequencies in Hz."""
-    response = rig.frequency_response(state.output, state.input, frequencies, excitation=state.excitation or None)
+    response = rig.frequency_response(state.output, state.input, frequencies, driven_by=state.excitation or None)
     is_motion = response.outputs[0].unit in DERIVATIVE_ORDERS
     return getattr(response, state.quantity)() if state.quantity and is_motion else response
 

@@ -360,7 +360,7 @@ def open_session(
     )  # fmt: skip
     for pair in pairs:
         asked = session.with_defaults(replace(start, output=pair.output, input=pair.input))
-        base.frequency_response(asked.output, asked.input, [1.0], excitation=asked.excitation or None)
+        base.frequency_response(asked.output, asked.input, [1.0], driven_by=asked.excitation or None)
     return session
 
 

@@ -383,6 +383,6 @@ def _of_model(plan: CampaignFile, model: Drivetrain, pair: Pair, at: EntryPath) 
     except TorsionnetError:
         return  # said of the record
     try:
-        rig.frequency_response(pair.output, pair.input, [ANY_FREQUENCY], excitation=pair.excitation or None)
+        rig.frequency_response(pair.output, pair.input, [ANY_FREQUENCY], driven_by=pair.excitation or None)
     except TorsionnetError as error:
         yield Fault(str(error), at)

@@ -131,7 +131,7 @@ def _calculated(campaign: Campaign, name: str, measured: FrequencyResponse) -> F
     try:
         found = model.frequency_response(
             list(campaign.model_outputs.values()), asked.model_input or asked.input, measured.frequencies,
-            excitation=asked.excitation,
+            driven_by=asked.excitation,
         )  # fmt: skip
         for mine, theirs in zip([*found.outputs, *found.inputs], [*measured.outputs, *measured.inputs], strict=True):
             if mine.unit != theirs.unit:

@@ -222,7 +222,7 @@ class MeasurementBlock(ABC):
         found.measurement = measurement
         output, into = measurement.model_output or measurement.output, measurement.model_input or measurement.input
         names = parameters_of_drivetrain(rig, parameters)
-        plain = parametric_response(rig, output, into, old.frequencies, names, excitation=measurement.excitation)
+        plain = parametric_response(rig, output, into, old.frequencies, names, driven_by=measurement.excitation)
         found.response = between_samples(plain, found.course, found.corrected_course)
         return found
 

@@ -213,7 +213,7 @@ def _response(
     channels: tuple[Channel, Channel],
 ) -> ParametricResponse:
     output, into = measurement.model_output or measurement.output, measurement.model_input or measurement.input
-    response = parametric_response(rig, output, into, frequencies, parameters, excitation=measurement.excitation)
+    response = parametric_response(rig, output, into, frequencies, parameters, driven_by=measurement.excitation)
     theirs = (response.request.outputs[0].unit, response.request.measured[0].unit)
     if all(channel.unit == UNSTATED_UNIT for channel in channels):
         if theirs[0] != theirs[1]:

@@ -248,7 +248,7 @@ def frequency_responses(
     frequencies: ArrayLike | Adaptive,
     variants: Mapping[str, ArrayLike],
     *,
-    excitation: str | Sequence[str] | None = None,
+    driven_by: str | Sequence[str] | None = None,
     method: str = "auto",
 ) -> FrequencyResponses:
     """Transfer functions of many variants of the drivetrain, solved together.
@@ -269,13 +269,13 @@ def frequency_responses(
     """
     known_method(method)
     parameters = _columns(variants)
-    request = cached_request(drivetrain, output, input, excitation)
+    request = cached_request(drivetrain, output, input, driven_by)
     f = chosen_frequencies(drivetrain, frequencies, request)
     batch = _batch(drivetrain, parameters)
     if batch is None:
 
         def ask(copy: AssembledModel) -> TransferRequest:
-            return cached_request(copy, output, input, excitation)
+            return cached_request(copy, output, input, driven_by)
 
         # Most variants have rows or acting laws of their own, as where a ratio varies: each is assembled by itself.
         values, conditioning = _grouped([drivetrain.configured(**row) for row in _rows(parameters)], ask, f, method)

@@ -70,7 +70,7 @@ def to_control(
     output: Channels | None = None,
     input: Channels | None = None,
     *,
-    excitation: str | Sequence[str] | None = None,
+    driven_by: str | Sequence[str] | None = None,
 ) -> control.StateSpace:
     """State space in SI units for python-control, with named inputs and outputs; also against measured inputs.
 
@@ -80,7 +80,7 @@ def to_control(
         As in :meth:`frequency_response`; default: all sensors and inputs of the model. A sensor as input is a
         *measured* one: the state space of Y_out Y_in^-1 is that of the drivetrain with its excitations eliminated.
         A warning names poles in it that no output shows.
-    excitation : str or sequence of str, optional
+    driven_by : str or sequence of str, optional
         What drives the drivetrain when the input is measured; default: the model's only input.
 
     Raises
@@ -97,14 +97,14 @@ def to_control(
     """
     import control
 
-    if (output is None) != (input is None) or (output is None and excitation is not None):
+    if (output is None) != (input is None) or (output is None and driven_by is not None):
         raise UsageError("name output and input, or neither for all sensors and inputs of the model")
     present = active_channels(drivetrain)
     if output is None and not (present.inputs and present.sensors):
         raise UsageError("a state space needs at least one input and one sensor in the model")
     outputs = list(present.sensors) if output is None else output
     inputs = list(present.inputs) if input is None else input
-    system, request = requested_state_space(drivetrain, outputs, inputs, excitation)
+    system, request = requested_state_space(drivetrain, outputs, inputs, driven_by)
     return control.StateSpace(
         system.A,
         system.B,

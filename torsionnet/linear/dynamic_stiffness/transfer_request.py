@@ -173,7 +173,7 @@ def resolve_inputs(
     measured = tuple(entry for entry in resolved if isinstance(entry, Functional))
     if not measured:
         if excitation is not None and _chosen(drivetrain, excitation) != excitations:
-            raise UsageError("excitation= goes with measured inputs; here the input itself is the excitation")
+            raise UsageError("driven_by= goes with measured inputs; here the input itself is the excitation")
         pairs = zip(entries, excitations, strict=True)
         inputs = tuple(Functional(str(entry), UNITS[one.quantity], ()) for entry, one in pairs)
         return TransferRequest((), inputs, excitations, is_measured=False, assembly=drivetrain.assembly)
@@ -189,11 +189,11 @@ def resolve_inputs(
     elif len(drivetrain.inputs) == 1:
         excitations = (_present(drivetrain, *drivetrain.inputs),)
     elif drivetrain.inputs:
-        several = "the model has several inputs; say with excitation= which one drives"
+        several = "the model has several inputs; say with driven_by= which one drives"
         raise UsageError(f"{several}{_known_inputs(drivetrain)}")
     else:
         missing = "a measured input needs an excitation; declare an input in the model"
-        raise UsageError(f"{missing} or name a node with excitation=")
+        raise UsageError(f"{missing} or name a node with driven_by=")
     if len(excitations) != len(measured):
         raise UsageError(
             f"{len(measured)} measured input(s) but {len(excitations)} excitation(s); "

@@ -169,7 +169,7 @@ def modes(
     drivetrain: AssembledModel,
     *,
     measured_input: Channels | None = None,
-    excitation: str | Sequence[str] | None = None,
+    driven_by: str | Sequence[str] | None = None,
     lowest: int | None = None,
     up_to: float | None = None,
 ) -> Modes:
@@ -183,7 +183,7 @@ def modes(
     measured_input : str, Sensor or sequence of these, optional
         The poles of transfer functions against this measured input instead: for an output at the torque meter or
         downstream of it, those of the drivetrain cut there.
-    excitation : str or sequence of str, optional
+    driven_by : str or sequence of str, optional
         Which input drives the drivetrain then; default: the model's only input.
     lowest : int, optional
         Only so many modes, those of the smallest ``|lambda|``, rigid bodies included; likewise the undamped
@@ -202,9 +202,9 @@ def modes(
         raise UsageError(f"up_to={up_to}: modes are asked for up to a frequency above 0 Hz")
     if lowest is not None and lowest < 1:
         raise UsageError(f"lowest={lowest}: at least one mode must be asked for")
-    if measured_input is None and excitation is not None:
-        raise UsageError("excitation= goes with measured_input=; the modes of the drivetrain itself need none")
-    request = None if measured_input is None else resolve_inputs(drivetrain, measured_input, excitation)
+    if measured_input is None and driven_by is not None:
+        raise UsageError("driven_by= goes with measured_input=; the modes of the drivetrain itself need none")
+    request = None if measured_input is None else resolve_inputs(drivetrain, measured_input, driven_by)
     found = modes_against(drivetrain, request, lowest, up_to)
     return replace(found, notes=(*found.notes, *operating_speed_notes(drivetrain.external_torques)))
 

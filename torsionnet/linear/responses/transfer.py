@@ -193,7 +193,7 @@ def frequency_response(
     input: Channels,
     frequencies: ArrayLike | Adaptive,
     *,
-    excitation: str | Sequence[str] | None = None,
+    driven_by: str | Sequence[str] | None = None,
     method: str = "auto",
 ) -> FrequencyResponse:
     """Transfer functions between sensors, inputs and nodes at the given frequencies.
@@ -209,7 +209,7 @@ def frequency_response(
     frequencies : (n_f,) array or Adaptive
         Hz, >= 0; or ``tn.Adaptive(start, stop)``, which resolves every peak in that range. At 0 the finite limit,
         or inf with a warning.
-    excitation : str or sequence of str, optional
+    driven_by : str or sequence of str, optional
         What drives the drivetrain when the input is measured; default: the model's only input.
     method : str
         ``"auto"``: elimination along the drivetrain, fast and exact; where numba is installed and the work is large
@@ -231,7 +231,7 @@ def frequency_response(
     0.2519
     """
     known_method(method)
-    request = cached_request(drivetrain, output, input, excitation)
+    request = cached_request(drivetrain, output, input, driven_by)
     f = chosen_frequencies(drivetrain, frequencies, request)
     values, conditioning = responses([drivetrain], request, f, method)
     if not np.isfinite(values).all():

@@ -197,7 +197,7 @@ def parametric_response(
     frequencies: ArrayLike,
     parameters: Sequence[str],
     *,
-    excitation: str | Sequence[str] | None = None,
+    driven_by: str | Sequence[str] | None = None,
 ) -> ParametricResponse:
     """Transfer functions of a drivetrain, ready to be evaluated with derivatives at any values of some parameters.
 
@@ -220,7 +220,7 @@ def parametric_response(
     f = np.atleast_1d(np.asarray(frequencies, dtype=float))
     if f.ndim != 1 or not np.all(np.isfinite(f)) or not np.all(f > 0):
         raise UsageError("derivatives are taken at frequencies above 0, in Hz")
-    request = resolve_request(drivetrain, output, input, excitation)
+    request = resolve_request(drivetrain, output, input, driven_by)
     redundant = drivetrain.assembly.kinematics.reduction.redundant
     return ParametricResponse(
         drivetrain, request, f, unknowns(drivetrain, parameters), request.sensors, request.excitations, redundant

@@ -213,7 +213,7 @@ def mode_sensitivities(
     parameters: Sequence[str] | None = None,
     *,
     measured_input: str | Sensor | None = None,
-    excitation: str | None = None,
+    driven_by: str | None = None,
 ) -> ModeSensitivities:
     """Derivatives (n_modes, n_p) of all poles, natural frequencies and damping ratios with respect to parameters.
 
@@ -225,7 +225,7 @@ def mode_sensitivities(
         Names of parameters or ``element.field``; by default every parameter that does not follow from others.
     measured_input : str or Sensor, optional
         The poles of responses against this sensor instead.
-    excitation : str, optional
+    driven_by : str, optional
         What drives the drivetrain then.
 
     Raises
@@ -242,7 +242,7 @@ def mode_sensitivities(
     """
     names = list(parameters) if parameters is not None else _basic(drivetrain)
     chosen = unknowns(drivetrain, names)
-    request = None if measured_input is None else resolve_inputs(drivetrain, measured_input, excitation)
+    request = None if measured_input is None else resolve_inputs(drivetrain, measured_input, driven_by)
     modes = modes_against(drivetrain, request)
     # A rigid-body pole stays at zero whatever the parameters are.
     kept = [place for place, kind in enumerate(modes.kinds) if kind != RIGID]

@@ -42,11 +42,11 @@ rule is near a half."""
 
 def critical_speeds(
     drivetrain: AssembledModel,
-    outputs: Channels = (),
+    output: Channels = (),
     *,
     speeds: ArrayLike | None = None,
     speed_of: str | None = None,
-    excitations: Iterable[str] | None = None,
+    excitation: str | Iterable[str] | None = None,
     lines: Iterable[str] | None = None,
     margin: str | float | MarginRule | None = None,
     reach: float = 0.25,
@@ -59,13 +59,13 @@ def critical_speeds(
 
     Parameters
     ----------
-    outputs : str, Sensor or sequence of these, optional
+    output : str, Sensor or sequence of these, optional
         Also the speeds at which the orders of these are largest.
     speeds : array, optional
         rad/s; the lowest and the highest bound the operating range. Default: those of the model.
     speed_of : str, optional
         The node they belong to; default: that of the model.
-    excitations : iterable of str, optional
+    excitation : str or iterable of str, optional
         Which of the model's excitations count; default: all.
     lines : iterable of str, optional
         Names of the order lines that count, such as ``"engine 6"``; default: all.
@@ -103,7 +103,7 @@ def critical_speeds(
         raise UsageError(f"a line frequency is above 0 Hz, got {line_frequency}")
     rule = margin_rule(margin)
     changed = _with_dampers(drivetrain, dampers, damper_names)
-    every, reference, speed_range = excited_lines(changed, speeds, speed_of, excitations)
+    every, reference, speed_range = excited_lines(changed, speeds, speed_of, excitation)
     examined = every if lines is None else _chosen_lines(every, lines)
     # The vibrations are those with imposed motions held, as in the order response.
     held = with_motions_held(changed, {name: changed.definition.excitations[name] for name in examined})
@@ -130,12 +130,12 @@ def critical_speeds(
         condition=drivetrain.configuration,
         notes=tuple(search.notes()),
     )
-    if isinstance(outputs, (list, tuple)) and not outputs:
+    if isinstance(output, (list, tuple)) and not output:
         return found
     # Peaks are searched only where modes and torques of all excitations are known.
     ends = [search.limits, search.over_speed.known, *search.known.values()]
     common = max(low for low, _ in ends), min(high for _, high in ends)
-    peaks, channels = with_speed_peaks(changed, found.crossings, outputs, reference, common)
+    peaks, channels = with_speed_peaks(changed, found.crossings, output, reference, common)
     return replace(found, crossings=peaks, outputs=channels)
 
 

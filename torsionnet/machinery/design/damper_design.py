@@ -74,7 +74,7 @@ def damper_design(
     band: tuple[float, float] | None = None,
     speeds: ArrayLike | None = None,
     speed_of: str | None = None,
-    excitations: Iterable[str] | None = None,
+    excitation: str | Iterable[str] | None = None,
 ) -> DamperOptimum:
     """Optimal damping and stiffness of dampers, with which the largest vibration is smallest.
 
@@ -116,7 +116,7 @@ def damper_design(
     units = sought_units(varied)
     start = np.array(varied.start)
     box = sought_box(varied, given, units)
-    levels = levels_of(drivetrain, varied, output, input, band, speeds, speed_of, excitations)
+    levels = levels_of(drivetrain, varied, output, input, band, speeds, speed_of, excitation)
     best = smallest_maximum(levels, box, start)
     sought = tuple(
         DesignParameter(name, unit, *numbers)

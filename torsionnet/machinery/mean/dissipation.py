@@ -82,7 +82,7 @@ def dissipated_power(
     *,
     speeds: ArrayLike | None = None,
     speed_of: str | None = None,
-    excitations: Iterable[str] | None = None,
+    excitation: str | Iterable[str] | None = None,
 ) -> DissipatedPower:
     """Mean power in W that vibration dissipates in elements, over speed.
 
@@ -116,6 +116,6 @@ def dissipated_power(
     values = Values(drivetrain.exact_values)
     flows = {name: power_flows(drivetrain.elements[name], values) for name in names}
     outputs = list(dict.fromkeys(sensor for flow in flows.values() for sensor in power_sensors(flow)))
-    run = orders_at_speeds(drivetrain, outputs, speeds=speeds, speed_of=speed_of, excitations=excitations)
+    run = orders_at_speeds(drivetrain, outputs, speeds=speeds, speed_of=speed_of, excitations=excitation)
     found = np.stack([mean_power(run, flow) for flow in flows.values()], axis=1)
     return DissipatedPower(run.speeds, run.reference, tuple(names), found, run.title)

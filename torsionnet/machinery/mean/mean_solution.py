@@ -115,7 +115,7 @@ HELD_BYTES = 1_000_000
 
 def mean_response(
     drivetrain: AssembledModel,
-    outputs: Channels,
+    output: Channels,
     speeds: ArrayLike | None = None,
 ) -> MeanResponse:
     """Mean torques and twists of running machinery under its load, over speed.
@@ -125,7 +125,7 @@ def mean_response(
 
     Parameters
     ----------
-    outputs : str, Sensor or sequence of these
+    output : str, Sensor or sequence of these
         As for :meth:`frequency_response`, but nothing that turns freely: a torque or a twist.
     speeds : (n_speeds,) array, optional
         rad/s, of the node of the model's ``speeds:``; default: those of the model.
@@ -151,7 +151,7 @@ def mean_response(
     >>> boat.mean_response("torque(shaft)").values.round(6).tolist()
     [[250.0], [1000.0]]
     """
-    return means_of(drivetrain, outputs, speeds)
+    return means_of(drivetrain, output, speeds)
 
 
 def means_of(

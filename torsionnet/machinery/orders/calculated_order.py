@@ -131,7 +131,7 @@ def swept_orders(
         raise UsageError("a run-up has three or more speeds over time")
     cycle = _cycle(tracked.orders)
     edges = _edges(tracked.times)
-    run = passage_response(drivetrain, list(outputs), *_profile(tracked, edges, cycle), excitations=excitations)
+    run = passage_response(drivetrain, list(outputs), *_profile(tracked, edges, cycle), excitation=excitations)
     return _tracked(run, tracked, edges, cycle)
 
 

@@ -91,24 +91,24 @@ A smaller value resolves peaks of orders that hardly matter, at the cost of more
 
 def order_response(
     drivetrain: AssembledModel,
-    outputs: Channels,
+    output: Channels,
     *,
     speeds: ArrayLike | None = None,
     speed_of: str | None = None,
-    excitations: Iterable[str] | None = None,
+    excitation: str | Iterable[str] | None = None,
     refine: bool = False,
 ) -> OrderResponse:
     """Response of running machinery as complex amplitudes of every order of the outputs at every speed.
 
     Parameters
     ----------
-    outputs : str, Sensor or sequence of these
+    output : str, Sensor or sequence of these
         As for :meth:`frequency_response`.
     speeds : (n_speeds,) array, optional
         rad/s, above 0; default: those of the model.
     speed_of : str, optional
         The node they belong to; default: that of the model.
-    excitations : iterable of str, optional
+    excitation : str or iterable of str, optional
         Which of the model's excitations act; default: all.
     refine : bool
         Whether the result has more speeds between these, until the largest half range and the largest amplitudes
@@ -132,12 +132,12 @@ def order_response(
     True
     """
     if not refine:
-        return orders_at_speeds(drivetrain, outputs, speeds=speeds, speed_of=speed_of, excitations=excitations)
-    acting = excitations if excitations is None or isinstance(excitations, str) else tuple(excitations)
+        return orders_at_speeds(drivetrain, output, speeds=speeds, speed_of=speed_of, excitations=excitation)
+    acting = excitation if excitation is None or isinstance(excitation, str) else tuple(excitation)
     examined = ExaminedSpeeds.of(drivetrain, speeds, speed_of=speed_of, excitations=acting)
 
     def at(those: FloatArray) -> _Sized:
-        run = orders_at_speeds(drivetrain, outputs, speeds=those, speed_of=examined.reference, excitations=acting)
+        run = orders_at_speeds(drivetrain, output, speeds=those, speed_of=examined.reference, excitations=acting)
         # Sums of lines of one frequency peak at other speeds than their parts.
         return _Sized(run, run.half_range, np.concatenate([run.sizes, summed_sizes(run)], axis=1))
 

@@ -70,12 +70,12 @@ STEADY_SPEEDS = 61
 
 def passage_response(
     drivetrain: AssembledModel,
-    outputs: Channels,
+    output: Channels,
     times: ArrayLike,
     speeds: ArrayLike,
     *,
     speed_of: str | None = None,
-    excitations: Iterable[str] | None = None,
+    excitation: str | Iterable[str] | None = None,
 ) -> PassageResponse:
     """Response to all orders along a speed given over time, such as a passage of a resonance or a run-up.
 
@@ -86,13 +86,13 @@ def passage_response(
 
     Parameters
     ----------
-    outputs : str, Sensor or sequence of these
+    output : str, Sensor or sequence of these
         As for :meth:`frequency_response`.
     times : (n,) array
         s, rising.
     speeds : (n,) array
         rad/s, above 0, at these times; straight between them.
-    speed_of, excitations : optional
+    speed_of, excitation : optional
         As for :meth:`order_response`.
 
     Returns
@@ -118,7 +118,7 @@ def passage_response(
     >>> print(f"{run.peak().half_range:.1f} N m at {run.peak().rpm:.0f} rpm")
     11.3 N m at 1032 rpm
     """
-    return passage_from(0.0, drivetrain, outputs, (times, speeds), speed_of, excitations)
+    return passage_from(0.0, drivetrain, output, (times, speeds), speed_of, excitation)
 
 
 def passage_from(

@@ -56,7 +56,7 @@ def check_limits(
     limits: str | Iterable[str] | None = None,
     *,
     speeds: ArrayLike | None = None,
-    excitations: Iterable[str] | None = None,
+    excitation: str | Iterable[str] | None = None,
     refine: bool | None = None,
 ) -> LimitCheck:
     """Verdicts on the model's limits over speed, and barred ranges.
@@ -88,7 +88,7 @@ def check_limits(
     >>> fan.check_limits().of("shaft").verdict
     'pass'
     """
-    return _check(drivetrain, limits, speeds, excitations, refine, starts=True)
+    return _check(drivetrain, limits, speeds, excitation, refine, starts=True)
 
 
 def limits_at(drivetrain: AssembledModel, speeds: FloatArray) -> LimitCheck:
@@ -178,7 +178,7 @@ def _at_its_rate(
     span = SpeedSpan(above[0].low - wide, above[-1].high + wide).within(SpeedSpan(*run_up.range))
     run = passage_response(
         running.drivetrain, sensors, [0.0, (span.high - span.low) / run_up.rate], [span.low, span.high],
-        speed_of=running.speeds.reference, excitations=running.excitations,
+        speed_of=running.speeds.reference, excitation=running.excitations,
     )  # fmt: skip
     peak = max((run.peak(str(sensor)) for sensor in sensors), key=lambda one: one.half_range)
     # The mean part of the value, as of T_mean + T_v, is the same whether the speed rises or not.

@@ -68,7 +68,7 @@ def modes_from_ambient(
     recording: Recording,
     channels: Sequence[str],
     *,
-    highest: float,
+    up_to: float,
     orders: Sequence[float] = (),
     speeds: tuple[float, float] | None = None,
     model_order: int = HIGHEST_ORDER,
@@ -82,7 +82,7 @@ def modes_from_ambient(
     ----------
     recording : Recording
     channels : sequence of str
-    highest : float
+    up_to : float
         Highest frequency of interest, Hz.
     orders : sequence of float, optional
         Orders of the machine that runs meanwhile.
@@ -106,20 +106,20 @@ def modes_from_ambient(
         raise UsageError("name at least one channel of the ambient record")
     if recording.times is not None:
         raise UsageError("an ambient record is read from even samples: resample it first")
-    if not 0 < highest < recording.sampling_rate / 2:
+    if not 0 < up_to < recording.sampling_rate / 2:
         raise UsageError(f"the highest frequency must lie between 0 and {recording.sampling_rate / 2:g} Hz")
     rows = np.stack([recording[name].values for name in channels])
     if not np.isfinite(rows).all():
         raise UsageError("the record has values that are no numbers; repair it first")
     # Thinned to some samples per cycle of the highest frequency, as the subspace spans a number of samples.
-    factor = max(1, int(recording.sampling_rate / (SAMPLES_PER_CYCLE * highest)))
+    factor = max(1, int(recording.sampling_rate / (SAMPLES_PER_CYCLE * up_to)))
     rows = rows - rows.mean(axis=1, keepdims=True)
     thinned = resample_poly(rows, 1, factor, axis=1) if factor > 1 else rows
     step = factor / recording.sampling_rate
     # Channels of unlike units and sizes count alike.
     scaled = thinned / np.maximum(thinned.std(axis=1, keepdims=True), np.finfo(float).tiny)
     found = _subspace(scaled, step, model_order)
-    evidence, poles, errors = _stable(*found, highest)
+    evidence, poles, errors = _stable(*found, up_to)
     if not len(poles):
         raise SolveError("no mode is stable: record longer, or give a higher order of the model")
     told = [_remark(pole, scaled, step, tuple(orders), speeds, recording.duration) for pole in poles]

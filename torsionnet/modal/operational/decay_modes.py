@@ -283,9 +283,9 @@ def modes_from_decay(
     channel: str,
     *,
     start: float | None = None,
-    end: float | None = None,
-    modes: int | None = None,
-    highest: float | None = None,
+    stop: float | None = None,
+    mode_count: int | None = None,
+    up_to: float | None = None,
 ) -> OperationalModes:
     """Natural frequencies and damping ratios from a free decay, as after a clutch drop, with 95 % intervals.
 
@@ -296,11 +296,11 @@ def modes_from_decay(
     ----------
     recording : Recording
     channel : str
-    start, end : float, optional
+    start, stop : float, optional
         Times in s between which nothing excites the shaft; by default found from the signal.
-    modes : int, optional
+    mode_count : int, optional
         Number of modes; default: as many as the decay bears (Schwarz's criterion).
-    highest : float, optional
+    up_to : float, optional
         Highest frequency of interest in Hz; default: that below which all but a hundredth of the power lies.
 
     Raises
@@ -324,10 +324,10 @@ def modes_from_decay(
         raise UsageError("a decay is read from even samples: resample the record first")
     if not np.isfinite(signal.values).all():
         raise UsageError(f"{channel} has values that are no numbers; repair the record first")
-    if modes is not None and modes < 1:
-        raise UsageError(f"at least one mode is fitted, got {modes}")
-    section = decay_section(recording.time, signal.values, start, end, highest)
-    fit = fit_exponentials(section.times, section.values, modes)
+    if mode_count is not None and mode_count < 1:
+        raise UsageError(f"at least one mode is fitted, got {mode_count}")
+    section = decay_section(recording.time, signal.values, start, stop, up_to)
+    fit = fit_exponentials(section.times, section.values, mode_count)
     span = section.times[-1] - section.times[0]
     cycles = fit.poles.imag * span / (2 * np.pi)
     if cycles.max() < FEWEST_CYCLES:

@@ -56,7 +56,7 @@ class SpeedSweep:
         return np.asarray(g * self.turning), np.asarray((g[1:] + g[:-1]) / 2 * np.exp(1j * self.middle))
 
 
-def sweep_of(times: FloatArray, angle: FloatArray, order: float, excitation: Excitation = "constant") -> SpeedSweep:
+def sweep_of(times: FloatArray, angle: FloatArray, order: float, excitation_law: Excitation = "constant") -> SpeedSweep:
     """Sweep of one order from the angle of the reference shaft in rad at times in s, at equal steps, shape (n,).
 
     Raises
@@ -66,11 +66,11 @@ def sweep_of(times: FloatArray, angle: FloatArray, order: float, excitation: Exc
     """
     from scipy.interpolate import CubicSpline
 
-    if excitation not in {"constant", "inertia"}:
-        raise UsageError(f'the excitation is "constant" or "inertia" (as the square of the speed), got "{excitation}"')
+    if excitation_law not in {"constant", "inertia"}:
+        raise UsageError(f'the excitation is "constant" or "inertia" (as speed squared), got "{excitation_law}"')
     spline = CubicSpline(times, order * angle)
     speed = np.asarray(spline(times, 1))
-    amplitude = np.ones(len(times)) if excitation == "constant" else (speed / np.abs(speed).max()) ** 2
+    amplitude = np.ones(len(times)) if excitation_law == "constant" else (speed / np.abs(speed).max()) ** 2
     middle = np.asarray(spline((times[1:] + times[:-1]) / 2))
     return SpeedSweep(float((times[-1] - times[0]) / (len(times) - 1)), order * angle, middle, speed, amplitude)
 

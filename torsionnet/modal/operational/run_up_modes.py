@@ -226,8 +226,8 @@ def modes_from_run_up(
     rotation: str | MeanRotation | WheelRotation,
     *,
     band: tuple[float, float] | None = None,
-    modes: int = 1,
-    excitation: Excitation = "constant",
+    mode_count: int = 1,
+    excitation_law: Excitation = "constant",
     background: int = 1,
     revolutions: float | None = None,
 ) -> OperationalModes:
@@ -249,9 +249,9 @@ def modes_from_run_up(
         :func:`torsionnet.signals.mean_rotation` or from a toothed wheel on the same clock.
     band : (float, float), optional
         Frequencies of the order in Hz between which it is read; default: 0.6 to 1.7 times that of its peak.
-    modes : int, optional
+    mode_count : int, optional
         Modes in the band.
-    excitation : {"constant", "inertia"}, optional
+    excitation_law : {"constant", "inertia"}, optional
         Amplitude of the excitation over speed: constant, as of gas torques at one load, or as the square of the
         speed, as of inertia torques.
     background : int, optional
@@ -281,7 +281,7 @@ def modes_from_run_up(
     (20.0, 0.02)
     """
     signal, orders = recording[channel], tuple(np.atleast_1d(np.asarray(order, dtype=float)).tolist())
-    _check(orders, modes, background)
+    _check(orders, mode_count, background)
     if recording.times is not None:
         raise UsageError("a run-up is read from even samples: resample the record first")
     if not np.isfinite(signal.values).all():
@@ -302,7 +302,7 @@ def modes_from_run_up(
     if windows.revolutions < 2 and len(orders) == 1:
         note += f"; orders nearer than {2 / windows.revolutions:.2g} are not kept apart: give those there are, too"
     about = (channel, signal.quantity, signal.unit, recording.title)
-    return swept_modes(windows, about, modes, excitation, background, (note,))
+    return swept_modes(windows, about, mode_count, excitation_law, background, (note,))
 
 
 def modes_from_tracked_orders(
@@ -310,8 +310,8 @@ def modes_from_tracked_orders(
     order: float,
     *,
     band: tuple[float, float] | None = None,
-    modes: int = 1,
-    excitation: Excitation = "constant",
+    mode_count: int = 1,
+    excitation_law: Excitation = "constant",
     background: int = 1,
     amplitudes_only: bool | None = None,
     revolutions: float | None = None,
@@ -339,7 +339,7 @@ def modes_from_tracked_orders(
     SolveError
         The resonance is not passed, or values are too few.
     """
-    _check((order,), modes, background)
+    _check((order,), mode_count, background)
     kernel = _kernel(tracked, revolutions, bandwidth)
     windows = tracked_windows(tracked, order, kernel, amplitudes_only)
     low, high = band or _band(windows)
@@ -350,7 +350,7 @@ def modes_from_tracked_orders(
     if not kernel.known:
         notes.append(warning("how far the tracking smears is not known; give its bandwidth, or read the signal itself"))
     about = (tracked.name, tracked.quantity, tracked.unit, tracked.title)
-    return swept_modes(windows, about, modes, excitation, background, tuple(notes))
+    return swept_modes(windows, about, mode_count, excitation_law, background, tuple(notes))
 
 
 def _kernel(tracked: TrackedOrders, revolutions: float | None, bandwidth: float | None) -> TrackingKernel:

@@ -236,7 +236,7 @@ def _test(subject: ReportData, test: Measured, number: int) -> list[Block]:
 def calculated(case: Case, measured: FrequencyResponse, excitation: str | None = None) -> FrequencyResponse:
     """Response of the model at the frequencies of a test, under the test's names of output and input."""
     output, into = measured.outputs[0].name, measured.inputs[0].name
-    found = case.drivetrain.frequency_response(output, into, measured.frequencies, excitation=excitation)
+    found = case.drivetrain.frequency_response(output, into, measured.frequencies, driven_by=excitation)
     return replace(found, outputs=_renamed(found, measured, "outputs"), inputs=_renamed(found, measured, "inputs"))
 
 

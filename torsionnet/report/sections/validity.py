@@ -253,7 +253,7 @@ def _comparisons(subject: ReportData) -> Iterator[tuple[Cell, ...]]:
             try:
                 first, second = (
                     case.drivetrain.frequency_response(
-                        pair.output, pair.input, frequencies, excitation=pair.excitation or None, method=method
+                        pair.output, pair.input, frequencies, driven_by=pair.excitation or None, method=method
                     ).values
                     for method in ("graph", "dense")
                 )

@@ -47,6 +47,8 @@ class Bandwidth(Spec[VoldKalman]):
 class OrderList(Spec[tuple[float, ...]]):
     """Entry for orders, one by one as ``0.5, 1, 3``, or from the first to the last with a step as ``0.5:12:0.5``."""
 
+    rising: bool = True
+
     def coerce(self, raw: object) -> tuple[float, ...]:
         found: list[float] = []
         if isinstance(raw, list | tuple):
@@ -64,7 +66,7 @@ class OrderList(Spec[tuple[float, ...]]):
                 raise EntryError(f'"{part}": orders are numbers, or first:last:step as 0.5:12:0.5')
         if not found or min(found) <= 0:
             raise EntryError(f"orders are positive numbers of vibrations per revolution, {got(raw)}")
-        return tuple(sorted(set(found)))
+        return tuple(sorted(set(found)) if self.rising else dict.fromkeys(found))
 
     @staticmethod
     def _number(text: str, part: str) -> float:
@@ -90,3 +92,4 @@ class OrderList(Spec[tuple[float, ...]]):
 
 BANDWIDTH = Bandwidth("a bandwidth of Vold-Kalman filters")
 ORDERS = OrderList("orders")
+ORDERS_AS_GIVEN = OrderList("orders", rising=False)

@@ -169,7 +169,7 @@ def damper_over_conditions(
     band: tuple[float, float] | None = None,
     speeds: ArrayLike | None = None,
     speed_of: str | None = None,
-    excitations: Iterable[str] | None = None,
+    excitation: str | Iterable[str] | None = None,
     kept: Callable[[str, Callable[[], FloatArray]], FloatArray] = lambda _what, search: search(),
 ) -> DamperOverConditions:
     """Search the damper with which the largest level in the worst of several operating conditions is smallest.
@@ -199,7 +199,7 @@ def damper_over_conditions(
     units = sought_units(sought[0])
     box = sought_box(sought[0], parameters if isinstance(parameters, Mapping) else {}, units)
     start = np.array(sought[0].start)
-    chosen = None if excitations is None else [*excitations]
+    chosen = None if excitation is None else [*excitation]
     # One band for all conditions: from the lowest to the highest frequency of the modes of any.
     if input is not None and band is None:
         ranges = [vibration_range(modes(rig)) for rig in rigs]
@@ -301,6 +301,6 @@ class BestDamper(StudyAnswer):
             study.configurations,
             input=self.input,
             band=self.band,
-            excitations=self.excitations or None,
+            excitation=self.excitations or None,
             kept=lambda what, search: evaluator.once(f"best damper {asked} {what}", {}, search),
         )

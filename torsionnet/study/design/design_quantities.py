@@ -87,7 +87,7 @@ class ExactSlopes:
                     one.input,
                     one.frequencies,
                     list(self.evaluator.names),
-                    excitation=one.excitation,
+                    driven_by=one.excitation,
                 ),
             )
             for name, one in self._asked.items()

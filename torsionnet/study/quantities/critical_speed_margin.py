@@ -185,7 +185,7 @@ class Utilisation(SpeedQuantity):
         check = model.check_limits(
             self.limit,
             speeds=speeds if len(speeds) else None,
-            excitations=self.excitations or None,
+            excitation=self.excitations or None,
             refine=refine,
         )
         verdicts = [check.of(self.limit, self.criterion)] if self.limit and self.criterion else check.verdicts

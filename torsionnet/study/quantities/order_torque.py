@@ -37,7 +37,7 @@ def order_responses(
     question = common_request(block, speeds, excitations)
     if question is None:
         for index in range(len(block)):
-            run = block.call(index, lambda model: model.order_response(output, speeds=speeds, excitations=excitations))
+            run = block.call(index, lambda model: model.order_response(output, speeds=speeds, excitation=excitations))
             if run is not None:
                 yield index, run
         return
@@ -102,7 +102,7 @@ def largest_orders(
         for index in range(len(block)):
             run = block.call(
                 index,
-                lambda model: model.order_response(output, speeds=speeds, excitations=excitations, refine=several),
+                lambda model: model.order_response(output, speeds=speeds, excitation=excitations, refine=several),
             )
             if run is not None:
                 yield index, float(sizes(run).max())
@@ -247,7 +247,7 @@ class OrderTorque(SpeedQuantity):
         """Order response of the nominal model at its first speed, for the faults that any speed would have."""
         speeds = self.at(model)
         return model.order_response(
-            self.output, speeds=speeds[:1] if len(speeds) else None, excitations=self.excitations or None
+            self.output, speeds=speeds[:1] if len(speeds) else None, excitation=self.excitations or None
         )
 
     def _of(self, run: OrderResponse) -> FloatArray:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 from torsionnet.app.cli.cases import ModelCommand
 from torsionnet.app.cli.command import TABLE, Answer
 from torsionnet.app.cli.frf_output import EstimateRecord, estimated_responses_record
-from torsionnet.app.cli.options import ALIGN, ANGLE, HIGHEST_FREQUENCY, LOWEST_FREQUENCY, option
+from torsionnet.app.cli.options import ALIGN, ANGLE, DRIVEN_BY, HIGHEST_FREQUENCY, LOWEST_FREQUENCY, option
 from torsionnet.app.cli.record_options import Averaging, Estimator, RecordCommand
 from torsionnet.base.notes import NoteOrText
 from torsionnet.base.result_rows import Out
@@ -69,9 +69,7 @@ class CompareCommand(ModelCommand, RecordCommand):
     model_input: str | None = option(
         "--model-input", metavar="NAME", help="Input or sensor of the model, if it has another name there."
     )
-    excitation: str | None = option(
-        "--excitation", metavar="INPUT", help="What drives the model, if it has several inputs."
-    )
+    driven_by: str | None = DRIVEN_BY
     averaging: Averaging
     estimator: Estimator
     start: float = LOWEST_FREQUENCY
@@ -97,7 +95,7 @@ class CompareCommand(ModelCommand, RecordCommand):
             align=self.align,
         )
         names = (self.model_output or self.sensor, self.model_input or self.into)
-        calculated = _calculated(case.drivetrain, test, *names, self.excitation)
+        calculated = _calculated(case.drivetrain, test, *names, self.driven_by)
         conventions = Conventions(angle=self.angle)
         return Answer(
             screen=lambda: [agreement(test, calculated, conventions)],
@@ -113,7 +111,7 @@ def _calculated(
     """Calculated response of the model at the frequencies of the test, under the test's channel names."""
     from dataclasses import replace
 
-    found = drivetrain.frequency_response(output, into, test.frequencies, excitation=excitation)
+    found = drivetrain.frequency_response(output, into, test.frequencies, driven_by=excitation)
     same = [
         tuple(replace(channel, name=other.name) for channel, other in zip(mine, theirs, strict=True))
         for mine, theirs in ((found.outputs, test.outputs), (found.inputs, test.inputs))

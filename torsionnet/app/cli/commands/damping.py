@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from torsionnet.app.cli.command import TABLE, Answer, separated_by_lines
-from torsionnet.app.cli.options import FiniteFloat, option
+from torsionnet.app.cli.options import EntryOption, FiniteFloat, option
 from torsionnet.app.cli.pulse_options import NamedWheel, PulseOptions
 from torsionnet.app.cli.record_options import RecordCommand
 from torsionnet.app.cli.terminal import print_warnings
@@ -19,16 +19,14 @@ if TYPE_CHECKING:
     from torsionnet.modal import Match, OperationalModes
     from torsionnet.signals.recording import FloatArray, Recording
 
-SOURCES = ("run-up", "decay", "ambient")
+KINDS = ("run-up", "decay", "ambient")
 POSITIVE = FiniteFloat(0, min_open=True)
 ONLY_FOR = {
-    "speed": ("run-up", "ambient"), "angle": ("run-up",), "orders": ("run-up", "ambient"), "band": ("run-up",),
-    "excitation": ("run-up",), "revolutions": ("run-up",), "bandwidth": ("run-up",), "modes": ("run-up", "decay"),
-    "start": ("decay",), "end": ("decay",), "highest": ("decay", "ambient"),
+    "speed_channel": ("run-up", "ambient"), "angle_channel": ("run-up",), "orders": ("run-up", "ambient"),
+    "band": ("run-up",), "excitation_law": ("run-up",), "revolutions": ("run-up",), "bandwidth": ("run-up",),
+    "mode_count": ("run-up", "decay"), "start": ("decay",), "stop": ("decay",), "up_to": ("decay", "ambient"),
 }  # fmt: skip
 """Kinds of records for which each option counts, by the name of its value."""
-WORDS = {"orders": "order", "highest": "to"}
-"""Words of options that differ from the names of their values."""
 
 
 class DampingCommand(RecordCommand):
@@ -38,37 +36,41 @@ class DampingCommand(RecordCommand):
     (a file of the command track).
 
     \b
-    torsionnet damping runup.npz --from run-up --channel T --order 6 --speed n
-    torsionnet damping runup.npz --from run-up --channel T --order 6 --angle fly --pulses fly=60-2
-    torsionnet damping drop.npz --from decay --channel T
-    torsionnet damping night.npz --from ambient --channel T --to 60
+    torsionnet damping runup.npz --kind run-up --channel T --orders 6 --speed-channel n
+    torsionnet damping runup.npz --kind run-up --channel T --orders 6 --angle-channel fly --pulses fly=60-2
+    torsionnet damping drop.npz --kind decay --channel T
+    torsionnet damping night.npz --kind ambient --channel T --up-to 60
     """
 
     forms = TABLE
     picture = "measured order and swept fit, decay with envelope, or stabilisation diagram"
 
     reading: PulseOptions
-    source: str = option("--from", type=click.Choice(SOURCES), required=True, help="What the record holds.")
+    kind: str = option("--kind", type=click.Choice(KINDS), required=True, help="What the record holds.")
     channels: tuple[str, ...] = option("--channel", metavar="CHANNEL", required=True, help="Ambient: repeatable.")
-    orders: tuple[float, ...] = option(
-        "--order",
-        type=POSITIVE,
-        help="Run-up: the order that passes the resonance; further ones are fitted with it. "
-        "Ambient: orders of the running machine. Repeatable.",
+    orders: tuple[float, ...] | None = option(
+        "--orders",
+        type=EntryOption("ORDERS", "signals.orders.tracking_entries:ORDERS_AS_GIVEN"),
+        help="Run-up: the order that passes the resonance, and further ones that are fitted with it, as 6,5.5,6.5. "
+        "Ambient: orders of the running machine.",
     )
-    speed: str | None = option(
-        "--speed", metavar="CHANNEL", help="Channel of the speed of the reference shaft, or a wheel of --pulses."
+    speed_channel: str | None = option(
+        "--speed-channel",
+        metavar="CHANNEL",
+        help="Channel of the speed of the reference shaft, or a wheel of --pulses.",
     )
-    angle: str | None = option("--angle", metavar="CHANNEL", help="Instead: channel of its angle, or such a wheel.")
+    angle_channel: str | None = option(
+        "--angle-channel", metavar="CHANNEL", help="Instead: channel of its angle, or such a wheel."
+    )
     band: tuple[float, float] | None = option(
         "--band",
         type=(POSITIVE, POSITIVE),
         metavar="LOW HIGH",
         help="Run-up: frequencies of the order in Hz.  [default: about its peak]",
     )
-    modes: int | None = option("--modes", type=click.IntRange(1), help="Number of modes.")
-    excitation: str | None = option(
-        "--excitation",
+    mode_count: int | None = option("--mode-count", type=click.IntRange(1), help="How many modes are fitted.")
+    excitation_law: str | None = option(
+        "--excitation-law",
         type=click.Choice(["constant", "inertia"]),
         help="Run-up: amplitude of the excitation, constant or as the square of the speed.  [default: constant]",
     )
@@ -79,9 +81,9 @@ class DampingCommand(RecordCommand):
         "--bandwidth", type=POSITIVE, help="Run-up, tracked order: bandwidth in Hz with which it was tracked."
     )
     start: float | None = option("--start", type=FiniteFloat(), help="Decay: s.  [default: found]")
-    end: float | None = option("--end", type=FiniteFloat(), help="Decay: s.  [default: found]")
-    highest: float | None = option("--to", type=POSITIVE, help="Decay, ambient: highest frequency in Hz.")
-    model: str | None = option("--against", metavar="MODEL", help="Compare with the modes of a model.")
+    stop: float | None = option("--stop", type=FiniteFloat(), help="Decay: s.  [default: found]")
+    up_to: float | None = option("--up-to", type=POSITIVE, help="Decay, ambient: highest frequency in Hz.")
+    model: str | None = option("--model", metavar="MODEL", help="Compare with the modes of this model.")
     configuration: str = option("--configuration", "-c", metavar="NAME", default="", help="Of that model.")
 
     def answer(self) -> Answer:
@@ -99,46 +101,46 @@ class DampingCommand(RecordCommand):
     def _check(self) -> None:
         """Refuse options that say nothing on the kind of record, and channels or orders that are missing."""
         faults = [
-            f"--{WORDS.get(name, name)} is for --from {' or '.join(sources)}"
+            f"--{name.replace('_', '-')} is for --kind {' or '.join(sources)}"
             for name, sources in ONLY_FOR.items()
-            if getattr(self, name) not in {None, ()} and self.source not in sources
+            if getattr(self, name) not in {None, ()} and self.kind not in sources
         ]
-        if self.source != "ambient" and len(self.channels) > 1:
-            faults.append(f"--from {self.source} reads one --channel")
-        if self.source == "run-up" and not self.orders:
-            faults.append("the frequency of the excitation is not known: give --order, vibrations per revolution")
-        if self.source == "ambient" and self.highest is None:
-            faults.append("give the highest frequency of interest, --to, in Hz")
+        if self.kind != "ambient" and len(self.channels) > 1:
+            faults.append(f"--kind {self.kind} reads one --channel")
+        if self.kind == "run-up" and not self.orders:
+            faults.append("the frequency of the excitation is not known: give --orders, vibrations per revolution")
+        if self.kind == "ambient" and self.up_to is None:
+            faults.append("give the highest frequency of interest, --up-to, in Hz")
         if faults:
             raise click.UsageError("; ".join(faults))
 
     def _found(self) -> OperationalModes:
         from torsionnet.modal import modes_from_ambient, modes_from_decay, modes_from_run_up
 
-        if self.source == "run-up" and _is_tracked(self.record):
+        if self.kind == "run-up" and _is_tracked(self.record):
             return self._tracked()
         record = self._recording()
-        if self.source == "decay":
+        if self.kind == "decay":
             return modes_from_decay(
-                record, self.channels[0], start=self.start, end=self.end, modes=self.modes, highest=self.highest
+                record, self.channels[0], start=self.start, stop=self.stop, mode_count=self.mode_count, up_to=self.up_to
             )
-        if self.source == "ambient":
-            turning = None if self.speed is None else _quantity(record, self.speed, "velocity")
+        if self.kind == "ambient":
+            turning = None if self.speed_channel is None else _quantity(record, self.speed_channel, "velocity")
             speeds = None if turning is None else (float(turning.min()), float(turning.max()))
             return modes_from_ambient(
-                record, self.channels, highest=self.highest or 0.0, orders=self.orders, speeds=speeds
+                record, self.channels, up_to=self.up_to or 0.0, orders=self.orders or (), speeds=speeds
             )
-        if (self.speed is None) == (self.angle is None):
-            text = "the frequency of an order needs the speed of the shaft: give --speed CHANNEL or --angle CHANNEL"
+        if (self.speed_channel is None) == (self.angle_channel is None):
+            text = "the frequency of an order needs the speed of the shaft: give --speed-channel or --angle-channel"
             raise click.UsageError(text)
         return modes_from_run_up(
             record,
             self.channels[0],
-            self.orders,
-            str(self.speed or self.angle),
+            self.orders or (),
+            str(self.speed_channel or self.angle_channel),
             band=self.band,
-            modes=self.modes or 1,
-            excitation=self._law(),
+            mode_count=self.mode_count or 1,
+            excitation_law=self._law(),
             revolutions=self.revolutions,
         )
 
@@ -147,8 +149,9 @@ class DampingCommand(RecordCommand):
         from torsionnet.io.tracked_order_tables import read_tracked_orders
         from torsionnet.modal import modes_from_tracked_orders
 
-        if len(self.orders) > 1:
-            raise click.UsageError("a tracked order is read alone: give one --order")
+        orders = self.orders or ()
+        if len(orders) > 1:
+            raise click.UsageError("a tracked order is read alone: give one of --orders")
         tracked = {one.name: one for one in read_tracked_orders(self.record)}
         name = self.channels[0]
         if name not in tracked:
@@ -156,23 +159,23 @@ class DampingCommand(RecordCommand):
             raise UsageError(f"{text}; there is {', '.join(tracked)}")
         return modes_from_tracked_orders(
             tracked[name],
-            self.orders[0],
+            orders[0],
             band=self.band,
-            modes=self.modes or 1,
-            excitation=self._law(),
+            mode_count=self.mode_count or 1,
+            excitation_law=self._law(),
             revolutions=self.revolutions,
             bandwidth=self.bandwidth,
         )
 
     def _law(self) -> Any:
-        return self.excitation or "constant"
+        return self.excitation_law or "constant"
 
     def _recording(self) -> Recording:
         from torsionnet.app.cli.record_options import load_record
         from torsionnet.app.cli.terminal import progress
         from torsionnet.signals.recording import Recording
 
-        names = [*self.channels, *(one for one in (self.speed, self.angle) if one)]
+        names = [*self.channels, *(one for one in (self.speed_channel, self.angle_channel) if one)]
         wheels = self.reading.wheels([NamedWheel(name) for name in names])
         unused = [name for name in wheels if name not in names]
         if unused and not self.reading.wheels_file:
@@ -196,7 +199,7 @@ class DampingCommand(RecordCommand):
         record = read_turning_record(self.record, channels, marks, kept, **self.reading.arguments)
         rotations = rotations_of_wheels(record, channels, patterns_of(wheels), marks=marks)
         made = angle_record(record, tuple(rotations.values()), keep=kept, sampling_rate=self.reading.rate)
-        named = {f"{name} {'speed' if name == self.speed else 'angle'}": name for name in wheels}
+        named = {f"{name} {'speed' if name == self.speed_channel else 'angle'}": name for name in wheels}
         signals = [*(made[name] for name in kept), *(replace(made[one], name=name) for one, name in named.items())]
         return checked_record(replace(made, signals=tuple(signals), pulses=()), self.reading, self.record)
 

@@ -212,5 +212,5 @@ class DamperCommand(ModelCommand):
             dict(self.sought),
             input=self.driven,
             band=band,
-            excitations=self.excitations or None,
+            excitation=self.excitations or None,
         )

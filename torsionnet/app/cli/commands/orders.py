@@ -153,7 +153,7 @@ class OrdersCommand(ModelCommand):
 
     def _run(self, case: ConfiguredCase) -> OrderResponse:
         return case.drivetrain.order_response(
-            referred_outputs(self.outputs, self.referred_to), excitations=self.excitations or None, refine=True
+            referred_outputs(self.outputs, self.referred_to), excitation=self.excitations or None, refine=True
         )
 
 
@@ -222,7 +222,7 @@ class CriticalSpeedsCommand(ModelCommand):
     def _run(self, case: ConfiguredCase) -> CriticalSpeeds:
         return case.drivetrain.critical_speeds(
             list(self.outputs),
-            excitations=self.excitations or None,
+            excitation=self.excitations or None,
             margin=self.margin,
             reach=self.reach,
             lowest=self.lowest,

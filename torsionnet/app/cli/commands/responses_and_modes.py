@@ -11,7 +11,7 @@ import click
 
 from torsionnet.app.cli.cases import ConfiguredCase, ModelCommand
 from torsionnet.app.cli.command import TABLE, Answer, separated_by_lines
-from torsionnet.app.cli.options import ANGLE, EXCITATION, FREQUENCY_UNIT, REFERRED_TO, option, referred_outputs
+from torsionnet.app.cli.options import ANGLE, DRIVEN_BY, FREQUENCY_UNIT, REFERRED_TO, option, referred_outputs
 from torsionnet.app.cli.terminal import blank_zero_shares, message
 from torsionnet.base.errors import UsageError
 
@@ -42,7 +42,7 @@ class ModesCommand(ModelCommand):
         metavar="SENSOR",
         help="The poles of responses against this sensor: those of the cut system.",
     )
-    excitation: str | None = EXCITATION
+    driven_by: str | None = DRIVEN_BY
     lowest: int | None = option(
         "--lowest",
         type=click.IntRange(min=1),
@@ -99,7 +99,7 @@ class ModesCommand(ModelCommand):
         asked = self.lowest
         while True:
             found = case.drivetrain.modes(
-                measured_input=self.measured_input, excitation=self.excitation, lowest=asked, up_to=self.up_to
+                measured_input=self.measured_input, driven_by=self.driven_by, lowest=asked, up_to=self.up_to
             )
             # Rigid bodies and real poles are among the modes, and not among the vibrations that are counted.
             missing = (self.lowest or 0) - found.kinds.count(OSCILLATORY)
@@ -186,7 +186,7 @@ class SensitivityCommand(ModelCommand):
     measured_input: str | None = option(
         "--measured-input", metavar="SENSOR", help="Poles of responses against this sensor instead."
     )
-    excitation: str | None = EXCITATION
+    driven_by: str | None = DRIVEN_BY
     full: bool = option("--full", help=f"Print every effect instead of the {EFFECTS_SHOWN} largest.")
 
     def answer(self) -> Answer:
@@ -200,7 +200,7 @@ class SensitivityCommand(ModelCommand):
                 case.drivetrain,
                 list(self.parameters) or None,
                 measured_input=self.measured_input,
-                excitation=self.excitation,
+                driven_by=self.driven_by,
             ),
         )
         _require(self.modes, results)
@@ -285,8 +285,8 @@ class FrfCommand(ModelCommand):
         required=True,
         help="Input or node (a torque there), or a sensor: a measured input. Repeatable.",
     )
-    excitations: tuple[str, ...] = option(
-        "--excitation",
+    driven_by: tuple[str, ...] = option(
+        "--driven-by",
         metavar="INPUT",
         help="What drives the drivetrain while the input is measured, if it has several inputs.",
     )
@@ -338,7 +338,7 @@ class FrfCommand(ModelCommand):
                 referred_outputs(self.outputs, self.referred_to),
                 list(self.inputs),
                 frequencies,
-                excitation=list(self.excitations) or None,
+                driven_by=list(self.driven_by) or None,
             )
             return getattr(response, self.quantity)() if self.quantity else response
 
