@@ -34,7 +34,7 @@ operating_point: {torque: {crank: 200 N*m, wheel: -800 N*m}}
 """
 """The model on the page about laws of motion, under 200 N m."""
 SIZE, TALL = {"width": 1440, "height": 900}, {"width": 1440, "height": 1100}
-ESTIMATE = "--input T_T --output theta_1 --preset paper --from 0.5 --to 40"
+ESTIMATE = "--input T_T --output theta_1 --preset paper --band 0.5 40"
 
 
 def write_test_response(folder: Path) -> Path:

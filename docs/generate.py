@@ -584,7 +584,7 @@ def schemas(folder: Path) -> None:
 
     for kind, name in (("model", "torsionnet"), ("study", "study"), ("campaign", "campaign")):
         with (folder / f"{name}.schema.json").open("w", encoding="utf-8") as file, redirect_stdout(file):
-            main(["schema", "--file", kind])
+            main(["schema", "--kind", kind])
 
 
 PAGES = {

@@ -38,4 +38,4 @@ print(tn.identify(rig, odd, ["c_O"]).values)
 
 # %%
 # What else moves the first mode in gear V: the exact derivatives, as a tornado plot.
-tornado = plot.tornado(sensitivity.mode_sensitivities(rig.configured("V")), modes=[1])
+tornado = plot.tornado(sensitivity.mode_sensitivities(rig.configured("V")), mode=[1])

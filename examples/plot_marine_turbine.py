@@ -20,4 +20,4 @@ print(modes.table(tn.Conventions(frequency="cpm")))
 # %%
 # Turbines turn up to 78 times as fast as the propeller, and in a mode they move accordingly. Referred to the propeller,
 # all shafts can be compared: a slope is a twist, a gear makes no jump.
-figure = plot.mode_shapes(modes, ship, which=[2, 3, 4], conventions=tn.Conventions(frequency="cpm"))
+figure = plot.mode_shapes(modes, ship, mode=[2, 3, 4], conventions=tn.Conventions(frequency="cpm"))

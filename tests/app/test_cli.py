@@ -382,7 +382,7 @@ def test_unknown_configuration():
 
 
 def test_frf_gives_static_value_and_peak():
-    result = run("frf", "dmf_rig", "--output", "theta_1", "--input", "T_T", "--angle", "deg")
+    result = run("frf", "dmf_rig", "--output", "theta_1", "--input", "T_T", "--angle-unit", "deg")
     static, peak = (line.split() for line in result.stdout.splitlines() if line.startswith("theta_1/T_T"))
     assert static == ["theta_1/T_T", "deg/(N*m)", "static", "0", "0.128864", "0"]
     assert peak[:4] == ["theta_1/T_T", "deg/(N*m)", "peak", "1"]
@@ -398,7 +398,7 @@ def test_frf_of_a_torque_over_itself_has_no_peaks():
 def test_frf_peak_does_not_depend_on_the_grid():
     arguments = ("frf", "dmf_rig", "--output", "theta_1", "--input", "T_T", "--json")
     coarse, fine = (
-        json.loads(run(*arguments, "--from", "1", "--to", "40", "--points", points).stdout)[0]["responses"][0]["peaks"]
+        json.loads(run(*arguments, "--band", "1", "40", "--points", points).stdout)[0]["responses"][0]["peaks"]
         for points in (30, 3000)
     )
     assert len(coarse) == len(fine) == 1
@@ -452,7 +452,7 @@ def test_frf_quantities_and_decibels():
         "dynamic_stiffness": 1 / value,
     }
     for quantity, expected in shown.items():
-        row = run(*base, "--quantity", quantity).stdout.splitlines()
+        row = run(*base, "--kind", quantity).stdout.splitlines()
         assert float(next(line for line in row if line.lstrip().startswith("10 ")).split()[1]) == pytest.approx(
             expected, rel=1e-5
         )
@@ -463,7 +463,7 @@ def test_frf_quantities_and_decibels():
 
 def test_frf_frequencies_in_rpm_are_taken_and_shown_in_rpm():
     base = ("frf", "dmf_rig", "--output", "theta_1", "--input", "T_T")
-    text = run(*base, "--frequency-unit", "rpm", "--from", "60", "--to", "1200").stdout
+    text = run(*base, "--frequency-unit", "rpm", "--band", "60", "1200").stdout
     assert "from 60 to 1200 rpm" in text
     assert float(next(line for line in text.splitlines() if "peak" in line).split()[4]) == pytest.approx(
         486.97, abs=0.1
@@ -491,12 +491,12 @@ def test_frf_infinite_at_zero_is_a_warning_on_stderr(axes):
         (["--frequencies", "2:1:0.1"], "start:stop:step"),
         (["--frequencies", "-1"], "must not be negative"),
         (["--frequencies", "0:1e9:0.001"], "at most"),
-        (["--frequencies", "1,2", "--from", "3"], "not both"),
-        (["--from", "5", "--to", "2"], "must be smaller"),
-        (["--from", "0", "--to", "2", "--log"], "cannot begin at 0"),
+        (["--frequencies", "1,2", "--band", "3", "4"], "not both"),
+        (["--band", "5", "2"], "must end above its beginning"),
+        (["--band", "0", "2", "--log"], "cannot begin at 0"),
         (["--points", "1"], "--points"),
         (["--output", "theta_2"], 'did you mean "theta_1"?'),
-        (["--quantity", "compliance"], "--quantity"),
+        (["--kind", "compliance"], "--kind"),
         (["--driven-by", "T_X"], "T_X"),
         (["--output", "T_T", "--plot", "unlike.svg"], "do not fit on one axis"),
     ],
@@ -529,7 +529,10 @@ def test_plot_with_unknown_ending_is_refused_before_anything_is_read(command, tm
             ["frf", "amt_rig", "-c", "all", "--output", "theta_1", "--input", "T_T", "--db", "--plot", "x.svg"],
             ["x.svg"],
         ),
-        (["frf", "dmf_rig", "--output", "theta_1", "--input", "T_M", "--angle", "deg", "--plot", "x.png"], ["x.png"]),
+        (
+            ["frf", "dmf_rig", "--output", "theta_1", "--input", "T_M", "--angle-unit", "deg", "--plot", "x.png"],
+            ["x.png"],
+        ),
         (["modes", "dmf_rig", "--plot", "x.pdf"], ["x.pdf"]),
         (["modes", "amt_rig", "-c", "II", "-c", "V", "--plot", "x.png"], ["x_II.png", "x_V.png"]),
         (["show", "amt_rig", "--plot", "x.svg"], ["x.svg"]),
@@ -811,9 +814,9 @@ def test_files_are_written_before_anything_is_printed(words, tmp_path, monkeypat
     assert all(file.stat().st_size for file in files)
 
 
-OUTPUT_OPTIONS = {("-o", "--output-file"), ("--csv",), ("--plot",), ("--json",)}
+OUTPUT_OPTIONS = {("-o", "--write"), ("--csv",), ("--plot",), ("--json",)}
 OUTPUT_WORDS = {word for words in OUTPUT_OPTIONS for word in words}
-OWN_FILES = {("fit", ("--model",)), ("study", ("-o", "--output-folder")), ("study", ("--variants",))}
+OWN_FILES = {("fit", ("--write-model",)), ("study", ("-o", "--write")), ("study", ("--variants",))}
 
 
 def test_one_vocabulary_of_output():

@@ -72,7 +72,7 @@ def test_a_wheel_with_three_gaps_by_its_pattern(tmp_path):
 def test_a_record_with_angle_speed_and_uncertainty(folder):
     done = run(
         "angle", str(folder / "run.npz"), "--pulses", "n1=60", "--pulses", "n2=48-2", "-o", str(folder / "angle.npz"),
-        "--order", "6", "--plot", str(folder / "angle.png"),
+        "--orders", "6", "--plot", str(folder / "angle.png"),
     )  # fmt: skip
     assert re.search(r"n2: gap of 2 teeth found in \d+ turns, first after pulse 33 of the record", done.stdout)
     assert "n2: 1 pulse missing and counted: 1 after pulse 199" in done.stdout
@@ -99,7 +99,7 @@ def test_the_signal_of_the_teeth(folder):
 
 
 def test_an_order_that_the_teeth_do_not_tell(folder):
-    done = run("angle", str(folder / "run.npz"), "--pulses", "n1=60", "--order", "54", code=2)
+    done = run("angle", str(folder / "run.npz"), "--pulses", "n1=60", "--orders", "54", code=2)
     assert "order 54 would read as 6" in done.stderr
 
 
@@ -157,7 +157,7 @@ def test_a_part_of_the_record_counts(folder, tmp_path):
     half = times[1200]
     broken = PulseChannel("n1", np.concatenate([times[times <= half], times[times > half][::7]]))
     write_recording(Recording((), 1000.0, pulses=(broken,)), tmp_path / "broken.npz")
-    options = ("--pulses", "n1=60", "--order", "6")
+    options = ("--pulses", "n1=60", "--orders", "6")
     assert "cut the record" in run("angle", str(tmp_path / "broken.npz"), *options, code=1).stderr
     (one,) = wheels_of(tmp_path, "broken.npz", *options, "--stop", f"{half:.9f}").values()
     assert one["pulses"] == 1201

@@ -33,7 +33,9 @@ def folder(record, tmp_path, monkeypatch):
 
 
 def test_fit_finds_what_the_record_was_made_with(folder):
-    result = run("fit", "fit.yaml", "-o", "out.yaml", "--plot", "fit.png", "--csv", "fit.csv", "--model", "found.yaml")
+    result = run(
+        "fit", "fit.yaml", "-o", "out.yaml", "--plot", "fit.png", "--csv", "fit.csv", "--write-model", "found.yaml"
+    )
     assert "true" in result.stdout
     fit = load_fit("out.yaml")
     assert fit.values["k"] == pytest.approx(200, rel=1e-3)
@@ -108,26 +110,27 @@ def test_modes_of_a_record_against_the_model(folder):
         "phi",
         "--input",
         "T_set",
-        "--from",
+        "--band",
         1.2,
-        "--to",
         25,
         "--seconds",
         10,
     )
-    data = json.loads(run(*arguments, "--against", "rig.yaml", "-c", "soft", "--json", "--plot", "s.png").stdout)
+    data = json.loads(run(*arguments, "--model", "rig.yaml", "-c", "soft", "--json", "--plot", "s.png").stdout)
     expected = tn.load("rig.yaml").configured("soft").modes()
     (pair,) = data["against_model"]
     assert abs(pair["frequency_error"]) < 0.01
     found = data["modes"][pair["identified"] - 1]["natural_frequency_Hz"]
     assert found == pytest.approx(expected.natural_frequencies[0], rel=0.01)
     assert (folder / "s.png").stat().st_size > 10_000
-    assert "identified modes against the model" in run(*arguments, "--against", "rig.yaml", "-c", "soft").stdout
+    assert "identified modes against the model" in run(*arguments, "--model", "rig.yaml", "-c", "soft").stdout
 
 
 def test_half_power_of_a_record_warns_of_strong_damping(folder):
     run("bench", "rig.yaml", "--set", "k=40", "-o", "heavy.npz")
-    result = run("identify-modes", "heavy.npz", "--output", "phi", "--input", "T_set", "--method", "peaks", "--to", 25)
+    result = run(
+        "identify-modes", "heavy.npz", "--output", "phi", "--input", "T_set", "--method", "peaks", "--band", 0, 25
+    )
     assert "too damped for half power" in result.stderr
     refused = run(
         "identify-modes",

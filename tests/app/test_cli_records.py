@@ -88,7 +88,19 @@ def test_estimate_against_the_set_point(record):
 def test_estimate_in_json_with_its_settings(record):
     options = ("--estimator", "H2", "--seconds", 4, "--overlap", 0.5, "--window", "hann", "--detrend", "linear")
     result = run(
-        "estimate", record, "--input", "M", "--output", "phi", *options, "--to", 20, "--angle", "deg", "--json"
+        "estimate",
+        record,
+        "--input",
+        "M",
+        "--output",
+        "phi",
+        *options,
+        "--band",
+        0,
+        20,
+        "--angle-unit",
+        "deg",
+        "--json",
     )
     data = json.loads(result.stdout)
     assert data["frequencies_Hz"][:2] == [0.25, 0.5]
@@ -105,7 +117,7 @@ def test_estimate_writes_the_response_for_other_programs(record, ending):
     if ending == "uff":
         pytest.importorskip("pyuff")
     path = record.parent / f"frf.{ending}"
-    run("estimate", record, "--input", "M", "--output", "phi", "--to", 30, "-o", path)
+    run("estimate", record, "--input", "M", "--output", "phi", "--band", 0, 30, "-o", path)
     found = tn.io.read_frequency_response(path)
     expected = tn.signals.estimate(read_recording(record), "phi", "M").between(0, 30)
     assert np.allclose(found.values, expected.values, rtol=1e-12)
@@ -116,7 +128,7 @@ def test_estimate_writes_the_response_for_other_programs(record, ending):
 
 @pytest.mark.slow
 def test_compare_shows_how_far_test_and_model_are_apart(record):
-    arguments = ("compare", record, "rig.yaml", "--output", "phi", "--input", "M", "--from", 1, "--to", 25)
+    arguments = ("compare", record, "rig.yaml", "--output", "phi", "--input", "M", "--band", 1, 25)
     data = json.loads(run(*arguments, "--json", "--plot", "c.png", "--csv", "c.csv").stdout)
     worst = {row["what"]: row["value"] for row in data["summary"]}
     assert abs(worst["largest difference in magnitude"]) < 0.3
@@ -138,7 +150,7 @@ def test_compare_when_the_record_has_other_names(folder):
         folder / "other.npz",
     )
     names = ("--output", "Winkel", "--input", "MD1", "--model-output", "phi", "--model-input", "M")
-    result = run("compare", "other.npz", "rig.yaml", *names, "--from", 1, "--to", 20)
+    result = run("compare", "other.npz", "rig.yaml", *names, "--band", 1, 20)
     assert "Winkel/MD1" in result.stdout
 
 
@@ -150,7 +162,7 @@ def test_compare_takes_one_configuration(record):
 @pytest.mark.slow
 def test_spectrogram_follows_the_sweep(record):
     result = run(
-        "spectrogram", record, "--channel", "M", "--channel", "phi", "--plot", "s.png", "--csv", "s.csv", "--to", 40
+        "spectrogram", record, "--channel", "M", "--channel", "phi", "--plot", "s.png", "--csv", "s.csv", "--up-to", 40
     )
     assert "strongest" in result.stdout
     assert {"s_M.png", "s_phi.png", "s_M.csv", "s_phi.csv"} <= {path.name for path in record.parent.iterdir()}
@@ -170,7 +182,7 @@ def test_text_of_another_program(folder):
     table = zip(time, record["M"].values, np.degrees(record["phi"].values), strict=True)
     lines += [";".join(f"{value:.7f}".replace(".", ",") for value in row) for row in table]
     (folder / "mess.csv").write_text("\n".join(lines))
-    arguments = ("estimate", "mess.csv", "--input", "MD", "--output", "Winkel", "--to", 20)
+    arguments = ("estimate", "mess.csv", "--input", "MD", "--output", "Winkel", "--band", 0, 20)
     refused = run(*arguments, "--plot", "h.png", code=1)
     assert "resample" in refused.stderr
     assert not (folder / "h.png").exists()
@@ -252,10 +264,10 @@ def test_warnings_are_about_the_band_asked_for(folder):
     write_recording(two_light_modes(), folder / "modes.npz")
     arguments = ("estimate", "modes.npz", "--input", "T", "--output", "t")
     assert re.search("at the peak at 5 Hz .*, 48 Hz", run(*arguments).stderr)
-    low = run(*arguments, "--to", 20).stderr
+    low = run(*arguments, "--band", 0, 20).stderr
     assert "at the peak at 5 Hz" in low
     assert "48 Hz" not in low
-    assert "peak" not in run(*arguments, "--from", 20, "--to", 40).stderr
+    assert "peak" not in run(*arguments, "--band", 20, 40).stderr
 
 
 @pytest.mark.usefixtures("folder")

@@ -70,7 +70,19 @@ class TestCommand:
         assert (folder / "r_figures").is_dir() == (ending != "html")
 
     def test_options_reach_the_report(self, folder):
-        arguments = ["--tf", "theta_1/T_M", "--band", "1", "30", "--author", "A. B.", "--title", "C", "--angle", "rad"]
+        arguments = [
+            "--tf",
+            "theta_1/T_M",
+            "--band",
+            "1",
+            "30",
+            "--author",
+            "A. B.",
+            "--title",
+            "C",
+            "--angle-unit",
+            "rad",
+        ]
         run("report", "dmf_rig", "-o", "r.md", "--section", "summary", "--set", "c_2=8", *arguments, *DATE)
         text = (folder / "r.md").read_text(encoding="utf-8")
         assert text.startswith("# C\n")

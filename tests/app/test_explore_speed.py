@@ -220,7 +220,7 @@ class TestCommand:
         places = np.searchsorted(printed["speeds_rpm"], np.multiply(shown["rpm"], 1 - 1e-9))
         assert np.take(printed["speeds_rpm"], places) == pytest.approx(shown["rpm"], rel=1e-12)
         assert np.take(printed["outputs"][0]["half_range"], places) == pytest.approx(shown["half_range"], rel=1e-9)
-        assert ("--angle deg" in found["command"]) is (state.angle == "deg")
+        assert ("--angle-unit deg" in found["command"]) is (state.angle == "deg")
 
     @pytest.mark.parametrize(
         ("arguments", "said"),

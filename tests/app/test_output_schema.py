@@ -90,14 +90,14 @@ answers: {yield: {type: yield}}
 """
 DRIVEN = "load: {absorbed_at: f, torque: 100 N*m, torque_exponent: 2, rated: 900 rpm, driven_by: {m: 1}}"
 CALLS = {
-    "calibrate-wheel": ["calibrate-wheel wheel.npz --pulses A --second-pickup B --angle 99deg --teeth 24"],
+    "calibrate-wheel": ["calibrate-wheel wheel.npz --pulses A --second-pickup B --pickup-angle 99deg --teeth 24"],
     "check": ["check dmf_rig broken.yaml"],
     "clocks": ["clocks pulses.csv pulses.csv --pulses n1=20 --tick 1us --same-start"],
     "library": ["library"],
     "modes": ["modes amt_rig -c all", "modes planetary_set"],
     "frf": [
         "frf dmf_rig --output theta_1 --input T_T",
-        "frf amt_rig -c all --output theta_1 --input T_T --from 1 --to 10",
+        "frf amt_rig -c all --output theta_1 --input T_T --band 1 10",
     ],
     "sensitivity": ["sensitivity dmf_rig"],
     "equations": ["equations dmf_rig", "equations dmf_rig --tf theta_1/T_M --simplify 1% --band 0.5 20"],
@@ -112,14 +112,14 @@ CALLS = {
     "static": ["static driven.yaml", "static driven.yaml -c all --speed 300rpm"],
     "damper": [
         "damper plant.yaml --vary shaft.damping=0.01..10 --output f",
-        "damper dmf_rig --vary c_2 --output theta_1 --input T_T --from 1 --to 30",
+        "damper dmf_rig --vary c_2 --output theta_1 --input T_T --band 1 30",
     ],
     "show": ["show dmf_rig", "show dmf_rig --equations --matrices"],
     "estimate": ["estimate run_soft.npz --output phi --input M"],
     "compare": ["compare run_soft.npz rig.yaml -c soft --output phi --input M"],
-    "simulate": ["simulate turbine_generator_ssr two_phases --rate 2kHz", "simulate gap.yaml push --check"],
+    "simulate": ["simulate turbine_generator_ssr two_phases --sampling-rate 2kHz", "simulate gap.yaml push --check"],
     "spectrogram": ["spectrogram run_soft.npz --channel phi"],
-    "angle": ["angle pulses.csv --pulses n1=60 --tick 1us --order 6"],
+    "angle": ["angle pulses.csv --pulses n1=60 --tick 1us --orders 6"],
     "bench": ["bench rig.yaml -o again.npz"],
     "study": ["study spread.yaml"],
     "fit": ["fit fit.yaml", "fit short_fit.yaml --profile --rank"],
@@ -127,11 +127,11 @@ CALLS = {
         "damping decay.csv --kind decay --channel T --start 0",
         "damping decay.csv --kind decay --channel T --start 0 --model rig.yaml -c soft",
     ],
-    "track": ["track turning.csv --reference n --channel T --orders 3"],
+    "track": ["track turning.csv --reference-shaft n --channel T --orders 3"],
     "campaign": ["campaign fan/campaign.yaml"],
     "identify-modes": [
-        "identify-modes run_soft.npz --output phi --input M --to 60 --order 4",
-        "identify-modes run_soft.npz --output phi --input T_set --to 15 --against rig.yaml -c soft",
+        "identify-modes run_soft.npz --output phi --input M --band 0 60 --model-order 4",
+        "identify-modes run_soft.npz --output phi --input T_set --band 0 15 --model rig.yaml -c soft",
     ],
 }
 

@@ -54,7 +54,7 @@ def run(*words, code=0):
 
 def test_orders_with_phase_from_top_dead_centre(record, tmp_path):
     file = tmp_path / "up.csv"
-    shown = run(record, "--reference", "fly=60-2", "--tdc", "35deg", "--cam", "cam", "--channel", "T", "--orders",
+    shown = run(record, "--reference-shaft", "fly=60-2", "--tdc", "35deg", "--cam", "cam", "--channel", "T", "--orders",
                 "0.5:3:0.5", "-o", file, "--plot", tmp_path / "up.png", "--csv", tmp_path / "table.csv")  # fmt: skip
     assert "top dead centre of cylinder 1" in shown.output
     (found,) = read_tracked_orders(file)
@@ -69,7 +69,7 @@ def test_wheels_of_a_file(record, tmp_path):
     """The file says the same as the options: channel, gap and gearing."""
     file = tmp_path / "wheels.yaml"
     file.write_text("fly: {teeth: 60, missing_teeth: 2}\ngen: {teeth: 60}\n")
-    words = (record, "--reference", "fly", "--tdc", "35deg", "--cam", "cam", "--orders", "1.5,3", "--json")
+    words = (record, "--reference-shaft", "fly", "--tdc", "35deg", "--cam", "cam", "--orders", "1.5,3", "--json")
     found = json.loads(run(*words, "--wheels", file).stdout)
     assert [one["channel"] for one in found] == ["T", "n", "fly", "gen"]
     torque = np.array(found[0]["real"]) + 1j * np.array(found[0]["imag"])
@@ -93,7 +93,19 @@ def test_signals_of_teeth(tmp_path):
     rows = np.column_stack([time, teeth, tdc, cam, torque])
     heading = "time [s],fly [V],tdc [V],cam [V],T [N*m]"
     np.savetxt(file, rows, delimiter=",", header=heading, comments="", fmt="%.6f")
-    words = (file, "--reference", "fly=60", "--phase", "tdc", "--cam", "cam", "--channel", "T", "--orders", "1.5,3")
+    words = (
+        file,
+        "--reference-shaft",
+        "fly=60",
+        "--phase",
+        "tdc",
+        "--cam",
+        "cam",
+        "--channel",
+        "T",
+        "--orders",
+        "1.5,3",
+    )
     found = json.loads(run(*words, "--level", "fly=2.5", "--level", "cam=16", "--json").stdout)[0]
     values = np.array(found["real"]) + 1j * np.array(found["imag"])
     assert np.abs(values[1]) == pytest.approx(np.full(values.shape[1], 100), rel=2e-3)
@@ -103,15 +115,15 @@ def test_signals_of_teeth(tmp_path):
 
 
 def test_vold_kalman_slices_and_waterfall(record, tmp_path):
-    words = (record, "--reference", "n", "--channel", "T", "--orders", "1.5,3", "--method", "vold-kalman")
-    found = json.loads(run(*words, "--bandwidth", "3Hz", "--steps", "50rpm", "--json").stdout)[0]
+    words = (record, "--reference-shaft", "n", "--channel", "T", "--orders", "1.5,3", "--method", "vold-kalman")
+    found = json.loads(run(*words, "--bandwidth", "3Hz", "--speed-step", "50rpm", "--json").stdout)[0]
     assert np.hypot(found["real"][1], found["imag"][1])[1:-1] == pytest.approx(100, rel=2e-3)
     assert found["reference"] == ""
     run(*words, "--bandwidth", "5%", "--plot", tmp_path / "fall.png", "--picture", "waterfall")
 
 
 def test_twist_torque_and_stress(record):
-    words = ("--reference", "fly=60-2", "--pulses", "gen=60", "--orders", "1,3", "--twist", "fly-gen")
+    words = ("--reference-shaft", "fly=60-2", "--pulses", "gen=60", "--orders", "1,3", "--twist", "fly-gen")
     found = json.loads(
         run(
             record, *words, "--channel", "fly", "--stiffness", "2 MN*m/rad", "--diameter", "fly-gen=200mm", "--json"
@@ -124,16 +136,19 @@ def test_twist_torque_and_stress(record):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (("--reference", "fly=60-2", "--tdc", "35deg", "--orders", "0"), "positive numbers"),
-        (("--reference", "n", "--tdc", "35deg", "--orders", "1"), "no mark that tells its angle"),
-        (("--reference", "fly=60-2", "--orders", "1", "--bandwidth", "1Hz"), "belong to --method vold-kalman"),
-        (("--reference", "fly=60-2", "--orders", "1:2"), "first:last:step"),
-        (("--reference", "fly=60-2", "--orders", "1", "--twist", "fly-gen"), "two wheels with - between them"),
-        (("--reference", "fly=60-2", "--orders", "1", "--pattern", "gen=x.yaml"), "there is no wheel of this name"),
-        (("--reference", "fly=60-2", "--orders", "40"), "tell orders up to"),
-        (("--reference", "fly=x", "--orders", "1"), "expected CHANNEL[=TEETH]"),
-        (("--reference", "T", "--orders", "1"), "the rotation needs an angle or a speed"),
-        (("--reference", "fly=60-2", "--orders", "1", "--steps", "20Nm"), "20Nm"),
+        (("--reference-shaft", "fly=60-2", "--tdc", "35deg", "--orders", "0"), "positive numbers"),
+        (("--reference-shaft", "n", "--tdc", "35deg", "--orders", "1"), "no mark that tells its angle"),
+        (("--reference-shaft", "fly=60-2", "--orders", "1", "--bandwidth", "1Hz"), "belong to --method vold-kalman"),
+        (("--reference-shaft", "fly=60-2", "--orders", "1:2"), "first:last:step"),
+        (("--reference-shaft", "fly=60-2", "--orders", "1", "--twist", "fly-gen"), "two wheels with - between them"),
+        (
+            ("--reference-shaft", "fly=60-2", "--orders", "1", "--pattern", "gen=x.yaml"),
+            "there is no wheel of this name",
+        ),
+        (("--reference-shaft", "fly=60-2", "--orders", "40"), "tell orders up to"),
+        (("--reference-shaft", "fly=x", "--orders", "1"), "expected CHANNEL[=TEETH]"),
+        (("--reference-shaft", "T", "--orders", "1"), "the rotation needs an angle or a speed"),
+        (("--reference-shaft", "fly=60-2", "--orders", "1", "--speed-step", "20Nm"), "20Nm"),
     ],
 )
 def test_wrong_words_are_named(record, words, message):
@@ -253,7 +268,7 @@ def test_a_misspelt_reference_names_the_likely_wheel(record, tmp_path):
     wheels = tmp_path / "wheels.yaml"
     wheels.write_text("fly: {teeth: 60, missing_teeth: 2}\ngen: {teeth: 60}\n")
     result = CliRunner().invoke(
-        app, ["track", str(record), "--wheels", str(wheels), "--reference", "flyy", "--orders", "3"]
+        app, ["track", str(record), "--wheels", str(wheels), "--reference-shaft", "flyy", "--orders", "3"]
     )
     assert result.exit_code == 2
     assert 'named flyy; did you mean "fly"?; wheels: fly, gen; channels: T, n' in " ".join(result.output.split())
@@ -263,7 +278,21 @@ def test_a_part_of_the_record_counts(record, tmp_path):
     """Speeds between 2 and 4 s of a run-up of 100 r/min a second from 600, for wheels, signals and the reference."""
     for reference in ("fly=60-2", "n"):
         file = tmp_path / f"{reference[:1]}.csv"
-        run(record, "--reference", reference, "--channel", "T", "--orders", "3", "-o", file, "--start", 2, "--stop", 4)
+        run(
+            record,
+            "--reference-shaft",
+            reference,
+            "--channel",
+            "T",
+            "--orders",
+            "3",
+            "-o",
+            file,
+            "--start",
+            2,
+            "--stop",
+            4,
+        )
         (found,) = read_tracked_orders(file)
         assert found.times.min() >= 2
         assert found.times.max() <= 4

@@ -63,7 +63,7 @@ def test_a_full_disk_leaves_no_figures(tmp_path, monkeypatch, after):
         return full() if len(written) > after else real(self, data)
 
     monkeypatch.setattr(Path, "write_bytes", until_full)
-    assert os.strerror(errno.ENOSPC) in told("report", "dmf_rig", "--output-file", tmp_path / "rig.md")
+    assert os.strerror(errno.ENOSPC) in told("report", "dmf_rig", "--write", tmp_path / "rig.md")
     assert len(written) == after + 1
     assert list(tmp_path.iterdir()) == []
 

@@ -256,7 +256,7 @@ class TestReading:
         )
         said = run("fit", tmp_path / "fit.yaml", code=1).stderr
         assert "give reading: {rate: ...} in Hz" in said
-        assert "--rate" not in said
+        assert "--sampling-rate" not in said
 
     def test_a_fault_in_it_has_its_place(self, bare):
         with pytest.raises(ModelError, match=r'unknown key "rat"; did you mean "rate"\?'):

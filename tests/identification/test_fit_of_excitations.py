@@ -92,7 +92,7 @@ def test_fitted_propeller_is_written_and_read_by_the_command_line(folder):
         f"{{torsionnet: 1, model: ship.yaml, parameters: [{', '.join(NAMES)}], "
         "measurements: {run: {orders: run.csv, output: T}}}"
     )
-    found = json.loads(run("fit", "fit.yaml", "--model", "fitted.yaml", "--json").stdout)
+    found = json.loads(run("fit", "fit.yaml", "--write-model", "fitted.yaml", "--json").stdout)
     share, phase = (next(one["value"] for one in found["parameters"] if one["name"] == name) for name in NAMES)
     rpm, orders = complex_orders("fitted.yaml", "T")
     assert orders[4.0] == pytest.approx(shaft_torque(rpm * RPM, share, phase), rel=1e-6)
@@ -108,7 +108,7 @@ def test_fitted_engine_is_written_and_read_by_the_command_line(folder):
         f"{{torsionnet: 1, model: engine.yaml, parameters: [{', '.join(names)}], "
         "measurements: {run: {orders: run.csv, output: T_cpl}}}"
     )
-    found = json.loads(run("fit", "fit.yaml", "--model", "fitted.yaml", "--json").stdout)
+    found = json.loads(run("fit", "fit.yaml", "--write-model", "fitted.yaml", "--json").stdout)
     values = {one["name"]: one["value"] for one in found["parameters"]}
     misfire, real, imag, stiffness = (values[name] for name in names)
     assert misfire == pytest.approx(0.3, abs=0.03)

@@ -66,9 +66,8 @@ def test_what_frf_writes_is_read_back_and_fitted(folder):
         "T_T",
         "--input",
         "T_M",
-        "--from",
+        "--band",
         "1",
-        "--to",
         "20",
         "--csv",
         "tt.csv",
@@ -82,7 +81,7 @@ def test_what_frf_writes_is_read_back_and_fitted(folder):
 
 
 def test_a_table_of_several_configurations_names_them(folder):
-    span = ("--from", "1", "--to", "20", "--csv", "both.csv")
+    span = ("--band", "1", "20", "--csv", "both.csv")
     run("frf", "amt_rig", "-c", "II", "-c", "III", "--output", "T_T", "--input", "T_M", *span)
     with pytest.raises(ModelError, match="holds the configurations II, III; keep the rows of one of them"):
         read_frequency_response(folder / "both.csv")

@@ -185,7 +185,7 @@ class TestTables:
 
     def test_of_the_command_line(self, tmp_path, capsys):
         path = tmp_path / "t.csv"
-        arguments = ["--output", "theta_1", "--input", "T_T", "--frequencies", "1,2,5", "--angle", "deg"]
+        arguments = ["--output", "theta_1", "--input", "T_T", "--frequencies", "1,2,5", "--angle-unit", "deg"]
         assert main(["frf", "dmf_rig", *arguments, "--csv", str(path)]) == 0
         capsys.readouterr()
         expected = tn.load("dmf_rig").frequency_response("theta_1", "T_T", [1, 2, 5])

@@ -238,7 +238,7 @@ def test_tornado_shows_the_strongest_first(modes):
     from torsionnet import plot
 
     found = mode_sensitivities(tn.load("dmf_rig"))
-    figure = plot.tornado(found, modes=modes)
+    figure = plot.tornado(found, mode=modes)
     for number, axes in enumerate(figure.axes):
         bottom, top = axes.get_ylim()
         assert bottom > top
@@ -249,7 +249,7 @@ def test_tornado_shows_the_strongest_first(modes):
         assert [bar.get_width() for bar in axes.patches] == [slopes[found.parameters.index(name)] for name in labels]
         assert all(abs(slopes[found.parameters.index(name)]) < 0.01 for name in by_size[len(labels) :])
     with pytest.raises(UsageError, match="there is no mode 3"):
-        plot.tornado(found, modes=[3])
+        plot.tornado(found, mode=[3])
 
 
 def one_mass(**parameters):
@@ -351,9 +351,9 @@ def test_modes_have_the_numbers_of_their_table():
         assert found.natural_frequencies[index] == pytest.approx(table.natural_frequencies[place])
     assert found.numbers[0] == 1
     assert found.words()[0].startswith("mode 1 (")
-    assert "mode 2: 3.67 Hz" in plot.tornado(found, modes=[2]).axes[0].get_title()
+    assert "mode 2: 3.67 Hz" in plot.tornado(found, mode=[2]).axes[0].get_title()
     with pytest.raises(UsageError, match="there is no mode 0; there are 1, 2"):
-        plot.tornado(found, modes=[0])
+        plot.tornado(found, mode=[0])
 
 
 @pytest.mark.slow
@@ -362,11 +362,7 @@ def test_tornado_shows_four_modes_unless_others_are_asked_for():
 
     found = mode_sensitivities(tn.load("marine_medium_speed"))
     first, all_five = (
-        [
-            axes.get_title().partition(":")[0]
-            for axes in plot.tornado(found, modes=modes).axes
-            if ":" in axes.get_title()
-        ]
+        [axes.get_title().partition(":")[0] for axes in plot.tornado(found, mode=modes).axes if ":" in axes.get_title()]
         for modes in (None, [1, 2, 3, 4, 5])
     )
     assert first == ["real pole", "mode 1", "real pole", "mode 2"]

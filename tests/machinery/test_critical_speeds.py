@@ -537,7 +537,7 @@ class TestCommand:
         [
             (["--margin", "api648"], 'did you mean "api684"'),
             (["--stars", "40", "--plot", "x.png"], "there is no mode 40"),
-            (["--dampers", "locked"], "no element of type viscous_damper"),
+            (["--rings", "locked"], "no element of type viscous_damper"),
             (["--excitation", "motor"], 'no excitation is named "motor"'),
         ],
     )

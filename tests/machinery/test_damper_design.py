@@ -274,7 +274,7 @@ class TestCommand:
         assert (tmp_path / "c.png").stat().st_size > 10_000
         rows = [line for line in (tmp_path / "c.csv").read_text().splitlines() if line.startswith("c,")]
         assert len(rows) >= 33
-        (over_frequency,) = json.loads(run(*words, "--input", "a", "--from", 5, "--to", 60, "--json").stdout)
+        (over_frequency,) = json.loads(run(*words, "--input", "a", "--band", 5, 60, "--json").stdout)
         (one,) = over_frequency["parameters"]
         assert one["value"] / (2 * 0.5 * J * OMEGA) == pytest.approx(0.36515, abs=2e-5)
         assert over_frequency["over"] == "frequency Hz"
@@ -282,7 +282,7 @@ class TestCommand:
     def test_half_a_band_and_half_a_range(self, tmp_path):
         running(0.5).to_yaml(tmp_path / "plant.yaml")
         words = ["damper", tmp_path / "plant.yaml", "--output", "a"]
-        assert "a band needs both ends" in run(*words, "--vary", "c", "--input", "a", "--from", 5, code=2).stderr
+        assert "requires 2 arguments" in run(*words, "--vary", "c", "--input", "a", "--band", 5, code=2).stderr
         assert "expected NAME[=LOW..HIGH]" in run(*words, "--vary", "c=5", code=2).stderr
 
 

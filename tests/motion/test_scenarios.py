@@ -472,12 +472,21 @@ def test_unknown_scenario_and_other_inputs_are_refused():
         SSR.simulate(scenario={"type": "torques", "torque": {"hp": 3}})
     with pytest.raises(tn.UsageError, match="brings its own torques"):
         SSR.simulate("T_G_X", {"T_G": [0, 1]}, scenario="two_phases")
-    with pytest.raises(tn.UsageError, match="needs outputs"):
+    with pytest.raises(tn.UsageError, match="needs output, input"):
         SSR.simulate("T_G_X")
 
 
 def test_command_prints_peaks_and_writes_files(tmp_path):
-    options = ("--output", "T_LPB_G", "--rate", "4 kHz", "--plot", tmp_path / "f.svg", "-o", tmp_path / "f.csv")
+    options = (
+        "--output",
+        "T_LPB_G",
+        "--sampling-rate",
+        "4 kHz",
+        "--plot",
+        tmp_path / "f.svg",
+        "-o",
+        tmp_path / "f.csv",
+    )
     shown = run("simulate", "turbine_generator_ssr", "two_phases", *options).stdout
     assert "short circuit of 2 phases of G at 0 s" in shown
     assert read_recording(tmp_path / "f.csv")["T_LPB_G"].unit == "N*m"

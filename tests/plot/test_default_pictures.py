@@ -36,7 +36,7 @@ def tone(frequency, noise=0.0):
 def test_a_spectrogram_ends_where_the_power_does(frequency, noise, least, most):
     seen = tone(frequency, noise)
     assert least < plot.spectrogram(seen).axes[0].get_ylim()[1] < most
-    assert plot.spectrogram(seen, highest=1900).axes[0].get_ylim()[1] > 1850
+    assert plot.spectrogram(seen, up_to=1900).axes[0].get_ylim()[1] > 1850
 
 
 def test_a_spectrogram_of_noise_or_of_nothing_is_shown_whole():

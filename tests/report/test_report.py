@@ -238,7 +238,7 @@ class TestModeShapes:
         rig = tn.load("marine_steam_turbine")
         modes = rig.modes()
         one, other = (
-            plot.mode_shapes(modes, rig, which=[2, 5], referred_to=node) for node in ("propeller", "lp_turbine")
+            plot.mode_shapes(modes, rig, mode=[2, 5], referred_to=node) for node in ("propeller", "lp_turbine")
         )
         for first, second in zip(one.axes, other.axes, strict=True):
             np.testing.assert_allclose(np.abs(dots(first)), np.abs(dots(second)), atol=1e-9)
@@ -251,14 +251,14 @@ class TestModeShapes:
 
     def test_branches_stand_in_the_order_of_the_schematic_and_begin_with_the_node_they_leave(self):
         ship = tn.load("marine_steam_turbine")
-        names = [text.get_text() for text in plot.mode_shapes(ship.modes(), ship, which=[3]).axes[0].get_xticklabels()]
+        names = [text.get_text() for text in plot.mode_shapes(ship.modes(), ship, mode=[3]).axes[0].get_xticklabels()]
         low = ["lp_pinion", "lp_wheel", "lp_turbine_pinion", "lp_turbine"]
         assert names[:8] == ["propeller", "bull_gear", *low, "(bull_gear)", "hp_pinion"]
         assert sorted(name for name in names if name[0] != "(") == sorted(ship.nodes)
 
     def test_only_nodes_that_share_an_element_are_joined(self):
         ship = tn.load("marine_steam_turbine")
-        axes = plot.mode_shapes(ship.modes(), ship, which=[3]).axes[0]
+        axes = plot.mode_shapes(ship.modes(), ship, mode=[3]).axes[0]
         names = dict(zip(axes.get_xticks(), [text.get_text() for text in axes.get_xticklabels()], strict=True))
         joined = {
             frozenset(names[x].strip("()") for x in line.get_xdata())
@@ -387,7 +387,7 @@ class TestModeShapes:
         assert "12 of 50 modes shown" in legend(figure)
         titles = [axes.get_title() for axes in figure.axes]
         assert not [title for title in titles if "Hz" not in title]
-        titles = [axes.get_title() for axes in plot.mode_shapes(modes, rig, which=[49, 2, 3]).axes]
+        titles = [axes.get_title() for axes in plot.mode_shapes(modes, rig, mode=[49, 2, 3]).axes]
         assert [title.split(":")[0] for title in titles] == ["49", "2", "3"]
 
     @pytest.mark.slow
@@ -404,7 +404,7 @@ class TestModeShapes:
     def test_no_such_mode(self, number):
         modes = build(read_case("uniform_chain_50_free_free")).modes()
         with pytest.raises(tn.UsageError, match="there are 49, counted from 1"):
-            plot.mode_shapes(modes, which=[number])
+            plot.mode_shapes(modes, mode=[number])
 
     def test_drawn_without_complaint_with_an_odd_number_of_panels(self, tmp_path):
         rig = tn.load("oil_engine")

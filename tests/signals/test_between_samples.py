@@ -339,9 +339,8 @@ def test_comparisons_align_as_they_advise(tmp_path):
         "w",
         "--input",
         "T",
-        "--from",
+        "--band",
         2,
-        "--to",
         28,
     ]
     assert "or align the signals" in run(*told).stderr

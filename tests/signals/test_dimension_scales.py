@@ -74,7 +74,7 @@ class TestScalesOfUnknownKind:
         said = warning("channels over x1, x2 were taken to begin together, at one rate")
         assert said in read_recording(two_scales, sampling_rate=1000).notes
         asked = run("estimate", two_scales, "--input", "T", "--output", "w", code=1).stderr
-        assert "give --unit x2=s if x2 is the time, or --rate in Hz" in asked
+        assert "give --unit x2=s if x2 is the time, or --sampling-rate in Hz" in asked
 
     def test_beside_time_stamps(self, written):
         """A dataset named time is no clock of what goes over another scale; it is where both go over one."""

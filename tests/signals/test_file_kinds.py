@@ -119,7 +119,7 @@ def test_universal_files_of_other_things_are_named(tmp_path, case):
     write_sets(sets(), tmp_path / "r.uff")  # by pyuff
     result = run("estimate", tmp_path / "r.uff", "--input", "T", "--output", "a", code=1)
     assert message in result.stderr
-    assert "--rate" not in result.stderr
+    assert "--sampling-rate" not in result.stderr
     if case != "responses":
         with pytest.raises(ModelError, match=r"there is no frequency response .* it holds nodes of a mesh"):
             read_frequency_response(tmp_path / "r.uff")
@@ -157,7 +157,7 @@ class TestArraysOfAResponse:
         savemat(tmp_path / "h.mat", ARRAYS["one"][0])
         result = run("estimate", tmp_path / "h.mat", "--input", "T", "--output", "a", code=1)
         assert "Freq, H are a frequency response, no record over time; fit and report read responses" in result.stderr
-        assert "--rate" not in result.stderr
+        assert "--sampling-rate" not in result.stderr
 
     def test_lines_that_do_not_rise_are_refused(self, tmp_path):
         from scipy.io import savemat
@@ -185,11 +185,13 @@ class TestMessagesOnTheCommandLine:
 
     def test_no_rate(self, tmp_path):
         said = self.refused(tmp_path, "T [Nm],phi [rad]\n" + "1,2\n" * 50)
-        assert "nothing in the file tells the sampling rate; give --rate in Hz" in said
+        assert "nothing in the file tells the sampling rate; give --sampling-rate in Hz" in said
 
     def test_another_rate(self, tmp_path):
         rows = "".join(f"{at / 100},{at},1\n" for at in range(50))
-        assert "--rate 99 was given" in self.refused(tmp_path, "t [s],T [Nm],phi [rad]\n" + rows, "--rate", "99")
+        assert "--sampling-rate 99 was given" in self.refused(
+            tmp_path, "t [s],T [Nm],phi [rad]\n" + rows, "--sampling-rate", "99"
+        )
 
     def test_jitter_names_its_option_once(self, tmp_path):
         times = np.cumsum(RANDOM.uniform(0.5, 1.5, 200)) / 100

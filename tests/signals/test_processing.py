@@ -226,7 +226,7 @@ class TestSpectrogram:
         assert 60 < ends[0] < 75
         assert 20 < ends[1] < 30
         assert ends[2] > 990
-        assert plot.spectrogram(seen, highest=500.0).axes[0].get_ylim()[1] == pytest.approx(500, abs=1)
+        assert plot.spectrogram(seen, up_to=500.0).axes[0].get_ylim()[1] == pytest.approx(500, abs=1)
 
 
 class TestHarmonics:

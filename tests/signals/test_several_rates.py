@@ -154,11 +154,14 @@ def test_the_error_of_splines_is_that_of_a_known_tone(share, jittered):
 
 
 def test_on_the_command_line_the_error_is_printed(file):
-    arguments = ["estimate", str(file), "--input", "fast/M", "--output", "slow/M", "--rate", "1000"]
+    arguments = ["estimate", str(file), "--input", "fast/M", "--output", "slow/M", "--sampling-rate", "1000"]
     shown = CliRunner().invoke(app, arguments)
     assert (shown.exit_code, shown.stdout) == (1, "")
     assert "slow/M (100 Hz from 0.5037 s) were not sampled at 1000 Hz; give --resample to interpolate" in shown.stderr
-    assert "--rate chooses one, --resample brings the others to it" in CliRunner().invoke(app, arguments[:-2]).stderr
+    assert (
+        "--sampling-rate chooses one, --resample brings the others to it"
+        in CliRunner().invoke(app, arguments[:-2]).stderr
+    )
     shown = CliRunner().invoke(app, [*arguments[:-2], "--resample"])
     assert shown.exit_code == 0
     assert (

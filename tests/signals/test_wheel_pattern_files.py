@@ -69,14 +69,14 @@ CALL = ("--pulses", "A", "--teeth", Z, "--index", "index")
 
 @pytest.mark.parametrize("angle", ["360 deg", "0 deg"])
 def test_an_angle_of_a_whole_turn_or_of_nothing_is_refused(angle):
-    said = run("calibrate-wheel", "600.npz", *CALL, "--angle", angle, code=2).stderr
-    assert "--angle" in said
+    said = run("calibrate-wheel", "600.npz", *CALL, "--pickup-angle", angle, code=2).stderr
+    assert "--pickup-angle" in said
     assert "must be" in said
 
 
 def test_the_command_writes_a_pattern_by_two_pickups(records):
     done = run(
-        "calibrate-wheel", "600.npz", "900.npz", *CALL, "--second-pickup", "B", "--angle", "99deg", "--name", "flywheel",
+        "calibrate-wheel", "600.npz", "900.npz", *CALL, "--second-pickup", "B", "--pickup-angle", "99deg", "--name", "flywheel",
         "-o", "wheel.yaml", "--plot", "wheel.png", "--csv", "wheel.csv",
     )  # fmt: skip
     assert "two pickups" in done.stdout
@@ -89,7 +89,7 @@ def test_the_command_writes_a_pattern_by_two_pickups(records):
 
 @pytest.mark.usefixtures("records")
 def test_a_part_of_the_records_is_enough():
-    words = ("calibrate-wheel", "600.npz", *CALL, "--second-pickup", "B", "--angle", "99deg", "--json")
+    words = ("calibrate-wheel", "600.npz", *CALL, "--second-pickup", "B", "--pickup-angle", "99deg", "--json")
     whole, part = (json.loads(run(*words, *more).stdout) for more in ((), ("--start", "0.1", "--stop", "1.9")))
     assert part["positions_rad"] == pytest.approx(whole["positions_rad"], abs=1e-4 * DEGREE)
     assert part != whole
@@ -110,7 +110,7 @@ def test_signals_of_teeth_and_a_file_of_wheels(records):
     times = np.array([one for one in test.index.times if time[0] < one < time[-1]])
     whole = Recording(signals, 40e3, float(time[0]), pulses=(PulseChannel("index", times),))
     write_recording(whole, "raw.npz")
-    words = ("calibrate-wheel", "raw.npz", "--second-pickup", "B", "--angle", "99deg")
+    words = ("calibrate-wheel", "raw.npz", "--second-pickup", "B", "--pickup-angle", "99deg")
     run(*words, *CALL, "--level", "A=0", "-o", "one.yaml")
     found = read_wheel_pattern("one.yaml").positions
     assert found == pytest.approx(records, abs=5e-3 * DEGREE)
@@ -134,8 +134,8 @@ def test_json_holds_what_is_unresolved_and_why():
 @pytest.mark.parametrize(
     ("more", "code", "text"),
     [
-        (("--second-pickup", "B"), 2, "--second-pickup and --angle go together"),
-        (("--second-pickup", "B", "--angle", "180"), 2, "must be less than 6.28319"),
+        (("--second-pickup", "B"), 2, "--second-pickup and --pickup-angle go together"),
+        (("--second-pickup", "B", "--pickup-angle", "180"), 2, "must be less than 6.28319"),
         (("--model", "engine_generator_set"), 2, "--model needs --node"),
         (("--node", "fly"), 2, "belong to a --model"),
         (("--constant-orders", "3;6"), 2, "is a list as 3,6, or none"),

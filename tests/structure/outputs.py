@@ -45,15 +45,15 @@ OF_EVERY_MODEL = {
 }
 ONCE = {
     "library": ["library"],
-    "schema": ["schema -o model.json", "schema --file study -o study.json"],
+    "schema": ["schema -o model.json", "schema --kind study -o study.json"],
     "study": ["study amt_tolerances --plot tolerances.png -o results"],
     "damper": ["damper marine_medium_speed --vary c_dmp --output T_cpl --plot film.png"],
     "record": [
         "bench amt_bench -c V -o V.npz",
-        "estimate V.npz --input T_T --output theta_1 --preset paper --angle deg --plot frf.png --csv frf.csv",
-        "compare V.npz amt_rig -c V --output theta_1 --input T_T --preset paper --to 40 --plot compared.png",
+        "estimate V.npz --input T_T --output theta_1 --preset paper --angle-unit deg --plot frf.png --csv frf.csv",
+        "compare V.npz amt_rig -c V --output theta_1 --input T_T --preset paper --band 0 40 --plot compared.png",
         "spectrogram V.npz --channel T_T --decimate 50 --plot torque.png",
-        "identify-modes V.npz --output theta_1 --input T_T --preset paper --against amt_rig -c V",
+        "identify-modes V.npz --output theta_1 --input T_T --preset paper --model amt_rig -c V",
         "report amt_rig -c V --record V.npz --output theta_1 --input T_T --seconds 4 --record-band 0.5 40 -o test.html",
     ],
     "fit": ["bench dmf_bench --seed 7 -o test.npz", "fit fit.yaml --plot fit.png -o result.yaml"],

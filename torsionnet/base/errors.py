@@ -425,9 +425,9 @@ def remedy(argument: str, value: str | Mapping[str, str] = "") -> str:
 
     >>> remedy("sampling_rate=", "1000"), remedy("quantities=", {"M1": "torque"})
     ('sampling_rate=1000', 'quantities={"M1": "torque"}')
-    >>> with remedies({"sampling_rate=": "--rate", "quantities=": "--quantity"}):
+    >>> with remedies({"sampling_rate=": "--sampling-rate", "quantities=": "--quantity"}):
     ...     remedy("sampling_rate="), remedy("sampling_rate=", "1000"), remedy("quantities=", {"M1": "torque"})
-    ('--rate', '--rate 1000', '--quantity M1=torque')
+    ('--sampling-rate', '--sampling-rate 1000', '--quantity M1=torque')
 
     Of a file of entries ``*`` stands for the value.
 

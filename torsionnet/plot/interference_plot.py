@@ -43,7 +43,7 @@ GROUND = {"boxstyle": "square,pad=0.1", "facecolor": style.PAPER, "edgecolor": "
 """Box of matplotlib behind a label that stands apart, so that no line of another mode crosses its letters."""
 
 
-def interference_diagram(result: CriticalSpeeds, *, highest: float | None = None, title: str | None = None) -> Figure:
+def interference_diagram(result: CriticalSpeeds, *, up_to: float | None = None, title: str | None = None) -> Figure:
     """Interference (Campbell) diagram, frequency over speed, modes as level lines, orders as rays, crossings marked.
 
     The area of a mark grows with the generalised force of that crossing over the largest one; a cross is a crossing
@@ -53,7 +53,7 @@ def interference_diagram(result: CriticalSpeeds, *, highest: float | None = None
     Parameters
     ----------
     result : CriticalSpeeds
-    highest : float, optional
+    up_to : float, optional
         Upper end of the frequencies, Hz; by default above the highest mode that an order meets in the range.
     title : str, optional
         By default that of the result.
@@ -75,7 +75,7 @@ def interference_diagram(result: CriticalSpeeds, *, highest: float | None = None
     tops += [_natural(mode) for mode in result.modes if mode.number in met or (mode is result.modes[0] and not met)]
     if not tops:  # nothing vibrates: the lines of the orders alone
         tops = [float(np.abs(line.frequency(np.array(result.speed_range))).max()) for line in result.lines] or [1.0]
-    top = highest or HEADROOM * max(tops)
+    top = up_to or HEADROOM * max(tops)
     axes.set(xlim=(0, end), ylim=(0, top))
     if _is_crowded(result, top):
         _set_logarithmic(axes, BELOW * min([low, *speeds]), BELOW * min(filter(None, map(_natural, result.modes))))

@@ -68,7 +68,7 @@ def mode_shapes(
     modes: Modes,
     drivetrain: Drivetrain | None = None,
     *,
-    which: Sequence[int] | None = None,
+    mode: Sequence[int] | None = None,
     conventions: Conventions = SI,
     title: str | None = None,
     referred_to: str | None = None,
@@ -88,7 +88,7 @@ def mode_shapes(
     modes : Modes
     drivetrain : Drivetrain, optional
         Gives order, lines and ratios; without it own angles are shown in the order of ``modes.nodes``.
-    which : sequence of int, optional
+    mode : sequence of int, optional
         Modes by their number in the table, from 1; by default the first twelve that oscillate.
     conventions : Conventions, optional
         Unit of the frequencies.
@@ -116,7 +116,7 @@ def mode_shapes(
     >>> [panel.get_title() for panel in mode_shapes(rig.modes(), rig).axes]
     ['1: 7.105 Hz, zeta = 22.3 %', '2: 80.98 Hz, zeta = 1.39 %']
     """
-    chosen = _chosen(modes, which)
+    chosen = _chosen(modes, mode)
     view = shape_view(modes, drivetrain, referred_to, own=own_angles, idle=idle)
     figure = _panels(modes, chosen, view, conventions)
     style.set_title(figure, modes.title if title is None else title)

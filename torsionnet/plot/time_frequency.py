@@ -23,7 +23,7 @@ HEADROOM = 1.1
 def spectrogram(
     result: Spectrogram,
     *,
-    highest: float | None = None,
+    up_to: float | None = None,
     span: float = 60.0,
     conventions: Conventions = SI,
     title: str | None = None,
@@ -33,7 +33,7 @@ def spectrogram(
     Parameters
     ----------
     result : Spectrogram
-    highest : float, optional
+    up_to : float, optional
         Upper end of the frequency axis, Hz; by default a tenth above the last level that the colours show.
     span : float, optional
         dB below the highest level at which the colours end.
@@ -60,7 +60,7 @@ def spectrogram(
     label = f"{result.name} [dB re {conventions.db_reference:g} {unit}]"
     figure = style.new_figure(style.WIDTH, 3.6)
     axes = figure.subplots()
-    kept = result.frequencies <= (_last_shown(result.frequencies, levels, span) if highest is None else highest)
+    kept = result.frequencies <= (_last_shown(result.frequencies, levels, span) if up_to is None else up_to)
     _map(figure, axes, result.times, result.frequencies[kept], levels[kept], span, label)
     axes.set_xlabel("time [s]")
     axes.set_ylabel("frequency [Hz]")

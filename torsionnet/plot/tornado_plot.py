@@ -24,13 +24,13 @@ ROUNDING = 1e-9
 """Sensitivity in percent per percent up to which it is a rounding error of zero."""
 
 
-def tornado(result: ModeSensitivities, *, modes: list[int] | None = None, title: str | None = None) -> Figure:
+def tornado(result: ModeSensitivities, *, mode: list[int] | None = None, title: str | None = None) -> Figure:
     """Figure of bars, the percent of natural frequency and of damping ratio of modes per percent of each parameter.
 
     Parameters
     ----------
     result : ModeSensitivities
-    modes : list of int, optional
+    mode : list of int, optional
         Numbers of modes as in their table; by default the first four, real poles among them.
     title : str, optional
 
@@ -42,17 +42,17 @@ def tornado(result: ModeSensitivities, *, modes: list[int] | None = None, title:
     --------
     >>> import torsionnet as tn
     >>> result = tn.sensitivity.mode_sensitivities(tn.load("dmf_rig"))
-    >>> len(tornado(result, modes=[1]).axes)
+    >>> len(tornado(result, mode=[1]).axes)
     2
     """
     known = [result.number(index) for index in range(len(result.poles))]
     have = [str(number) for number in known if number is not None]
-    wrong = [number for number in modes or () if number not in known]
+    wrong = [number for number in mode or () if number not in known]
     if wrong or not known:
         there = f"there are {', '.join(have)}" if have else "there is none that vibrates"
         raise UsageError(f"there is no mode {wrong[0] if wrong else 1}; {there}")
-    chosen = [known.index(number) for number in modes] if modes else list(range(len(known)))
-    chosen = [mode for mode in chosen if _moves(result, mode)][: len(chosen) if modes else MOST_MODES]
+    chosen = [known.index(number) for number in mode] if mode else list(range(len(known)))
+    chosen = [mode for mode in chosen if _moves(result, mode)][: len(chosen) if mode else MOST_MODES]
     if not chosen:
         raise UsageError(
             "there is nothing to draw: none of the parameters moves these modes; choose other modes or parameters"

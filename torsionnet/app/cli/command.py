@@ -33,7 +33,8 @@ TABLE = ("as_json", "csv_file", "digits")
 numbers."""
 
 OPTIONS = {
-    "sampling_rate=": ("--rate", "reading: {rate: *}"), "resample=True": ("--resample", "reading: {resample: true}"),
+    "sampling_rate=": ("--sampling-rate", "reading: {rate: *}"), "driven_by=": ("--driven-by", "excitation: *"),
+    "resample=True": ("--resample", "reading: {resample: true}"),
     "resampled()": ("--resample", "reading: {resample: true}"), "units=": ("--unit", "reading: {units: *}"),
     "quantities=": ("--quantity", "reading: {quantities: *}"), "separator=": ("--separator", "reading: {separator: *}"),
     "decimal=": ("--decimal", "reading: {decimal: *}"), "angle_from_pulses()": ("--pulses", "torsionnet angle"),
@@ -52,8 +53,8 @@ WORDS = {
 def remedy_words(options: Collection[str]) -> dict[str, str]:
     """Words of a command with these options for arguments and functions of Python in messages.
 
-    >>> remedy_words(["--rate"])["sampling_rate="], remedy_words([])["sampling_rate="]
-    ('--rate', 'reading: {rate: *}')
+    >>> remedy_words(["--sampling-rate"])["sampling_rate="], remedy_words([])["sampling_rate="]
+    ('--sampling-rate', 'reading: {rate: *}')
     """
     return WORDS | {name: option if option in options else entry for name, (option, entry) in OPTIONS.items()}
 

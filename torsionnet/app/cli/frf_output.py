@@ -200,8 +200,7 @@ class Sampling:
     None: not given.
     """
 
-    start: float | None = None
-    stop: float | None = None
+    band: tuple[float, float] | None = None
     points: int | None = None
     logarithmic: bool | None = None
     listed: str | None = None
@@ -209,14 +208,12 @@ class Sampling:
     def frequencies(self, cases: Sequence[ConfiguredCase], scale: float) -> FloatArray:
         """Frequencies of the response in Hz, shape (n_f,); ``scale`` converts Hz to the unit chosen."""
         if self.listed is not None:
-            if any(given is not None for given in (self.start, self.stop, self.points, self.logarithmic)):
-                raise UsageError("give --frequencies, or --from, --to and --points, not both")
+            if any(given is not None for given in (self.band, self.points, self.logarithmic)):
+                raise UsageError("give --frequencies, or --band and --points, not both")
             return read_list(self.listed) / scale
-        start, stop = self.start, self.stop
-        if start is None or stop is None:
-            low, high = vibration_range(*(case.drivetrain.modes() for case in cases))
-            start = min(low * scale, stop / RANGE_BELOW if stop else math.inf) if start is None else start
-            stop = max(high * scale, start * RANGE_BELOW) if stop is None else stop
+        start, stop = self.band or (
+            end * scale for end in vibration_range(*(case.drivetrain.modes() for case in cases))
+        )
         return frequency_range(start, stop, self.points or DEFAULT_POINTS, self.logarithmic) / scale
 
 
@@ -226,11 +223,11 @@ def frequency_range(start: float, stop: float, points: int, logarithmic: bool | 
     ``logarithmic`` None: if the range is more than a decade and does not begin at 0.
     """
     if not (math.isfinite(start) and math.isfinite(stop) and 0 <= start < stop):
-        raise UsageError(f"--from must not be negative and must be smaller than --to, got {start:g} and {stop:g}")
+        raise UsageError(f"--band must not begin below 0 and must end above its beginning, got {start:g} and {stop:g}")
     if logarithmic is None:
         logarithmic = 0 < start <= stop / RANGE_BELOW
     if logarithmic and start == 0:
-        raise UsageError("a logarithmic range cannot begin at 0; give --from above 0, in Hz")
+        raise UsageError("a logarithmic range cannot begin at 0; give --band a lowest frequency above 0")
     return np.asarray(np.geomspace(start, stop, points) if logarithmic else np.linspace(start, stop, points))
 
 

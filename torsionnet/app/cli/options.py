@@ -256,8 +256,8 @@ class OutputFolder(FileType):
 
 
 def file_option(text: str, endings: tuple[str, ...] = ()) -> Any:
-    """Declaration of the option ``-o``, ``--output-file`` of a command that makes a file."""
-    return option("-o", "--output-file", type=OutputFile(endings), help=text)
+    """Declaration of the option ``-o``, ``--write`` of a command that makes a file."""
+    return option("-o", "--write", type=OutputFile(endings), help=text)
 
 
 def plot_option(what: str) -> Any:
@@ -269,6 +269,12 @@ def plot_option(what: str) -> Any:
     return option("--plot", type=OutputFile(PLOT_ENDINGS), help=text)
 
 
+def band_option(text: str, bound: click.ParamType | type[float] = float) -> Any:
+    """Declaration of the option ``--band``, a lowest and a highest frequency."""
+    return option("--band", type=(bound, bound), metavar="LOW HIGH", help=text)
+
+
+USABLE_BAND = band_option("Frequencies in Hz that are used; HIGH may be inf.  [default: all of the record]")
 SIMPLIFY = option(
     "--simplify",
     type=EntryOption("SHARE", "report.plan.report_plan:SIMPLIFY"),
@@ -284,9 +290,9 @@ FREQUENCY_UNIT = option(
     show_default=True,
     help="Unit of frequencies, given and shown.",
 )
-ANGLE = option("--angle", type=click.Choice(["rad", "deg"]), default="rad", show_default=True, help="Unit of angles.")
-LOWEST_FREQUENCY = option("--from", default=0.0, help="Lowest frequency in Hz.")
-HIGHEST_FREQUENCY = option("--to", help="Highest frequency in Hz.")
+ANGLE = option(
+    "--angle-unit", type=click.Choice(["rad", "deg"]), default="rad", show_default=True, help="Unit of angles."
+)
 ALIGN = option(
     "--align", help="Move the output by its lag before windows cut the record, and put the phase of the lag back."
 )

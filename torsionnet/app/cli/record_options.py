@@ -10,8 +10,8 @@ import click
 
 from torsionnet.app.cli.command import Command
 from torsionnet.app.cli.options import (
-    LOWEST_FREQUENCY,
     PRESETS,
+    USABLE_BAND,
     Arguments,
     DelayOption,
     FiniteFloat,
@@ -52,7 +52,7 @@ class RecordReading(Arguments):
         "--unit", type=PairOption("CHANNEL", "UNIT", "M1=kNm"), help="Its unit in the file. Repeatable."
     )
     rate: float | None = option(
-        "--rate",
+        "--sampling-rate",
         type=FiniteFloat(0, min_open=True),
         help="Sampling rate in Hz, if the file has none, or which of several.",
     )
@@ -71,7 +71,7 @@ class RecordReading(Arguments):
     )
     resample: bool = option(
         "--resample",
-        help="Make uneven time stamps even by splines, and bring channels of other rates to --rate, or the highest.",
+        help="Make uneven time stamps even by splines, and bring channels to --sampling-rate, or the highest.",
     )
 
     @property
@@ -197,7 +197,7 @@ class EstimateArguments(RecordCommand):
     inputs: tuple[str, ...] = option("--input", metavar="CHANNEL", required=True, help="Repeatable.")
     averaging: Averaging
     estimator: Estimator
-    start: float = LOWEST_FREQUENCY
+    band: tuple[float, float] | None = USABLE_BAND
 
 
 # Recordings of signals read and checked for commands; a large file is read in blocks.

@@ -129,7 +129,7 @@ def command_text(session: Session, state: State) -> str:
     >>> from torsionnet.app.explore import open_session
     >>> rig = open_session("amt_rig")
     >>> print(command_text(rig, rig.with_defaults(State({"gear": "V"}, {"c_O": 360}, band=(1.0, 50.0)))))
-    torsionnet frf amt_rig -c V --set c_O=360 --output theta_1 --input T_M --from 1 --to 50
+    torsionnet frf amt_rig -c V --set c_O=360 --output theta_1 --input T_M --band 1 50
     """
     words = ["torsionnet", "orders" if state.axis == "speed" else "frf", session.model]
     if state.choice:
@@ -140,7 +140,7 @@ def command_text(session: Session, state: State) -> str:
     if state.axis == "speed" and session.measured is not None:
         words += ["--measured", str(session.measured)]
     if state.angle != "rad":
-        words += ["--angle", state.angle]
+        words += ["--angle-unit", state.angle]
     words += ["--db"] * (state.decibels and state.axis == "frequency")
     return subprocess.list2cmdline(words) if os.name == "nt" else shlex.join(words)
 
@@ -151,9 +151,9 @@ def _of_response(session: Session, state: State) -> list[str]:
     if state.excitation and len(session.base.inputs) != 1:
         words += ["--driven-by", state.excitation]
     if any(state.band):
-        words += ["--from", f"{state.band[0]:g}", "--to", f"{state.band[1]:g}"]
+        words += ["--band", f"{state.band[0]:g}", f"{state.band[1]:g}"]
     if state.quantity:
-        words += ["--quantity", state.quantity]
+        words += ["--kind", state.quantity]
     return words
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
-from torsionnet.base.errors import UsageError, did_you_mean
+from torsionnet.base.errors import UsageError, did_you_mean, remedy
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.law_stiffness import Functional, functional
 from torsionnet.linear.assembly.system import Assembly
@@ -173,7 +173,9 @@ def resolve_inputs(
     measured = tuple(entry for entry in resolved if isinstance(entry, Functional))
     if not measured:
         if excitation is not None and _chosen(drivetrain, excitation) != excitations:
-            raise UsageError("driven_by= goes with measured inputs; here the input itself is the excitation")
+            raise UsageError(
+                f"{remedy('driven_by=')} goes with measured inputs; here the input itself is the excitation"
+            )
         pairs = zip(entries, excitations, strict=True)
         inputs = tuple(Functional(str(entry), UNITS[one.quantity], ()) for entry, one in pairs)
         return TransferRequest((), inputs, excitations, is_measured=False, assembly=drivetrain.assembly)
@@ -189,11 +191,11 @@ def resolve_inputs(
     elif len(drivetrain.inputs) == 1:
         excitations = (_present(drivetrain, *drivetrain.inputs),)
     elif drivetrain.inputs:
-        several = "the model has several inputs; say with driven_by= which one drives"
+        several = f"the model has several inputs; say with {remedy('driven_by=')} which one drives"
         raise UsageError(f"{several}{_known_inputs(drivetrain)}")
     else:
         missing = "a measured input needs an excitation; declare an input in the model"
-        raise UsageError(f"{missing} or name a node with driven_by=")
+        raise UsageError(f"{missing} or name a node with {remedy('driven_by=')}")
     if len(excitations) != len(measured):
         raise UsageError(
             f"{len(measured)} measured input(s) but {len(excitations)} excitation(s); "

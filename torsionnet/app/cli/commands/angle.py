@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from torsionnet.app.cli.command import TABLE, Answer, Command
-from torsionnet.app.cli.options import argument, file_option, option
+from torsionnet.app.cli.options import EntryOption, argument, file_option, option
 from torsionnet.app.cli.pulse_options import PulseOptions
 from torsionnet.app.cli.record_options import RecordSpan
 from torsionnet.app.cli.terminal import print_warnings
@@ -75,7 +75,7 @@ class AngleCommand(Command):
     \b
     torsionnet angle run_up.npz --pulses n1 --teeth 60 -o angle.npz
     torsionnet angle run_up.tdms --pulses n1=60 --pulses n2=48 --clock 80MHz --bits 32 --plot angle.png
-    torsionnet angle test.mat --pulses crank=60-2 --pickup inductive --order 6 --order 12
+    torsionnet angle test.mat --pulses crank=60-2 --pickup inductive --orders 6,12
     """
 
     forms = TABLE
@@ -87,10 +87,10 @@ class AngleCommand(Command):
     channels: tuple[str, ...] = option(
         "--channel", metavar="CHANNEL", help="Keep this channel, too; the angles then are at its times. Repeatable."
     )
-    orders: tuple[float, ...] = option(
-        "--order",
-        type=float,
-        help="Of the reference shaft: its uncertainty, or why the teeth do not tell it. Repeatable.",
+    orders: tuple[float, ...] | None = option(
+        "--orders",
+        type=EntryOption("ORDERS", "signals.orders.tracking_entries:ORDERS"),
+        help="Of the reference shaft: their uncertainty, or why the teeth do not tell them, as 3,6.",
     )
     output_file: str | None = file_option("The record of angle, speed and uncertainty; the ending tells the format.")
 
@@ -105,9 +105,9 @@ class AngleCommand(Command):
             format_of(Path(self.output_file), "recording")
         found, wheels = self._turning()
         for wheel in wheels:
-            wheel.check_orders(self.orders)
+            wheel.check_orders(self.orders or ())
         angles = angle_record(found, wheels, keep=self.channels, sampling_rate=self.reading.rate)
-        rows = tuple(turned_wheel(one, self.orders) for one in wheels)
+        rows = tuple(turned_wheel(one, self.orders or ()) for one in wheels)
         print_warnings(angles.notes)
         return Answer(
             screen=lambda: _screen(angles, rows),

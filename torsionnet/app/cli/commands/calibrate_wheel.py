@@ -31,7 +31,7 @@ class CalibrateWheelCommand(Command):
     with its amount, and left out of the file.
 
     \b
-    torsionnet calibrate-wheel up.npz --pulses fly=60 --second-pickup fly_2 --angle 114deg -o flywheel.yaml
+    torsionnet calibrate-wheel up.npz --pulses fly=60 --second-pickup fly_2 --pickup-angle 114deg -o flywheel.yaml
     torsionnet calibrate-wheel 600.npz 900.npz --pulses fly=60 --index tdc --model plant.yaml --node fly \\
         --zero 12deg -o flywheel.yaml
     """
@@ -46,7 +46,7 @@ class CalibrateWheelCommand(Command):
         "--second-pickup", metavar="CHANNEL", help="Pulses of a second pickup on the same wheel."
     )
     between: float | None = option(
-        "--angle",
+        "--pickup-angle",
         type=EntryOption("ANGLE", "signals.rotation.calibration_result:PICKUP_ANGLE"),
         help="From the first pickup to the second in the sense of rotation, to half a pitch: 114deg.",
     )
@@ -113,7 +113,7 @@ class CalibrateWheelCommand(Command):
 
     def _refuse_contradictions(self) -> None:
         if (self.second_pickup is None) != (self.between is None):
-            raise click.UsageError("--second-pickup and --angle go together: the second pickup and where it is")
+            raise click.UsageError("--second-pickup and --pickup-angle go together: the second pickup and where it is")
         if self.reading.pattern:
             raise click.UsageError("a calibration finds the pitch pattern from the pulses alone: leave --pattern out")
         if self.model and not (self.node and self.zero is not None):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 from torsionnet.app.cli.cases import ModelCommand
 from torsionnet.app.cli.command import TABLE, Answer
 from torsionnet.app.cli.frf_output import EstimateRecord, estimated_responses_record
-from torsionnet.app.cli.options import ALIGN, ANGLE, DRIVEN_BY, HIGHEST_FREQUENCY, LOWEST_FREQUENCY, option
+from torsionnet.app.cli.options import ALIGN, ANGLE, DRIVEN_BY, USABLE_BAND, option
 from torsionnet.app.cli.record_options import Averaging, Estimator, RecordCommand
 from torsionnet.base.notes import NoteOrText
 from torsionnet.base.result_rows import Out
@@ -55,7 +55,7 @@ class CompareCommand(ModelCommand, RecordCommand):
 
     \b
     torsionnet bench amt_bench -c V -o gear_V.npz
-    torsionnet compare gear_V.npz amt_rig -c V --output theta_1 --input T_T --preset paper --to 40 --plot V.png
+    torsionnet compare gear_V.npz amt_rig -c V --output theta_1 --input T_T --preset paper --band 0 40 --plot V.png
     """
 
     forms = TABLE
@@ -72,8 +72,7 @@ class CompareCommand(ModelCommand, RecordCommand):
     driven_by: str | None = DRIVEN_BY
     averaging: Averaging
     estimator: Estimator
-    start: float = LOWEST_FREQUENCY
-    stop: float | None = HIGHEST_FREQUENCY
+    band: tuple[float, float] | None = USABLE_BAND
     angle: str = ANGLE
     align: bool = ALIGN
 
@@ -83,7 +82,6 @@ class CompareCommand(ModelCommand, RecordCommand):
 
         self.require_one("a record is of one configuration: name one with -c")
         case = self.cases()[0]
-        band = (self.start, self.stop)
         test = estimate_record(
             self.record,
             self.reading,
@@ -91,7 +89,7 @@ class CompareCommand(ModelCommand, RecordCommand):
             (self.into,),
             self.averaging,
             self.estimator,
-            band,
+            self.band,
             align=self.align,
         )
         names = (self.model_output or self.sensor, self.model_input or self.into)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from torsionnet.app.cli.command import TABLE, Answer, separated_by_lines
-from torsionnet.app.cli.options import EntryOption, FiniteFloat, option
+from torsionnet.app.cli.options import EntryOption, FiniteFloat, band_option, option
 from torsionnet.app.cli.pulse_options import NamedWheel, PulseOptions
 from torsionnet.app.cli.record_options import RecordCommand
 from torsionnet.app.cli.terminal import print_warnings
@@ -62,11 +62,8 @@ class DampingCommand(RecordCommand):
     angle_channel: str | None = option(
         "--angle-channel", metavar="CHANNEL", help="Instead: channel of its angle, or such a wheel."
     )
-    band: tuple[float, float] | None = option(
-        "--band",
-        type=(POSITIVE, POSITIVE),
-        metavar="LOW HIGH",
-        help="Run-up: frequencies of the order in Hz.  [default: about its peak]",
+    band: tuple[float, float] | None = band_option(
+        "Run-up: frequencies of the order in Hz.  [default: about its peak]", POSITIVE
     )
     mode_count: int | None = option("--mode-count", type=click.IntRange(1), help="How many modes are fitted.")
     excitation_law: str | None = option(
@@ -179,7 +176,7 @@ class DampingCommand(RecordCommand):
         wheels = self.reading.wheels([NamedWheel(name) for name in names])
         unused = [name for name in wheels if name not in names]
         if unused and not self.reading.wheels_file:
-            text = f"--pulses {unused[0]}: no --angle, --speed or --channel names this wheel"
+            text = f"--pulses {unused[0]}: no --angle-channel, --speed-channel or --channel names this wheel"
             raise click.UsageError(text)
         if used := {name: wheel for name, wheel in wheels.items() if name in names}:
             return self._turning(used, [name for name in names if name not in used])

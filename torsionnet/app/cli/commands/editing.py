@@ -10,7 +10,7 @@ import click
 
 from torsionnet.app.cli.cases import ModelCommand
 from torsionnet.app.cli.command import Answer, Command
-from torsionnet.app.cli.options import STANDARD_INPUT, argument, option, standard_input_text
+from torsionnet.app.cli.options import STANDARD_INPUT, argument, band_option, option, standard_input_text
 from torsionnet.app.cli.terminal import message, print_faults, print_line
 
 if TYPE_CHECKING:
@@ -61,9 +61,7 @@ class ExploreCommand(ModelCommand):
         metavar="FILE",
         help="Orders of a test to lay over those of --over-speed: a file of torsionnet track, or CSV.",
     )
-    band: tuple[float, float] | None = option(
-        "--band", nargs=2, type=float, metavar="LOW HIGH", help="Frequencies in Hz; default: from the modes."
-    )
+    band: tuple[float, float] | None = band_option("Frequencies in Hz.  [default: from the modes]")
     overlay: str | None = option(
         "--overlay", metavar="FILE", help="A measured response to lay over: CSV, NPZ, MAT, UFF58."
     )

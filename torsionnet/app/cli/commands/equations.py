@@ -13,7 +13,7 @@ import click
 
 from torsionnet.app.cli.cases import ConfiguredCase, ModelCommand
 from torsionnet.app.cli.command import JSON, Answer
-from torsionnet.app.cli.options import SIMPLIFY, EntryOption, option
+from torsionnet.app.cli.options import SIMPLIFY, EntryOption, band_option, option
 from torsionnet.app.cli.output import (
     ConfiguredMotion,
     TransferFunctionRecord,
@@ -57,13 +57,7 @@ class EquationsCommand(ModelCommand):
     )
     form: str | None = option("--form", type=click.Choice(FORMS), help="How it is written.  [default: mechanical]")
     simplify: float | None = SIMPLIFY
-    band: tuple[float, float] | None = option(
-        "--band",
-        type=float,
-        nargs=2,
-        metavar="LOW HIGH",
-        help="The band of --simplify in Hz.  [default: around the lowest mode]",
-    )
+    band: tuple[float, float] | None = band_option("The band of --simplify in Hz.  [default: around the lowest mode]")
     latex: bool = option("--latex", help="As LaTeX.")
 
     def answer(self) -> Answer:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from torsionnet.app.cli.command import TABLE, Answer
-from torsionnet.app.cli.options import ALIGN, ANGLE, HIGHEST_FREQUENCY, file_option
+from torsionnet.app.cli.options import ALIGN, ANGLE, file_option
 from torsionnet.app.cli.record_options import Averaging, EstimateArguments, Estimator, RecordReading
 from torsionnet.app.cli.terminal import print_warnings
 from torsionnet.base.notes import is_warning
@@ -24,7 +24,7 @@ class EstimateCommand(EstimateArguments):
     Several inputs are separated from each other; they must not be proportional.
 
     \b
-    torsionnet estimate test.tdms --input T_T --output theta_1 --preset paper --angle deg --plot frf.png
+    torsionnet estimate test.tdms --input T_T --output theta_1 --preset paper --angle-unit deg --plot frf.png
     torsionnet estimate test.csv --input M1 --output phi --quantity phi=angle --unit phi=deg --csv frf.csv
     torsionnet estimate test.npz --input T_T --output theta_1 --reference T_M_set --plot frf.png
     """
@@ -32,7 +32,6 @@ class EstimateCommand(EstimateArguments):
     forms = TABLE
     picture = "magnitude, phase and coherence"
 
-    stop: float | None = HIGHEST_FREQUENCY
     angle: str = ANGLE
     align: bool = ALIGN
     output_file: str | None = file_option("Write the response: UFF58, MAT, NPZ or CSV.", RESPONSE_ENDINGS)
@@ -49,7 +48,7 @@ class EstimateCommand(EstimateArguments):
             self.inputs,
             self.averaging,
             self.estimator,
-            (self.start, self.stop),
+            self.band,
             align=self.align,
         )
         conventions = Conventions(angle=self.angle)
@@ -69,7 +68,7 @@ def estimate_record(
     inputs: tuple[str, ...],
     averaging: Averaging,
     estimator: Estimator,
-    band: tuple[float, float | None],
+    band: tuple[float, float] | None,
     *,
     align: bool = False,
 ) -> FrequencyResponse:
@@ -83,8 +82,7 @@ def estimate_record(
     with progress("averaging", None) as advance:
         named = (*outputs, *inputs, *references)
         measured = averaging.suited(load_record(record, reading, named, settings.seconds, advance, tests=True))
-        limits = (band[0], float("inf") if band[1] is None else band[1])
-        response = estimate(measured, outputs, inputs, chosen, settings, reference=references, band=limits, align=align)
+        response = estimate(measured, outputs, inputs, chosen, settings, reference=references, band=band, align=align)
     print_warnings(response.notes)
     return response
 

@@ -41,7 +41,9 @@ class FitCommand(Command):
         "--rank", help="Rank which value, freed alone, would explain a misfit; FIT may name no parameters then."
     )
     output_file: str | None = file_option("Write the result as YAML.", ENDINGS)
-    model_file: str | None = option("--model", type=OutputFile(ENDINGS), help="Write the model with the values found.")
+    model_file: str | None = option(
+        "--write-model", type=OutputFile(ENDINGS), help="Write the model with the values found."
+    )
 
     def answer(self) -> Answer:
         from torsionnet.app.cli.terminal import progress
@@ -78,7 +80,7 @@ class FitCommand(Command):
         asked = {
             "--profile": self.profile,
             "-o": self.output_file,
-            "--model": self.model_file,
+            "--write-model": self.model_file,
             "--plot": self.output.plot_file,
         }
         if named := [option for option, given in asked.items() if given]:

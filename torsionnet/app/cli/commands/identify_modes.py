@@ -22,17 +22,16 @@ METHODS = ("auto", "rational", "lscf", "peaks")
 class IdentifyModesCommand(EstimateArguments):
     """Natural frequencies, damping ratios and shapes at the sensors from a record, without a model.
 
-    Against a measured torque these are the poles of the drivetrain cut at the transducer; --against compares them with
+    Against a measured torque these are the poles of the drivetrain cut at the transducer; --model compares them with
     those of a model in the same way.
 
     \b
-    torsionnet identify-modes test.npz --output theta_1 --input T_T --preset paper --against amt_rig -c V
+    torsionnet identify-modes test.npz --output theta_1 --input T_T --preset paper --model amt_rig -c V
     """
 
     forms = TABLE
     picture = "the stabilisation diagram"
 
-    stop: float | None = option("--to", help="Highest frequency in Hz; default: as far as the record can be used.")
     method: str = option(
         "--method",
         type=click.Choice(METHODS),
@@ -40,8 +39,8 @@ class IdentifyModesCommand(EstimateArguments):
         show_default=True,
         help="rational: few modes of any damping, also close ones; lscf: many light modes; auto: the better of these.",
     )
-    order: int | None = option("--order", type=click.IntRange(1), help="Highest order of the fit.")
-    model: str | None = option("--against", metavar="MODEL", help="Compare with the modes of a model.")
+    model_order: int | None = option("--model-order", type=click.IntRange(1), help="Highest order of the fit.")
+    model: str | None = option("--model", metavar="MODEL", help="Compare with the modes of this model.")
     configuration: str = option("--configuration", "-c", metavar="NAME", default="", help="Of that model.")
 
     def answer(self) -> Answer:
@@ -58,11 +57,11 @@ class IdentifyModesCommand(EstimateArguments):
             self.inputs,
             self.averaging,
             self.estimator,
-            (self.start, self.stop),
+            self.band,
         )
-        if self.stop is None and response.usable_up_to is not None:
-            response = response.between(self.start, response.usable_up_to)
-        found, diagram = _identified(response, self.method, self.order)
+        if self.band is None and response.usable_up_to is not None:
+            response = response.between(0, response.usable_up_to)
+        found, diagram = _identified(response, self.method, self.model_order)
         compared = _compared(found, self.model, self.configuration, self.inputs) if self.model else None
         print_warnings(found.notes)
         return Answer(

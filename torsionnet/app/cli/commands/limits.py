@@ -10,8 +10,7 @@ import click
 
 from torsionnet.app.cli.cases import ConfiguredCase, ModelCommand
 from torsionnet.app.cli.command import TABLE, Answer, separated_by_lines
-from torsionnet.app.cli.options import ANGLE, FiniteFloat, PairType, option
-from torsionnet.base.errors import UsageError
+from torsionnet.app.cli.options import ANGLE, FiniteFloat, PairType, band_option, option
 
 if TYPE_CHECKING:
     from torsionnet.base.conventions import Conventions
@@ -164,7 +163,7 @@ class DamperCommand(ModelCommand):
 
     \b
     torsionnet damper marine_medium_speed --vary c_dmp --output T_crank --plot film.png
-    torsionnet damper plant.yaml --vary damper.damping=20..2000 --output nose --input T_1 --from 5 --to 200
+    torsionnet damper plant.yaml --vary damper.damping=20..2000 --output nose --input T_1 --band 5 200
     """
 
     forms = TABLE
@@ -181,17 +180,12 @@ class DamperCommand(ModelCommand):
     excitations: tuple[str, ...] = option(
         "--excitation", metavar="NAME", help="Only this one acts. Repeatable.  [default: all of the model]"
     )
-    start: float | None = option(
-        "--from", type=FiniteFloat(0, min_open=True), help="Lowest frequency in Hz, with --input."
-    )
-    stop: float | None = option("--to", type=FiniteFloat(0, min_open=True), help="Highest frequency in Hz.")
+    band: tuple[float, float] | None = band_option("Frequencies in Hz, with --input.", FiniteFloat(0, min_open=True))
     angle: str = ANGLE
 
     def answer(self) -> Answer:
         from torsionnet.base.conventions import Conventions
 
-        if (self.start is None) != (self.stop is None):
-            raise UsageError("a band needs both ends: give --from and --to, or neither")
         conventions = Conventions(angle=self.angle)
         cases = self.cases()
         found = self.each("damper", cases, self._designed)
@@ -206,11 +200,10 @@ class DamperCommand(ModelCommand):
         )
 
     def _designed(self, case: ConfiguredCase) -> DamperOptimum:
-        band = None if self.start is None or self.stop is None else (self.start, self.stop)
         return case.drivetrain.damper_design(
             self.channel,
             dict(self.sought),
             input=self.driven,
-            band=band,
+            band=self.band,
             excitation=self.excitations or None,
         )

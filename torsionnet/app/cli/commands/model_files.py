@@ -120,7 +120,7 @@ class NewCommand(Command):
     kind: str = argument("KIND")
     name: str | None = argument("[NAME]", required=False)
     output_file: str | None = option(
-        "-o", "--output-file", type=MODEL_FILE, help="The model file to write instead of NAME.yaml; - prints it."
+        "-o", "--write", type=MODEL_FILE, help="The model file to write instead of NAME.yaml; - prints it."
     )
 
     def answer(self) -> Answer:

@@ -200,7 +200,7 @@ class CriticalSpeedsCommand(ModelCommand):
     )
     line_frequency: float | None = option("--line-frequency", metavar="HZ", help="Also once and twice this frequency.")
     dampers: str = option(
-        "--dampers", type=click.Choice(STATES), default=STATES[0], show_default=True, help="Rings of viscous dampers."
+        "--rings", type=click.Choice(STATES), default=STATES[0], show_default=True, help="Rings of viscous dampers."
     )
     damper_names: tuple[str, ...] = option(
         "--damper", metavar="NAME", help="A damper, or a film.  [default: every viscous_damper]"

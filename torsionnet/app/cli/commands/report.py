@@ -10,7 +10,16 @@ import click
 
 from torsionnet.app.cli.cases import ModelCommand
 from torsionnet.app.cli.command import Answer
-from torsionnet.app.cli.options import PRESETS, SIMPLIFY, STANDARD_INPUT, FiniteFloat, file_option, load_model, option
+from torsionnet.app.cli.options import (
+    PRESETS,
+    SIMPLIFY,
+    STANDARD_INPUT,
+    FiniteFloat,
+    band_option,
+    file_option,
+    load_model,
+    option,
+)
 from torsionnet.app.cli.record_options import Averaging, Estimator, RecordReading
 from torsionnet.app.cli.terminal import print_file_written
 from torsionnet.base.packages import rare_collections
@@ -57,12 +66,10 @@ class ReportCommand(ModelCommand):
     pairs: tuple[str, ...] = option(
         "--tf", metavar="OUTPUT/INPUT", help='Transfer function, "theta_1/T_T". Repeatable.'
     )
-    band: tuple[float, float] | None = option(
-        "--band", type=float, nargs=2, metavar="LOW HIGH", help="Frequencies of the plots in Hz."
-    )
+    band: tuple[float, float] | None = band_option("Frequencies of the plots in Hz.")
     simplify: float | None = SIMPLIFY
     angle: str | None = option(
-        "--angle", type=click.Choice(["rad", "deg"]), help="Unit of angles.  [default: that of the model]"
+        "--angle-unit", type=click.Choice(["rad", "deg"]), help="Unit of angles.  [default: that of the model]"
     )
     language: str | None = option(
         "--language", type=click.Choice(["en", "de"]), help="Language of the report's own texts.  [default: en]"

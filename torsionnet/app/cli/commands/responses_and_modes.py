@@ -11,7 +11,15 @@ import click
 
 from torsionnet.app.cli.cases import ConfiguredCase, ModelCommand
 from torsionnet.app.cli.command import TABLE, Answer, separated_by_lines
-from torsionnet.app.cli.options import ANGLE, DRIVEN_BY, FREQUENCY_UNIT, REFERRED_TO, option, referred_outputs
+from torsionnet.app.cli.options import (
+    ANGLE,
+    DRIVEN_BY,
+    FREQUENCY_UNIT,
+    REFERRED_TO,
+    band_option,
+    option,
+    referred_outputs,
+)
 from torsionnet.app.cli.terminal import blank_zero_shares, message
 from torsionnet.base.errors import UsageError
 
@@ -146,11 +154,11 @@ class MarginsCommand(ModelCommand):
     forms = TABLE
     picture = "Nyquist's plot"
 
-    at: str | None = option("--at", metavar="NAME", help="The controller.  [default: the only one]")
+    controller: str | None = option("--controller", metavar="NAME", help="The controller.  [default: the only one]")
 
     def answer(self) -> Answer:
         cases = self.cases()
-        found = self.each("margins", cases, lambda case: case.drivetrain.loop_margins(self.at))
+        found = self.each("margins", cases, lambda case: case.drivetrain.loop_margins(self.controller))
         tables = [one.table() for one in found]
         pairs = list(zip(cases, found, strict=True))
         return Answer(
@@ -213,7 +221,7 @@ class SensitivityCommand(ModelCommand):
             data=lambda: [effects.record(case.configuration, self.modes) for case, effects in pairs],
             csv=lambda: [("", self.combined_table(cases, tables))],
             figures=lambda plot: [
-                (case.configuration, plot.tornado(one, modes=list(self.modes) or None)) for case, one in pairs
+                (case.configuration, plot.tornado(one, mode=list(self.modes) or None)) for case, one in pairs
             ],
         )
 
@@ -266,8 +274,8 @@ class FrfCommand(ModelCommand):
     """Frequency responses: static value and peaks on the screen, every frequency in files.
 
     \b
-    torsionnet frf dmf_rig --output theta_1 --input T_T --angle deg --plot bode.png
-    torsionnet frf amt_rig -c all --output theta_1 --input T_M --from 0.3 --to 40 --csv gears.csv
+    torsionnet frf dmf_rig --output theta_1 --input T_T --angle-unit deg --plot bode.png
+    torsionnet frf amt_rig -c all --output theta_1 --input T_M --band 0.3 40 --csv gears.csv
     """
 
     forms = TABLE
@@ -290,8 +298,7 @@ class FrfCommand(ModelCommand):
         metavar="INPUT",
         help="What drives the drivetrain while the input is measured, if it has several inputs.",
     )
-    start: float | None = option("--from", help="Lowest frequency; default: from the modes.")
-    stop: float | None = option("--to", help="Highest frequency.")
+    band: tuple[float, float] | None = band_option("Frequencies, in the unit chosen.  [default: from the modes]")
     points: int | None = option(
         "--points", type=click.IntRange(2, 1_000_000), help="How many frequencies.  [default: 500]"
     )
@@ -303,7 +310,7 @@ class FrfCommand(ModelCommand):
     )
     frequency_unit: str = FREQUENCY_UNIT
     referred_to: str | None = REFERRED_TO
-    quantity: str | None = option("--quantity", type=click.Choice(QUANTITIES), help="Default: as the sensor measures.")
+    kind: str | None = option("--kind", type=click.Choice(QUANTITIES), help="Default: as the sensor measures.")
     angle: str = ANGLE
     decibels: bool = option("--db", help="Magnitudes in dB re 1 of their unit.")
     full: bool = option("--full", help="Print every frequency instead of static value and peaks.")
@@ -314,7 +321,7 @@ class FrfCommand(ModelCommand):
         from torsionnet.base.conventions import Conventions
 
         shown = DisplayUnits(Conventions(angle=self.angle, frequency=self.frequency_unit), self.decibels)
-        sampling = Sampling(self.start, self.stop, self.points, self.logarithmic, self.listed)
+        sampling = Sampling(self.band, self.points, self.logarithmic, self.listed)
         frequencies = sampling.frequencies(cases, shown.conventions.frequency_scale)
         cases, solvers, responses = _answered(self, cases, frequencies)
         trios = list(zip(cases, responses, solvers, strict=True))
@@ -340,7 +347,7 @@ class FrfCommand(ModelCommand):
                 frequencies,
                 driven_by=list(self.driven_by) or None,
             )
-            return getattr(response, self.quantity)() if self.quantity else response
+            return getattr(response, self.kind)() if self.kind else response
 
         return solve
 

@@ -22,7 +22,7 @@ class SchemaCommand(Command):
     """
 
     kind: str = option(
-        "--file",
+        "--kind",
         type=click.Choice(["model", "fit", "study", "campaign"]),
         default="model",
         show_default=True,

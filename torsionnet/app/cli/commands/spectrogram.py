@@ -27,8 +27,8 @@ class SpectrogramCommand(RecordCommand):
 
     channels: tuple[str, ...] = option("--channel", metavar="CHANNEL", help="Repeatable; default: all of the record.")
     averaging: Averaging
-    highest: float | None = option(
-        "--to", type=FiniteFloat(0, min_open=True), help="Highest frequency in Hz; default: where the power ends."
+    up_to: float | None = option(
+        "--up-to", type=FiniteFloat(0, min_open=True), help="Highest frequency in Hz; default: where the power ends."
     )
     span: float = option(
         "--span", type=FiniteFloat(0, min_open=True), default=60.0, show_default=True, help="dB shown."
@@ -44,8 +44,7 @@ class SpectrogramCommand(RecordCommand):
             data=lambda: seen,
             csv=lambda: [(one.name, _table(one, every=True)) for one in seen],
             figures=lambda plot: [
-                (one.name, plot.spectrogram(one, highest=self.highest, span=self.span, conventions=shown))
-                for one in seen
+                (one.name, plot.spectrogram(one, up_to=self.up_to, span=self.span, conventions=shown)) for one in seen
             ],
         )
 

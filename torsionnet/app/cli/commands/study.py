@@ -48,7 +48,7 @@ class StudyCommand(Command):
 
     file: str = argument("STUDY")
     folder: str | None = option(
-        "-o", "--output-folder", type=OutputFolder(), help="Keep every part of the result as soon as it is done."
+        "-o", "--write", type=OutputFolder(), help="Keep every part of the result as soon as it is done."
     )
     processes: int = option("--workers", type=click.IntRange(1), default=1, help="Processes; default: 1.")
     cluster: str = option(

@@ -40,13 +40,13 @@ _ENTRIES = "signals.orders.tracking_entries"
 class TrackCommand(Command):
     """Complex orders of signals and of wheels over speed: amplitude, phase from top dead centre, 95 % interval.
 
-    The reference shaft is that of a wheel (--reference fly=60), or a channel of its angle or speed. Orders are over its
-    mean angle of rotation. With -o the orders are written for `torsionnet orders --measured` and fits.
+    The reference shaft is that of a wheel (--reference-shaft fly=60), or a channel of its angle or speed. Orders are
+    over its mean angle of rotation. With -o the orders are written for `torsionnet orders --measured` and fits.
 
     \b
-    torsionnet track up.npz --reference fly=60-2 --tdc 35deg --cam cam --channel T_shaft --orders 0.5:12:0.5 -o up.csv
-    torsionnet track up.npz --wheels wheels.yaml --reference fly --orders 0.5:12:0.5 -o up.csv
-    torsionnet track up.npz --reference fly=60 --pulses gen=60 --twist fly-gen --stiffness "2 MN*m/rad" --orders 3,6
+    torsionnet track up.npz --reference-shaft fly=60-2 --tdc 35deg --cam cam --channel T --orders 0.5:12:0.5 -o up.csv
+    torsionnet track up.npz --wheels wheels.yaml --reference-shaft fly --orders 0.5:12:0.5 -o up.csv
+    torsionnet track up.npz --reference-shaft fly=60 --pulses gen=60 --twist fly-gen --stiffness 2MN*m/rad --orders 3,6
     """
 
     forms = TABLE
@@ -54,7 +54,7 @@ class TrackCommand(Command):
 
     record: str = argument("RECORD")
     reference: NamedWheel = option(
-        "--reference",
+        "--reference-shaft",
         type=TeethOption(),
         required=True,
         help="Wheel of the reference shaft, fly=60, fly=60-2 with a gap, or fly of --wheels; or its angle or speed.",
@@ -70,7 +70,7 @@ class TrackCommand(Command):
     method: str = option("--method", type=click.Choice(METHODS), default=METHODS[0], show_default=True)
     cycles: int | None = option("--cycles", type=click.IntRange(2), help="Cycles of an average.  [default: 8]")
     step: float | None = option(
-        "--steps", type=EntryOption("SPEED", f"{_ENTRIES}:STEP"), help="Slices of speed, each averaged, as 20rpm."
+        "--speed-step", type=EntryOption("SPEED", f"{_ENTRIES}:STEP"), help="Slices of speed, each averaged, as 20rpm."
     )
     bandwidth: Any | None = option(
         "--bandwidth",
@@ -168,7 +168,7 @@ class TrackCommand(Command):
         if self.method == METHODS[1] and self.cycles:
             raise click.UsageError("--cycles belongs to --method average")
         if self.cycles and self.step:
-            raise click.UsageError("--cycles and --steps both say over what is averaged: leave one out")
+            raise click.UsageError("--cycles and --speed-step both say over what is averaged: leave one out")
         if (self.further is None) != (self.further_orders is None):
             raise click.UsageError("--further-shaft and --further-orders go together")
         if self.further and self.method == METHODS[0]:
@@ -250,7 +250,7 @@ class TrackCommand(Command):
                 return Twist(first, text[len(first) + 1 :], self.stiffness or 0.0)
         raise UsageError(
             f"--twist {text}: two wheels with - between them are needed, of {', '.join(known) or 'none'}; name wheels "
-            "with --reference and --pulses, or in the file of --wheels"
+            "with --reference-shaft and --pulses, or in the file of --wheels"
         )
 
     def _stresses(self, found: tuple[TrackedOrders, ...]) -> Iterator[TrackedOrders]:

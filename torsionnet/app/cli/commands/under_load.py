@@ -103,7 +103,7 @@ class SimulateCommand(ModelCommand):
         help='Sensor or node, or "torque(coupling)". Repeatable.  [default: the sensors of the model]',
     )
     rate: float | None = option(
-        "--rate",
+        "--sampling-rate",
         type=EntryOption("RATE", "motion.scenarios.scenario:RATE"),
         help='Samples a second instead of those of the scenario, as "20 kHz".',
     )
