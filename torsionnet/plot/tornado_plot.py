@@ -52,21 +52,21 @@ def tornado(result: ModeSensitivities, *, mode: list[int] | None = None, title: 
         there = f"there are {', '.join(have)}" if have else "there is none that vibrates"
         raise UsageError(f"there is no mode {wrong[0] if wrong else 1}; {there}")
     chosen = [known.index(number) for number in mode] if mode else list(range(len(known)))
-    chosen = [mode for mode in chosen if _moves(result, mode)][: len(chosen) if mode else MOST_MODES]
+    chosen = [place for place in chosen if _moves(result, place)][: len(chosen) if mode else MOST_MODES]
     if not chosen:
         raise UsageError(
             "there is nothing to draw: none of the parameters moves these modes; choose other modes or parameters"
         )
     size = (np.abs(result.relative_frequencies) + np.abs(result.relative_dampings))[chosen].max(axis=0)
     shown = [int(p) for p in np.argsort(-size)[:MOST_PARAMETERS] if size[p] > SHORTEST_BAR * size.max()]
-    damped = any(np.abs(result.relative_dampings[mode]).max() > ROUNDING for mode in chosen)
+    damped = any(np.abs(result.relative_dampings[place]).max() > ROUNDING for place in chosen)
     figure = style.new_figure(style.WIDTH, 1.2 + len(chosen) * (0.6 + 0.22 * len(shown)))
     panels = figure.subplots(len(chosen), 2 if damped else 1, squeeze=False)
-    for row, mode in zip(panels, chosen, strict=True):
-        _bars(row[0], result, result.relative_frequencies[mode], shown, style.PALETTE[0])
-        row[0].set_title(_title(result, mode), fontsize=style.FONT)
+    for row, place in zip(panels, chosen, strict=True):
+        _bars(row[0], result, result.relative_frequencies[place], shown, style.PALETTE[0])
+        row[0].set_title(_title(result, place), fontsize=style.FONT)
         if damped:
-            _damping(row[1], result, mode, shown)
+            _damping(row[1], result, place, shown)
     for axes, what in zip(_lowest(panels), ("natural frequency", "damping ratio"), strict=False):
         axes.set_xlabel(f"{what} [% per %]")
     style.set_title(figure, result.title if title is None else title)

@@ -269,7 +269,7 @@ def plot_option(what: str) -> Any:
     return option("--plot", type=OutputFile(PLOT_ENDINGS), help=text)
 
 
-def band_option(text: str, bound: click.ParamType | type[float] = float) -> Any:
+def band_option(text: str, bound: click.FloatRange | type[float] = float) -> Any:
     """Declaration of the option ``--band``, a lowest and a highest frequency."""
     return option("--band", type=(bound, bound), metavar="LOW HIGH", help=text)
 
