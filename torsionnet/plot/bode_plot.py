@@ -19,6 +19,7 @@ from torsionnet.base.errors import UsageError
 from torsionnet.base.number_text import typeset_unit
 from torsionnet.linear.frequency_response import FrequencyResponse
 from torsionnet.linear.phase import HALF_TURN, unwrapped_phase
+from torsionnet.plot.drawing.style import GivenAxes
 from torsionnet.signals.uncertainty import above_noise_up_to, is_coherent
 
 LEAST_CONDITIONING = 1e-10
@@ -75,6 +76,7 @@ def bode(
     coherence: bool | None = None,
     labels: Sequence[str] | None = None,
     title: str | None = None,
+    ax: GivenAxes = None,
 ) -> Figure:
     """Figure of magnitude and phase of one or several frequency responses over frequency, overlaid.
 
@@ -97,6 +99,8 @@ def bode(
         One for each response; by default what tells their titles apart.
     title : str, optional
         By default what the titles have in common.
+    ax : sequence of Axes, optional
+        Axes to draw into, for magnitude, phase and, if shown, coherence; by default those of a new figure.
 
     Returns
     -------
@@ -127,14 +131,14 @@ def bode(
         for curve in _curves(response, name, conventions, x_log=x_log)
     ]
     panels = _panels(curves, coherence)
-    figure, axes = style.stacked_panels(3.0 + 1.3 * (len(panels) - 1), [PANEL_HEIGHTS[name] for name in panels])
-    figure.align_ylabels(axes)
+    shares = [PANEL_HEIGHTS[name] for name in panels]
+    sheet, axes = style.stacked_panels(3.0 + 1.3 * (len(panels) - 1), panels, ax, shares=shares)
+    sheet.figure.align_ylabels(axes)
     _draw(axes, panels, curves, decibels=decibels, conventions=conventions)
     _dress_frequency(axes, curves, conventions, x_log=x_log)
     _dress_magnitude(axes[0], _pair(chosen), unit, decibels=decibels, conventions=conventions)
-    style.set_title(figure, common if title is None else title)
-    _legend(figure, axes[0], curves)
-    return figure
+    _legend(sheet, curves)
+    return sheet.titled(common if title is None else title)
 
 
 def _common_unit(responses: Sequence[FrequencyResponse], conventions: Conventions) -> str:
@@ -336,9 +340,9 @@ def _dress_magnitude(axes: Axes, what: str, unit: str, *, decibels: bool, conven
     style.log_ticks(axes.yaxis, *axes.get_ylim())
 
 
-def _legend(figure: Figure, axes: Axes, curves: Sequence[Curve]) -> None:
+def _legend(sheet: style.Sheet, curves: Sequence[Curve]) -> None:
     """Draw the legend below the axes of a Bode plot, with the meaning of faint curves and shaded frequency ranges."""
-    handles, names = axes.get_legend_handles_labels()
+    handles, names = sheet.panels[0].get_legend_handles_labels()
     if len(curves) == 1 and "/" in curves[0].label:
         handles, names = [], []
     if any(curve.poor.any() for curve in curves):
@@ -350,4 +354,4 @@ def _legend(figure: Figure, axes: Axes, curves: Sequence[Curve]) -> None:
     if handles:
         is_short = all(len(curve.label) < SHORT_LABEL for curve in curves)
         columns = min(len(names), 5 if is_short else 2)
-        style.legend_below(figure, columns, handles, names, handlelength=3)
+        sheet.legend(columns, handles, names, handlelength=3)

@@ -17,10 +17,14 @@ from torsionnet.base.number_text import typeset_unit
 from torsionnet.linear.frequency_response import FloatArray, FrequencyResponse
 from torsionnet.linear.phase import unwrapped_phase
 from torsionnet.plot.bode_plot import AXIS_BEYOND_COHERENCE
+from torsionnet.plot.drawing.style import GivenAxes
 from torsionnet.signals.comparison import difference
 from torsionnet.signals.uncertainty import LEAST_COHERENCE
 
 TEST, MODEL = style.PALETTE[1], style.PALETTE[0]
+SHOWN = {name: name for name in ("magnitude", "phase", "coherence")}
+SHOWN |= {"dB": "difference in dB", "deg": "difference in degrees"}
+"""What the panels of a comparison show, by their names."""
 
 
 def comparison(
@@ -32,6 +36,7 @@ def comparison(
     conventions: Conventions = SI,
     x_log: bool = True,
     title: str | None = None,
+    ax: GivenAxes = None,
 ) -> Figure:
     """Figure of a transfer function of a test and of a model over frequency, with coherence and their differences.
 
@@ -48,6 +53,9 @@ def comparison(
     x_log : bool, optional
     title : str, optional
         By default that of the model.
+    ax : sequence of Axes, optional
+        Axes to draw into, for magnitude, phase, coherence if there is one, differences in dB and in degrees; by default
+        those of a new figure.
 
     Returns
     -------
@@ -75,7 +83,7 @@ def comparison(
     rows = ["magnitude", "phase", *(["coherence"] if test.coherence is not None else []), "dB", "deg"]
     heights = {"magnitude": 3.0, "phase": 2.2, "coherence": 1.0, "dB": 1.2, "deg": 1.2}
     shares = [heights[row] for row in rows]
-    figure, stacked = style.stacked_panels(1.2 + 0.72 * sum(shares), shares)
+    sheet, stacked = style.stacked_panels(1.2 + 0.72 * sum(shares), [SHOWN[row] for row in rows], ax, shares=shares)
     panels = dict(zip(rows, stacked, strict=True))
     _responses(panels, test, model, conventions)
     f = test.frequencies * conventions.frequency_scale
@@ -85,11 +93,11 @@ def comparison(
         panels[name].axhline(0, color=style.MUTED, linewidth=0.8)
         panels[name].set_ylabel(f"test - model\n[{name}]")
         _limit_to(panels[name], values[_is_usable(test) & good])
-    _dress(figure, panels, test, conventions, x_log=x_log)
-    style.set_title(figure, model.title if title is None else title)
+    _dress(panels, test, conventions, x_log=x_log)
+    sheet.figure.align_ylabels(stacked)
     handles, names = panels["magnitude"].get_legend_handles_labels()
-    style.legend_below(figure, 2, handles, names)
-    return figure
+    sheet.legend(2, handles, names)
+    return sheet.titled(model.title if title is None else title)
 
 
 def _nonzero(response: FrequencyResponse) -> FrequencyResponse:
@@ -166,9 +174,7 @@ def _limit_to(panel: Axes, values: FloatArray) -> None:
     panel.set_ylim(-limit, limit)
 
 
-def _dress(
-    figure: Figure, panels: dict[str, Axes], test: FrequencyResponse, conventions: Conventions, *, x_log: bool
-) -> None:
+def _dress(panels: dict[str, Axes], test: FrequencyResponse, conventions: Conventions, *, x_log: bool) -> None:
     f = test.frequencies * conventions.frequency_scale
     axes, last = list(panels.values()), list(panels.values())[-1]
     size = panels["magnitude"]
@@ -184,7 +190,6 @@ def _dress(
         last.set_xscale("log")
         style.log_ticks(last.xaxis, float(f.min()), float(f.max()))
     last.set_xlim(f.min(), f.max())
-    figure.align_ylabels(axes)
     if not _is_usable(test).all() and test.usable_up_to is not None:
         for number, panel in enumerate(axes):
             label = "test beyond the resolution of its sensor" if number == 0 else ""
@@ -202,6 +207,7 @@ def coherence(
     conventions: Conventions = SI,
     x_log: bool = False,
     title: str = "",
+    ax: Axes | None = None,
 ) -> Figure:
     """Figure of the coherence (0 to 1) of the first output with the first input of each response, over frequency.
 
@@ -215,6 +221,8 @@ def coherence(
         Unit of frequency.
     x_log : bool, optional
     title : str, optional
+    ax : Axes, optional
+        Axes to draw into; by default those of a new figure.
 
     Returns
     -------
@@ -228,7 +236,7 @@ def coherence(
     """
     given = [responses] if isinstance(responses, FrequencyResponse) else list(responses)
     names = [response.title for response in given] if labels is None else list(labels)
-    figure, axes = style.one_panel(2.6)
+    sheet, axes = style.one_panel(2.6, ax)
     for number, (response, name) in enumerate(zip(given, names, strict=True)):
         if response.coherence is None:
             raise UsageError(
@@ -246,6 +254,5 @@ def coherence(
     if x_log:
         axes.set_xscale("log")
         style.log_ticks(axes.xaxis, *axes.get_xlim())
-    style.set_title(figure, title)
-    style.legend_below(figure, 5)
-    return figure
+    sheet.legend(5)
+    return sheet.titled(title)

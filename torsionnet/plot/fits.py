@@ -18,7 +18,7 @@ from torsionnet.base.errors import UsageError
 from torsionnet.base.number_text import typeset_unit
 from torsionnet.base.units import RPM
 from torsionnet.plot.drawing.labels import symbol
-from torsionnet.plot.drawing.style import curve_mark, fit_speeds
+from torsionnet.plot.drawing.style import GivenAxes, curve_mark, fit_speeds
 
 if TYPE_CHECKING:
     from torsionnet.identification import Compared, Fit
@@ -90,7 +90,7 @@ read."""
 HEIGHTS = (3.0, 2.2, 1.5)  # ratios of magnitude, phase and residuals
 
 
-def fit(result: Fit, *, conventions: Conventions = SI, title: str | None = None) -> Figure:
+def fit(result: Fit, *, conventions: Conventions = SI, title: str | None = None, ax: GivenAxes = None) -> Figure:
     """Figure of a test and the fitted model over frequency, magnitude, phase and residuals divided by the noise.
 
     A column of panels for each measurement; orders are drawn over speed, with their 95 % intervals.
@@ -103,6 +103,9 @@ def fit(result: Fit, *, conventions: Conventions = SI, title: str | None = None)
     result : Fit
     conventions : Conventions, optional
     title : str, optional
+    ax : sequence of Axes, optional
+        Axes to draw into, for magnitudes, phases and residuals, each of all measurements; by default those of a new
+        figure.
 
     Returns
     -------
@@ -121,12 +124,12 @@ def fit(result: Fit, *, conventions: Conventions = SI, title: str | None = None)
     if not shown:
         raise UsageError("the fit holds no measurement to plot")
     width = max(style.WIDTH, 2.6 * len(shown))
-    figure = style.new_figure(width, 5.6)
     # Outputs of orders differ in size and unit, responses of one sensor do not.
     alike = len(shown) == 1 or all(one.orders is None for one in shown)
     colours = order_colours(shown)
-    panels = figure.subplots(
-        3, len(shown), sharex="col", sharey="row" if alike else False, squeeze=False,
+    shows = [f"{what} of {one.name}" for what in ("magnitude", "phase", "residuals") for one in shown]
+    sheet, panels = style.grid_panels(
+        width, 5.6, shows, ax, columns=len(shown), sharex="col", sharey="row" if alike else False,
         gridspec_kw={"height_ratios": HEIGHTS},
     )  # fmt: skip
     for column, one in enumerate(shown):
@@ -144,21 +147,27 @@ def fit(result: Fit, *, conventions: Conventions = SI, title: str | None = None)
         every = np.concatenate([_shown_phases(each) for each in drawn])
         style.phase_ticks(panels[1][column], float(every.min()), float(every.max()))
     handles, names = _legend([axes for row in (panels[0], panels[2]) for axes in row])
-    style.legend_below(figure, 4, handles, names)
+    sheet.legend(4, handles, names)
     values = ", ".join(f"{name} = {value:.4g}" for name, value in list(result.values.items())[:4])
-    style.set_title(figure, f"{result.title}: {values}" if title is None else title)
-    return figure
+    return sheet.titled(f"{result.title}: {values}" if title is None else title)
 
 
-def correlation(result: Fit, *, title: str | None = None) -> Figure:
+def correlation(result: Fit, *, title: str | None = None, ax: Axes | None = None) -> Figure:
     """Figure of the correlations of fitted parameters in colours from -1 to 1, parameters on rows and on columns.
 
     Near 1 or -1 the data cannot tell two parameters apart.
+
+    Parameters
+    ----------
+    result : Fit
+    title : str, optional
+        By default that of the result.
+    ax : Axes, optional
+        Axes to draw into; by default those of a new figure.
     """
     names = list(result.values)
     side = max(3.0, 0.55 * len(names) + 1.6)
-    figure = style.new_figure(side + 0.8, side)
-    axes = figure.subplots()
+    sheet, ((axes,),) = style.grid_panels(side + 0.8, side, [""], ax)
     shown_names = [symbol(name) for name in names]
     shown = axes.imshow(result.correlation, cmap="RdBu_r", vmin=-1, vmax=1, aspect="auto")
     axes.set_xticks(range(len(names)), shown_names, rotation=45, ha="right", fontsize=style.SMALL)
@@ -168,11 +177,10 @@ def correlation(result: Fit, *, title: str | None = None) -> Figure:
             value = float(result.correlation[i, j])
             colour = style.PAPER if abs(value) > 0.6 else style.INK
             axes.text(j, i, f"{value:.2f}", ha="center", va="center", fontsize=style.SMALL, color=colour)
-    bar = figure.colorbar(shown, ax=axes)
+    bar = sheet.figure.colorbar(shown, ax=axes)
     bar.set_label("correlation [-]", fontsize=style.FONT)
     bar.ax.tick_params(labelsize=style.SMALL)
-    style.set_title(figure, result.title if title is None else title)
-    return figure
+    return sheet.titled(result.title if title is None else title)
 
 
 def _column(panels: list[Axes], one: Compared, conventions: Conventions) -> None:

@@ -17,6 +17,7 @@ from torsionnet.base.units import RPM
 from torsionnet.linear.frequency_response import Channel
 from torsionnet.machinery.passage.passage_response import PassageResponse, cycles_above
 from torsionnet.plot.drawing.labels import axis_unit
+from torsionnet.plot.drawing.style import GivenAxes
 from torsionnet.signals.recording import FloatArray, MotionEvent, Recording
 
 MOST_POINTS = 4000
@@ -29,6 +30,7 @@ def time_histories(
     *,
     conventions: Conventions = SI,
     title: str | None = None,
+    ax: GivenAxes = None,
 ) -> Figure:
     """Figure of the signals of a recording over time in s, a panel for each, one below the other.
 
@@ -44,6 +46,8 @@ def time_histories(
         Unit of angles.
     title : str, optional
         By default that of the recording.
+    ax : sequence of Axes, optional
+        Axes to draw into, one for each signal; by default those of a new figure.
 
     Returns
     -------
@@ -56,10 +60,18 @@ def time_histories(
     >>> [axes.get_ylabel() for axes in time_histories(record, conventions=tn.Conventions(angle="deg")).axes]
     ['T_M [N·m]', 'theta_1 [deg]']
     """
+    return _histories(recording, names, conventions, ax).titled(recording.title if title is None else title)
+
+
+def _histories(
+    recording: Recording, names: str | Sequence[str] | None, conventions: Conventions, ax: GivenAxes
+) -> style.Sheet:
+    """Sheet with a panel for each signal of a recording over time, without title."""
     chosen = recording if names is None else recording.select([names] if isinstance(names, str) else names)
     if not len(chosen):
         raise UsageError("the recording has no samples to plot")
-    figure, panels = style.stacked_panels(1.0 + 1.5 * len(chosen.signals), [1] * len(chosen.signals))
+    shows = [signal.name for signal in chosen.signals]
+    sheet, panels = style.stacked_panels(1.0 + 1.5 * len(shows), shows, ax)
     for number, (panel, signal) in enumerate(zip(panels, chosen, strict=True)):
         largest = float(np.nanmax(np.abs(signal.values), initial=0.0))
         scale, unit = axis_unit(signal.unit, largest, conventions) if signal.unit else (1.0, "unit unknown")
@@ -70,9 +82,8 @@ def time_histories(
         panel.set_ylabel(f"{signal.name} [{unit}]")
     panels[-1].set_xlabel("time [s]")
     panels[-1].set_xlim(chosen.time[0], chosen.time[-1])
-    figure.align_ylabels(panels)
-    style.set_title(figure, recording.title if title is None else title)
-    return figure
+    sheet.figure.align_ylabels(panels)
+    return sheet
 
 
 def thin_out(time: FloatArray, values: FloatArray, most: int = MOST_POINTS) -> tuple[FloatArray, FloatArray]:
@@ -112,6 +123,7 @@ def passage_response(
     limits: Mapping[str, ArrayLike] | Sequence[Mapping[str, ArrayLike]] | None = None,
     conventions: Conventions = SI,
     title: str | None = None,
+    ax: GivenAxes = None,
 ) -> Figure:
     """Figure of a vibration over time while the speed changes, with half range, limits in red, and the speed below.
 
@@ -130,6 +142,8 @@ def passage_response(
         Unit of angles.
     title : str, optional
         By default that of the first response.
+    ax : sequence of Axes, optional
+        Axes to draw into, for the vibration and the speed, each of all passages; by default those of a new figure.
 
     Returns
     -------
@@ -140,8 +154,11 @@ def passage_response(
     passages = [_Passage.of(one, output, lines or {}) for one, lines in zip(runs, given, strict=True)]
     channel = passages[0].channel
     scale, unit = axis_unit(channel.unit, max(one.largest for one in passages), conventions)
-    figure = style.new_figure(style.WIDTH, 4.0 if len(passages) == 1 else 3.4)
-    panels = figure.subplots(2, len(passages), sharex="col", sharey="row", height_ratios=[3, 1], squeeze=False)
+    shows = [f"{what} of {one.title}" for what in (channel.name, "speed") for one in runs]
+    sheet, panels = style.grid_panels(
+        style.WIDTH, 4.0 if len(runs) == 1 else 3.4, shows, ax, columns=len(runs), sharex="col", sharey="row",
+        height_ratios=[3, 1],
+    )  # fmt: skip
     for place, one in enumerate(passages):
         panel, below = panels[:, place]
         _draw(panel, one, scale)
@@ -155,10 +172,9 @@ def passage_response(
         style.legend_beside(panels[0, 0])
     else:
         looks, names = panels[0, 0].get_legend_handles_labels()
-        figure.legend(looks, names, fontsize=style.SMALL, frameon=False, loc="outside upper center", ncols=len(names))
-    figure.align_ylabels(list(panels[:, 0]))
-    style.set_title(figure, runs[0].title if title is None else title)
-    return figure
+        sheet.legend(len(names), looks, names, above=True)
+    sheet.figure.align_ylabels(list(panels[:, 0]))
+    return sheet.titled(runs[0].title if title is None else title)
 
 
 @dataclass(frozen=True, eq=False)
@@ -220,6 +236,7 @@ def scenario_motion(
     *,
     conventions: Conventions = SI,
     title: str | None = None,
+    ax: GivenAxes = None,
 ) -> Figure:
     """Figure of the signals of a simulated motion over time in s, a panel for each, with lines at its events.
 
@@ -235,6 +252,8 @@ def scenario_motion(
         Unit of angles.
     title : str, optional
         By default that of the recording.
+    ax : sequence of Axes, optional
+        Axes to draw into, one for each signal; by default those of a new figure.
 
     Returns
     -------
@@ -247,8 +266,8 @@ def scenario_motion(
     >>> [axes.get_ylabel() for axes in scenario_motion(fault).axes]
     ['torque on generator\\n[kN·m]', 'T_LPB_G\\n[kN·m]']
     """
-    figure = time_histories(recording, names, conventions=conventions, title=title)
-    panels = figure.axes
+    sheet = _histories(recording, names, conventions, ax)
+    panels = sheet.panels
     for panel in panels:  # on two lines, as names of torques on nodes are as long as a panel is high
         name, _, unit = panel.get_ylabel().rpartition(" [")
         panel.set_ylabel(f"{name}\n[{unit}")
@@ -257,13 +276,12 @@ def scenario_motion(
             panel.axvline(event.time, color=style.MUTED, linewidth=0.6, linestyle=(0, (3, 2)), zorder=0.5)
     if len(recording.events) <= MOST_LABELS:
         for event in recording.events:
-            _label(figure, event)
-    return figure
+            _label(panels[0], event)
+    return sheet.titled(recording.title if title is None else title)
 
 
-def _label(figure: Figure, event: MotionEvent) -> None:
-    """Name an event above the first panel, towards the side where there is more room."""
-    panel = figure.axes[0]
+def _label(panel: Axes, event: MotionEvent) -> None:
+    """Name an event above a panel, towards the side where there is more room."""
     low, high = panel.get_xlim()
     on_right = event.time < (low + high) / 2
     panel.annotate(

@@ -43,7 +43,9 @@ GROUND = {"boxstyle": "square,pad=0.1", "facecolor": style.PAPER, "edgecolor": "
 """Box of matplotlib behind a label that stands apart, so that no line of another mode crosses its letters."""
 
 
-def interference_diagram(result: CriticalSpeeds, *, up_to: float | None = None, title: str | None = None) -> Figure:
+def interference_diagram(
+    result: CriticalSpeeds, *, up_to: float | None = None, title: str | None = None, ax: Axes | None = None
+) -> Figure:
     """Interference (Campbell) diagram, frequency over speed, modes as level lines, orders as rays, crossings marked.
 
     The area of a mark grows with the generalised force of that crossing over the largest one; a cross is a crossing
@@ -57,12 +59,14 @@ def interference_diagram(result: CriticalSpeeds, *, up_to: float | None = None, 
         Upper end of the frequencies, Hz; by default above the highest mode that an order meets in the range.
     title : str, optional
         By default that of the result.
+    ax : Axes, optional
+        Axes to draw into; by default those of a new figure.
 
     Returns
     -------
     matplotlib.figure.Figure
     """
-    figure, axes = style.one_panel(HEIGHT)
+    sheet, axes = style.one_panel(HEIGHT, ax)
     low, high = (speed * RPM for speed in result.speed_range)
     # Crossings that are neither excited nor in the range or its margin do not lengthen the axes.
     near = [one for one in result.crossings if one.excited is not False or one.margin <= (one.required or 0.0)]
@@ -86,8 +90,7 @@ def interference_diagram(result: CriticalSpeeds, *, up_to: float | None = None, 
     axes.set_xlabel(speed_label(result.reference))
     axes.set_ylabel("frequency [Hz]")
     axes.legend(fontsize=style.SMALL, frameon=False, loc="upper left", bbox_to_anchor=(0, -0.1), ncols=3)
-    style.set_title(figure, result.title if title is None else title)
-    return figure
+    return sheet.titled(result.title if title is None else title)
 
 
 def _is_crowded(result: CriticalSpeeds, top: float) -> bool:

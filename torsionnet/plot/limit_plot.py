@@ -21,6 +21,7 @@ from torsionnet.machinery.verdicts.limit_verdict import LimitVerdict
 from torsionnet.machinery.verdicts.measured_range import MeasuredRange
 from torsionnet.machinery.verdicts.order_peaks import vibratory_verdicts
 from torsionnet.plot.drawing.labels import axis_label, axis_unit, speed_label, symbol
+from torsionnet.plot.drawing.style import GivenAxes
 
 MOST_LINES = 4
 """Largest number of orders drawn in a panel, those of largest amplitude; more would not fit beside it in the legend."""
@@ -42,6 +43,7 @@ def limit_check(
     conventions: Conventions = SI,
     title: str | None = None,
     measured: Sequence[MeasuredRange] = (),
+    ax: GivenAxes = None,
 ) -> Figure:
     """Figure of limited quantities over speed, with the largest orders in colours, their sum in black, limits in red.
 
@@ -60,6 +62,8 @@ def limit_check(
         By default that of the check.
     measured : sequence of MeasuredRange, optional
         Half ranges of a test, each drawn where its limit is.
+    ax : sequence of Axes, optional
+        Axes to draw into, one for each limited quantity; by default those of a new figure.
 
     Returns
     -------
@@ -72,15 +76,15 @@ def limit_check(
     """
     names = [limits] if isinstance(limits, str) else limits
     panels = _panels(check, names)
-    figure, axes = style.stacked_panels(0.8 + 2.6 * len(panels), [1] * len(panels))
+    shows = [f"{verdicts[0].limit}, {verdicts[0].quantity}" for verdicts in panels]
+    sheet, axes = style.stacked_panels(0.8 + 2.6 * len(panels), shows, ax)
     for panel, verdicts in zip(axes, panels, strict=True):
         own = [one for one in measured if any(one.limited is verdict for verdict in verdicts)]
         _draw(panel, check, verdicts, most, conventions, own)
     axes[-1].set_xlabel(speed_label(check.reference))
     if len(check.rpm) > 1:
         axes[-1].set_xlim(check.rpm[0], check.rpm[-1])
-    style.set_title(figure, check.title if title is None else title)
-    return figure
+    return sheet.titled(check.title if title is None else title)
 
 
 def _panels(check: LimitCheck, names: Sequence[str] | None) -> list[list[LimitVerdict]]:
@@ -180,6 +184,7 @@ def limit_families(
     *,
     conventions: Conventions = SI,
     title: str = "",
+    ax: GivenAxes = None,
 ) -> Figure:
     """Figure of vibratory stress or torque over speed in every condition with limit lines, a panel for each component.
 
@@ -195,6 +200,8 @@ def limit_families(
     conventions : Conventions, optional
         Unit of angles.
     title : str, optional
+    ax : sequence of Axes, optional
+        Axes to draw into, one for each limited quantity; by default those of a new figure.
 
     Returns
     -------
@@ -218,15 +225,12 @@ def limit_families(
     if not families:
         raise UsageError("nothing to draw: no limit on vibration could be judged; the table of limits says why")
     columns = min(2, len(families))
-    rows = math.ceil(len(families) / columns)
-    figure = style.new_figure(style.WIDTH, 0.3 * bool(title) + (PANEL_HEIGHT if columns > 1 else 3.0) * rows)
-    panels = figure.subplots(rows, columns, squeeze=False).ravel()
-    for panel, family in zip(panels, families, strict=False):
+    height = 0.3 * bool(title) + (PANEL_HEIGHT if columns > 1 else 3.0) * math.ceil(len(families) / columns)
+    shows = [f"{first.limit}, {first.quantity}" for first in (one.members[0][1][0] for one in families)]
+    sheet, _ = style.grid_panels(style.WIDTH, height, shows, ax, columns=columns)
+    for panel, family in zip(sheet.panels, families, strict=True):
         _draw_family(panel, family, conventions)
-    for panel in panels[len(families) :]:
-        panel.remove()
-    style.set_title(figure, title)
-    return figure
+    return sheet.titled(title)
 
 
 def families_of(checks: Sequence[LimitCheck], names: set[str] | None = None) -> list[LimitFamily]:

@@ -19,6 +19,7 @@ from torsionnet.modal.operational.ambient_modes import AmbientPoles
 from torsionnet.modal.operational.decay_modes import DecayFit
 from torsionnet.modal.operational.operational_modes import OperationalModes
 from torsionnet.modal.operational.run_up_modes import SweptFit
+from torsionnet.plot.drawing.style import GivenAxes
 
 if TYPE_CHECKING:
     from torsionnet.modal import CircleFit
@@ -47,6 +48,7 @@ def stabilisation(
     *,
     conventions: Conventions = SI,
     title: str | None = None,
+    ax: Axes | None = None,
 ) -> Figure:
     """Stabilisation diagram, order of the fit over natural frequency of the poles, with the mode indicator (CMIF).
 
@@ -59,6 +61,8 @@ def stabilisation(
         Unit of the frequencies.
     title : str, optional
         By default the title of the responses.
+    ax : Axes, optional
+        Axes to draw into; by default those of a new figure.
 
     Returns
     -------
@@ -73,8 +77,7 @@ def stabilisation(
     >>> stabilisation(tn.modal.stabilisation(response)).axes[0].get_ylabel()
     'order of the fit'
     """
-    figure = style.new_figure(style.WIDTH, 4.6)
-    orders = figure.subplots()
+    sheet, ((orders,),) = style.grid_panels(style.WIDTH, 4.6, [""], ax)
     level = orders.twinx()
     scale = conventions.frequency_scale
     _indicator(level, diagram, scale)
@@ -90,9 +93,8 @@ def stabilisation(
         _modes(orders, estimate, (low - margin, high + margin), conventions)
     orders.set_xlabel(f"natural frequency |λ|/2π [{conventions.frequency}]")
     orders.set_ylabel("order of the fit")
-    style.legend_below(figure, 4)
-    style.set_title(figure, diagram.response.title if title is None else title)
-    return figure
+    sheet.legend(4)
+    return sheet.titled(diagram.response.title if title is None else title)
 
 
 def _indicator(axes: Axes, diagram: Stabilisation, scale: float) -> None:
@@ -162,7 +164,7 @@ def _apart(places: FloatArray, distance: float, end: float) -> list[float]:
 # Plot of the circle fitted to a mode in Nyquist's plane, and of the damping ratio from every pair of points.
 
 
-def circle(fit: CircleFit, *, title: str | None = None) -> Figure:
+def circle(fit: CircleFit, *, title: str | None = None, ax: GivenAxes = None) -> Figure:
     """Figure of the circle fitted to a mode in Nyquist's plane, and of damping ratios over distances of points in Hz.
 
     If the damping ratios on the right are level, a single mode with this law of damping explains the circle; a slope
@@ -173,6 +175,8 @@ def circle(fit: CircleFit, *, title: str | None = None) -> Figure:
     fit : CircleFit
     title : str, optional
         By default the label of the fit, with natural frequency and damping ratio.
+    ax : sequence of Axes, optional
+        Axes to draw into, for the circle and the damping ratios; by default those of a new figure.
 
     Examples
     --------
@@ -181,19 +185,19 @@ def circle(fit: CircleFit, *, title: str | None = None) -> Figure:
     >>> [axes.get_xlabel() for axes in circle(tn.modal.circle_fit(response, near=8)).axes]
     ['real part [rad/s/(N·m)]', 'distance of the two points [Hz]']
     """
-    figure = style.new_figure(style.WIDTH, 3.9)
-    plane, pairs = figure.subplots(1, 2, width_ratios=(1.1, 1))
+    sheet = style.mosaic_panels(
+        3.9, [["Nyquist's plane", "damping ratios of pairs of points"]], ax, width_ratios=(1.1, 1)
+    )
+    plane, pairs = sheet.panels
     _plane(plane, fit)
     _pairs(pairs, fit)
-    style.legend_below(figure, 3)
+    sheet.legend(3)
     spread = f"{100 * fit.spread:.2g}"
     words = f"{fit.label}: {fit.natural_frequency:.4g} Hz, {100 * fit.damping_ratio:.3g} % ± {spread} % over the pairs"
-    style.set_title(figure, words if title is None else title)
-    return figure
+    return sheet.titled(words if title is None else title)
 
 
 def _plane(axes: Axes, fit: CircleFit) -> None:
-    style.style_axes(axes)
     turn = np.linspace(0, 2 * np.pi, 361)
     around = fit.center + fit.radius * np.exp(1j * turn)
     axes.plot(around.real, around.imag, color=style.PALETTE[0], linewidth=1.2, label="circle")
@@ -222,7 +226,6 @@ def _plane(axes: Axes, fit: CircleFit) -> None:
 
 
 def _pairs(axes: Axes, fit: CircleFit) -> None:
-    style.style_axes(axes)
     resonance = fit.natural_frequency
     below, above = fit.frequencies[fit.frequencies < resonance], fit.frequencies[fit.frequencies > resonance]
     apart = above - below[:, None]
@@ -252,6 +255,7 @@ def mac_matrix(
     row_label: str = "identified mode",
     column_label: str = "mode of the model",
     title: str = "",
+    ax: Axes | None = None,
 ) -> Figure:
     """Figure of a matrix of modal assurance criteria (MAC) in shades from 0 to 1, with modes on rows and on columns.
 
@@ -264,6 +268,8 @@ def mac_matrix(
     rows, columns : sequence of str, optional
         Names of the modes; by default their numbers.
     row_label, column_label, title : str, optional
+    ax : Axes, optional
+        Axes to draw into; by default those of a new figure.
 
     Raises
     ------
@@ -288,8 +294,8 @@ def mac_matrix(
         if len(given) != size:
             raise UsageError(f"{size} modes need as many names, got {len(given)}")
     cell = 0.45
-    figure = style.new_figure(min(style.WIDTH, 2.2 + cell * matrix.shape[1]), min(9, 1.6 + cell * matrix.shape[0]))
-    axes = figure.subplots()
+    width, height = min(style.WIDTH, 2.2 + cell * matrix.shape[1]), min(9, 1.6 + cell * matrix.shape[0])
+    sheet, ((axes,),) = style.grid_panels(width, height, [""], ax)
     picture = axes.imshow(matrix, cmap="Blues", vmin=0, vmax=1, aspect="equal")
     axes.set_xticks(range(matrix.shape[1]), names[1], fontsize=style.SMALL, rotation=45 if columns else 0)
     axes.set_yticks(range(matrix.shape[0]), names[0], fontsize=style.SMALL)
@@ -300,23 +306,24 @@ def mac_matrix(
             color = style.PAPER if value > WHITE_TEXT_MAC else style.INK
             text = "-" if np.isnan(value) else f"{value:.2f}"
             axes.text(column, row, text, ha="center", va="center", fontsize=style.SMALL, color=color)
-    bar = figure.colorbar(picture, ax=axes, shrink=0.9)
+    bar = sheet.figure.colorbar(picture, ax=axes, shrink=0.9)
     bar.set_label("MAC [-]", fontsize=style.FONT)
     bar.ax.tick_params(labelsize=style.SMALL)
-    style.set_title(figure, title)
-    return figure
+    return sheet.titled(title)
 
 
 # Pictures of modes found without an input: swept fit over frequency, decay with envelope, stabilisation diagram.
 
 
-def operational_modes(found: OperationalModes, *, title: str | None = None) -> Figure:
+def operational_modes(found: OperationalModes, *, title: str | None = None, ax: Axes | None = None) -> Figure:
     """Figure of what modes without an input were read from: run-up, decay or stabilisation diagram.
 
     Parameters
     ----------
     found : OperationalModes
     title : str, optional
+    ax : Axes, optional
+        Axes to draw into; by default those of a new figure.
 
     Returns
     -------
@@ -334,7 +341,7 @@ def operational_modes(found: OperationalModes, *, title: str | None = None) -> F
     >>> operational_modes(modes_from_decay(record, "T", start=0)).axes[0].get_xlabel()
     'time [s]'
     """
-    figure, axes = style.one_panel(3.8)
+    sheet, axes = style.one_panel(3.8, ax)
     unit = f" [{typeset_unit(found.unit)}]" if found.unit else ""
     if isinstance(found.evidence, SweptFit):
         _swept(axes, found.evidence, found)
@@ -345,8 +352,7 @@ def operational_modes(found: OperationalModes, *, title: str | None = None) -> F
     elif isinstance(found.evidence, AmbientPoles):
         _stable(axes, found.evidence, found)
     style.legend_beside(axes)
-    style.set_title(figure, _heading(found) if title is None else title)
-    return figure
+    return sheet.titled(_heading(found) if title is None else title)
 
 
 def _heading(found: OperationalModes) -> str:

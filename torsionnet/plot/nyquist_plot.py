@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import torsionnet.plot.drawing.style as style
+from torsionnet.plot.drawing.style import GivenAxes
 
 if TYPE_CHECKING:
     from torsionnet.linear.frequency_response import FloatArray
@@ -23,7 +24,7 @@ LARGEST_LOOP = 3.0
 that -1 stays visible."""
 
 
-def nyquist(margins: LoopMargins, *, title: str | None = None) -> Figure:
+def nyquist(margins: LoopMargins, *, title: str | None = None, ax: GivenAxes = None) -> Figure:
     """Figure of the open control loop L(j omega) in the complex plane, and its magnitude and phase over frequency.
 
     Parameters
@@ -32,6 +33,8 @@ def nyquist(margins: LoopMargins, *, title: str | None = None) -> Figure:
         Result of :meth:`torsionnet.Drivetrain.loop_margins`.
     title : str, optional
         By default the controller at which the loop is opened.
+    ax : sequence of Axes, optional
+        Axes to draw into, for the complex plane, magnitude and phase; by default those of a new figure.
 
     Examples
     --------
@@ -41,17 +44,16 @@ def nyquist(margins: LoopMargins, *, title: str | None = None) -> Figure:
     >>> [axes.get_xlabel() for axes in nyquist(rig.loop_margins()).axes]
     ['real part of L', '', 'frequency [Hz]']
     """
-    figure = style.new_figure(style.WIDTH, 4.1)
-    grid = figure.add_gridspec(2, 2, width_ratios=(1.1, 1))
-    plane = figure.add_subplot(grid[:, 0])
-    size = figure.add_subplot(grid[0, 1])
+    shows = [["complex plane", "magnitude"], ["complex plane", "phase"]]
+    sheet = style.mosaic_panels(4.1, shows, ax, width_ratios=(1.1, 1))
+    plane, size, phase = sheet.panels
+    style.share_axis(phase, size, "sharex")
     _plane(plane, margins)
-    _over_frequency(size, figure.add_subplot(grid[1, 1], sharex=size), margins)
-    style.legend_below(figure, 3)
+    _over_frequency(size, phase, margins)
+    sheet.legend(3)
     words = f"{margins.title}: loop opened at {margins.controller}"
     words += "" if margins.stable else " (unstable)"
-    style.set_title(figure, words if title is None else title)
-    return figure
+    return sheet.titled(words if title is None else title)
 
 
 def _plane(axes: Axes, margins: LoopMargins) -> None:

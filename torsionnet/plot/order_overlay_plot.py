@@ -18,7 +18,7 @@ from torsionnet.linear.phase import unwrapped_phase
 from torsionnet.machinery.orders.order_comparison import ComparedOrder, compared_orders
 from torsionnet.machinery.orders.order_response import OrderResponse
 from torsionnet.plot.drawing.labels import axis_label, axis_unit, speed_label
-from torsionnet.plot.drawing.style import curve_mark, fit_speeds, is_steady
+from torsionnet.plot.drawing.style import GivenAxes, curve_mark, fit_speeds, is_steady
 from torsionnet.signals.orders.tracked_orders import MeasuredOrder, TrackedOrders
 
 MARKERS = ("o", "s", "^", "D", "v")
@@ -40,6 +40,7 @@ def order_overlay(
     conventions: Conventions = SI,
     title: str | None = None,
     swept: Mapping[str, Sequence[MeasuredOrder]] = MappingProxyType({}),
+    ax: GivenAxes = None,
 ) -> Figure:
     """Figure of amplitudes of orders over speed, measured as dots, calculated as lines, a panel for each output.
 
@@ -57,6 +58,8 @@ def order_overlay(
         By default that of the response.
     swept : mapping, optional
         Output -> orders of the model along the speed over time of the test, in place of the steady ones.
+    ax : sequence of Axes, optional
+        Axes to draw into, for amplitudes and, if compared, phases of each output; by default those of a new figure.
 
     Returns
     -------
@@ -78,7 +81,8 @@ def order_overlay(
         if not phase or any(one.pair.has_phase for one in found)
     ]
     ratios = [0.6 if phase else 1.0 for *_, phase in shown]
-    figure, panels = style.stacked_panels(0.8 + 2.6 * sum(ratios), ratios)
+    shows = [f"phase of {name}" if phase else name for name, _, phase in shown]
+    sheet, panels = style.stacked_panels(0.8 + 2.6 * sum(ratios), shows, ax, shares=ratios)
     for panel, (name, found, phase) in zip(panels, shown, strict=True):
         if phase:
             _phases(panel, found)
@@ -94,8 +98,7 @@ def order_overlay(
     everything = [one for found in pairs.values() for one in found]
     drawn = [speeds for one in everything for speeds in (one.pair.curve_speeds, one.measured.speeds)]
     fit_speeds(panels[-1], np.concatenate(drawn) * RPM)
-    style.set_title(figure, response.title if title is None else title)
-    return figure
+    return sheet.titled(response.title if title is None else title)
 
 
 def _strongest(pairs: Sequence[ComparedOrder]) -> list[ComparedOrder]:
@@ -172,6 +175,7 @@ def tracked_orders(
     most: int = MOST_LINES,
     conventions: Conventions = SI,
     title: str | None = None,
+    ax: GivenAxes = None,
 ) -> Figure:
     """Figure of the amplitudes of measured orders over speed with their 95 % intervals, half range, and phases below.
 
@@ -186,6 +190,8 @@ def tracked_orders(
         Unit of angles.
     title : str, optional
         By default the channel, with the title of the record.
+    ax : sequence of Axes, optional
+        Axes to draw into, for amplitudes and, if there are any, phases; by default those of a new figure.
 
     Returns
     -------
@@ -202,7 +208,8 @@ def tracked_orders(
     phased = [order for order in orders if tracked.reference and order not in tracked.undecided]
     rising = np.argsort(tracked.speeds, kind="stable")
     rpm = tracked.rpm[rising]
-    figure, panels = style.stacked_panels(5.4, [2, 1]) if phased else style.stacked_panels(3.4, [1])
+    height, shows, shares = (5.4, ["amplitude", "phase"], [2, 1]) if phased else (3.4, ["amplitude"], [1])
+    sheet, panels = style.stacked_panels(height, shows, ax, shares=shares)
     top = panels[0]
     highest = np.abs(tracked.values).max() if tracked.half_range is None else tracked.half_range.max()
     scale, unit = axis_unit(tracked.unit, float(highest), conventions)
@@ -233,8 +240,7 @@ def tracked_orders(
     panels[-1].set_xlim(rpm[0], rpm[-1] if rpm[-1] > rpm[0] else None)
     fit_speeds(panels[-1], rpm)
     named = f"{tracked.title}: {tracked.name}" if tracked.title else f"{tracked.name}, measured orders"
-    style.set_title(figure, named if title is None else title)
-    return figure
+    return sheet.titled(named if title is None else title)
 
 
 def _place(tracked: TrackedOrders, order: float) -> int:

@@ -16,6 +16,7 @@ from torsionnet.base.errors import UsageError
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.orders.order_response import OrderResponse
 from torsionnet.plot.drawing.labels import axis_label, axis_unit, speed_label
+from torsionnet.plot.drawing.style import GivenAxes
 from torsionnet.signals.orders.tracked_orders import TrackedOrders
 
 MOST_LINES = 6
@@ -33,6 +34,7 @@ def order_response(
     conventions: Conventions = SI,
     title: str | None = None,
     milli: bool = False,
+    ax: GivenAxes = None,
 ) -> Figure:
     """Figure of amplitudes of the largest orders over speed, and half range of all in black, a panel for each output.
 
@@ -49,6 +51,8 @@ def order_response(
         By default that of the response.
     milli : bool
         Whether angles are in thousandths, as in mrad.
+    ax : sequence of Axes, optional
+        Axes to draw into, one for each output; by default those of a new figure.
 
     Returns
     -------
@@ -60,7 +64,7 @@ def order_response(
         No such output.
     """
     names = [output] if isinstance(output, str) else list(output or [one.name for one in response.outputs])
-    figure, panels = style.stacked_panels(0.8 + 2.6 * len(names), [1] * len(names))
+    sheet, panels = style.stacked_panels(0.8 + 2.6 * len(names), names, ax)
     total = response.half_range
     for panel, name in zip(panels, names, strict=True):
         place = response.output(name)
@@ -77,8 +81,7 @@ def order_response(
     panels[-1].set_xlabel(speed_label(response.reference))
     if len(response.rpm) > 1:
         panels[-1].set_xlim(response.rpm[0], response.rpm[-1])
-    style.set_title(figure, response.title if title is None else title)
-    return figure
+    return sheet.titled(response.title if title is None else title)
 
 
 def half_ranges(
@@ -88,6 +91,7 @@ def half_ranges(
     labels: Sequence[str] | None = None,
     conventions: Conventions = SI,
     title: str | None = None,
+    ax: Axes | None = None,
 ) -> Figure:
     """Figure of the half range of all orders of an output over speed, with a curve for each configuration.
 
@@ -102,6 +106,8 @@ def half_ranges(
         Unit of angles of the output.
     title : str, optional
         By default the output.
+    ax : Axes, optional
+        Axes to draw into; by default those of a new figure.
 
     Raises
     ------
@@ -112,7 +118,7 @@ def half_ranges(
     channel = responses[0].outputs[place]
     sizes = [response.half_range[:, response.output(channel.name)] for response in responses]
     scale, unit = axis_unit(channel.unit, max(float(size.max()) for size in sizes), conventions)
-    figure, axes = style.one_panel(3.4)
+    sheet, axes = style.one_panel(3.4, ax)
     for number, (response, size) in enumerate(zip(responses, sizes, strict=True)):
         label = labels[number] if labels else response.title
         axes.plot(response.rpm, size * scale, label=label, **style.line_style(number))
@@ -124,9 +130,8 @@ def half_ranges(
     if len(responses) > 1 or labels:
         # Names of configurations are long: below, they leave the curves their width.
         columns = 1 if max(len(str(line.get_label())) for line in axes.lines) > HALF_WIDTH_LABEL else 2
-        style.legend_below(figure, columns)
-    style.set_title(figure, channel.name if title is None else title)
-    return figure
+        sheet.legend(columns)
+    return sheet.titled(channel.name if title is None else title)
 
 
 def waveform(
@@ -136,6 +141,7 @@ def waveform(
     rpm: float,
     conventions: Conventions = SI,
     title: str | None = None,
+    ax: Axes | None = None,
 ) -> Figure:
     """Figure of an output over the reference shaft's angle at one speed, the sum of all orders with their phases.
 
@@ -149,6 +155,8 @@ def waveform(
     conventions : Conventions, optional
         Unit of angles of the output.
     title : str, optional
+    ax : Axes, optional
+        Axes to draw into; by default those of a new figure.
 
     Raises
     ------
@@ -162,15 +170,14 @@ def waveform(
     at = int(np.argmin(np.abs(response.rpm - rpm)))
     angle, waves = response.waveform(response.outputs[place].name)
     channel = response.outputs[place]
-    figure, axes = style.one_panel(3.2)
+    sheet, axes = style.one_panel(3.2, ax)
     scale, unit = axis_unit(channel.unit, float(np.abs(waves[at]).max()), conventions)
     axes.plot(np.degrees(angle), waves[at] * scale, color=style.INK, linewidth=1.4)
     axes.set_xlabel(f"angle of {response.reference} [deg]")
     axes.set_ylabel(axis_label(channel.name, unit))
     axes.xaxis.set_major_locator(MultipleLocator(90 if angle[-1] < 15 else 360))
     axes.set_xlim(0, np.degrees(angle[-1]) * len(angle) / (len(angle) - 1))
-    style.set_title(figure, f"{response.title}, {response.rpm[at]:.5g} r/min" if title is None else title)
-    return figure
+    return sheet.titled(f"{response.title}, {response.rpm[at]:.5g} r/min" if title is None else title)
 
 
 # Waterfall plot of line spectra of an output at many speeds, one behind the other.
@@ -192,6 +199,7 @@ def waterfall(
     *,
     conventions: Conventions = SI,
     title: str | None = None,
+    ax: Axes | None = None,
 ) -> Figure:
     """Figure of line spectra of an output over frequency, each at the height of its speed, so that orders are rays.
 
@@ -205,6 +213,8 @@ def waterfall(
         Unit of angles of the output.
     title : str, optional
         By default that of the response.
+    ax : Axes, optional
+        Axes to draw into; by default those of a new figure.
 
     Returns
     -------
@@ -227,7 +237,7 @@ def waterfall(
     tops = rpm[:, None] + sizes / largest * LINE_HEIGHT * span
     shown = sizes.max(axis=0) >= SMALLEST_ORDER * sizes.max()
     right = 1.05 * float(hertz[:, shown].max())
-    figure, axes = style.one_panel(4.6)
+    sheet, axes = style.one_panel(4.6, ax)
     for number in range(len(chosen))[::-1]:  # those in front are drawn last and hide what is behind
         f, heights = _spectrum(hertz[number], sizes[number] / largest * LINE_HEIGHT * span, right)
         axes.fill_between(
@@ -248,8 +258,7 @@ def waterfall(
                   bbox={"facecolor": style.PAPER, "edgecolor": "none", "pad": 1})  # fmt: skip
     axes.set_xlabel("frequency [Hz]")
     axes.set_ylabel(f"{lines.speed}, lines: {lines.channel}")
-    style.set_title(figure, response.title if title is None else title)
-    return figure
+    return sheet.titled(response.title if title is None else title)
 
 
 class _Lines(NamedTuple):

@@ -18,6 +18,7 @@ from torsionnet.base.errors import UsageError, comma_list, did_you_mean
 from torsionnet.base.number_text import NumberText
 from torsionnet.linear.modes.modes import OSCILLATORY, Modes
 from torsionnet.machinery.holzer.holzer_table import HolzerTable, vibration_nodes
+from torsionnet.plot.drawing.style import GivenAxes
 from torsionnet.plot.schematics.line_routes import Axis, idle_nodes, node_axis, plain_axis, ratios
 
 if TYPE_CHECKING:
@@ -74,6 +75,7 @@ def mode_shapes(
     referred_to: str | None = None,
     own_angles: bool = False,
     idle: bool = False,
+    ax: GivenAxes = None,
 ) -> Figure:
     """Figure of mode shapes, the relative angles of the nodes referred to one shaft, a panel for each mode.
 
@@ -103,6 +105,8 @@ def mode_shapes(
         Each node's own angle instead; gears then jump by their ratio.
     idle : bool, optional
         Also gear wheels that only run along: behind a rigid gear beside others, with nothing further on.
+    ax : sequence of Axes, optional
+        Axes to draw into, one for each mode; by default those of a new figure.
 
     Raises
     ------
@@ -118,9 +122,7 @@ def mode_shapes(
     """
     chosen = _chosen(modes, mode)
     view = shape_view(modes, drivetrain, referred_to, own=own_angles, idle=idle)
-    figure = _panels(modes, chosen, view, conventions)
-    style.set_title(figure, modes.title if title is None else title)
-    return figure
+    return _panels(modes, chosen, view, conventions, ax).titled(modes.title if title is None else title)
 
 
 def shape_view(
@@ -157,23 +159,24 @@ def shape_view(
     return ShapeView(axis, factors, label, free, standing, left_out)
 
 
-def _panels(modes: Modes, chosen: Sequence[int], view: ShapeView, conventions: Conventions) -> Figure:
+def _panels(
+    modes: Modes, chosen: Sequence[int], view: ShapeView, conventions: Conventions, ax: GivenAxes
+) -> style.Sheet:
     columns = min(COLUMNS, max(1, len(chosen)))
     rows = -(-len(chosen) // columns)
     longest = max((len(node) for node in modes.nodes), default=1)
-    figure = style.new_figure(style.WIDTH, min(PAGE_HEIGHT, 0.9 + rows * (1.5 + 0.05 * min(longest, 16))))
+    height = min(PAGE_HEIGHT, 0.9 + rows * (1.5 + 0.05 * min(longest, 16)))
+    shows = [f"mode {modes.names[index]}" for index in chosen]
+    sheet, grid = style.grid_panels(style.WIDTH, height, shows, ax, columns=columns, sharex=True, sharey=True)
     scattered = False
     if chosen:
-        grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
-        for index, axes in zip(chosen, grid.flat, strict=False):
+        for index, axes in zip(chosen, sheet.panels, strict=True):
             scattered |= _panel(axes, modes, index, view, conventions)
-        for axes in list(grid.flat)[len(chosen) :]:
-            axes.remove()
         for axes in grid[-1, :] if len(chosen) % columns == 0 else [*grid[-1, :1], *grid[-2:-1, 1]]:
             axes.tick_params(labelbottom=True)
-        figure.supylabel(view.label, fontsize=style.FONT)
-    _legend(figure, len(modes), chosen, view, scattered=scattered)
-    return figure
+        sheet.label_all(y=view.label, fontsize=style.FONT)
+    _legend(sheet, len(modes), chosen, view, scattered=scattered)
+    return sheet
 
 
 def _chosen(modes: Modes, which: Sequence[int] | None) -> list[int]:
@@ -279,7 +282,7 @@ def _title(modes: Modes, index: int, conventions: Conventions) -> str:
     return f"{modes.names[index]}: {frequency:.4g} {conventions.frequency}, zeta = {ratio:.3g} %"
 
 
-def _legend(figure: Figure, total: int, chosen: Sequence[int], view: ShapeView, *, scattered: bool) -> None:
+def _legend(sheet: style.Sheet, total: int, chosen: Sequence[int], view: ShapeView, *, scattered: bool) -> None:
     handles = [Line2D([], [], color=REAL, marker="o", markersize=4.5, linewidth=1.6)]
     names = ["real part" if scattered else "shape"]
     if scattered:
@@ -296,7 +299,7 @@ def _legend(figure: Figure, total: int, chosen: Sequence[int], view: ShapeView, 
     handles += [Line2D([], [], linestyle="") for _ in remarks]
     names += remarks
     columns = max(1, min(5, int(MOST_LETTERS / (max(map(len, names)) + HANDLE))))
-    style.legend_below(figure, columns, handles, names)
+    sheet.legend(columns, handles, names)
 
 
 # Plot of the relative amplitudes of modes along the lines of their Holzer tables, with the nodes of vibration.
@@ -346,7 +349,7 @@ def relative_amplitudes(tables: Sequence[HolzerTable]) -> Figure:
     """
     if not tables:
         raise UsageError("there is no Holzer table to draw: give those of the modes")
-    figure, panels = style.stacked_panels(0.2 + PANEL_HEIGHT * len(tables) + NAMES_HEIGHT, [1] * len(tables))
+    sheet, panels = style.stacked_panels(0.2 + PANEL_HEIGHT * len(tables) + NAMES_HEIGHT, [""] * len(tables))
     for panel, holzer in zip(panels, tables, strict=True):
         _draw(panel, holzer)
     places = [(x, name) for line in _lines(tables[0]) for x, name in zip(line.x, line.names, strict=True)]
@@ -355,7 +358,7 @@ def relative_amplitudes(tables: Sequence[HolzerTable]) -> Figure:
     panels[-1].tick_params(axis="x", labelrotation=45)
     for label in panels[-1].get_xticklabels():
         label.set(ha="right", rotation_mode="anchor", fontsize=style.SMALL - 1)
-    return figure
+    return sheet.figure
 
 
 def _lines(holzer: HolzerTable) -> list[_Line]:

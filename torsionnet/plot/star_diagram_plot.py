@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 import torsionnet.plot.drawing.style as style
 from torsionnet.base.errors import UsageError
 from torsionnet.machinery.phasors.vector_sums import StarDiagram, VectorSums, order_names
+from torsionnet.plot.drawing.style import GivenAxes
 
 PANELS_PER_ROW = 4
 """Number of star diagrams side by side; more would be too small for the numbers of the cylinders."""
@@ -22,7 +23,7 @@ COVERING_COSINE = 0.95
 """Cosine of the angle between a cylinder's vector and the sum, above which the sum would cover that vector's label."""
 
 
-def star_diagrams(stars: Sequence[StarDiagram], *, title: str | None = None) -> Figure:
+def star_diagrams(stars: Sequence[StarDiagram], *, title: str | None = None, ax: GivenAxes = None) -> Figure:
     """Figure of the cylinders' phase vectors in colour and their sum in black, a diagram for orders of equal vectors.
 
     Orders with equal vectors share a diagram. Angles are those of the torques, zero to the right, counter-clockwise;
@@ -33,6 +34,8 @@ def star_diagrams(stars: Sequence[StarDiagram], *, title: str | None = None) -> 
     stars : sequence of StarDiagram
     title : str, optional
         By default that of the first.
+    ax : sequence of Axes, optional
+        Axes to draw into, one for each group of orders with equal vectors; by default those of a new figure.
 
     Returns
     -------
@@ -47,21 +50,17 @@ def star_diagrams(stars: Sequence[StarDiagram], *, title: str | None = None) -> 
         raise UsageError("there is no star diagram to draw: no order meets this mode in or near the operating range")
     groups = _alike(stars)
     across = min(PANELS_PER_ROW, len(groups))
-    down = math.ceil(len(groups) / across)
-    figure = style.new_figure(style.WIDTH, 0.6 + down * style.WIDTH / PANELS_PER_ROW * 1.16)
-    panels = figure.subplots(down, across, squeeze=False).ravel()
-    for panel, group in zip(panels, groups, strict=False):
+    height = 0.6 + math.ceil(len(groups) / across) * style.WIDTH / PANELS_PER_ROW * 1.16
+    orders_of = [", ".join(f"{star.order:g}" for star in group) for group in groups]
+    shows = [f"orders {orders}" for orders in orders_of]
+    sheet, _ = style.grid_panels(style.WIDTH, height, shows, ax, columns=across)
+    for panel, group, orders in zip(sheet.panels, groups, orders_of, strict=True):
         draw_star(panel, group[0])
-        orders = ", ".join(f"{star.order:g}" for star in group)
         text = f"{group[0].excitation} {orders}\nsum {abs(group[0].sum):.3g}"
         panel.set_title(text, fontsize=style.SMALL, color=style.INK, pad=3)
-    for panel in panels[len(groups) :]:
-        panel.set_visible(False)
-    figure.supxlabel(
-        "numbers: cylinders; black: their sum; circle: one cylinder", fontsize=style.SMALL, color=style.MUTED
-    )
-    style.set_title(figure, textwrap.fill(stars[0].title if title is None else title, LONGEST_TITLE))
-    return figure
+    words = "numbers: cylinders; black: their sum; circle: one cylinder"
+    sheet.label_all(x=words, fontsize=style.SMALL, color=style.MUTED)
+    return sheet.titled(textwrap.fill(stars[0].title if title is None else title, LONGEST_TITLE))
 
 
 def _alike(stars: Sequence[StarDiagram]) -> list[list[StarDiagram]]:

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 import torsionnet.plot.drawing.style as style
 from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.number_text import typeset_unit
+from torsionnet.plot.drawing.style import GivenAxes
 from torsionnet.signals.order_tracking import Harmonics, OrderMap
 from torsionnet.signals.recording import FloatArray
 from torsionnet.signals.spectra import Spectrogram
@@ -27,6 +28,7 @@ def spectrogram(
     span: float = 60.0,
     conventions: Conventions = SI,
     title: str | None = None,
+    ax: Axes | None = None,
 ) -> Figure:
     """Figure of a signal's spectrogram, with its level in dB in colours over time and frequency.
 
@@ -41,6 +43,8 @@ def spectrogram(
         Unit of angles, reference of the decibels.
     title : str, optional
         By default the name of the signal.
+    ax : Axes, optional
+        Axes to draw into; by default those of a new figure.
 
     Returns
     -------
@@ -58,14 +62,12 @@ def spectrogram(
     levels = result.decibels(conventions.db_reference / scale)
     unit = typeset_unit(conventions.unit(result.unit)) if result.unit else "unknown unit"
     label = f"{result.name} [dB re {conventions.db_reference:g} {unit}]"
-    figure = style.new_figure(style.WIDTH, 3.6)
-    axes = figure.subplots()
+    sheet, ((axes,),) = style.grid_panels(style.WIDTH, 3.6, [""], ax)
     kept = result.frequencies <= (_last_shown(result.frequencies, levels, span) if up_to is None else up_to)
-    _map(figure, axes, result.times, result.frequencies[kept], levels[kept], span, label)
+    _map(axes, result.times, result.frequencies[kept], levels[kept], span, label)
     axes.set_xlabel("time [s]")
     axes.set_ylabel("frequency [Hz]")
-    style.set_title(figure, result.name if title is None else title)
-    return figure
+    return sheet.titled(result.name if title is None else title)
 
 
 def _last_shown(frequencies: FloatArray, levels: FloatArray, span: float) -> float:
@@ -76,7 +78,12 @@ def _last_shown(frequencies: FloatArray, levels: FloatArray, span: float) -> flo
 
 
 def order_map(
-    result: OrderMap, *, span: float = 60.0, conventions: Conventions = SI, title: str | None = None
+    result: OrderMap,
+    *,
+    span: float = 60.0,
+    conventions: Conventions = SI,
+    title: str | None = None,
+    ax: Axes | None = None,
 ) -> Figure:
     """Figure of a signal's order map, with its level in dB in colours over speed and order.
 
@@ -88,24 +95,26 @@ def order_map(
     conventions : Conventions, optional
     title : str, optional
         By default the name of the signal.
+    ax : Axes, optional
+        Axes to draw into; by default those of a new figure.
     """
     scale = conventions.scale(result.unit) if result.unit else 1.0
     with np.errstate(divide="ignore"):
         levels = 20 * np.log10(result.amplitude * scale / conventions.db_reference)
     unit = typeset_unit(conventions.unit(result.unit)) if result.unit else "unknown unit"
-    figure = style.new_figure(style.WIDTH, 3.6)
-    axes = figure.subplots()
+    sheet, ((axes,),) = style.grid_panels(style.WIDTH, 3.6, [""], ax)
     speeds = result.speeds * 60 / (2 * np.pi)
     rising = np.argsort(speeds, kind="stable")
     label = f"{result.name} [dB re {conventions.db_reference:g} {unit}]"
-    _map(figure, axes, speeds[rising], result.orders, levels[:, rising], span, label)
+    _map(axes, speeds[rising], result.orders, levels[:, rising], span, label)
     axes.set_xlabel("speed [rpm]")
     axes.set_ylabel("order [-]")
-    style.set_title(figure, result.name if title is None else title)
-    return figure
+    return sheet.titled(result.name if title is None else title)
 
 
-def sweep_harmonics(result: Harmonics, *, conventions: Conventions = SI, title: str | None = None) -> Figure:
+def sweep_harmonics(
+    result: Harmonics, *, conventions: Conventions = SI, title: str | None = None, ax: GivenAxes = None
+) -> Figure:
     """Figure of the amplitude, and the phase in degrees, of every order of a signal over the frequency of the sweep.
 
     Parameters
@@ -114,10 +123,12 @@ def sweep_harmonics(result: Harmonics, *, conventions: Conventions = SI, title: 
     conventions : Conventions, optional
     title : str, optional
         By default the name of the signal.
+    ax : sequence of Axes, optional
+        Axes to draw into, for amplitude and phase; by default those of a new figure.
     """
     scale = conventions.scale(result.unit) if result.unit else 1.0
     unit = typeset_unit(conventions.unit(result.unit)) if result.unit else "unknown unit"
-    figure, (size, phase) = style.stacked_panels(4.2, [3, 2])
+    sheet, (size, phase) = style.stacked_panels(4.2, ["amplitude", "phase"], ax, shares=[3, 2])
     for number, order in enumerate(result.orders):
         look = style.line_style(number)
         size.plot(result.frequencies, result.amplitude[:, number] * scale, label=f"{order:g}x", **look)
@@ -127,12 +138,11 @@ def sweep_harmonics(result: Harmonics, *, conventions: Conventions = SI, title: 
     size.set_ylabel(f"amplitude [{unit}]")
     phase.set_ylabel("phase [deg]")
     phase.set_xlabel("frequency of the sweep [Hz]")
-    style.set_title(figure, result.name if title is None else title)
-    style.legend_below(figure, len(result.orders))
-    return figure
+    sheet.legend(len(result.orders))
+    return sheet.titled(result.name if title is None else title)
 
 
-def _map(figure: Figure, axes: Axes, x: FloatArray, y: FloatArray, levels: FloatArray, span: float, label: str) -> None:
+def _map(axes: Axes, x: FloatArray, y: FloatArray, levels: FloatArray, span: float, label: str) -> None:
     finite = levels[np.isfinite(levels)]
     top = float(finite.max()) if finite.size else 0.0
     shown: Any = axes.pcolormesh(
@@ -147,7 +157,7 @@ def _map(figure: Figure, axes: Axes, x: FloatArray, y: FloatArray, levels: Float
     )
     style.style_axes(axes)
     axes.grid(visible=False)
-    bar = figure.colorbar(shown, ax=axes, pad=0.02)
+    bar = axes.figure.colorbar(shown, ax=axes, pad=0.02)
     bar.set_label(label, fontsize=style.FONT, color=style.INK)
     bar.ax.tick_params(labelsize=style.SMALL)
     bar.outline.set_visible(False)

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 import torsionnet.plot.drawing.style as style
 from torsionnet.base.errors import UsageError
 from torsionnet.linear.frequency_response import FloatArray
-from torsionnet.plot.drawing.style import Bars, draw_bars, name_rows
+from torsionnet.plot.drawing.style import Bars, GivenAxes, draw_bars, name_rows
 
 if TYPE_CHECKING:
     from torsionnet.linear.sensitivity import ModeSensitivities
@@ -24,7 +24,9 @@ ROUNDING = 1e-9
 """Sensitivity in percent per percent up to which it is a rounding error of zero."""
 
 
-def tornado(result: ModeSensitivities, *, mode: list[int] | None = None, title: str | None = None) -> Figure:
+def tornado(
+    result: ModeSensitivities, *, mode: list[int] | None = None, title: str | None = None, ax: GivenAxes = None
+) -> Figure:
     """Figure of bars, the percent of natural frequency and of damping ratio of modes per percent of each parameter.
 
     Parameters
@@ -33,6 +35,9 @@ def tornado(result: ModeSensitivities, *, mode: list[int] | None = None, title: 
     mode : list of int, optional
         Numbers of modes as in their table; by default the first four, real poles among them.
     title : str, optional
+    ax : sequence of Axes, optional
+        Axes to draw into, for natural frequency and, if it has any, damping ratio of each mode; by default those of a
+        new figure.
 
     Returns
     -------
@@ -60,17 +65,18 @@ def tornado(result: ModeSensitivities, *, mode: list[int] | None = None, title: 
     size = (np.abs(result.relative_frequencies) + np.abs(result.relative_dampings))[chosen].max(axis=0)
     shown = [int(p) for p in np.argsort(-size)[:MOST_PARAMETERS] if size[p] > SHORTEST_BAR * size.max()]
     damped = any(np.abs(result.relative_dampings[place]).max() > ROUNDING for place in chosen)
-    figure = style.new_figure(style.WIDTH, 1.2 + len(chosen) * (0.6 + 0.22 * len(shown)))
-    panels = figure.subplots(len(chosen), 2 if damped else 1, squeeze=False)
+    height = 1.2 + len(chosen) * (0.6 + 0.22 * len(shown))
+    what = ("natural frequency", "damping ratio")[: 1 + damped]
+    shows = [f"{one} of {result.name(place)}" for place in chosen for one in what]
+    sheet, panels = style.grid_panels(style.WIDTH, height, shows, ax, columns=len(what))
     for row, place in zip(panels, chosen, strict=True):
         _bars(row[0], result, result.relative_frequencies[place], shown, style.PALETTE[0])
         row[0].set_title(_title(result, place), fontsize=style.FONT)
         if damped:
-            _damping(row[1], result, place, shown)
-    for axes, what in zip(_lowest(panels), ("natural frequency", "damping ratio"), strict=False):
-        axes.set_xlabel(f"{what} [% per %]")
-    style.set_title(figure, result.title if title is None else title)
-    return figure
+            _damping(sheet, row[1], result, place, shown)
+    for axes, one in zip(_lowest(panels), what, strict=True):
+        axes.set_xlabel(f"{one} [% per %]")
+    return sheet.titled(result.title if title is None else title)
 
 
 def _moves(result: ModeSensitivities, mode: int) -> bool:
@@ -82,14 +88,14 @@ def _title(result: ModeSensitivities, mode: int) -> str:
     return f"{result.name(mode)}: {result.natural_frequencies[mode]:.4g} Hz"
 
 
-def _damping(axes: Axes, result: ModeSensitivities, mode: int, shown: list[int]) -> None:
+def _damping(sheet: style.Sheet, axes: Axes, result: ModeSensitivities, mode: int, shown: list[int]) -> None:
     """Draw bars with the sensitivity of the damping ratio of a mode to each parameter, in percent per percent.
 
     Remove the panel of a real pole or a mode without damping.
     """
     slopes = result.relative_dampings[mode]
     if np.abs(slopes[shown]).max(initial=0.0) <= ROUNDING:
-        axes.remove()
+        sheet.drop(axes)
         return
     _bars(axes, result, slopes, shown, style.PALETTE[1])
     axes.set_title(f"damping ratio {100 * result.damping_ratios[mode]:.3g} %", fontsize=style.FONT)
@@ -97,7 +103,7 @@ def _damping(axes: Axes, result: ModeSensitivities, mode: int, shown: list[int])
 
 def _lowest(panels: Any) -> list[Axes]:
     """List of the lowest panel left in each column of the figure."""
-    return [[axes for axes in column if axes.figure is not None][-1] for column in panels.T]
+    return [[axes for axes in column if axes.figure is not None and axes.axison][-1] for column in panels.T]
 
 
 def _bars(axes: Axes, result: ModeSensitivities, slopes: FloatArray, shown: list[int], colour: str) -> None:

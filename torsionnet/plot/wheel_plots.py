@@ -12,6 +12,7 @@ import torsionnet.plot.drawing.style as style
 from torsionnet.base.conventions import Conventions
 from torsionnet.base.number_text import typeset_unit
 from torsionnet.base.units import RPM
+from torsionnet.plot.drawing.style import GivenAxes
 from torsionnet.plot.histories import thin_out
 from torsionnet.signals.rotation.calibration_result import WheelCalibration
 from torsionnet.signals.rotation.wheel_rotation import WheelRotation
@@ -19,7 +20,7 @@ from torsionnet.signals.rotation.wheel_rotation import WheelRotation
 # Plot of the speed of toothed wheels over time, and of what counter and teeth leave of the angle uncertain.
 
 
-def wheel_rotations(wheels: Sequence[WheelRotation], *, title: str = "") -> Figure:
+def wheel_rotations(wheels: Sequence[WheelRotation], *, title: str = "", ax: GivenAxes = None) -> Figure:
     """Figure of the speeds of wheels in rpm over time, and below of the standard deviation of their angles in deg.
 
     Thin lines are the share that times of pulses have: counter and jitter. The rest is that of the places of teeth.
@@ -28,6 +29,8 @@ def wheel_rotations(wheels: Sequence[WheelRotation], *, title: str = "") -> Figu
     ----------
     wheels : sequence of WheelRotation
     title : str, optional
+    ax : sequence of Axes, optional
+        Axes to draw into, for speeds and deviations of angles; by default those of a new figure.
 
     Returns
     -------
@@ -41,7 +44,7 @@ def wheel_rotations(wheels: Sequence[WheelRotation], *, title: str = "") -> Figu
     >>> [axes.get_ylabel() for axes in wheel_rotations([wheel_rotation(channel, Wheel(teeth=60))]).axes]
     ['speed [rpm]', 'deviation of angle [deg]']
     """
-    figure, (above, below) = style.stacked_panels(4.5, [1, 1])
+    sheet, (above, below) = style.stacked_panels(4.5, ["speed", "deviation of angle"], ax)
     for number, wheel in enumerate(wheels):
         colour = style.PALETTE[number % len(style.PALETTE)]
         above.plot(*thin_out(wheel.times, wheel.speeds * RPM), color=colour, linewidth=0.7, label=wheel.name)
@@ -59,9 +62,8 @@ def wheel_rotations(wheels: Sequence[WheelRotation], *, title: str = "") -> Figu
     below.set_xlim(min(one.times[0] for one in wheels), max(one.times[-1] for one in wheels))
     above.legend(loc="best")
     below.legend(loc="best")
-    figure.align_ylabels([above, below])
-    style.set_title(figure, title)
-    return figure
+    sheet.figure.align_ylabels([above, below])
+    return sheet.titled(title)
 
 
 # Plot of the pitch pattern of a wheel, over its teeth and over orders.
@@ -71,7 +73,11 @@ DEGREES = Conventions(angle="deg")
 
 
 def wheel_pattern(
-    calibration: WheelCalibration, *, conventions: Conventions = DEGREES, title: str | None = None
+    calibration: WheelCalibration,
+    *,
+    conventions: Conventions = DEGREES,
+    title: str | None = None,
+    ax: GivenAxes = None,
 ) -> Figure:
     """Figure of a wheel's pitch pattern, positions of its teeth above, amplitudes of its orders with intervals below.
 
@@ -82,22 +88,21 @@ def wheel_pattern(
         Unit of angles.
     title : str, optional
         By default that of the calibration.
+    ax : sequence of Axes, optional
+        Axes to draw into, for positions and orders; by default those of a new figure.
 
     Returns
     -------
     matplotlib.figure.Figure
     """
     scale, unit = conventions.scale("rad"), typeset_unit(conventions.unit("rad"))
-    figure = style.new_figure(style.WIDTH, 5.0)
-    above, below = figure.subplots(2, 1)
-    for axes in (above, below):
-        style.style_axes(axes)
+    sheet = style.mosaic_panels(5.0, [["positions of the teeth"], ["orders"]], ax)
+    above, below = sheet.panels
     _teeth(above, calibration, scale)
     _orders(below, calibration, scale)
     above.set_ylabel(f"position of the tooth [{unit}]")
     below.set_ylabel(f"peak amplitude [{unit}]")
-    style.set_title(figure, calibration.title if title is None else title)
-    return figure
+    return sheet.titled(calibration.title if title is None else title)
 
 
 def _teeth(axes: Axes, calibration: WheelCalibration, scale: float) -> None:

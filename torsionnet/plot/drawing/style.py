@@ -10,7 +10,7 @@ import math
 import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from cycler import cycler
@@ -18,9 +18,10 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, MultipleLocator, NullFormatter
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 import torsionnet.plot.drawing.pieces as colors
+from torsionnet.base.errors import UsageError
 from torsionnet.base.packages import DOTS_PER_INCH
 from torsionnet.linear.assembly.rows import FloatArray
 
@@ -56,6 +57,10 @@ WIDEST_TITLE = 84
 """Largest number of characters in a line of a figure's title: as many as fit the width of a figure."""
 
 
+GivenAxes: TypeAlias = Axes | Sequence[Axes] | NDArray[Any] | None
+"""Axes that a user gives to a plot, one for each panel, as ``plt.subplots`` makes them; None: a figure of its own."""
+
+
 def panel_columns(count: int, most: int = 4) -> int:
     """Number of columns in which ``count`` panels stand on a page: 1, 2, 3 up to nine panels, then 4."""
     return min(most, next(columns for columns, up_to in ((1, 1), (2, 4), (3, 9), (4, math.inf)) if count <= up_to))
@@ -85,32 +90,183 @@ def bare_figure(width: float, height: float) -> Figure:
     return figure
 
 
-def one_panel(height: float) -> tuple[Figure, Axes]:
-    """Figure of the usual width and a height in inches with one panel in the common style, and this panel."""
-    figure, (panel,) = stacked_panels(height, [1])
-    return figure, panel
+@dataclass(frozen=True)
+class Sheet:
+    """Panels of a plot with their figure: one of its own, or that of axes that were given.
+
+    The figure of given axes keeps its size, title and layout: title and legend of the plot stand in the axes.
+    """
+
+    figure: Figure
+    panels: list[Any]
+    is_given: bool = False
+    before: tuple[tuple[Any, ...], ...] = ()
+    """Legends and titles that the given axes had, which are not this plot's."""
+
+    @classmethod
+    def of_given(cls, panels: list[Axes]) -> Sheet:
+        """Sheet of axes that were given."""
+        root = panels[0].get_figure(root=True) if panels else new_figure(WIDTH, 1.0)
+        assert root is not None
+        return cls(root, panels, is_given=True, before=tuple(map(_dress, panels)))
+
+    @property
+    def width(self) -> float:
+        """Width of the figure in inches; of given axes the usual one, as theirs is known only when they are drawn."""
+        return WIDTH if self.is_given else float(self.figure.get_figwidth())
+
+    def legend(self, columns: int, *entries: Sequence[Any], above: bool = False, **look: Any) -> None:
+        """Draw a legend below the panels, or above, of all that has a label, or of handles and their names.
+
+        In given axes it stands in the first panel.
+        """
+        look |= {"frameon": False, "fontsize": SMALL}
+        if not self.is_given:
+            look["loc"] = "outside upper center" if above else "outside lower center"
+            self.figure.legend(*entries, ncols=columns, **look)
+        elif self.panels:
+            self.panels[0].legend(*entries, **look)
+
+    def label_all(self, *, x: str = "", y: str = "", **look: Any) -> None:
+        """Write a label of the horizontal or vertical axes of all panels; below the last or beside the first given."""
+        if self.is_given:
+            self.panels[-1].set_xlabel(x or self.panels[-1].get_xlabel(), **look)
+            self.panels[0].set_ylabel(y or self.panels[0].get_ylabel(), **look)
+            return
+        for label, text in ((self.figure.supxlabel, x), (self.figure.supylabel, y)):
+            if text:
+                label(text, **look)
+
+    def drop(self, panel: Axes) -> None:
+        """Remove a panel that has nothing to show; of given axes only what they show."""
+        if self.is_given:
+            panel.set_axis_off()
+        else:
+            panel.remove()
+
+    def titled(self, title: str) -> Figure:
+        """Write the title above all panels, or above the first of given axes, and return the figure."""
+        lines = "\n".join(textwrap.fill(line, WIDEST_TITLE) for line in title.splitlines())
+        look: dict[str, Any] = {"fontsize": TITLE, "color": INK}
+        if not self.is_given:
+            if lines:
+                self.figure.suptitle(lines, **look)
+            return self.figure
+        for panel, (legend, *_) in zip(self.panels, self.before, strict=True):
+            drawn = panel.get_legend()
+            if drawn is not None and drawn is not legend:  # beside or below a panel there may be another one
+                drawn.set_bbox_to_anchor(None)
+                drawn.set_loc("best")
+        if lines and self.panels:
+            first, titles = self.panels[0], self.before[0][1:]
+            own = [side for side, text in zip(SIDES, titles, strict=True) if first.get_title(side) not in ("", text)]
+            side = own[0] if own else "center"
+            first.set_title("\n".join([lines, *map(first.get_title, own)]), loc=side, **look)
+        return self.figure
 
 
-def stacked_panels(height: float, shares: Sequence[float]) -> tuple[Figure, list[Axes]]:
-    """Figure of the usual width with panels in the common style one below the other, and the panels from top to bottom.
+SIDES = ("center", "left", "right")
+"""Places of the titles that axes of matplotlib may have."""
+
+
+def _dress(panel: Any) -> tuple[Any, ...]:
+    return (panel.get_legend(), *map(panel.get_title, SIDES))
+
+
+def given_panels(ax: GivenAxes, shows: Sequence[str]) -> list[Axes]:
+    """List of the axes that were given for panels that show something, one for each; else a usage error."""
+    panels = list(np.ravel(np.array(ax, dtype=object)))
+    wrong = next((one for one in panels if not isinstance(one, Axes)), None)
+    if wrong is not None:
+        raise UsageError(
+            f"ax= takes axes of matplotlib, one for each panel, not {type(wrong).__name__}", kind="wrong-form"
+        )
+    if len(panels) != len(shows):
+        needed = "one panel" if len(shows) == 1 else f"{len(shows)} panels"
+        what = f" ({', '.join(shows)})" if any(shows) else ""
+        raise UsageError(f"this plot has {needed}{what}, one axes for each; ax= has {len(panels)}", kind="wrong-count")
+    return panels
+
+
+def grid_panels(
+    width: float, height: float, shows: Sequence[str], ax: GivenAxes = None, *, columns: int = 1, **layout: Any
+) -> tuple[Sheet, Any]:
+    """Sheet with a panel for each name of what it shows, row by row, and array of its axes, (rows, columns).
+
+    Width and height of the figure are in inches; ``layout`` goes to ``Figure.subplots``. Places without a panel hold
+    None. Given axes share those of their axis that panels of the figure would share.
+    """
+    rows = -(-len(shows) // columns)
+    if ax is None:
+        figure = new_figure(width, height)
+        grid = figure.subplots(rows, columns, squeeze=False, **layout) if rows else np.empty((0, columns), object)
+        for extra in grid.ravel()[len(shows) :]:
+            extra.remove()
+        return Sheet(figure, grid.ravel()[: len(shows)].tolist()), grid
+    panels = given_panels(ax, shows)
+    grid = np.array([*panels, *[None] * (rows * columns - len(panels))], dtype=object).reshape(rows, columns)
+    for side in ("sharex", "sharey"):
+        how = layout.get(side, False)
+        for place, panel in enumerate(panels):
+            row, column = divmod(place, columns)
+            first: Any = grid[0 if how in (True, "col") else row, 0 if how in (True, "row") else column]
+            share_axis(panel, first, side)
+    return Sheet.of_given(panels), grid
+
+
+def share_axis(panel: Axes, first: Axes, side: str) -> None:
+    """Have given axes share an axis with the first, ``sharex`` or ``sharey``, unless they do."""
+    shared = panel.get_shared_x_axes() if side == "sharex" else panel.get_shared_y_axes()
+    if panel is not first and not shared.joined(panel, first):
+        try:
+            getattr(panel, side)(first)
+        except ValueError:
+            raise UsageError(
+                "panels of this plot share an axis, and the axes in ax= already share it with others; give other axes",
+                kind="contradicting-values",
+            ) from None
+
+
+def mosaic_panels(height: float, mosaic: Sequence[Sequence[str]], ax: GivenAxes = None, **layout: Any) -> Sheet:
+    """Sheet of the usual width with styled panels of unequal size; ``mosaic`` has what each shows, as a table.
+
+    ``layout`` goes to ``Figure.subplot_mosaic``.
+    """
+    if ax is None:
+        figure = new_figure(WIDTH, height)
+        rows: Any = [list(row) for row in mosaic]
+        sheet = Sheet(figure, list(figure.subplot_mosaic(rows, **layout).values()))
+    else:
+        shows = list(dict.fromkeys(name for row in mosaic for name in row))
+        sheet = Sheet.of_given(given_panels(ax, shows))
+    for panel in sheet.panels:
+        style_axes(panel)
+    return sheet
+
+
+def one_panel(height: float, ax: GivenAxes = None) -> tuple[Sheet, Axes]:
+    """Sheet of the usual width and a height in inches with one panel in the common style, and this panel."""
+    sheet, (panel,) = stacked_panels(height, [""], ax)
+    return sheet, panel
+
+
+def stacked_panels(
+    height: float, shows: Sequence[str], ax: GivenAxes = None, *, shares: Sequence[float] | None = None
+) -> tuple[Sheet, list[Axes]]:
+    """Sheet of the usual width with panels in the common style one below the other, and these from top to bottom.
 
     Their horizontal axis is the same; ``shares`` are their heights in parts of the figure's, which is in inches.
     """
-    figure = new_figure(WIDTH, height)
-    panels = figure.subplots(len(shares), 1, sharex=True, squeeze=False, gridspec_kw={"height_ratios": shares})[:, 0]
-    for panel in panels:
+    ratios = {"height_ratios": shares or [1] * len(shows)}
+    sheet, _ = grid_panels(WIDTH, height, shows, ax, sharex=True, gridspec_kw=ratios)
+    for panel in sheet.panels:
         style_axes(panel)
-    return figure, panels.tolist()
+    return sheet, sheet.panels
 
 
 def legend_beside(axes: Axes) -> None:
     """Draw the legend of the axes to their right."""
     axes.legend(fontsize=SMALL, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
-
-
-def legend_below(figure: Figure, columns: int, *entries: Sequence[Any], **look: Any) -> None:
-    """Draw the legend of a figure below its panels: of all that has a label, or of handles and their names."""
-    figure.legend(*entries, loc="outside lower center", ncols=columns, frameon=False, fontsize=SMALL, **look)
 
 
 def line_style(index: int) -> dict[str, Any]:
@@ -180,13 +336,6 @@ def tick_text(value: float) -> str:
     return f"{value:g}" if 1e-4 <= abs(value) < 1e5 or value == 0 else f"{value:.0e}".replace("e-0", "e-")
 
 
-def set_title(figure: Figure, title: str) -> None:
-    """Set the title of a figure, folded into lines no wider than the figure."""
-    if title:
-        lines = [textwrap.fill(line, WIDEST_TITLE) for line in title.splitlines()]
-        figure.suptitle("\n".join(lines), fontsize=TITLE, color=INK)
-
-
 # Panels with horizontal bars one below the other, and the names of their rows beside them.
 
 BARS, ROW = 1.5, 0.26
@@ -235,31 +384,26 @@ def fills_a_page(count: int, rows: int) -> bool:
     return count > FEW_PANELS and count * (rows + 2) > MOST_BARS
 
 
-def bar_panels(count: int, rows: int, longest: float) -> tuple[Figure, list[Axes], float]:
-    """Figure, list of its panels for horizontal bars, and width in inches of a panel with the names of its bars.
+def bar_panels(shows: Sequence[str], rows: int, longest: float, ax: GivenAxes = None) -> tuple[Sheet, float]:
+    """Sheet with panels for horizontal bars, and width in inches of a panel with the names of its bars.
 
     As many panels stand side by side as leave room for bars and names.
 
     Parameters
     ----------
-    count, rows : int
-        Number of panels, and of bars in each.
+    shows : sequence of str
+        What each panel shows.
+    rows : int
+        Number of bars in each.
     longest : float
         Width of the longest name in inches.
-
-    Returns
-    -------
-    figure, panels : Figure, list of Axes
-    width : float
-        Width in inches of a panel with its names.
+    ax : sequence of Axes, optional
+        Axes that were given.
     """
-    columns = panel_columns(count, max(1, int(WIDTH / (BARS + min(longest, WIDTH / 3)))))
-    lines = math.ceil(count / columns)
-    figure = new_figure(WIDTH, 0.9 + lines * (0.8 + ROW * max(rows, 2)))
-    grid = figure.subplots(lines, columns, squeeze=False).ravel()
-    for axes in grid[count:]:
-        axes.remove()
-    return figure, grid[:count].tolist(), WIDTH / columns
+    columns = panel_columns(len(shows), max(1, int(WIDTH / (BARS + min(longest, WIDTH / 3)))))
+    height = 0.9 + math.ceil(len(shows) / columns) * (0.8 + ROW * max(rows, 2))
+    sheet, _ = grid_panels(WIDTH, height, shows, ax, columns=columns)
+    return sheet, WIDTH / columns
 
 
 # Axis of speeds, with room around a steady speed, whose small changes would fill the panel else.

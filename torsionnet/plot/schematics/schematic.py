@@ -14,7 +14,7 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 
 from torsionnet.plot.drawing.pieces import PAPER, ROLES, Box, Label, Piece, Stroke, is_math
-from torsionnet.plot.drawing.style import bare_figure
+from torsionnet.plot.drawing.style import bare_figure, grid_panels
 from torsionnet.plot.schematics.arrangement import (
     MILLIMETRES_PER_INCH,
     PAPER_WIDTH,
@@ -41,24 +41,33 @@ def figure_of_drawing(block: Piece, extent: Box) -> Figure:
 
     One axes without ticks whose unit is a point.
     """
-    figure, axes, scale = _canvas(extent)
+    width, height = extent[1] - extent[0], extent[3] - extent[2]
+    scale = min(1.0, TALLEST_FIGURE * POINTS_PER_INCH / height)
+    figure = bare_figure(width * scale / POINTS_PER_INCH, height * scale / POINTS_PER_INCH)
+    _draw_all(figure.add_axes((0.0, 0.0, 1.0, 1.0)), block, extent, scale)
+    return figure
+
+
+def draw_into(axes: Axes, block: Piece, extent: Box) -> None:
+    """Draw strokes and labels in the middle of given axes, as large as there is room, at most in their size."""
+    room, dots = axes.get_window_extent(), axes.get_figure(root=True).dpi / POINTS_PER_INCH  # type: ignore[union-attr]
+    scale = min(1.0, room.width / dots / (extent[1] - extent[0]), room.height / dots / (extent[3] - extent[2]))
+    (x, y), (width, height) = (
+        ((extent[0] + extent[1]) / 2, (extent[2] + extent[3]) / 2),
+        (room.width / dots / scale, room.height / dots / scale),
+    )
+    axes.set_aspect("equal")
+    _draw_all(axes, block, (x - width / 2, x + width / 2, y - height / 2, y + height / 2), scale)
+
+
+def _draw_all(axes: Axes, block: Piece, extent: Box, scale: float) -> None:
+    axes.set_axis_off()
+    axes.set_xlim(extent[0], extent[1])
+    axes.set_ylim(extent[2], extent[3])
     for order, stroke in enumerate(block.strokes):
         _draw(axes, stroke, scale, order)
     for label in block.labels:
         _write(axes, label, scale)
-    return figure
-
-
-def _canvas(extent: Box) -> tuple[Figure, Axes, float]:
-    width, height = extent[1] - extent[0], extent[3] - extent[2]
-    scale = min(1.0, TALLEST_FIGURE * POINTS_PER_INCH / height)
-    size = (width * scale / POINTS_PER_INCH, height * scale / POINTS_PER_INCH)
-    figure = bare_figure(*size)
-    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-    axes.set_axis_off()
-    axes.set_xlim(extent[0], extent[1])
-    axes.set_ylim(extent[2], extent[3])
-    return figure, axes, scale
 
 
 def _draw(axes: Axes, stroke: Stroke, scale: float, order: int) -> None:
@@ -178,7 +187,12 @@ def part_between(block: Piece, low: float, high: float) -> Piece:
 
 
 def schematic(
-    drivetrain: Drivetrain, *, title: str | None = None, width: float = PAPER_WIDTH, boxes: bool = False
+    drivetrain: Drivetrain,
+    *,
+    title: str | None = None,
+    width: float = PAPER_WIDTH,
+    boxes: bool = False,
+    ax: Axes | None = None,
 ) -> Figure:
     r"""Figure of the schematic of a drivetrain, with shafts from left to right, inertias as discs, inputs and sensors.
 
@@ -200,6 +214,8 @@ def schematic(
 
     boxes : bool, optional
         Draw each part that the model uses as one box; else all that is in it.
+    ax : Axes, optional
+        Axes to draw into; by default those of a new figure.
 
     Returns
     -------
@@ -220,7 +236,12 @@ def schematic(
     """
     page = page_width(width)
     whole = arranged(with_part_boxes(drivetrain) if boxes else drivetrain, page)
-    return figure_of_drawing(whole, framed(titled(whole, drivetrain.title if title is None else title, page)))
+    title = drivetrain.title if title is None else title
+    if ax is not None:
+        sheet, ((axes,),) = grid_panels(page, page, [""], ax)
+        draw_into(axes, whole, framed(whole.extent))
+        return sheet.titled(title)
+    return figure_of_drawing(whole, framed(titled(whole, title, page)))
 
 
 def schematic_parts(drivetrain: Drivetrain, tallest: float) -> tuple[Figure, ...]:

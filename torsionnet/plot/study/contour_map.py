@@ -18,6 +18,7 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 import torsionnet.plot.drawing.style as style
 from torsionnet.base.number_text import screen_text, typeset_unit
 from torsionnet.linear.frequency_response import FloatArray
+from torsionnet.plot.drawing.style import GivenAxes
 from torsionnet.plot.study.study_axes import (
     BEYOND_COLOR,
     EQUAL_VALUES,
@@ -52,7 +53,9 @@ LABEL_LINE = 0.155
 """Height in inches of a line of a label of a contour map."""
 
 
-def contour_map(result: MapResult, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
+def contour_map(
+    result: MapResult, *, units: ShownUnits = IN_SI, title: str | None = None, ax: GivenAxes = None
+) -> Figure:
     """Figure of contours of a quantity over two parameters, its value in colours, a panel for each configuration.
 
     A limit of the quantity in red.
@@ -67,6 +70,8 @@ def contour_map(result: MapResult, *, units: ShownUnits = IN_SI, title: str | No
     units : ShownUnits, optional
         By default SI.
     title : str, optional
+    ax : sequence of Axes, optional
+        Axes to draw into, one for each configuration; by default those of a new figure.
 
     Returns
     -------
@@ -79,25 +84,23 @@ def contour_map(result: MapResult, *, units: ShownUnits = IN_SI, title: str | No
     rows = math.ceil(len(result.maps) / columns)
     share_x, share_y = (_alike(getattr(one, side) for one in result.maps.values()) for side in "xy")
     labels = _Labels.within(result, units, columns, rows, apart=0.0 if share_y else TICKS)
-    figure = style.new_figure(style.WIDTH, labels.height)
-    grid = figure.subplots(rows, columns, squeeze=False, sharex=share_x, sharey=share_y)
-    panels = grid.ravel()[: len(result.maps)].tolist()
+    sheet, grid = style.grid_panels(
+        style.WIDTH, labels.height, list(result.maps), ax, columns=columns, sharex=share_x, sharey=share_y
+    )
+    panels = sheet.panels
     for axes, (case, one) in zip(panels, result.maps.items(), strict=True):
         _panel(axes, _axes_of(result, one, units), scale * one.values.T, levels, norm, labels.width)
         _limits(axes, result, _axes_of(result, one, units), scale * one.values.T, scale)
         if len(panels) > 1:
             panel_title(axes, case, labels.width)
-    for axes in grid.ravel()[len(panels) :]:
-        axes.remove()
     for axes in grid[:, 0]:
         axes.set_ylabel(labels.y)
     for axes in panels[-columns:]:
         axes.set_xlabel(labels.x)
         axes.tick_params(labelbottom=True)
     if len(every):
-        _bar(figure, result, panels, ScalarMappable(norm, "viridis"), units, labels.bar)
-    style.set_title(figure, result.title if title is None else title)
-    return figure
+        _bar(sheet.figure, result, panels, ScalarMappable(norm, "viridis"), units, labels.bar)
+    return sheet.titled(result.title if title is None else title)
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.number_text import typeset_unit
 from torsionnet.machinery.design.damper_optimum import DamperOptimum, DesignParameter
 from torsionnet.plot.drawing.labels import axis_unit
+from torsionnet.plot.drawing.style import GivenAxes
 from torsionnet.plot.study.study_axes import axis_label, is_wide, legend_below, log_axis, parameter_rows, text_rows
 from torsionnet.study.design.best_damper import DamperOverConditions
 from torsionnet.study.design.design_goals import DesignObjective
@@ -32,7 +34,9 @@ NEAR_BOUND = 0.2
 LABELLED: dict[str, Any] = {"fontsize": style.SMALL, "color": style.INK}
 
 
-def design_optimum(result: DesignOptimum, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
+def design_optimum(
+    result: DesignOptimum, *, units: ShownUnits = IN_SI, title: str | None = None, ax: GivenAxes = None
+) -> Figure:
     """Figure of parameters within their bounds, as given and optimal, and of the best objective over the designs tried.
 
     Parameters
@@ -42,15 +46,17 @@ def design_optimum(result: DesignOptimum, *, units: ShownUnits = IN_SI, title: s
         By default SI.
     title : str, optional
         By default that of the result.
+    ax : sequence of Axes, optional
+        Axes to draw into, for parameters and objective; by default those of a new figure.
 
     Returns
     -------
     matplotlib.figure.Figure
     """
-    figure = style.new_figure(style.WIDTH, 1.6 + max(1.4, 0.4 * len(result.parameters)))
-    places, course = figure.subplots(1, 2, width_ratios=(1.6, 1))
+    height, shows = 1.6 + max(1.4, 0.4 * len(result.parameters)), [["parameters", "best objective"]]
+    sheet = style.mosaic_panels(height, shows, ax, width_ratios=(1.6, 1))
+    places, course = sheet.panels
     _draw_places(places, result.parameters, units)
-    style.style_axes(course)
     calculated, merits = result.history.T
     scale, label = (
         (1.0, "squared deviations [-]") if result.goals.targets else _shown(result.goals.objectives[0], units)
@@ -61,8 +67,7 @@ def design_optimum(result: DesignOptimum, *, units: ShownUnits = IN_SI, title: s
     course.set_ylabel(label)
     if result.goals.targets and is_wide(merits[np.isfinite(merits)]):
         log_axis(course, "y", merits.min(), merits.max())
-    style.set_title(figure, f"{result.title}: optimum".removeprefix(": ") if title is None else title)
-    return figure
+    return sheet.titled(f"{result.title}: optimum".removeprefix(": ") if title is None else title)
 
 
 def _draw_places(axes: Axes, parameters: tuple[DesignParameter, ...], units: ShownUnits) -> None:
@@ -108,7 +113,7 @@ def _place(one: DesignParameter, value: float) -> float:
 
 
 def damper_over_conditions(
-    result: DamperOverConditions, *, units: ShownUnits = IN_SI, title: str | None = None
+    result: DamperOverConditions, *, units: ShownUnits = IN_SI, title: str | None = None, ax: Axes | None = None
 ) -> Figure:
     """Figure of the largest vibration level in every condition, the damper as given, best for all, and best for each.
 
@@ -119,12 +124,14 @@ def damper_over_conditions(
         By default SI.
     title : str, optional
         By default that of the result.
+    ax : Axes, optional
+        Axes to draw into; by default those of a new figure.
 
     Returns
     -------
     matplotlib.figure.Figure
     """
-    figure, axes = style.one_panel(1.4 + 0.45 * len(result.conditions))
+    sheet, axes = style.one_panel(1.4 + 0.45 * len(result.conditions), ax)
     rows = np.arange(len(result.conditions))
     marks = (("as given", "before", "s"), ("best for all", "after", "o"), ("best alone", "alone", "|"))
     scale, unit = (
@@ -137,13 +144,14 @@ def damper_over_conditions(
     axes.axvline(scale * result.worst.after.level, color=style.MUTED, linewidth=0.8)
     text_rows(axes, [one.condition or result.title for one in result.conditions], style.WIDTH)
     axes.set_xlabel(f"largest {axis_label(result.channel.name, unit)}")
-    legend_below(figure, *axes.get_legend_handles_labels())
+    legend_below(sheet, *axes.get_legend_handles_labels())
     best = ", ".join(f"{one.name} = {_value(one, units)}" for one in result.parameters)
-    style.set_title(figure, f"{result.title}: {best}" if title is None else title)
-    return figure
+    return sheet.titled(f"{result.title}: {best}" if title is None else title)
 
 
-def pareto_front(result: ParetoFront, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
+def pareto_front(
+    result: ParetoFront, *, units: ShownUnits = IN_SI, title: str | None = None, ax: GivenAxes = None
+) -> Figure:
     """Figure of the objectives of the designs of a Pareto front, each over the one before, a panel for each pair.
 
     Parameters
@@ -153,14 +161,17 @@ def pareto_front(result: ParetoFront, *, units: ShownUnits = IN_SI, title: str |
         By default SI.
     title : str, optional
         By default that of the result.
+    ax : sequence of Axes, optional
+        Axes to draw into, one for each pair of objectives; by default those of a new figure.
 
     Returns
     -------
     matplotlib.figure.Figure
     """
-    count = len(result.objectives) - 1
-    figure = style.new_figure(style.WIDTH, 3.6)
-    for number, axes in enumerate(np.atleast_1d(figure.subplots(1, count)).tolist()):
+    names = [one.name for one in result.objectives]
+    shows = [f"{up} over {across}" for across, up in pairwise(names)]
+    sheet, _ = style.grid_panels(style.WIDTH, 3.6, shows, ax, columns=len(shows))
+    for number, axes in enumerate(sheet.panels):
         style.style_axes(axes)
         (x, across_label), (y, up_label) = (_shown(one, units) for one in result.objectives[number : number + 2])
         across, up = result.values[:, number] * x, result.values[:, number + 1] * y
@@ -172,12 +183,13 @@ def pareto_front(result: ParetoFront, *, units: ShownUnits = IN_SI, title: str |
             axes.plot(*given, "s", color=style.MUTED, mfc=style.PAPER, label="as given")
         axes.set_xlabel(f"{across_label}, {result.objectives[number].sense}d")
         axes.set_ylabel(f"{up_label}, {result.objectives[number + 1].sense}d")
-    legend_below(figure, *figure.axes[0].get_legend_handles_labels())
-    style.set_title(figure, f"{result.title}: best compromises".removeprefix(": ") if title is None else title)
-    return figure
+    legend_below(sheet, *sheet.panels[0].get_legend_handles_labels())
+    return sheet.titled(f"{result.title}: best compromises".removeprefix(": ") if title is None else title)
 
 
-def robust_optimum(result: RobustOptimum, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
+def robust_optimum(
+    result: RobustOptimum, *, units: ShownUnits = IN_SI, title: str | None = None, ax: GivenAxes = None
+) -> Figure:
     """Figure of each design's mean and standard deviation under tolerances, and percent of variants within the limits.
 
     Parameters
@@ -187,15 +199,18 @@ def robust_optimum(result: RobustOptimum, *, units: ShownUnits = IN_SI, title: s
         By default SI.
     title : str, optional
         By default that of the result.
+    ax : sequence of Axes, optional
+        Axes to draw into, one for each quantity and, with limits, the share of variants; by default those of a new
+        figure.
 
     Returns
     -------
     matplotlib.figure.Figure
     """
     shown = list(result.designs[0].mean)
-    panels = len(shown) + result.limited
-    figure = style.new_figure(style.WIDTH, 3.2)
-    every = np.atleast_1d(figure.subplots(1, panels)).tolist()
+    shows = [*shown, *(["share that keeps all limits"] if result.limited else [])]
+    sheet, _ = style.grid_panels(style.WIDTH, 3.2, shows, ax, columns=len(shows))
+    every = sheet.panels
     labels = [one.label for one in result.designs]
     for name, axes in zip(shown, every, strict=False):
         means, deviations = ([getattr(one, what)[name] for one in result.designs] for what in ("mean", "deviation"))
@@ -214,8 +229,7 @@ def robust_optimum(result: RobustOptimum, *, units: ShownUnits = IN_SI, title: s
         style.style_axes(axes)
         axes.set_xticks(range(len(labels)), labels)
         axes.set_xlim(-0.5, len(labels) - 0.5)
-    style.set_title(figure, f"{result.title}: robust optimum".removeprefix(": ") if title is None else title)
-    return figure
+    return sheet.titled(f"{result.title}: robust optimum".removeprefix(": ") if title is None else title)
 
 
 # Plot of a damper design, the vibration level over frequency or speed, and its maximum over each damper value.
@@ -229,7 +243,9 @@ WIDE_RANGE = 3.0
 MARK: dict[str, Any] = {"markersize": 6, "zorder": 5, "clip_on": False}
 
 
-def damper_design(result: DamperOptimum, *, conventions: Conventions = SI, title: str | None = None) -> Figure:
+def damper_design(
+    result: DamperOptimum, *, conventions: Conventions = SI, title: str | None = None, ax: GivenAxes = None
+) -> Figure:
     """Figure of vibration levels over frequency or speed with the damper as given, optimal, undamped and locked.
 
     Below, the largest level over each value.
@@ -241,6 +257,8 @@ def damper_design(result: DamperOptimum, *, conventions: Conventions = SI, title
         Unit of angles.
     title : str, optional
         By default that of the result.
+    ax : sequence of Axes, optional
+        Axes to draw into, for the levels, then one for each damper value; by default those of a new figure.
 
     Returns
     -------
@@ -248,20 +266,18 @@ def damper_design(result: DamperOptimum, *, conventions: Conventions = SI, title
     """
     largest = max(result.before.level, result.after.level)
     scale, unit = axis_unit(result.channel.unit, largest, conventions)
-    count = len(result.parameters)
-    figure = style.new_figure(style.WIDTH, 6.4)
-    grid = figure.add_gridspec(2, count, height_ratios=(1.5, 1))
-    _draw_levels(figure.add_subplot(grid[0, :]), result, scale, unit)
-    first = None
-    for number in range(count):
-        first = _draw_effect(figure.add_subplot(grid[1, number], sharey=first), result, number, scale)
-    figure.axes[1].set_ylabel(f"its maximum [{unit}]")
-    style.set_title(figure, result.title if title is None else title)
-    return figure
+    below = [f"maximum over {one.name}" for one in result.parameters]
+    sheet = style.mosaic_panels(6.4, [["levels"] * len(below), below], ax, height_ratios=(1.5, 1))
+    levels, *effects = sheet.panels
+    _draw_levels(levels, result, scale, unit)
+    for number, axes in enumerate(effects):
+        style.share_axis(axes, effects[0], "sharey")
+        _draw_effect(axes, result, number, scale)
+    effects[0].set_ylabel(f"its maximum [{unit}]")
+    return sheet.titled(result.title if title is None else title)
 
 
 def _draw_levels(axes: Axes, result: DamperOptimum, scale: float, unit: str) -> None:
-    style.style_axes(axes)
     for number, curve in enumerate(result.curves):
         axes.plot(curve.points, curve.levels * scale, label=curve.label, **style.line_style(number))
     for label, mark, points in (("maximum", "o", result.peaks), ("all films meet", "x", result.fixed_points)):
@@ -285,9 +301,8 @@ def _draw_levels(axes: Axes, result: DamperOptimum, scale: float, unit: str) -> 
     style.legend_beside(axes)
 
 
-def _draw_effect(axes: Axes, result: DamperOptimum, number: int, scale: float) -> Axes:
-    """Draw the largest vibration level over one damper value, with a line at the value given, and return the axes."""
-    style.style_axes(axes)
+def _draw_effect(axes: Axes, result: DamperOptimum, number: int, scale: float) -> None:
+    """Draw the largest vibration level over one damper value, with a line at the value given."""
     one = result.parameters[number]
     axes.plot(one.values, one.largest * scale, color=style.INK, linewidth=1.6)
     axes.plot([one.value], [result.after.level * scale], "o", color=style.INK, **MARK)
@@ -303,4 +318,3 @@ def _draw_effect(axes: Axes, result: DamperOptimum, number: int, scale: float) -
         style.log_ticks(axes.yaxis, lowest, highest)
     axes.set_xlim(one.lower, one.upper)
     axes.set_xlabel(f"{one.name} [{typeset_unit(one.unit or '1')}]")
-    return axes

@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 import torsionnet.plot.drawing.style as style
 from torsionnet.base.number_text import screen_text, typeset_unit
 from torsionnet.base.units import RPM
+from torsionnet.plot.drawing.style import GivenAxes
 from torsionnet.plot.study.study_axes import (
     BEYOND_COLOR,
     axis_label,
@@ -44,7 +45,9 @@ LEGEND_LINE = 0.165
 """Height in inches of a line of the legend beside the plot of limit shares."""
 
 
-def limit_shares(result: YieldResult, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
+def limit_shares(
+    result: YieldResult, *, units: ShownUnits = IN_SI, title: str | None = None, ax: GivenAxes = None
+) -> Figure:
     """Figure of histograms, percent of variants over a limited quantity, a curve per configuration, limits shaded.
 
     Parameters
@@ -54,6 +57,8 @@ def limit_shares(result: YieldResult, *, units: ShownUnits = IN_SI, title: str |
     units : ShownUnits, optional
         By default SI.
     title : str, optional
+    ax : sequence of Axes, optional
+        Axes to draw into, one for each limited quantity; by default those of a new figure.
 
     Returns
     -------
@@ -61,12 +66,11 @@ def limit_shares(result: YieldResult, *, units: ShownUnits = IN_SI, title: str |
     """
     names = list(dict.fromkeys(one.quantity for one in result.distributions))
     cases = len(dict.fromkeys(one.configuration for one in result.distributions))
-    figure = style.new_figure(style.WIDTH, 0.8 + max(2.4, 0.9 + LEGEND_LINE * cases) * len(names))
-    panels = figure.subplots(len(names), 1, squeeze=False)[:, 0]
-    for axes, name in zip(panels, names, strict=True):
+    height = 0.8 + max(2.4, 0.9 + LEGEND_LINE * cases) * len(names)
+    sheet, _ = style.grid_panels(style.WIDTH, height, names, ax)
+    for axes, name in zip(sheet.panels, names, strict=True):
         _panel(axes, result, [one for one in result.distributions if one.quantity == name], units)
-    style.set_title(figure, result.title if title is None else title)
-    return figure
+    return sheet.titled(result.title if title is None else title)
 
 
 def _panel(axes: Axes, result: YieldResult, distributions: list[LimitedValues], units: ShownUnits) -> None:
@@ -144,7 +148,7 @@ number."""
 
 
 def failure_probabilities(
-    result: FailureProbabilityResult, *, units: ShownUnits = IN_SI, title: str | None = None
+    result: FailureProbabilityResult, *, units: ShownUnits = IN_SI, title: str | None = None, ax: Axes | None = None
 ) -> Figure:
     """Figure of probabilities that a limit is not kept, a row per configuration, with intervals.
 
@@ -157,6 +161,8 @@ def failure_probabilities(
     units : ShownUnits, optional
         Probabilities have none.
     title : str, optional
+    ax : Axes, optional
+        Axes to draw into; by default those of a new figure.
 
     Returns
     -------
@@ -167,7 +173,7 @@ def failure_probabilities(
     ends = [
         side for _, one in events for side in (one.low, one.high, one.probability) if np.isfinite(side) and side > 0
     ]
-    figure, axes = style.one_panel(1.3 + 0.34 * len(events))
+    sheet, axes = style.one_panel(1.3 + 0.34 * len(events), ax)
     for place, (_, one) in enumerate(events):
         _drawn_probabilities(axes, place, one)
     if ends:
@@ -180,8 +186,7 @@ def failure_probabilities(
     text_rows(axes, [case for case, _ in events], style.WIDTH)
     words = textwrap.fill(f"probability of {typeset_unit(result.beyond)} [-]", style.WIDEST_TITLE)
     axes.set_xlabel(f"{words}\n{100 * result.confidence:g} % interval")
-    style.set_title(figure, result.title if title is None else title)
-    return figure
+    return sheet.titled(result.title if title is None else title)
 
 
 def _drawn_probabilities(axes: Axes, place: int, one: RareEvent) -> None:
@@ -205,7 +210,9 @@ PANEL_HEIGHT = 2.3
 """Height in inches of a panel with the bands of percentiles of one configuration."""
 
 
-def percentile_bands(result: PercentileBandsResult, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
+def percentile_bands(
+    result: PercentileBandsResult, *, units: ShownUnits = IN_SI, title: str | None = None, ax: GivenAxes = None
+) -> Figure:
     """Figure of percentiles of curves over frequency or speed as bands within each other, the middle one as a line.
 
     A panel for each configuration.
@@ -217,6 +224,8 @@ def percentile_bands(result: PercentileBandsResult, *, units: ShownUnits = IN_SI
     units : ShownUnits, optional
         By default SI.
     title : str, optional
+    ax : sequence of Axes, optional
+        Axes to draw into, one for each configuration; by default those of a new figure.
 
     Returns
     -------
@@ -224,10 +233,11 @@ def percentile_bands(result: PercentileBandsResult, *, units: ShownUnits = IN_SI
     """
     count, quantity = len(result.lines), (result.quantity, result.measure.unit)
     columns = style.panel_columns(count, MOST_COLUMNS)
-    rows = math.ceil(count / columns)
-    figure = style.new_figure(style.WIDTH, 1.1 + PANEL_HEIGHT * rows)
-    grid = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
-    panels = grid.ravel()[:count].tolist()
+    height = 1.1 + PANEL_HEIGHT * math.ceil(count / columns)
+    sheet, grid = style.grid_panels(
+        style.WIDTH, height, list(result.lines), ax, columns=columns, sharex=True, sharey=True
+    )
+    panels = sheet.panels
     over_speed = result.measure.over == "speed"
     points = result.measure.points * RPM if over_speed else result.measure.points
     scale = units.scale(*quantity)
@@ -235,8 +245,6 @@ def percentile_bands(result: PercentileBandsResult, *, units: ShownUnits = IN_SI
         _bands(axes, points, lines * scale, result.percentiles)
         if count > 1:
             panel_title(axes, case, style.WIDTH / columns - 0.5)
-    for axes in grid.ravel()[count:]:
-        axes.remove()
     for axes in grid[:, 0]:
         axes.set_ylabel(axis_label(quantity[0], units.unit(*quantity), PANEL_HEIGHT))
     every = finite_values(result.lines.values()) * scale
@@ -249,9 +257,8 @@ def percentile_bands(result: PercentileBandsResult, *, units: ShownUnits = IN_SI
         axes.set_xlabel("speed [r/min]" if over_speed else "frequency [Hz]")
         axes.tick_params(labelbottom=True)
     handles, labels = panels[0].get_legend_handles_labels()
-    legend_below(figure, handles, labels)
-    style.set_title(figure, result.title if title is None else title)
-    return figure
+    legend_below(sheet, handles, labels)
+    return sheet.titled(result.title if title is None else title)
 
 
 def _bands(axes: Axes, points: FloatArray, lines: FloatArray, shares: tuple[float, ...]) -> None:

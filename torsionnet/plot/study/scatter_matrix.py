@@ -14,6 +14,7 @@ from matplotlib.ticker import MaxNLocator
 import torsionnet.plot.drawing.style as style
 from torsionnet.base.errors import UsageError
 from torsionnet.base.number_text import screen_text
+from torsionnet.plot.drawing.style import GivenAxes
 from torsionnet.plot.study.study_axes import (
     BEYOND_COLOR,
     WITHIN_COLOR,
@@ -46,7 +47,12 @@ WIDE_RANGE = 30.0
 
 
 def scatter_matrix(
-    result: ScatterResult, configuration: str | None = None, *, units: ShownUnits = IN_SI, title: str | None = None
+    result: ScatterResult,
+    configuration: str | None = None,
+    *,
+    units: ShownUnits = IN_SI,
+    title: str | None = None,
+    ax: GivenAxes = None,
 ) -> Figure:
     """Figure of scatter plots of every quantity (rows) over every parameter (columns), with rank correlations inside.
 
@@ -59,6 +65,8 @@ def scatter_matrix(
     units : ShownUnits, optional
         By default SI.
     title : str, optional
+    ax : sequence of Axes, optional
+        Axes to draw into, one for each quantity and parameter, row by row; by default those of a new figure.
 
     Returns
     -------
@@ -76,8 +84,9 @@ def scatter_matrix(
     si = {**result.parameter_units, **result.units}
     columns = {name: _columns(result, cases, name, units.scale(name, si[name])) for name in (*shown, *result.units)}
     width = max(style.WIDTH, PANEL_WIDTH * len(shown))
-    figure = style.new_figure(width, 0.9 + PANEL_HEIGHT * len(result.units))
-    panels = figure.subplots(len(result.units), len(shown), squeeze=False, sharex="col", sharey="row")
+    shows = [f"{quantity} over {parameter}" for quantity in result.units for parameter in shown]
+    height = 0.9 + PANEL_HEIGHT * len(result.units)
+    sheet, panels = style.grid_panels(width, height, shows, ax, columns=len(shown), sharex="col", sharey="row")
     for row, quantity in zip(panels, result.units, strict=True):
         for axes, parameter in zip(row, shown, strict=True):
             _points(axes, columns[parameter], columns[quantity])
@@ -90,9 +99,8 @@ def scatter_matrix(
         axes.set_xlabel(axis_label(parameter, units.unit(parameter, si[parameter]), width / len(shown) - 0.2))
     handles, labels = panels[0][0].get_legend_handles_labels()
     if len(labels) > 1:
-        legend_below(figure, handles, labels, larger=3)
-    style.set_title(figure, result.title if title is None else title)
-    return figure
+        legend_below(sheet, handles, labels, larger=3)
+    return sheet.titled(result.title if title is None else title)
 
 
 def _strongest(result: ScatterResult, cases: list[str]) -> list[str]:
@@ -170,7 +178,11 @@ ones."""
 
 
 def parallel_coordinates(
-    result: ParallelCoordinatesResult, *, units: ShownUnits = IN_SI, title: str | None = None
+    result: ParallelCoordinatesResult,
+    *,
+    units: ShownUnits = IN_SI,
+    title: str | None = None,
+    ax: GivenAxes = None,
 ) -> Figure:
     """Figure of variants as lines across parallel axes of parameters and quantities, those beyond a limit in red.
 
@@ -183,6 +195,8 @@ def parallel_coordinates(
     units : ShownUnits, optional
         By default SI.
     title : str, optional
+    ax : sequence of Axes, optional
+        Axes to draw into, one for each configuration; by default those of a new figure.
 
     Returns
     -------
@@ -193,8 +207,8 @@ def parallel_coordinates(
     every = {name: scales[name] * finite_values(one[name] for one in result.variants.values()) for name in names}
     width = max(style.WIDTH, AXIS_DISTANCE * len(names))
     height = TALL_PANEL if len(result.variants) <= MOST_TALL else LOW_PANEL
-    figure = style.new_figure(width, 1.2 + height * len(result.variants))
-    panels = figure.subplots(len(result.variants), 1, squeeze=False)[:, 0]
+    sheet, _ = style.grid_panels(width, 1.2 + height * len(result.variants), list(result.variants), ax)
+    panels = sheet.panels
     for axes, (case, columns) in zip(panels, result.variants.items(), strict=True):
         shares = np.column_stack([_shares(columns[name] * scales[name], every[name]) for name in names])
         _lines(axes, shares, result.beyond[case])
@@ -208,9 +222,8 @@ def parallel_coordinates(
             panel_title(axes, case, width, pad=TITLE_PAD)
     if any(outside.any() for outside in result.beyond.values()):
         handles = [Line2D([], [], color=color) for color in (WITHIN_COLOR, BEYOND_COLOR)]
-        legend_below(figure, handles, ["within limits", "beyond a limit"])
-    style.set_title(figure, result.title if title is None else title)
-    return figure
+        legend_below(sheet, handles, ["within limits", "beyond a limit"])
+    return sheet.titled(result.title if title is None else title)
 
 
 def _shares(values: FloatArray, every: FloatArray) -> FloatArray:

@@ -8,7 +8,6 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator
 from numpy.typing import ArrayLike, NDArray
 
@@ -16,7 +15,7 @@ import torsionnet.plot.drawing.style as style
 from torsionnet.base.number_text import typeset_unit, unit_in_brackets
 from torsionnet.plot.drawing.labels import symbol
 from torsionnet.plot.drawing.pieces import text_width
-from torsionnet.plot.drawing.style import bar_panels, name_rows
+from torsionnet.plot.drawing.style import GivenAxes, bar_panels, name_rows
 from torsionnet.plot.schematics.outlines import POINTS_PER_INCH
 from torsionnet.plot.schematics.taps import wrap_text
 
@@ -122,11 +121,11 @@ def panel_title(axes: Axes, text: str, inches: float = math.inf, *, pad: float |
     axes.set_title(break_text(text, inches), fontsize=style.FONT, color=style.INK, pad=pad)
 
 
-def legend_below(figure: Figure, handles: Sequence[Artist], labels: Sequence[str], *, larger: float = 1.0) -> None:
+def legend_below(sheet: style.Sheet, handles: Sequence[Artist], labels: Sequence[str], *, larger: float = 1.0) -> None:
     """Draw a legend below all panels, in as many columns as its labels leave room for."""
     widest = max(map(_width, labels)) + KEY_WIDTH
-    columns = max(1, min(len(labels), int(figure.get_figwidth() / widest)))
-    style.legend_below(figure, columns, handles, labels, markerscale=larger)
+    columns = max(1, min(len(labels), int(sheet.width / widest)))
+    sheet.legend(columns, handles, labels, markerscale=larger)
 
 
 def write_in_empty_panel(axes: Axes, text: str) -> None:
@@ -177,17 +176,17 @@ def log_axis(axes: Axes, side: str, low: float, high: float, inches: float = mat
         axis.set_major_locator(LogLocator(numticks=max(2, int(inches / _width(style.tick_text(high))))))
 
 
-def study_bars(count: int, rows: int, names: Sequence[str]) -> tuple[Figure, list[Axes], float]:
-    """Figure with panels for bars of a study, list of these axes, and width in inches of a panel with its names."""
-    return bar_panels(count, rows, max(map(_width, names), default=0.0))
+def study_bars(shows: Sequence[str], rows: int, names: Sequence[str], ax: GivenAxes) -> tuple[style.Sheet, float]:
+    """Sheet with panels for bars of a study, and width in inches of a panel with its names."""
+    return bar_panels(shows, rows, max(map(_width, names), default=0.0), ax)
 
 
-def bars_legend(figure: Figure, panels: Iterable[Axes], behind: str = "") -> None:
-    """Draw the figure's legend with the labels of the first panel that has any, each followed by ``behind``."""
-    found = (axes.get_legend_handles_labels() for axes in panels)
+def bars_legend(sheet: style.Sheet, behind: str = "") -> None:
+    """Draw the legend of all panels with the labels of the first panel that has any, each followed by ``behind``."""
+    found = (axes.get_legend_handles_labels() for axes in sheet.panels)
     handles, labels = next(((handles, labels) for handles, labels in found if labels), ((), ()))
     if labels:
-        legend_below(figure, handles, [f"{label}{behind}" for label in labels])
+        legend_below(sheet, handles, [f"{label}{behind}" for label in labels])
 
 
 def parameter_rows(axes: Axes, names: Sequence[str], width: float) -> None:

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 import torsionnet.plot.drawing.style as style
 from torsionnet.base.number_text import screen_text, typeset_unit, unit_in_brackets
 from torsionnet.linear.frequency_response import FloatArray
-from torsionnet.plot.drawing.style import Bars, draw_bars, fills_a_page
+from torsionnet.plot.drawing.style import Bars, GivenAxes, draw_bars, fills_a_page
 from torsionnet.plot.study.study_axes import (
     EQUAL_VALUES,
     axis_label,
@@ -54,8 +54,9 @@ def parameter_matrix(
     parameters: Sequence[str],
     cases: Sequence[str],
     scales: Mapping[str, ColourScale],
-) -> Figure:
-    """Figure with a matrix for each quantity, effects in colours, parameters in rows, configurations in columns.
+    ax: GivenAxes,
+) -> style.Sheet:
+    """Sheet with a matrix for each quantity, effects in colours, parameters in rows, configurations in columns.
 
     Parameters
     ----------
@@ -64,11 +65,13 @@ def parameter_matrix(
     parameters, cases : sequence of str
     scales : mapping
         By quantity.
+    ax : sequence of Axes, optional
+        One for each quantity.
     """
     width = max(style.WIDTH, NAMES_WIDTH + FIELD_WIDTH * len(cases))
-    figure = style.new_figure(width, 1.6 + len(values) * (0.9 + FIELD_HEIGHT * len(parameters)))
-    panels = figure.subplots(len(values), 1, squeeze=False, sharex=True)[:, 0]
-    for axes, (quantity, found) in zip(panels, values.items(), strict=True):
+    height = 1.6 + len(values) * (0.9 + FIELD_HEIGHT * len(parameters))
+    sheet, _ = style.grid_panels(width, height, list(values), ax, sharex=True)
+    for axes, (quantity, found) in zip(sheet.panels, values.items(), strict=True):
         scale = scales[quantity]
         order = np.argsort(-np.nan_to_num(np.abs(found)).max(axis=1), kind="stable")
         axes.set_facecolor(style.FAINT)
@@ -77,18 +80,20 @@ def parameter_matrix(
         axes.set_ylim(len(parameters) - 0.5, -0.5)
         axes.tick_params(labelsize=style.SMALL)
         panel_title(axes, quantity)
-        bar = figure.colorbar(shown, ax=axes)
+        bar = sheet.figure.colorbar(shown, ax=axes)
         bar.set_label(break_text(scale.label, max(1.2, FIELD_HEIGHT * len(parameters))), fontsize=style.SMALL)
         bar.ax.tick_params(labelsize=style.SMALL)
-    panels[-1].set_xticks(range(len(cases)), cases, rotation=90, fontsize=style.SMALL)
-    return figure
+    sheet.panels[-1].set_xticks(range(len(cases)), cases, rotation=90, fontsize=style.SMALL)
+    return sheet
 
 
 MOST_PARAMETERS = 12
 """Largest number of parameters in a panel, those with the widest bars."""
 
 
-def study_tornado(result: TornadoResult, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
+def study_tornado(
+    result: TornadoResult, *, units: ShownUnits = IN_SI, title: str | None = None, ax: GivenAxes = None
+) -> Figure:
     """Figure of bars from a quantity's value at the low end of each parameter to that at its high end, widest on top.
 
     Parameters
@@ -98,6 +103,8 @@ def study_tornado(result: TornadoResult, *, units: ShownUnits = IN_SI, title: st
     units : ShownUnits, optional
         By default SI.
     title : str, optional
+    ax : sequence of Axes, optional
+        Axes to draw into, one for each quantity and configuration; by default those of a new figure.
 
     Returns
     -------
@@ -107,11 +114,10 @@ def study_tornado(result: TornadoResult, *, units: ShownUnits = IN_SI, title: st
     names = list(result.parameter_units)
     pairs = [(case, quantity) for quantity in quantities for case in cases]
     if fills_a_page(len(pairs), min(MOST_PARAMETERS, len(names))):
-        figure = _matrix(result, units)
-        style.set_title(figure, result.title if title is None else title)
-        return figure
-    figure, panels, width = study_bars(len(pairs), min(MOST_PARAMETERS, len(names)), names)
-    for axes, (case, quantity) in zip(panels, pairs, strict=True):
+        return _matrix(result, units, ax).titled(result.title if title is None else title)
+    shows = [f"{quantity}, {case}" if case else quantity for case, quantity in pairs]
+    sheet, width = study_bars(shows, min(MOST_PARAMETERS, len(names)), names, ax)
+    for axes, (case, quantity) in zip(sheet.panels, pairs, strict=True):
         scale, unit = units.scale(quantity, result.units[quantity]), units.unit(quantity, result.units[quantity])
         one = result.swings[case, quantity]
         _bars(axes, one, list(result.spans[case]), scale, width)
@@ -119,13 +125,12 @@ def study_tornado(result: TornadoResult, *, units: ShownUnits = IN_SI, title: st
         middle = "" if np.isnan(one.middle) else f"{screen_text(one.middle * scale, 4)} in the middle"
         told = [*([case] if len(cases) > 1 else []), *([middle] if middle else [])]
         panel_title(axes, ": ".join(told), width - 0.4)
-    bars_legend(figure, panels)
-    style.set_title(figure, result.title if title is None else title)
-    return figure
+    bars_legend(sheet)
+    return sheet.titled(result.title if title is None else title)
 
 
-def _matrix(result: TornadoResult, units: ShownUnits) -> Figure:
-    """Figure of quantities' changes from low to high end of parameters in colours, parameters by configurations.
+def _matrix(result: TornadoResult, units: ShownUnits, ax: GivenAxes) -> style.Sheet:
+    """Sheet of quantities' changes from low to high end of parameters in colours, parameters by configurations.
 
     It stands for bars if there were too many panels.
     """
@@ -137,7 +142,7 @@ def _matrix(result: TornadoResult, units: ShownUnits) -> Figure:
         most = float(np.abs(np.nan_to_num(changes[quantity])).max()) or 1.0
         label = f"change from low to high end {unit_in_brackets(typeset_unit(units.unit(quantity, si)))}".rstrip()
         scales[quantity] = ColourScale(label, "RdBu_r", -most, most)
-    return parameter_matrix(changes, names, cases, scales)
+    return parameter_matrix(changes, names, cases, scales, ax)
 
 
 def _bars(axes: Axes, one: Swings, names: list[str], scale: float, width: float) -> None:
@@ -167,7 +172,9 @@ AXIS_ENDS = -0.1, 1.15
 between 0 and 1."""
 
 
-def sobol_indices(result: SobolResult, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
+def sobol_indices(
+    result: SobolResult, *, units: ShownUnits = IN_SI, title: str | None = None, ax: GivenAxes = None
+) -> Figure:
     """Figure with bars of the first-order and total Sobol indices of every parameter.
 
     A panel for each quantity and configuration.
@@ -179,6 +186,8 @@ def sobol_indices(result: SobolResult, *, units: ShownUnits = IN_SI, title: str 
     units : ShownUnits, optional
         Shares have none.
     title : str, optional
+    ax : sequence of Axes, optional
+        Axes to draw into, one for each quantity and configuration; by default those of a new figure.
 
     Returns
     -------
@@ -188,30 +197,29 @@ def sobol_indices(result: SobolResult, *, units: ShownUnits = IN_SI, title: str 
     cases = list(dict.fromkeys(case for case, _ in result.indices))
     rows = min(MOST_PARAMETERS, len(result.parameters))
     if fills_a_page(len(result.indices), rows):
-        figure = _index_matrix(result, cases)
-        style.set_title(figure, result.title if title is None else title)
-        return figure
-    figure, panels, width = study_bars(len(result.indices), rows, result.parameters)
+        return _index_matrix(result, cases, ax).titled(result.title if title is None else title)
+    shows = [f"{quantity}, {case}" if case else quantity for (case, quantity), _ in _by_quantity(result)]
+    sheet, width = study_bars(shows, rows, result.parameters, ax)
+    panels = sheet.panels
     for axes, ((case, quantity), one) in zip(panels, _by_quantity(result), strict=True):
         _index_bars(axes, one, result.parameters, width)
         panel_title(axes, f"{quantity}, {case}" if len(cases) > 1 else quantity, width - 0.4)
     columns = round(style.WIDTH / width)
     for axes in panels[-columns:]:
         axes.set_xlabel("share of the variance [-]")
-    bars_legend(figure, panels, f", {100 * result.confidence:g} % interval")
-    style.set_title(figure, result.title if title is None else title)
-    return figure
+    bars_legend(sheet, f", {100 * result.confidence:g} % interval")
+    return sheet.titled(result.title if title is None else title)
 
 
-def _index_matrix(result: SobolResult, cases: list[str]) -> Figure:
-    """Figure of matrices of the total Sobol indices in colours, parameters in rows, configurations in columns.
+def _index_matrix(result: SobolResult, cases: list[str], ax: GivenAxes) -> style.Sheet:
+    """Sheet of matrices of the total Sobol indices in colours, parameters in rows, configurations in columns.
 
     First-order indices are left out.
     """
     quantities = list(dict.fromkeys(name for _, name in result.indices))
     totals = {name: np.column_stack([result.indices[case, name].total for case in cases]) for name in quantities}
     scale = ColourScale("total index [-]", "Blues", 0.0, 1.0)
-    return parameter_matrix(totals, result.parameters, cases, dict.fromkeys(quantities, scale))
+    return parameter_matrix(totals, result.parameters, cases, dict.fromkeys(quantities, scale), ax)
 
 
 def _by_quantity(result: SobolResult) -> list[tuple[tuple[str, str], SobolEstimates]]:

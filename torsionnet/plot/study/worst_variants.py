@@ -11,6 +11,7 @@ from matplotlib.lines import Line2D
 
 import torsionnet.plot.drawing.style as style
 from torsionnet.base.number_text import screen_text
+from torsionnet.plot.drawing.style import GivenAxes
 from torsionnet.plot.study.study_axes import axis_label, legend_below, parameter_rows, text_rows, write_in_empty_panel
 from torsionnet.study.shown_units import IN_SI, ShownUnits
 
@@ -27,7 +28,9 @@ PLACES = {"v": "at the lower bound", "^": "at the upper bound", "o": "between"}
 HALF_WIDTH = style.WIDTH / 2  # inches
 
 
-def worst_variants(result: WorstCaseResult, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
+def worst_variants(
+    result: WorstCaseResult, *, units: ShownUnits = IN_SI, title: str | None = None, ax: GivenAxes = None
+) -> Figure:
     """Figure of a quantity as given and in the worst case on the left, and parameters within tolerances on the right.
 
     Parameters
@@ -37,6 +40,9 @@ def worst_variants(result: WorstCaseResult, *, units: ShownUnits = IN_SI, title:
     units : ShownUnits, optional
         By default SI.
     title : str, optional
+    ax : sequence of Axes, optional
+        Axes to draw into, for values and parameters, of each configuration where these have rows of their own; by
+        default those of a new figure.
 
     Returns
     -------
@@ -44,7 +50,7 @@ def worst_variants(result: WorstCaseResult, *, units: ShownUnits = IN_SI, title:
     """
     cases = list(dict.fromkeys(one.configuration for one in result.variants))
     names = list(result.parameter_units)
-    figure = (_panels if len(cases) <= MOST_PANELS else _table)(result, cases, names, units)
+    sheet = (_panels if len(cases) <= MOST_PANELS else _table)(result, cases, names, units, ax)
     directions = dict.fromkeys(one.direction for one in result.variants)
     marks = [Line2D([], [], color=style.MUTED, linewidth=1.0)]
     marks += [Line2D([], [], color=COLORS[one], linewidth=6.0) for one in directions]
@@ -52,17 +58,18 @@ def worst_variants(result: WorstCaseResult, *, units: ShownUnits = IN_SI, title:
     if len(cases) > MOST_PANELS:
         marks += [Line2D([], [], marker=mark, color=style.MUTED, linestyle="none") for mark in PLACES]
         texts += PLACES.values()
-    legend_below(figure, marks, texts)
-    style.set_title(figure, result.title if title is None else title)
-    return figure
+    legend_below(sheet, marks, texts)
+    return sheet.titled(result.title if title is None else title)
 
 
-def _panels(result: WorstCaseResult, cases: list[str], names: list[str], units: ShownUnits) -> Figure:
-    """Figure of worst cases, a row for each configuration with a panel of values and a panel of parameters."""
+def _panels(
+    result: WorstCaseResult, cases: list[str], names: list[str], units: ShownUnits, ax: GivenAxes
+) -> style.Sheet:
+    """Sheet of worst cases, a row for each configuration with a panel of values and a panel of parameters."""
     lines = max(axis_label(name, "", HALF_WIDTH / 2).count("\n") + 1 for name in names)
     height = max(1.0, 0.5 + ROW * (lines + 1) / 2 * len(names))
-    figure = style.new_figure(style.WIDTH, 1.1 + len(cases) * height)
-    panels = figure.subplots(len(cases), 2, squeeze=False, sharex="col")
+    shows = [f"{what} of {case}" if case else what for case in cases for what in (result.quantity, "parameters")]
+    sheet, panels = style.grid_panels(style.WIDTH, 1.1 + len(cases) * height, shows, ax, columns=2, sharex="col")
     for row, case in zip(panels, cases, strict=True):
         here = [one for one in result.variants if one.configuration == case]
         _values(row[0], here, 0, units.scale(result.quantity, result.unit))
@@ -72,16 +79,19 @@ def _panels(result: WorstCaseResult, cases: list[str], names: list[str], units: 
     panels[-1][0].set_xlabel(axis_label(result.quantity, units.unit(result.quantity, result.unit), HALF_WIDTH))
     panels[-1][1].set_xlabel("within the tolerance")
     panels[-1][1].set_xticks([0, 0.5, 1], ["lower", "middle", "upper"])
-    return figure
+    return sheet
 
 
-def _table(result: WorstCaseResult, cases: list[str], names: list[str], units: ShownUnits) -> Figure:
-    """Figure of worst cases with a panel of values, a panel of parameters, and a row per configuration and direction.
+def _table(
+    result: WorstCaseResult, cases: list[str], names: list[str], units: ShownUnits, ax: GivenAxes
+) -> style.Sheet:
+    """Sheet of worst cases with a panel of values, a panel of parameters, and a row per configuration and direction.
 
     The value, and marks for the places of parameters.
     """
-    figure = style.new_figure(max(style.WIDTH, HALF_WIDTH + 0.45 * len(names)), 1.9 + 0.38 * len(cases))
-    values, places = figure.subplots(1, 2, sharey=True)
+    width, shows = max(style.WIDTH, HALF_WIDTH + 0.45 * len(names)), [result.quantity, "parameters"]
+    sheet, _ = style.grid_panels(width, 1.9 + 0.38 * len(cases), shows, ax, columns=2, sharey=True)
+    values, places = sheet.panels
     for number, case in enumerate(cases):
         here = [one for one in result.variants if one.configuration == case]
         _values(values, here, number, units.scale(result.quantity, result.unit), texts=False)
@@ -91,13 +101,13 @@ def _table(result: WorstCaseResult, cases: list[str], names: list[str], units: S
     text_rows(values, cases, HALF_WIDTH)
     places.tick_params(labelleft=False)
     values.set_xlabel(axis_label(result.quantity, units.unit(result.quantity, result.unit), HALF_WIDTH))
-    width = (figure.get_figwidth() - HALF_WIDTH) / len(names)
+    width = (sheet.width - HALF_WIDTH) / len(names)
     lines = [axis_label(name, "", max(width, 1.2)) for name in names]
     places.set_xticks(range(len(names)), lines, rotation=90 if max(map(len, names)) > MOST_PANELS else 0)
     places.set_xlim(-0.6, len(names) - 0.4)
     style.style_axes(places)
     places.set_xlabel("within the tolerance")
-    return figure
+    return sheet
 
 
 def _strip(axes: Axes, shares: list[float], level: float, direction: str) -> None:
