@@ -51,6 +51,41 @@ def rubbing_mass() -> tn.Drivetrain:
     return tn.Drivetrain("rubbing", elements)
 
 
+def free_clearance() -> tn.Drivetrain:
+    """Two free masses with a clearance of 2 deg and a damper in it."""
+    elements = [
+        tn.Inertia("one", node="a", inertia=0.12),
+        tn.Inertia("two", node="b", inertia=0.9),
+        tn.Clearance("gap", nodes=("a", "b"), gap="2 deg", stiffness=8000),
+        tn.Damper("oil", nodes=("a", "b"), damping=3),
+    ]
+    return tn.Drivetrain("free clearance", elements)
+
+
+def car(**more: object) -> tn.Drivetrain:
+    """Free driveline of a car, its dual-mass flywheel in two stages."""
+    stages = [{"stiffness": "900 N*m/rad", "to": "0.08 rad"}, {"stiffness": "9000 N*m/rad"}]
+    elements = [
+        tn.Inertia("crank", node="engine", inertia=0.16),
+        tn.Inertia("flange", node="secondary", inertia=0.055),
+        tn.Inertia("gears", node="gearbox", inertia=0.018),
+        tn.Inertia("body", node="vehicle", inertia=4.2),
+        tn.Spring("dmf", nodes=("engine", "secondary"), stages=stages, damping=1.2),
+        tn.Spring("shaft", nodes=("secondary", "gearbox"), stiffness=9000, damping=0.6),
+        tn.Spring("driveshaft", nodes=("gearbox", "vehicle"), stiffness=420, damping=2.5),
+    ]
+    return tn.Drivetrain("car", elements, **more)
+
+
+CAR_LOADS = {"engine": [60, 300, -60j], "vehicle": [-60, 0, 0]}
+"""Torques 60 + 300 cos 2 phi + 60 sin 4 phi of the engine, and the mean of the vehicle, by order 2."""
+
+
+def order_2(rpm: float) -> float:
+    """Frequency of order 2 in Hz at a speed in rpm."""
+    return rpm / 30
+
+
 def problem(
     rig: tn.Drivetrain, loads: dict[str, Sequence[complex]], at: float, *, hertz: bool = True
 ) -> PeriodicProblem:

@@ -73,13 +73,14 @@ class Tracer:
         if found is None:
             return None
         u = packed(found.x)
-        scale = self._scale(u, parameter)
+        scale = self.scale(u, parameter)
         across = np.zeros(len(u) + 1)
         across[-1] = direction
         J, slope = self._slopes(u, parameter)
         return BranchPoint(parameter, u, self._tangent(J, slope, across, scale), scale)
 
-    def _scale(self, u: FloatArray, parameter: float) -> FloatArray:
+    def scale(self, u: FloatArray, parameter: float) -> FloatArray:
+        """Sizes of the packed motion and of the parameter over which lengths count."""
         sizes = np.maximum(np.linalg.norm(unpacked(u, self.n_laws)[1:], axis=0), self.least)
         return np.append(np.repeat(sizes, 2 * self.harmonics + 1), self.problem.parameter_scale or abs(parameter))
 
@@ -124,7 +125,7 @@ class Tracer:
             if np.abs(change).max() <= CLOSE:
                 tangent = self._tangent(J, slope, along, scale)
                 u, p = at[:-1], float(at[-1])
-                following = self._scale(u, p)
+                following = self.scale(u, p)
                 tangent = tangent * scale / following
                 return BranchPoint(p, u, tangent / np.linalg.norm(tangent), following), number + 1
         return None

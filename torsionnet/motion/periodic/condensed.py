@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -26,8 +27,8 @@ from torsionnet.model.channels import Input
 from torsionnet.model.elements import MotionLaw
 from torsionnet.model.motion_laws.piece_curve import PieceCurve, Slope
 from torsionnet.model.motion_laws.smooth_curves import CubicCurve
-from torsionnet.motion.motion_plant import PlacedLaw, placed_plant
-from torsionnet.motion.smooth_laws import float_laws
+from torsionnet.motion.motion_plant import PlacedLaw, motion_plant, placed_plant
+from torsionnet.motion.smooth_laws import SplitPlant, float_laws, split_plant
 
 FREE = 1e-11
 """Singular value of the stiffness at rest, over the largest, below which a motion turns freely."""
@@ -92,6 +93,17 @@ class CondensedPlant:
         self.rows = np.array([one.row for one in self.laws]).reshape(len(self.laws), n_q)
         self.references = np.array([one.reference for one in self.laws])
         self.columns = np.array([self.assembly.rows_of(one.row)[0] for one in inputs]).reshape(-1, n_q).T
+
+    @cached_property
+    def in_time(self) -> SplitPlant:
+        """Plant with states over time, its laws of straight pieces apart from smooth ones.
+
+        Raises
+        ------
+        UsageError
+            A delay, or a law that depends on frequency, has no states.
+        """
+        return split_plant(self.drivetrain, motion_plant(self.drivetrain))
 
     def _require_own_motion(self) -> None:
         for one in self.laws:

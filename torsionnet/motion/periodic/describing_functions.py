@@ -6,8 +6,8 @@ With x = (g - m)/a of a corner g, and x kept between -1 and 1, a slope that grow
     k' = dk (acos x - x sqrt(1 - x^2))/pi,   T_0 = dk a (sqrt(1 - x^2) - x acos x)/pi,
 
 which is dk (1 - N(x))/2 with N(x) = 2/pi (asin x + x sqrt(1 - x^2)); a torque that steps up by P at g adds
-k' = 2 P sqrt(1 - x^2)/(pi a) and T_0 = P acos(x)/pi (A. Gelb, W. E. Vander Velde, Multiple-Input Describing Functions,
-appendix B).
+k' = 2 P sqrt(1 - x^2)/(pi a) and T_0 = P acos(x)/pi (A. Gelb, W. E. Vander Velde, Multiple-Input Describing Functions
+and Nonlinear System Design, 1968).
 """
 
 from __future__ import annotations

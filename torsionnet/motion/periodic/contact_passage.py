@@ -1,0 +1,355 @@
+"""March through the contact states of a period, exact between events, with its monodromy.
+
+Between events z' = A z, of which exponentials give the motion and its changes alike. Where a guard n^T z reaches zero,
+the state passes to the next contact state by its refresh R, and a change of the state by the saltation matrix
+
+    S = R + (A_after R z - R A_before z) n^T / (n^T A_before z)
+
+(M. di Bernardo et al., Piecewise-smooth Dynamical Systems, chapter 2). It is R alone where the vector field is
+continuous, as at the corners of a spring in stages, and more where a contact with damping closes or a slider lets go.
+The product over a period is the monodromy; its eigenvalues are the multipliers of the motion.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from torsionnet.base.errors import SolveError
+from torsionnet.linear.assembly.law_stiffness import Functional
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
+from torsionnet.motion.contact_states import Contact, ContactStates, relative_state
+from torsionnet.motion.march_tables import guard_rows, in_steps
+from torsionnet.motion.motion_plant import Drive, Layout, MotionPlant
+from torsionnet.motion.motion_record import reading_plan, reading_rows
+from torsionnet.motion.periodic.harmonic_balance import over_time, samples
+from torsionnet.motion.periodic.periodic_problem import PeriodicMotion, PeriodicProblem
+
+BLOCK = 16
+"""Looks that are taken together."""
+NOTHING = 1e-9
+"""Entry of a monodromy that is rounding."""
+FEWEST_LOOKS = 64
+"""Times in a period at which the guards are looked at, at least."""
+LONGEST_TURN = 0.4
+"""Angle in rad that the fastest vibration may turn between two looks."""
+LOCATED = 1e-14
+"""Part of a look to which an event is located."""
+MOST_EVENTS = 2000
+"""Most events in a period."""
+SLIPPING = 1e-7
+"""Share of what friction holds by which its torque may seem to lie below while it slips."""
+AT_BOUND = 1e-11
+"""Value of a guard, over its terms, up to which a state lies on it."""
+
+
+@dataclass(frozen=True, eq=False)
+class PeriodStretch:
+    """Part of a period in one contact state: its time in s, its length, and the state z (N,) at its beginning."""
+
+    time: float
+    length: float
+    contact: Contact
+    z: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Passage:
+    """Period of a motion: its stretches, the state z at its end, and the monodromy (N, N)."""
+
+    stretches: tuple[PeriodStretch, ...]
+    end: FloatArray
+    monodromy: FloatArray
+
+
+class ContactMarch:
+    """Plant of straight pieces under the torques of a periodic problem, in the contact states that it visits."""
+
+    def __init__(self, problem: PeriodicProblem, parameter: float) -> None:
+        self.problem, self.parameter = problem, parameter
+        split = problem.plant.in_time
+        self.plant = split.plant
+        omega = problem.drive.omega(parameter)
+        self.period = 2 * math.pi * problem.subharmonics / omega
+        loads = problem.drive.loads(parameter)
+        kinds = [(h, entry) for h, entry in zip(*np.nonzero(loads[1:]), strict=True)]
+        F, S = np.zeros((2 * len(kinds),) * 2), np.zeros((loads.shape[1], 2 * len(kinds)))
+        self.w = np.zeros(2 * len(kinds))
+        for number, (h, entry) in enumerate(kinds):
+            # d/dt of (Re, Im) A exp(j h w t) = [[0, -h w], [h w, 0]] (Re, Im)
+            own = slice(2 * number, 2 * number + 2)
+            F[own, own] = [[0.0, -(h + 1) * omega], [(h + 1) * omega, 0.0]]
+            S[entry, 2 * number] = 1.0
+            self.w[own] = loads[h + 1, entry].real, loads[h + 1, entry].imag
+        self.means = loads[0].real
+        drive = Drive(problem.plant.columns, tuple(-1 for _ in split.phases), 0, F, S)
+        n_c = sum(len(one.F) for one in self.plant.actions)
+        self.at = Layout(len(problem.plant.columns), n_c, len(F), loads.shape[1])
+        self.states = ContactStates(split.plant, split.phases, drive, self.at, relative=True)
+        self._tables: dict[Contact, tuple[FloatArray, FloatArray, FloatArray]] = {}
+        self._changing: dict[Contact, NDArray[np.intp]] = {}
+
+    def start(self, motion: PeriodicMotion) -> tuple[FloatArray, Contact]:
+        """State z (N,) and contact state of a motion at the beginning of its period."""
+        at, problem = self.at, self.problem
+        q, _ = problem.coordinates(motion)
+        s = 1j * motion.omega * np.arange(len(q))[:, None]
+        z = np.zeros(at.size)
+        z[at.q], z[at.v] = q.sum(axis=0).real, (s * q).sum(axis=0).real
+        place = at.controllers.start
+        for one in self.plant.actions:
+            # x_k = (s - F)^-1 (G_0 + s G_1) y_k
+            y = q @ one.sensed
+            for k, value in enumerate(y):
+                drive = one.G[:, 0] + s[k, 0] * one.G[:, 1]
+                x = np.linalg.solve(s[k, 0] * np.eye(len(one.F)) - one.F, drive * value) if len(one.F) else drive
+                z[place : place + len(one.F)] += x.real
+            place += len(one.F)
+        z[at.w], z[at.one], z[at.u] = self.w, 1.0, self.means
+        z = np.asarray(relative_state(self.states.plant, at, z))
+        contact = self.states.at_start(*self._motions(motion), np.ones(len(self.states.laws)))
+        return z, self._held(contact, motion)
+
+    def _motions(self, motion: PeriodicMotion) -> tuple[FloatArray, FloatArray]:
+        twists = self.problem.coordinates(motion)[0] @ self.problem.plant.rows.T
+        s = 1j * motion.omega * np.arange(len(twists))[:, None]
+        return twists.sum(axis=0).real, (s * twists).sum(axis=0).real
+
+    def _held(self, contact: Contact, motion: PeriodicMotion) -> Contact:
+        """Contact state in which friction sticks where its torque is below what it holds."""
+        found = list(contact)
+        for number, law in enumerate(self.states.laws):
+            hold = next((place for place, one in enumerate(law.phases) if one.kind == "hold" and law.over_rate), None)
+            if hold is None:
+                continue
+            torque = float(self._torque(motion, number)[0])
+            phase = law.phases[hold]
+            way = int(torque >= phase.high * (1 - SLIPPING)) - int(torque <= phase.low * (1 - SLIPPING))
+            found[number] = law.of_piece(phase.place + way)
+        return tuple(found)
+
+    def _torque(self, motion: PeriodicMotion, law: int) -> FloatArray:
+        """Torque (N,) in N m of a law over the period."""
+        force, n = self.problem.forces[law], samples(motion.harmonics)
+        return force.over(over_time(motion.x[:, law], n), None).torque
+
+    def _table(self, contact: Contact) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Guards (n_g, N), exponential over one look, and guards at all looks of a block (n, n_g, N)."""
+        if contact not in self._tables:
+            form = self.states.form(contact)
+            guards = guard_rows(form, self.states.laws, contact, self.at, self.states.drive.scale_of)
+            one = np.eye(self.at.size)[self.at.one]
+            own = np.flatnonzero((guards != one).any(axis=1))
+            step = np.asarray(scipy.linalg.expm(form.A * self.look))
+            ahead = [guards[own]]
+            for _ in range(BLOCK):
+                ahead.append(ahead[-1] @ step)
+            self._changing[contact] = own
+            self._tables[contact] = guards[own], step, np.array(ahead)
+        return self._tables[contact]
+
+    @property
+    def look(self) -> float:
+        """Time in s between two looks at the guards."""
+        return self._look
+
+    def passage(self, z: FloatArray, contact: Contact) -> Passage:
+        """Period of the motion from a state z in a contact state.
+
+        Raises
+        ------
+        SolveError
+            Too many events, or a law that is left.
+        """
+        self._set_look(contact)
+        states, at = self.states, self.at
+        states.h = self.look
+        units = in_steps(at, states.h)
+        contact = states.fixed(contact, z / units)
+        refresh = states.form(contact).refresh
+        z = refresh @ z
+        change, time = refresh.copy(), 0.0
+        stretches: list[PeriodStretch] = []
+        while self.period - time > LOCATED * self.period:
+            form = states.form(contact)
+            length, guard = self._next_event(z, contact, self.period - time)
+            stretches.append(PeriodStretch(time, length, contact, z))
+            passed = np.asarray(scipy.linalg.expm(form.A * length))
+            z, change, time = passed @ z, passed @ change, time + length
+            if guard < 0:
+                break
+            if len(stretches) > MOST_EVENTS:
+                owner = states.laws[guard // 3].owner
+                raise SolveError(f"{owner}: its torque changes its piece more than {MOST_EVENTS} times in a period")
+            following, _ = states.after(contact, guard, z / units, time)
+            rows = guard_rows(form, states.laws, contact, at, states.drive.scale_of)[guard]
+            entered = states.form(following)
+            speed = float(rows @ form.A @ z)
+            jump = entered.A @ (entered.refresh @ z) - entered.refresh @ (form.A @ z)
+            saltation = entered.refresh + np.outer(jump, rows) / speed if speed else entered.refresh
+            z, change, contact = entered.refresh @ z, saltation @ change, following
+        return Passage(tuple(stretches), z, change)
+
+    def _set_look(self, contact: Contact) -> None:
+        turning = self.states.form(contact).largest_rates[0]
+        for law_number, law in enumerate(self.states.laws):
+            for phase in range(len(law.phases)):
+                other = (*contact[:law_number], phase, *contact[law_number + 1 :])
+                if law.phases[phase].kind == "slope":
+                    turning = max(turning, self._turning(other))
+        count = max(FEWEST_LOOKS, math.ceil(self.period * turning / LONGEST_TURN))
+        self._look = self.period / count
+        self._tables.clear()
+
+    def _turning(self, contact: Contact) -> float:
+        try:
+            return self.states.form(contact).largest_rates[0]
+        except SolveError:
+            return 0.0
+
+    def _next_event(self, z: FloatArray, contact: Contact, left: float) -> tuple[float, int]:
+        """Time in s to the next event and its guard, or the time left and -1."""
+        guards, step, ahead = self._table(contact)
+        if not len(guards):
+            return left, -1
+        A, passed = self.states.form(contact).A, 0.0
+        while passed < left:
+            values = ahead @ z
+            rates = ahead @ (A @ z)
+            sizes = np.abs(guards) @ np.abs(z)
+            for number in range(BLOCK):
+                if passed + number * self.look >= left:
+                    return left, -1
+                which = self._falls(values[number : number + 2], rates[number : number + 2])
+                if not len(which):
+                    continue
+                here = np.linalg.matrix_power(step, number) @ z
+                times = [(self._located(here, A, guards[one], sizes[one]), one) for one in which]
+                events = [(time, one) for time, one in times if time is not None]
+                if events:
+                    time, one = min(events)
+                    whole = passed + number * self.look + time
+                    return (whole, int(self._changing[contact][one])) if whole < left else (left, -1)
+            z = np.linalg.matrix_power(step, BLOCK) @ z
+            passed += BLOCK * self.look
+        return left, -1
+
+    def _falls(self, values: FloatArray, rates: FloatArray) -> list[int]:
+        """Guards that may fall below zero within a look: they end below, or dip in between."""
+        ends_below = values[1] < 0
+        # A dip: falling at the beginning and rising at the end, near enough to zero.
+        dips = (rates[0] < 0) & (rates[1] > 0) & (np.minimum(*values) < self.look * np.maximum(-rates[0], rates[1]))
+        return np.flatnonzero(ends_below | dips).tolist()
+
+    def _located(self, z: FloatArray, A: FloatArray, guard: FloatArray, size: float) -> float | None:
+        """Time in s within a look at which a guard falls through zero, by bisection and Newton's method; else None."""
+
+        def at(time: float) -> tuple[float, float]:
+            there = scipy.linalg.expm(A * time) @ z
+            return float(guard @ there), float(guard @ (A @ there))
+
+        low, high = 0.0, self.look
+        value, rate = at(0.0)
+        if value <= AT_BOUND * size and rate <= 0:
+            return 0.0
+        if value < 0:  # just left: it rises, and falls later on
+            value = 0.0
+        end = at(high)[0]
+        if end >= 0:
+            # the lowest point between, where the rate changes its sign
+            a, b = low, high
+            for _ in range(60):
+                middle = 0.5 * (a + b)
+                there, slope = at(middle)
+                if there < 0:
+                    high, end = middle, there
+                    break
+                a, b = (middle, b) if slope < 0 else (a, middle)
+            else:
+                return None
+        time = 0.5 * (low + high)
+        for _ in range(60):
+            there, slope = at(time)
+            if there > 0:
+                low = time
+            else:
+                high = time
+            following = time - there / slope if slope else 0.5 * (low + high)
+            if not low < following < high:
+                following = 0.5 * (low + high)
+            if abs(following - time) <= LOCATED * self.look:
+                return following
+            time = following
+        return time
+
+    def multipliers(self, passage: Passage) -> ComplexArray:
+        """Multipliers of a period, the largest first, without those of what turns freely as a whole."""
+        at = self.at
+        own = slice(0, 2 * at.n_q + at.n_c)
+        monodromy = passage.monodromy[own, own]
+        return multipliers_of(without_turning(monodromy, self.states.plant, at))
+
+    def closed(self, z: FloatArray, contact: Contact, most: int = 8) -> tuple[Passage, FloatArray, float]:
+        """Period that closes, by Newton's method from a state near it, with its first state and what is left open."""
+        own = slice(0, 2 * self.at.n_q + self.at.n_c)
+        opening = math.inf
+        passage = self.passage(z, contact)
+        for _ in range(most):
+            gap = (passage.end - z)[own]
+            turned = self._turned()
+            gap[turned] = 0.0
+            size = float(np.abs(z[own]).max()) or 1.0
+            smaller = float(np.abs(gap).max()) / size
+            if smaller < 1e-13 or smaller > 0.5 * opening:
+                break
+            opening = smaller
+            matrix = passage.monodromy[own, own] - np.eye(len(gap))
+            step = np.linalg.lstsq(matrix, gap, rcond=1e-12)[0]
+            step[turned] = 0.0
+            z = z.copy()
+            z[own] -= step
+            z = self.states.form(passage.stretches[0].contact).refresh @ z
+            passage = self.passage(z, contact)
+        return passage, z, min(opening, smaller)
+
+    def _turned(self) -> list[int]:
+        return [self.at.q.start + pivot for pivot, _ in self.states.plant.turning]
+
+    def read(self, passage: Passage, readings: Sequence[Functional], points: int) -> FloatArray:
+        """Readings (n_out, n) of a period in SI units, at points in every look and at all corners."""
+        plan = reading_plan(self.states.plant, readings, self.problem.plant.inputs)
+        found = []
+        for one in passage.stretches:
+            form = self.states.form(one.contact)
+            rows = reading_rows(self.states.plant, readings, self.problem.plant.inputs, form, self.at, plan)
+            count = max(2, math.ceil(points * one.length / self.period))
+            step = np.asarray(scipy.linalg.expm(form.A * (one.length / count)))
+            z = one.z
+            for _ in range(count):
+                found.append(rows @ z)
+                z = step @ z
+            found.append(rows @ z)
+        return np.array(found).T
+
+
+def without_turning(monodromy: FloatArray, plant: MotionPlant, at: Layout) -> FloatArray:
+    """Monodromy of what twists: the angle of what turns freely moves nothing, nor does an undamped speed of it."""
+    turned = [at.q.start + pivot for pivot, _ in plant.turning]
+    left = [place for place in range(len(monodromy)) if place not in turned]
+    for pivot, _ in plant.turning:
+        place = at.v.start + pivot
+        column = np.delete(monodromy[:, place], [*turned, place])
+        if np.abs(column).max(initial=0.0) < NOTHING and abs(monodromy[place, place] - 1) < NOTHING:
+            left.remove(place)
+    return monodromy[np.ix_(left, left)]
+
+
+def multipliers_of(monodromy: FloatArray) -> ComplexArray:
+    """Eigenvalues of a monodromy, the largest first."""
+    found = np.asarray(np.linalg.eigvals(monodromy), dtype=np.complex128)
+    return found[np.argsort(-np.abs(found), kind="stable")]

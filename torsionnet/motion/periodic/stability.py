@@ -1,0 +1,148 @@
+"""Stability of periodic motions by their multipliers, exact over contact states or from the variational equation.
+
+Laws of straight pieces: the monodromy over the contact states of a period that closes to rounding. Laws without steps:
+the equation x' = (A - sum_l a_l s_l(t) b_l^T) x with the slopes s_l of the laws along the motion, stepped by the method
+of Magnus of fourth order (S. Blanes et al., The Magnus expansion and some of its applications, Physics Reports 470,
+2009). Delays, and laws that depend on frequency, have no finite state: there stability is said to be not determined.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy
+
+from torsionnet.base.errors import SolveError, TorsionnetError, UsageError
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
+from torsionnet.motion.contact_form import contact_form, relative_form
+from torsionnet.motion.motion_plant import Drive, Layout
+from torsionnet.motion.periodic.contact_passage import ContactMarch, Passage, multipliers_of, without_turning
+from torsionnet.motion.periodic.harmonic_balance import over_time
+from torsionnet.motion.periodic.law_forces import CurveForce, PieceForce
+from torsionnet.motion.periodic.periodic_problem import PeriodicMotion, PeriodicProblem
+
+CLOSED = 1e-7
+"""Share of a state by which a period over contact states may stay open."""
+NEAR = 1e-3
+"""Share of a state by which the period that closes may begin elsewhere than the motion of harmonics."""
+STEPS_PER_HARMONIC, FEWEST_STEPS = 16, 512
+"""Steps of Magnus's method in a period over the harmonics, and at least."""
+ON_CIRCLE = 1e-7
+"""Distance from the unit circle up to which a multiplier counts as on it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stability:
+    """Multipliers (n,) of a motion, the largest first, or the reason for which they are not determined.
+
+    ``passage`` is the period over contact states, where laws have straight pieces.
+    """
+
+    multipliers: ComplexArray
+    undetermined: str = ""
+    march: ContactMarch | None = None
+    passage: Passage | None = None
+
+    @property
+    def is_stable(self) -> bool | None:
+        """Whether the motion is stable; None where that is not determined."""
+        if self.undetermined:
+            return None
+        return bool(np.abs(self.multipliers).max(initial=0.0) < 1 + ON_CIRCLE)
+
+    @property
+    def words(self) -> str:
+        """Stability in words."""
+        if self.undetermined:
+            return "stability not determined"
+        if self.is_stable:
+            return "stable"
+        worst = self.multipliers[0]
+        if abs(worst.imag) > ON_CIRCLE * abs(worst):
+            return "unstable: a second frequency grows"
+        return "unstable: leaves" if worst.real > 0 else "unstable: doubles"
+
+    @property
+    def doubling(self) -> float:
+        """Product of 1 + multiplier, which passes zero where the period doubles."""
+        return float(np.prod(1 + self.multipliers).real)
+
+
+def stability_of(problem: PeriodicProblem, motion: PeriodicMotion) -> Stability:
+    """Stability of a periodic motion."""
+    try:
+        split = problem.plant.in_time
+    except UsageError as error:
+        return Stability(np.zeros(0, dtype=complex), str(error))
+    if not split.smooth:
+        return _over_contacts(problem, motion)
+    if all(isinstance(one, CurveForce | PieceForce) for one in problem.forces):
+        return _variational(problem, motion)
+    return Stability(np.zeros(0, dtype=complex), "friction that sticks beside laws without straight pieces")
+
+
+def _over_contacts(problem: PeriodicProblem, motion: PeriodicMotion) -> Stability:
+    try:
+        march = ContactMarch(problem, motion.parameter)
+        z, contact = march.start(motion)
+        passage, first, left_open = march.closed(z, contact)
+    except TorsionnetError as error:
+        return Stability(np.zeros(0, dtype=complex), str(error))
+    own = slice(0, 2 * march.at.n_q + march.at.n_c)
+    # what has no inertia may begin with any rate
+    z = march.states.form(passage.stretches[0].contact).refresh @ z
+    size = np.abs(z[own]).max()
+    if left_open > CLOSED or np.abs((first - z)[own]).max() > NEAR * size:
+        return Stability(np.zeros(0, dtype=complex), "over its contact states the motion does not close")
+    return Stability(march.multipliers(passage), march=march, passage=passage)
+
+
+def _variational(problem: PeriodicProblem, motion: PeriodicMotion) -> Stability:
+    plant = problem.plant
+    bare = replace(plant.in_time.plant, laws=())
+    n_q, n_laws = plant.rows.shape[1], len(plant.laws)
+    drive = Drive(-plant.rows.T, (), 0, np.zeros((0, 0)), np.zeros((n_laws, 0)))
+    at = Layout(n_q, sum(len(one.F) for one in bare.actions), 0, n_laws)
+    try:
+        form = relative_form(bare, at, contact_form(bare, (), (), drive))
+    except (UsageError, SolveError) as error:
+        return Stability(np.zeros(0, dtype=complex), str(error))
+    own = slice(0, 2 * n_q + at.n_c)
+    A, entry = form.A[own, own], form.A[own, at.u]
+    position, speed, _ = form.motion
+    if np.abs(plant.rows @ position[:, at.u]).max(initial=0.0) > 0:
+        return Stability(np.zeros(0, dtype=complex), "a law acts where nothing has inertia")
+    angles, rates = plant.rows @ position[:, own], plant.rows @ speed[:, own]
+    period = 2 * math.pi / motion.omega
+    count = max(FEWEST_STEPS, STEPS_PER_HARMONIC << (motion.harmonics - 1).bit_length())
+    h = period / count
+    # A(t) at the two Gauss points of every step
+    first, second = (
+        A + np.einsum("il,nlj->nij", entry, _slopes(problem, motion, angles, rates, count, place))
+        for place in (0.5 - math.sqrt(3) / 6, 0.5 + math.sqrt(3) / 6)
+    )
+    exponents = h / 2 * (first + second) - math.sqrt(3) / 12 * h**2 * (first @ second - second @ first)
+    product = np.eye(len(A))
+    for step in np.asarray(scipy.linalg.expm(exponents)):
+        product = step @ product
+    return Stability(multipliers_of(without_turning(product, bare, at)))
+
+
+def _slopes(
+    problem: PeriodicProblem, motion: PeriodicMotion, angles: FloatArray, rates: FloatArray, count: int, place: float
+) -> FloatArray:
+    """Changes (count, n_laws, n) of the torques of laws over the states, at a place from 0 to 1 in every step."""
+    k = np.arange(motion.harmonics + 1)
+    found = []
+    for number, force in enumerate(problem.forces):
+        # x at t + place h: every harmonic turned on by that much
+        x = motion.x[:, number] * np.exp(2j * math.pi * k * place / count)
+        rate = over_time(1j * motion.omega * k * x, count) if force.needs_rate else None
+        answer = force.over(over_time(x, count), rate)
+        change = answer.slope[:, None] * angles[number]
+        if answer.rate_slope is not None:
+            change = change + answer.rate_slope[:, None] * rates[number]
+        found.append(change)
+    return np.stack(found, axis=1)
