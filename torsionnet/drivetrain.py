@@ -175,7 +175,7 @@ class Drivetrain(AssembledModel, AttributeHints):
         except ModelError as error:
             return error.faults
         except TorsionnetError as error:
-            return (Fault(str(error), ("operating_point",)),)
+            return (Fault(str(error), ("operating_point",), kind=error.kind),)
         return ()
 
     @cached_property

@@ -1,5 +1,6 @@
 """Kinds and places of the faults that a call has, and those of the examples in the table of faults."""
 
+import re
 import shlex
 from collections.abc import Callable
 from pathlib import Path
@@ -61,5 +62,5 @@ def _told(command: str) -> list[tuple[str, str]]:
     program, *words = shlex.split(command)
     assert program == "torsionnet"
     result = runner().invoke(app, words)
-    told = [line.partition("error: ")[2] for line in result.output.splitlines() if "error: " in line]
-    return [(kind.rstrip("]"), message) for message, _, kind in (line.rpartition(" [") for line in told)]
+    found = re.findall(r"^(?:.*?: )?(?:error|warning): (.*) \[([a-z-]+)\]$", result.output, re.MULTILINE)
+    return [(kind, message) for message, kind in found]

@@ -44,7 +44,10 @@ def check_between(between: str) -> Between:
         if between == known:
             return known
     hint = did_you_mean(str(between), WAYS)
-    raise UsageError(f"between its samples a signal is {', '.join(WAYS[:-1])} or {WAYS[-1]}, not {between!r}{hint}")
+    raise UsageError(
+        f"between its samples a signal is {', '.join(WAYS[:-1])} or {WAYS[-1]}, not {between!r}{hint}",
+        kind="unknown-word",
+    )
 
 
 @dataclass(frozen=True)

@@ -137,7 +137,7 @@ class FrequencyResponse(SavedResult):
                 settled[name] = array.reshape(wanted)
             elif array is not None and array.shape != wanted:
                 form = "(n_f,)" if len(wanted) == 1 else "(n_f, n_out, n_in)"
-                raise UsageError(f"{name} have the shape {array.shape}; expected {form} = {wanted}")
+                raise UsageError(f"{name} have the shape {array.shape}; expected {form} = {wanted}", kind="wrong-count")
         settle(self, **settled)
 
     @property
@@ -250,7 +250,8 @@ class FrequencyResponse(SavedResult):
         wrong = [channel.name for channel in self.outputs if channel.unit not in DERIVATIVE_ORDERS]
         if wrong:
             raise UsageError(
-                f"{', '.join(wrong)} is not an angle, velocity or acceleration; select the outputs of motion first"
+                f"{', '.join(wrong)} is not an angle, velocity or acceleration; select the outputs of motion first",
+                kind="unfit-channel",
             )
         s: ComplexArray = (2j * np.pi * self.frequencies[:, None]).astype(complex)
         steps = np.array([DERIVATIVE_ORDERS[unit] - DERIVATIVE_ORDERS[channel.unit] for channel in self.outputs])
@@ -272,13 +273,19 @@ class FrequencyResponse(SavedResult):
         receptance = self.receptance()
         if len(self.outputs) != len(self.inputs):
             size = f"{len(self.outputs)} x {len(self.inputs)}"
-            raise UsageError(f"dynamic stiffness is the inverse of a square receptance matrix; this one is {size}")
+            raise UsageError(
+                f"dynamic stiffness is the inverse of a square receptance matrix; this one is {size}",
+                kind="wrong-count",
+            )
         if not self.has_phase and len(self.inputs) > 1:
             raise UsageError(
-                "a matrix of magnitudes without phases cannot be inverted; select one output and one input"
+                "a matrix of magnitudes without phases cannot be inverted; select one output and one input",
+                kind="wrong-count",
             )
         if not np.isfinite(receptance.values).all():
-            raise UsageError("the receptance is not finite at some frequency; leave that frequency out")
+            raise UsageError(
+                "the receptance is not finite at some frequency; leave that frequency out", kind="not-finite"
+            )
         values: ComplexArray = np.linalg.inv(receptance.values).astype(np.complex128)
         outputs, inputs = receptance.inputs, receptance.outputs
         return replace(receptance, values=values, outputs=outputs, inputs=inputs, coherence=None, estimation=None)
@@ -376,7 +383,10 @@ def _indices(names: str | Sequence[str] | None, channels: tuple[Channel, ...], w
     wanted = [names] if isinstance(names, str) else list(names)
     for name in wanted:
         if name not in known:
-            raise UsageError(f'no {what} is named "{name}"{did_you_mean(name, known)}; there is {", ".join(known)}')
+            raise UsageError(
+                f'no {what} is named "{name}"{did_you_mean(name, known)}; there is {", ".join(known)}',
+                kind="unknown-channel",
+            )
     return [known.index(name) for name in wanted]
 
 

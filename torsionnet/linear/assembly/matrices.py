@@ -82,11 +82,17 @@ def matrices(drivetrain: AssembledModel, *, at: float | str | None = None) -> Sy
     rows = assembly.system
     if assembly.kinematics.imposed:
         names = ", ".join(assembly.kinematics.imposed)
-        raise UsageError(f"the angle imposed by {names} is no coordinate; matrices hold free coordinates alone")
+        raise UsageError(
+            f"the angle imposed by {names} is no coordinate; matrices hold free coordinates alone",
+            kind="no-state-space",
+        )
     frequency = None if at is None else _hertz(at)
     if rows.dynamic and frequency is None:
         names = ", ".join(sorted({assembly.owners[index] for index, _ in rows.dynamic}))
-        raise UsageError(f'the stiffness of {names} depends on frequency; say at which one, as matrices(at="12 Hz")')
+        raise UsageError(
+            f'the stiffness of {names} depends on frequency; say at which one, as matrices(at="12 Hz")',
+            kind="missing-entry",
+        )
     M, C = rows.M.copy(), rows.C.copy()
     K = rows.K.copy() if frequency is None else _at_frequency(rows, 2 * math.pi * frequency)
     for action in rows.actions:
@@ -111,9 +117,15 @@ def _at_frequency(rows: RowSystem, omega: float) -> NDArray[np.complex128]:
 def _direct_terms(action: ActionLaw) -> tuple[float, float, float]:
     """Coefficients of 1, s and s^2 in the law of an action without states of its own."""
     if action.delay:
-        raise UsageError(f"{action.owner} acts with a delay, which no matrices M, C and K have; use frequency_response")
+        raise UsageError(
+            f"{action.owner} acts with a delay, which no matrices M, C and K have; use frequency_response",
+            kind="no-state-space",
+        )
     if len(action.denominator) > 1 or len(action.numerator) > HIGHEST_POWER + 1:
-        raise UsageError(f"{action.owner} has states of its own, which M, C and K do not have; use to_control()")
+        raise UsageError(
+            f"{action.owner} has states of its own, which M, C and K do not have; use to_control()",
+            kind="no-state-space",
+        )
     k, c, J = (*map(float, action.numerator), 0.0, 0.0)[: HIGHEST_POWER + 1]
     return k, c, J
 
@@ -122,7 +134,7 @@ def _hertz(at: float | str) -> float:
     try:
         value = read_scalar(at, "frequency")
     except EntryError as error:
-        raise UsageError(f"at: {error}") from None
+        raise UsageError(f"at: {error}", kind=error.fault.kind) from None
     if not isinstance(value, Number) or value.value < 0:
-        raise UsageError(f'at: expected a frequency of at least 0 Hz, got "{at}"')
+        raise UsageError(f'at: expected a frequency of at least 0 Hz, got "{at}"', kind="out-of-range")
     return float(value.value)

@@ -93,7 +93,9 @@ def refuse_actions(actions: Sequence[ActionLaw], what: str) -> None:
     """
     if actions:
         names = ", ".join(dict.fromkeys(one.owner for one in actions))
-        raise UsageError(f"{what} not worked out where a torque follows another motion; switch off {names}")
+        raise UsageError(
+            f"{what} not worked out where a torque follows another motion; switch off {names}", kind="unsupported-law"
+        )
 
 
 def polynomial(coefficients: Sequence[Any], s: Any) -> Any:

@@ -206,7 +206,8 @@ def symbolic_matrices(drivetrain: AssembledModel, referred_to: Sequence[str] = (
     imposed = [name for name, channel in drivetrain.inputs.items() if channel.quantity == "angle"]
     if imposed:
         raise UsageError(
-            f"equations with imposed angles are not written out; leave out the input(s) {', '.join(imposed)}"
+            f"equations with imposed angles are not written out; leave out the input(s) {', '.join(imposed)}",
+            kind="unsupported-law",
         )
     definition = drivetrain.definition
     names = [referred_to] if isinstance(referred_to, str) else list(referred_to)

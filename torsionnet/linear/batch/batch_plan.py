@@ -181,11 +181,12 @@ class BatchPlan:
         """
         if set(values) != set(self.names):
             raise UsageError(
-                f"this plan varies {', '.join(self.names)}; give values for these, not {', '.join(values) or 'none'}"
+                f"this plan varies {', '.join(self.names)}; give values for these, not {', '.join(values) or 'none'}",
+                kind="missing-entry",
             )
         columns = {name: np.array(values[name], dtype=float, ndmin=1) for name in self.names}
         if len({column.shape for column in columns.values()}) > 1:
-            raise UsageError("give the same number of values for every parameter")
+            raise UsageError("give the same number of values for every parameter", kind="wrong-count")
         filling = BatchBuilder(self.drivetrain, columns)
         with np.errstate(all="ignore"):
             for places, decisions in passes(filling.count):
@@ -267,7 +268,7 @@ def batch_plan(drivetrain: AssembledModel, names: Iterable[str]) -> BatchPlan | 
     """
     chosen = tuple(dict.fromkeys(names))
     if not chosen:
-        raise UsageError("name at least one parameter to vary")
+        raise UsageError("name at least one parameter to vary", kind="missing-entry")
     known, definition = drivetrain.parameters, drivetrain.definition
     try:
         drivetrain.configured(**{name: known.get(name, 0.0) for name in chosen})
@@ -330,11 +331,16 @@ def _require_possible(element: Element, parts: Iterable[Part], value: Values, *,
             spec, number, measure=is_in_measure(spec, path), wanted=wanted
         )
         if wrong or (on and isinstance(spec, OnCurve) and spec.curve_fault(number)):
-            raise UsageError(f"{expression} is not possible for {element.name}; check the range of what is varied")
+            raise UsageError(
+                f"{expression} is not possible for {element.name}; check the range of what is varied",
+                kind="incalculable-value",
+            )
     faults = element.value_faults(value)
     if faults:
-        raise UsageError(f"{element.name}: {faults[0].message}; check the range of what is varied")
+        text = f"{element.name}: {faults[0].message}; check the range of what is varied"
+        raise UsageError(text, kind=faults[0].kind)
     if negative_laws(element, [part for part in parts if isinstance(part, Law)]):
         raise UsageError(
-            f"{element.name} has a stiffness, damping or inertia below zero; check the range of what is varied"
+            f"{element.name} has a stiffness, damping or inertia below zero; check the range of what is varied",
+            kind="negative-law",
         )

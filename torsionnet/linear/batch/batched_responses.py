@@ -338,7 +338,8 @@ def _columns(variants: Mapping[str, ArrayLike]) -> dict[str, FloatArray]:
         spread = []
     if not spread or any(column.ndim != 1 for column in spread) or not len(spread[0]):
         raise UsageError(
-            "variants are lists of numbers in SI by parameter, all of one length: {'k_2': [400, 460, 500]}"
+            "variants are lists of numbers in SI by parameter, all of one length: {'k_2': [400, 460, 500]}",
+            kind="wrong-form",
         )
     return dict(zip(columns, (column.copy() for column in spread), strict=True))
 

@@ -89,7 +89,10 @@ class ManyDigits:
         # The quotient has its inverse on the right, so that both sides are transposed.
         by_excitation = _quotient(excited, transposed)
         if by_excitation is None:
-            raise SolveError("the closed loop of a controller has a pole at this frequency; leave the frequency out")
+            raise SolveError(
+                "the closed loop of a controller has a pole at this frequency; leave the frequency out",
+                kind="no-solution",
+            )
         torques = [[row[i] for row in by_excitation] for i in places]
         every = [[_left([row[e], *(row[n + i] * torques[i][e] for i in places)]) for e in range(n)] for row in solved]
         return every, torques
@@ -125,7 +128,10 @@ def run_tape(tape: Tape, kappa: Sequence[Any]) -> dict[int, Any]:
         elif code in (ops.QUOTIENT, ops.INVERSE):
             above, below = (r[a], r[b]) if code == ops.QUOTIENT else (1, r[a])
             if not below:
-                raise SolveError("the response at this frequency is lost in rounding errors; choose another frequency")
+                raise SolveError(
+                    "the response at this frequency is lost in rounding errors; choose another frequency",
+                    kind="no-solution",
+                )
             r[t] = above / below
         elif code == ops.OUTPUT:
             values[t] = factor * r[a]
@@ -148,7 +154,8 @@ def _action_gain(action: ActionLaw, s: Any) -> Any:
     )
     if not below:
         raise SolveError(
-            f"the transfer function of {action.owner} has a pole at this frequency; leave the frequency out"
+            f"the transfer function of {action.owner} has a pole at this frequency; leave the frequency out",
+            kind="no-solution",
         )
     return above / below * (mpmath.exp(-s * in_many_digits(action.delay)) if action.delay else 1)
 

@@ -72,7 +72,10 @@ def against_measured(outputs: LinearSystem, measured: LinearSystem, names: str, 
     Q, G = (np.array([getattr(one, part) for one in followed]) for part in ("states", "drive"))
     sizes = np.abs(G).max(axis=1, keepdims=True)
     if np.linalg.svd(G / sizes, compute_uv=False)[-1] < NEGLIGIBLE:
-        raise UsageError(f"{names} do not tell the excitations apart at once; there is no state space against them")
+        raise UsageError(
+            f"{names} do not tell the excitations apart at once; there is no state space against them",
+            kind="dependent-inputs",
+        )
     back = np.linalg.solve(G, np.eye(len(G)))
     closed = A - B @ back @ Q
     # P_(r-1) = B G^-1 e_i, P_(k-1) = (A - B G^-1 Q) P_k: then S P = 1, and w follows no derivative of m.
@@ -127,7 +130,9 @@ def _until_driven(A: FloatArray, B: FloatArray, row: FloatArray, direct: FloatAr
         chain.append(row)
         drive, scale = row @ B, size @ np.abs(B)
         row, size = row @ A, size @ np.abs(A)
-    raise UsageError(f"{names} stay zero under the excitations at every frequency; they cannot be measured inputs")
+    raise UsageError(
+        f"{names} stay zero under the excitations at every frequency; they cannot be measured inputs", kind="zero-input"
+    )
 
 
 def _null_space(S: FloatArray) -> FloatArray:
@@ -162,7 +167,8 @@ def _refuse_rates(
             for place in np.flatnonzero(np.abs(rate) > NEGLIGIBLE * np.maximum(size, 1e-300)).tolist():
                 raise UsageError(
                     f"{read[place]}/{names} contains the rate of change of the measured input; it has a frequency "
-                    "response but no state space"
+                    "response but no state space",
+                    kind="no-state-space",
                 )
 
 

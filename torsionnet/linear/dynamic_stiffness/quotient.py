@@ -60,7 +60,9 @@ def close_loops(reading_problem: ReadingProblem, kappa: LawStiffness, values: Co
     """
     n_exc, n_act = reading_problem.n_excitations, len(reading_problem.sensed)
     if len(kappa.actions) != n_act:
-        raise SolveError("this calculation does not include the torques of controllers; switch them off")
+        raise SolveError(
+            "this calculation does not include the torques of controllers; switch them off", kind="unsupported-law"
+        )
     gains = np.array([values_.ravel() for values_ in kappa.actions])
     # kappa Y_u and kappa Y_T of the motions that actions sense
     with np.errstate(all="ignore"):

@@ -175,7 +175,8 @@ def require_resistance(system: RowSystem, laws: NDArray[np.bool_]) -> None:
     free = unresisted_motions(system, laws).dimension
     if free:
         raise SolveError(
-            f"{free} coordinate(s) have neither inertia nor spring nor damper; connect them, or give them an inertia"
+            f"{free} coordinate(s) have neither inertia nor spring nor damper; connect them, or give them an inertia",
+            kind="indeterminate-motion",
         )
 
 
@@ -299,7 +300,8 @@ def _driven(system: RowSystem, spaces: Subspaces, damping: FloatArray, forces: A
         followed = np.linalg.inv(C_11) @ np.hstack([C_1x, forces])
     except np.linalg.LinAlgError:
         raise SolveError(
-            "positive and negative damping cancel on a motion without inertia; change one of them or add an inertia"
+            "positive and negative damping cancel on a motion without inertia; change one of them or add an inertia",
+            kind="indeterminate-motion",
         ) from None
     slip, creep = followed[:, : C_1x.shape[1]], followed[:, C_1x.shape[1] :]
     size = _norm(C_xx) + _norm(C_1x) * _norm(slip)

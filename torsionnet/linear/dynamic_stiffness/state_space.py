@@ -98,10 +98,12 @@ def to_control(
     import control
 
     if (output is None) != (input is None) or (output is None and driven_by is not None):
-        raise UsageError("name output and input, or neither for all sensors and inputs of the model")
+        raise UsageError(
+            "name output and input, or neither for all sensors and inputs of the model", kind="missing-entry"
+        )
     present = active_channels(drivetrain)
     if output is None and not (present.inputs and present.sensors):
-        raise UsageError("a state space needs at least one input and one sensor in the model")
+        raise UsageError("a state space needs at least one input and one sensor in the model", kind="missing-entry")
     outputs = list(present.sensors) if output is None else output
     inputs = list(present.inputs) if input is None else input
     system, request = requested_state_space(drivetrain, outputs, inputs, driven_by)
@@ -216,10 +218,14 @@ def first_order(
     system = assembly.system
     if system.dynamic:
         names = ", ".join(sorted({assembly.owners[index] for index, _ in system.dynamic}))
-        raise UsageError(f"{names}: a stiffness that depends on frequency has no state space{_way_out(system)}")
+        raise UsageError(
+            f"{names}: a stiffness that depends on frequency has no state space{_way_out(system)}",
+            kind="no-state-space",
+        )
     if any(channel.quantity != "torque" for channel in inputs):
         raise UsageError(
-            "an imposed angle has no state space with torque inputs; make it a torque, or use frequency_response"
+            "an imposed angle has no state space with torque inputs; make it a torque, or use frequency_response",
+            kind="no-state-space",
         )
     loads = [assembly.rows_of(channel.row)[0] for channel in inputs]
     actions = law_states(assembly, points) if closing is None else closing
@@ -232,7 +238,8 @@ def first_order(
     except np.linalg.LinAlgError:
         raise UsageError(
             "the torques that follow the motion leave no unique motion of what has no inertia; "
-            "give its nodes inertia or dampers"
+            "give its nodes inertia or dampers",
+            kind="no-state-space",
         ) from None
     return close_loops_in_states(form, actions) if actions else form
 
@@ -255,7 +262,8 @@ def reduced_matrices(
             if one.at_once[power] and touched > NEGLIGIBLE_COEFFICIENT:
                 what = "inertia" if power == HIGHEST_POWER else "inertia or damper"
                 raise UsageError(
-                    f"{one.action.owner} acts at once on a rate where there is no {what}; give it a filter"
+                    f"{one.action.owner} acts at once on a rate where there is no {what}; give it a filter",
+                    kind="no-state-space",
                 )
     for one in actions:
         found = [
@@ -278,7 +286,10 @@ def close_loops_in_states(form: StateSpaceForm, actions: Sequence[LawStates]) ->
     Y, Y_in = sensed @ form.X, sensed @ form.U
     if np.abs(np.abs(G[1]) @ np.abs(Y_in)).any():
         names = ", ".join(dict.fromkeys(one.action.owner for one in actions))
-        raise UsageError(f"{names}: the rate of what has neither inertia nor damper follows the rate of a torque")
+        raise UsageError(
+            f"{names}: the rate of what has neither inertia nor damper follows the rate of a torque",
+            kind="no-state-space",
+        )
     (B, B_act), (Y_u, Y_act) = (np.split(part, [n_u], axis=1) for part in (form.B, Y_in))
     # z' = F z + G_0 y + G_1 y' with y = Y x + Y_u u + Y_act H z, and y' = Y x' where G_1 asks for it.
     A = np.block([
@@ -407,7 +418,8 @@ def _output_rows(
             sizes[order] += float(np.abs(gain * part).max(initial=0.0))
     if np.any(np.abs(rates) > NEGLIGIBLE_COEFFICIENT * np.maximum(sizes, 1e-300)[:, None]):
         raise UsageError(
-            f"{reading.name} contains the rate of change of an input; it has a frequency response but no state space"
+            f"{reading.name} contains the rate of change of an input; it has a frequency response but no state space",
+            kind="no-state-space",
         )
     return C, D
 

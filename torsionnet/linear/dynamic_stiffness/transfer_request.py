@@ -71,20 +71,29 @@ class TransferRequest:
         for reading, reached in zip(self.measured, felt, strict=True):
             if not reached:
                 raise UsageError(
-                    f"{reading.name} stays zero under a {driven} at every frequency; it cannot be a measured input"
+                    f"{reading.name} stays zero under a {driven} at every frequency; it cannot be a measured input",
+                    kind="zero-input",
                 )
         for number, excitation in enumerate(self.excitations):
             if not any(number in reached for reached in felt):
                 where = f"under a {excitation} at every frequency"
-                raise UsageError(f"{self.names} stay zero {where}; they cannot be its measured inputs")
+                raise UsageError(
+                    f"{self.names} stay zero {where}; they cannot be its measured inputs", kind="zero-input"
+                )
         return self
 
     def dependent_inputs_error(self) -> UsageError:
         """Error to raise for measured inputs that depend on each other under the excitations at all frequencies."""
         names, driven = self.names, " and ".join(str(excitation) for excitation in self.excitations)
         if len(self.measured) == 1:
-            return UsageError(f"{names} stays zero under a {driven} at every frequency; it cannot be a measured input")
-        return UsageError(f"{names} depend on each other under {driven}: they cannot be measured inputs together")
+            return UsageError(
+                f"{names} stays zero under a {driven} at every frequency; it cannot be a measured input",
+                kind="zero-input",
+            )
+        return UsageError(
+            f"{names} depend on each other under {driven}: they cannot be measured inputs together",
+            kind="dependent-inputs",
+        )
 
 
 def cached_request(
@@ -152,7 +161,7 @@ def resolve_request(
     """
     outputs = tuple(named_output(drivetrain, entry) for entry in _listed(output, "an output", (str, Sensor)))
     if not outputs:
-        raise UsageError(NO_CHANNELS_MESSAGE)
+        raise UsageError(NO_CHANNELS_MESSAGE, kind="missing-entry")
     return replace(resolve_inputs(drivetrain, input, excitation), outputs=outputs)
 
 
@@ -167,14 +176,15 @@ def resolve_inputs(
     """
     entries = _listed(input, "an input", (str, Sensor, Input))
     if not entries:
-        raise UsageError(NO_CHANNELS_MESSAGE)
+        raise UsageError(NO_CHANNELS_MESSAGE, kind="missing-entry")
     resolved = [_input(drivetrain, entry) for entry in entries]
     excitations = tuple(entry for entry in resolved if isinstance(entry, Input))
     measured = tuple(entry for entry in resolved if isinstance(entry, Functional))
     if not measured:
         if excitation is not None and _chosen(drivetrain, excitation) != excitations:
             raise UsageError(
-                f"{remedy('driven_by=')} goes with measured inputs; here the input itself is the excitation"
+                f"{remedy('driven_by=')} goes with measured inputs; here the input itself is the excitation",
+                kind="unmatched-excitations",
             )
         pairs = zip(entries, excitations, strict=True)
         inputs = tuple(Functional(str(entry), UNITS[one.quantity], ()) for entry, one in pairs)
@@ -183,7 +193,8 @@ def resolve_inputs(
         unmeasured = [str(entry) for entry, one in zip(entries, resolved, strict=True) if isinstance(one, Input)]
         raise UsageError(
             f"{', '.join(unmeasured)} is an excitation and the other inputs are measured; "
-            "put a sensor where the excitation acts, or name measured inputs only"
+            "put a sensor where the excitation acts, or name measured inputs only",
+            kind="unmatched-excitations",
         )
     # Y_out Y_in^-1 needs as many independent excitations as there are measured inputs.
     if excitation is not None:
@@ -192,14 +203,15 @@ def resolve_inputs(
         excitations = (_present(drivetrain, *drivetrain.inputs),)
     elif drivetrain.inputs:
         several = f"the model has several inputs; say with {remedy('driven_by=')} which one drives"
-        raise UsageError(f"{several}{_known_inputs(drivetrain)}")
+        raise UsageError(f"{several}{_known_inputs(drivetrain)}", kind="unmatched-excitations")
     else:
         missing = "a measured input needs an excitation; declare an input in the model"
-        raise UsageError(f"{missing} or name a node with {remedy('driven_by=')}")
+        raise UsageError(f"{missing} or name a node with {remedy('driven_by=')}", kind="unmatched-excitations")
     if len(excitations) != len(measured):
         raise UsageError(
             f"{len(measured)} measured input(s) but {len(excitations)} excitation(s); "
-            f"there must be as many of one as of the other{_known_inputs(drivetrain)}"
+            f"there must be as many of one as of the other{_known_inputs(drivetrain)}",
+            kind="unmatched-excitations",
         )
     names = ", ".join(str(entry) for entry in excitations)
     notes = (f"measured input; excitation: {names}",)
@@ -211,11 +223,13 @@ def _torque_on(drivetrain: AssembledModel, channel: Input) -> Input:
     kinematics, where = drivetrain.assembly.kinematics, named_nodes(channel)
     same = (name for name, one in drivetrain.inputs.items() if one.quantity == "angle" and one.nodes == channel.nodes)
     if (driven := next(same, None)) is not None:
-        raise UsageError(f"the angle of {where} is imposed by {driven}; name that input, or another node")
+        raise UsageError(
+            f"the angle of {where} is imposed by {driven}; name that input, or another node", kind="no-effect"
+        )
     moved = kinematics.reduced(channel.row)
     if moved.keys().isdisjoint(kinematics.coordinates):
         held = "its motion is imposed" if moved else immobility_text(channel)
-        raise UsageError(f"a torque on {where} moves nothing: {held}; put it on a node that can turn")
+        raise UsageError(f"a torque on {where} moves nothing: {held}; put it on a node that can turn", kind="no-effect")
     return channel
 
 
@@ -228,7 +242,9 @@ def _torque_on_nodes(drivetrain: AssembledModel, name: Any) -> Input | None:
         return None
     for node in pair:
         if node not in (*drivetrain.nodes, GROUND):
-            raise UsageError(f'{name}: no node is named "{node}"{did_you_mean(node, drivetrain.nodes)}')
+            raise UsageError(
+                f'{name}: no node is named "{node}"{did_you_mean(node, drivetrain.nodes)}', kind="unknown-node"
+            )
     return _torque_on(drivetrain, Input("torque", *pair))
 
 
@@ -237,11 +253,12 @@ def _present(drivetrain: AssembledModel, name: str) -> Input:
     missing = next((node for node in channel.nodes if node not in drivetrain.nodes), None)
     if missing is not None:
         text = f'input {name} acts on node "{missing}", to which nothing is attached in this configuration'
-        raise UsageError(f"{text}; choose another input, or a configuration in which it is attached")
+        raise UsageError(f"{text}; choose another input, or a configuration in which it is attached", kind="no-effect")
     if drivetrain.assembly.kinematics.holds_row(channel.row):
         which = f'"{channel.of}" is locked' if channel.against is None else immobility_text(channel)
         raise UsageError(
-            f"input {name} does nothing: {which} in this configuration; choose another input or configuration"
+            f"input {name} does nothing: {which} in this configuration; choose another input or configuration",
+            kind="no-effect",
         )
     return channel
 
@@ -264,7 +281,9 @@ def _named_input(drivetrain: AssembledModel, name: Any) -> Input:
         return torque
     known = [*drivetrain.inputs, *drivetrain.nodes]
     declared = ", ".join(drivetrain.inputs) or "none"
-    raise UsageError(f'no input or node is named "{name}"{did_you_mean(name, known)}; inputs: {declared}')
+    raise UsageError(
+        f'no input or node is named "{name}"{did_you_mean(name, known)}; inputs: {declared}', kind="unknown-channel"
+    )
 
 
 def _given(drivetrain: AssembledModel, channel: Input) -> Input:
@@ -280,14 +299,17 @@ def _given(drivetrain: AssembledModel, channel: Input) -> Input:
         if channel == declared:
             return _present(drivetrain, name)
     raise UsageError(
-        f"the model has no {channel}; an imposed angle must stand in its entry inputs:, a torque must act on its nodes"
+        f"the model has no {channel}; an imposed angle must stand in its entry inputs:, a torque must act on its nodes",
+        kind="unknown-channel",
     )
 
 
 def _twist_in(drivetrain: AssembledModel, channel: Input) -> Input:
     """The twist input itself if its element can be twisted (a compliant one), else UsageError."""
     if channel.of not in drivetrain.elements:
-        raise UsageError(f'no element is named "{channel.of}"{did_you_mean(channel.of, drivetrain.elements)}')
+        raise UsageError(
+            f'no element is named "{channel.of}"{did_you_mean(channel.of, drivetrain.elements)}', kind="unknown-element"
+        )
     element = drivetrain.elements[channel.of]
     fault = twist_fault(element, element.parts(Values(drivetrain.exact_values)))
     if fault:
@@ -300,7 +322,7 @@ def _listed(names: Any, what: str, kinds: tuple[type, ...]) -> list[Any]:
     entries = [names] if isinstance(names, kinds) else list(names) if isinstance(names, list | tuple) else [None]
     for entry in entries:
         if not isinstance(entry, kinds):
-            raise UsageError(f"{what} is a name or a list of names, got {names!r}")
+            raise UsageError(f"{what} is a name or a list of names, got {names!r}", kind="wrong-form")
     return entries
 
 
@@ -315,13 +337,15 @@ def named_output(drivetrain: AssembledModel, entry: str | Sensor) -> Functional:
         kinematics = drivetrain.assembly.kinematics
         if on_nodes and set(sensor.nodes) <= set(drivetrain.nodes) and kinematics.holds_row(sensor.row):
             which = f'"{sensor.of}" is locked' if sensor.against is None else immobility_text(sensor)
-            raise UsageError(f"{name} reads zero: {which} in this configuration")
+            raise UsageError(f"{name} reads zero: {which} in this configuration", kind="no-effect")
         return functional(drivetrain, sensor, name)
     known = [*drivetrain.sensors, *drivetrain.nodes]
     hint = did_you_mean(name, known)
     declared = ", ".join(drivetrain.sensors) or "none"
     others = "or write torque(element), twist(element), velocity(node)"
-    raise UsageError(f'no sensor or node is named "{entry}"{hint}; sensors: {declared}; {others}')
+    raise UsageError(
+        f'no sensor or node is named "{entry}"{hint}; sensors: {declared}; {others}', kind="unknown-channel"
+    )
 
 
 def usable_channels(drivetrain: AssembledModel) -> tuple[list[str], list[str]]:
@@ -354,4 +378,6 @@ def _input(drivetrain: AssembledModel, entry: str | Sensor | Input) -> Input | F
     if torque is not None:
         return torque
     known = [*drivetrain.inputs, *drivetrain.sensors, *drivetrain.nodes]
-    raise UsageError(f'no input, sensor or node is named "{entry}"{did_you_mean(str(entry), known)}')
+    raise UsageError(
+        f'no input, sensor or node is named "{entry}"{did_you_mean(str(entry), known)}', kind="unknown-channel"
+    )

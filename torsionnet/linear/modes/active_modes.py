@@ -187,7 +187,9 @@ def _with_hysteresis(assembly: Assembly) -> tuple[EigenSolution, tuple[str, ...]
     if varying:
         names = ", ".join(dict.fromkeys(varying))
         text = f"modes with controllers are not calculated where a stiffness varies with frequency: {names}"
-        raise UsageError(f"{text}; a continuous shaft may be given as type: shaft with segments")
+        raise UsageError(
+            f"{text}; a continuous shaft may be given as type: shaft with segments", kind="unsupported-law"
+        )
     # Springs with k alone first; their losses k eta then grow in steps, each from the poles before.
     springs = system.frozen(1.0)[0].real
     elastic = replace(assembly, system=replace(system, dynamic=(), stiffness=springs))

@@ -205,14 +205,16 @@ def measured_poles(drivetrain: AssembledModel, request: TransferRequest) -> tupl
     ):
         raise UsageError(
             "the measured input does not cut the drivetrain in two; then poles are calculated only without "
-            "frequency-dependent stiffness and with torques as excitation"
+            "frequency-dependent stiffness and with torques as excitation",
+            kind="unsupported-law",
         )
     names = ", ".join(reading.name for reading in request.measured)
     bordered = Bordered.of(assembly, request)
     counts = bordered.roots()
     if counts is None:
         raise UsageError(
-            f"the excitation does not reach {names}: the measured input is zero at every frequency; choose another"
+            f"the excitation does not reach {names}: the measured input is zero at every frequency; choose another",
+            kind="zero-input",
         )
     # Roots at zero have shapes at rest, P_0 v = 0, which fractions give exactly.
     still = _still(bordered) if counts[1] else np.zeros((bordered.size, 0))

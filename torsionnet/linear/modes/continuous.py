@@ -186,7 +186,7 @@ def natural_rates(system: RowSystem, count: int) -> FloatArray:
         upper *= 2
         if upper > 1e12 * first:
             text = f"fewer than {count} modes of the continuous shafts were found below {upper / (2 * np.pi):.3g} Hz"
-            raise SolveError(f"{text}; ask for fewer with lowest or up_to")
+            raise SolveError(f"{text}; ask for fewer with lowest or up_to", kind="no-solution")
     low, high = np.full(len(wanted), SLOWEST_VIBRATION * first), np.full(len(wanted), upper)
     for _ in range(BISECTIONS):
         # The geometric middle over decades, the arithmetic one within a factor of two.

@@ -212,7 +212,7 @@ def zero_chains(pencil: ExactPencil, weights: Sequence[float]) -> dict[int, Zero
             break
         if sum(one.order for one in chains.values()) > most:
             text = "the torques of controllers cancel the dynamic stiffness: no motion balances a load"
-            raise SolveError(f"{text}; change a control law")
+            raise SolveError(f"{text}; change a control law", kind="no-solution")
         column, chain = _next_chain(vectors[0], chains, weights)
         chains[column] = chain
     return chains

@@ -145,11 +145,12 @@ class FrozenProblem:
         stiffness, damping = self.system.frozen(omega)
         if not (np.all(np.isfinite(stiffness)) and np.all(np.isfinite(damping))):
             raise SolveError(
-                f"a frequency-dependent stiffness is not finite at {omega:.6g} rad/s; correct its values there"
+                f"a frequency-dependent stiffness is not finite at {omega:.6g} rad/s; correct its values there",
+                kind="not-finite",
             )
         if np.any(stiffness.real < 0):
             text = f"a frequency-dependent stiffness has a negative real part at {omega:.6g} rad/s"
-            raise SolveError(f"{text}; correct its values there")
+            raise SolveError(f"{text}; correct its values there", kind="no-solution")
         self.frozen[omega] = (stiffness.real, np.zeros_like(damping)) if self.undamped else (stiffness, damping)
         return self.frozen[omega]
 

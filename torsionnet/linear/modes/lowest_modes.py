@@ -98,7 +98,8 @@ def lowest_vibrations(system: RowSystem, motions: RigidMotions, count: int, *, u
         size = system.n_coordinates
         raise SolveError(
             f"a sparse search finds too few of the lowest modes of {size} coordinates; leave out lowest= to get all "
-            "modes, which takes long"
+            "modes, which takes long",
+            kind="no-solution",
         ) from error
     return found if system.n_coordinates > LARGEST_DENSE or np.all(found.errors[:count] <= SPARSE_TOLERANCE) else None
 

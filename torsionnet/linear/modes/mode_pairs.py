@@ -136,11 +136,12 @@ def undamped_place(drivetrain: AssembledModel, number: int) -> tuple[int, Vibrat
         if mode.number == number:
             if math.isnan(mode.undamped_frequency):
                 raise UsageError(
-                    f"mode {number} ({mode.natural_frequency:.5g} Hz) exists with damping only; choose another mode"
+                    f"mode {number} ({mode.natural_frequency:.5g} Hz) exists with damping only; choose another mode",
+                    kind="unknown-mode",
                 )
             return place, mode
     known = f"there are {len(found)}, counted from 1 without rigid bodies" if found else "nothing vibrates here"
-    raise UsageError(f"there is no mode {number}; {known}")
+    raise UsageError(f"there is no mode {number}; {known}", kind="unknown-mode")
 
 
 def _in_order(partners: Mapping[int, int], rates: FloatArray) -> dict[int, int]:
@@ -240,7 +241,9 @@ def referred_shapes(drivetrain: AssembledModel, modes: Modes, referred_to: str) 
     True
     """
     if referred_to not in drivetrain.nodes:
-        raise UsageError(f'no node is named "{referred_to}"{did_you_mean(referred_to, drivetrain.nodes)}')
+        raise UsageError(
+            f'no node is named "{referred_to}"{did_you_mean(referred_to, drivetrain.nodes)}', kind="unknown-node"
+        )
     value = Values(drivetrain.exact_values)
     paths = SpeedPaths(tuple(drivetrain.elements.values()), value)
     found = {node: paths.between(node, referred_to) for node in modes.nodes}

@@ -197,7 +197,7 @@ class Modes(SavedResult):
     def shape_at(self, node: str) -> ComplexArray:
         """Complex angle of a node in every mode, without unit, 1 at the node that moves most, shape (n_modes,)."""
         if node not in self.nodes:
-            raise UsageError(f'no node is named "{node}"{did_you_mean(node, self.nodes)}')
+            raise UsageError(f'no node is named "{node}"{did_you_mean(node, self.nodes)}', kind="unknown-node")
         return np.asarray(self.shapes[self.nodes.index(node)])
 
     def energy_shares(self, mode: int) -> Mapping[str, tuple[float, float, float]]:

@@ -74,7 +74,7 @@ def poles_against_measured(
     system = drivetrain.assembly.system
     require_resistance(system, np.ones(len(system.sparse_rows), dtype=bool))
     if not request.is_measured:
-        raise UsageError(f'"{request.names}" is no sensor; name a sensor as measured input')
+        raise UsageError(f'"{request.names}" is no sensor; name a sensor as measured input', kind="unknown-channel")
     kept = elements_beyond_cut(drivetrain, request)
     if kept is None:
         from torsionnet.linear.modes.bordered_poles import measured_poles
@@ -144,7 +144,8 @@ def _of_cut_system(
         found, warned = natural_modes(rest)
     except SolveError as error:  # the whole drivetrain resists every motion, so the cut leaves a loose end
         raise UsageError(
-            f"{measured} is zero at every frequency: nothing on the other side of the transducer resists a motion"
+            f"{measured} is zero at every frequency: nothing on the other side of the transducer resists a motion",
+            kind="zero-input",
         ) from error
     shapes = np.full((len(drivetrain.nodes), len(found)), np.nan + 0j)
     place = {node: number for number, node in enumerate(drivetrain.nodes)}
@@ -199,11 +200,14 @@ def modes(
     [7.10526, 80.98336]
     """
     if up_to is not None and not 0 < up_to < math.inf:
-        raise UsageError(f"up_to={up_to}: modes are asked for up to a frequency above 0 Hz")
+        raise UsageError(f"up_to={up_to}: modes are asked for up to a frequency above 0 Hz", kind="out-of-range")
     if lowest is not None and lowest < 1:
-        raise UsageError(f"lowest={lowest}: at least one mode must be asked for")
+        raise UsageError(f"lowest={lowest}: at least one mode must be asked for", kind="out-of-range")
     if measured_input is None and driven_by is not None:
-        raise UsageError("driven_by= goes with measured_input=; the modes of the drivetrain itself need none")
+        raise UsageError(
+            "driven_by= goes with measured_input=; the modes of the drivetrain itself need none",
+            kind="unmatched-excitations",
+        )
     request = None if measured_input is None else resolve_inputs(drivetrain, measured_input, driven_by)
     found = modes_against(drivetrain, request, lowest, up_to)
     return replace(found, notes=(*found.notes, *operating_speed_notes(drivetrain.external_torques)))

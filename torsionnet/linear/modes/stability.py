@@ -37,7 +37,9 @@ def unstable_modes(drivetrain: AssembledModel) -> tuple[Fault, ...]:
         said = "whether {} leaves the drivetrain stable is not known: {}"
         text = phrase(said, named_list(feeding), message_of(error))
         return (Fault(text, ("elements", feeding[0]), "note", on_key=True),)
-    warned = tuple(Fault(text, ("elements", feeding[0]), "warning", on_key=True) for text in texts)
+    warned = tuple(
+        Fault(text, ("elements", feeding[0]), "warning", on_key=True, kind="unstable-drivetrain") for text in texts
+    )
     growing = np.flatnonzero(found.eigenvalues.real > 0)
     return (*(_growing(drivetrain, found, int(mode), feeding) for mode in growing), *warned)
 
@@ -57,4 +59,6 @@ def _growing(drivetrain: AssembledModel, modes: Modes, mode: int, feeding: list[
         text = phrase(said, ModelName(worst), at, ratio, words)
     acts = any(action.owner == worst for action in drivetrain.assembly.system.actions)
     instead = _CONTROLLER_ADVICE if acts else _NEGATIVE_DAMPING_ADVICE
-    return Fault(phrase("{}; {}", text, instead), ("elements", worst), "warning", on_key=True)
+    return Fault(
+        phrase("{}; {}", text, instead), ("elements", worst), "warning", on_key=True, kind="unstable-drivetrain"
+    )

@@ -40,7 +40,8 @@ def by_spectrum(
     found = responses([drivetrain], request, asked, "graph").values[0]
     if not np.isfinite(found).all():
         raise UsageError(
-            f"{drivetrain.title} has frequency-dependent laws and no finite static response: lock it to simulate it"
+            f"{drivetrain.title} has frequency-dependent laws and no finite static response: lock it to simulate it",
+            kind="unsupported-law",
         )
     H = np.array(found[: len(frequencies)])
     # Not band-limited, a course between samples has parts beyond half the rate, which samples fold back.

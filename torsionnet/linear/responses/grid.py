@@ -60,7 +60,9 @@ class Adaptive:
 
     def __post_init__(self) -> None:
         if not (0 <= self.start < self.stop < np.inf) or min(self.points, self.per_peak) < 1:
-            raise UsageError(f"a range of frequencies needs 0 <= start < stop and points, got {self}")
+            raise UsageError(
+                f"a range of frequencies needs 0 <= start < stop and points, got {self}", kind="unordered-rows"
+            )
 
     def frequencies(self, *modes: Modes) -> FloatArray:
         """Frequencies (n,) in Hz, rising, that resolve the peaks of these modes."""

@@ -179,18 +179,22 @@ def _chosen(drivetrain: AssembledModel, name: str | None, actions: tuple[ActionL
     known = list(dict.fromkeys(one.owner for one in actions))
     if not known:
         raise UsageError(
-            "stability margins need a controller, fluid coupling or other feedback; this drivetrain has none"
+            "stability margins need a controller, fluid coupling or other feedback; this drivetrain has none",
+            kind="missing-entry",
         )
     if name is None:
         if len(known) > 1:
-            raise UsageError(f"there are several controllers; name one of {', '.join(known)}")
+            raise UsageError(f"there are several controllers; name one of {', '.join(known)}", kind="ambiguous-name")
         return known[0]
     if name not in known:
         there = "is no controller" if name in drivetrain.elements else "is not in this drivetrain"
-        raise UsageError(f'"{name}" {there}{did_you_mean(name, known)}; known: {", ".join(known)}')
+        raise UsageError(
+            f'"{name}" {there}{did_you_mean(name, known)}; known: {", ".join(known)}', kind="unknown-element"
+        )
     if sum(one.owner == name for one in actions) > 1:
         raise UsageError(
-            f"{name} acts at several places at once, so its loop cannot be opened at one; choose another controller"
+            f"{name} acts at several places at once, so its loop cannot be opened at one; choose another controller",
+            kind="unsupported-law",
         )
     return name
 

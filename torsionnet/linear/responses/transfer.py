@@ -254,7 +254,7 @@ def frequency_response(
 def known_method(method: str) -> None:
     """Raise UsageError for the name of a solver method that does not exist."""
     if method not in METHODS:
-        raise UsageError(f'no method is named "{method}"; choose {", ".join(METHODS)}')
+        raise UsageError(f'no method is named "{method}"; choose {", ".join(METHODS)}', kind="unknown-word")
 
 
 def chosen_frequencies(
@@ -271,7 +271,7 @@ def chosen_frequencies(
     except (TypeError, ValueError):
         f = np.array([np.nan])
     if f.ndim != 1 or not np.isfinite(f).all() or (f < 0).any():
-        raise UsageError("frequencies must be a list of finite numbers >= 0, in Hz")
+        raise UsageError("frequencies must be a list of finite numbers >= 0, in Hz", kind="not-finite")
     return f
 
 

@@ -128,7 +128,8 @@ class _Slopes:
                 return np.asarray((4 * once - twice) / 3)
         raise UsageError(
             f"the slopes of {', '.join(self.elements)} at the operating point have no derivative to "
-            f"{self.unknowns.names[number]} there: a curve ends or has a corner; take another operating point"
+            f"{self.unknowns.names[number]} there: a curve ends or has a corner; take another operating point",
+            kind="unsupported-law",
         )
 
     @cached_property
@@ -273,7 +274,10 @@ def augmented(unknowns: Unknowns, at: Sequence[float], nodes: Sequence[str], red
     parts = parts_at(unknowns, at)
     acting = ", ".join(dict.fromkeys(part.element for part in parts if isinstance(part.part, Action)))
     if acting:
-        raise UsageError(f"derivatives are not worked out where a torque follows another motion; switch off {acting}")
+        raise UsageError(
+            f"derivatives are not worked out where a torque follows another motion; switch off {acting}",
+            kind="unsupported-law",
+        )
     count, place = len(unknowns.names), {node: index for index, node in enumerate(nodes)}
     owned = [(part.element, part.part) for part in parts if hasattr(part.part, "inertia")]
     laws: list[Any] = [law for _, law in owned]
@@ -314,7 +318,8 @@ def _refuse_redundant(owners: Sequence[str], rows: Sequence[Mapping[str, Any]], 
     for owner, row in zip(owners, rows, strict=True):
         if any(gradient_of(coefficient, count).any() for coefficient in row.values()):
             raise UsageError(
-                f"the ratio of {owner} is fixed by the other ratios of its rigid loop and cannot be varied alone"
+                f"the ratio of {owner} is fixed by the other ratios of its rigid loop and cannot be varied alone",
+                kind="unsupported-law",
             )
 
 

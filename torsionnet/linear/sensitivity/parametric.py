@@ -96,7 +96,9 @@ class ParametricResponse:
         try:
             whole = augmented(self.unknowns, numbers, self._nodes, self._redundant)
         except (ZeroDivisionError, OverflowError, ExpressionError) as error:
-            raise SolveError(f"the drivetrain cannot be calculated at {self._given(numbers)}: {error}") from None
+            raise SolveError(
+                f"the drivetrain cannot be calculated at {self._given(numbers)}: {error}", kind="no-solution"
+            ) from None
         derivatives, omega = self._problem(whole, numbers), 2 * np.pi * self.frequencies
         kappa = law_stiffness_of(whole, omega)
         solved = respond(derivatives.problem, kappa)
@@ -107,7 +109,7 @@ class ParametricResponse:
         if np.isfinite(numbers).all():
             self._settle(derivatives, kappa, found.values, numbers)
         if not (np.isfinite(found.values).all() and np.isfinite(found.jacobian).all()):
-            raise SolveError(f"the response is not finite at {self._given(numbers)}")
+            raise SolveError(f"the response is not finite at {self._given(numbers)}", kind="not-finite")
         return found
 
     def _problem(self, system: Augmented, numbers: Sequence[float]) -> DerivativeProblem:
@@ -219,7 +221,7 @@ def parametric_response(
     """
     f = np.atleast_1d(np.asarray(frequencies, dtype=float))
     if f.ndim != 1 or not np.all(np.isfinite(f)) or not np.all(f > 0):
-        raise UsageError("derivatives are taken at frequencies above 0, in Hz")
+        raise UsageError("derivatives are taken at frequencies above 0, in Hz", kind="out-of-range")
     request = resolve_request(drivetrain, output, input, driven_by)
     redundant = drivetrain.assembly.kinematics.reduction.redundant
     return ParametricResponse(

@@ -115,7 +115,8 @@ class ResponsesAroundPoles:
             owners = ", ".join(dict.fromkeys(self.system.law_owners[law] for law, _ in self.system.tables))
             raise UsageError(
                 "modes with equal frequencies have no sensitivities with springs tabulated "
-                f"over frequency ({owners}); give these a constant stiffness"
+                f"over frequency ({owners}); give these a constant stiffness",
+                kind="unsupported-law",
             )
         # Repeated: eigenvalues of the pencil of both matrices.
         parted = [scipy.linalg.eigvals(moved[..., p], rate).astype(complex) for p in range(moved.shape[2])]

@@ -262,7 +262,10 @@ def mode_sensitivities(
 def _basic(drivetrain: AssembledModel) -> list[str]:
     basic = [name for name, one in drivetrain.parameter_definitions.items() if not one.value.names]
     if not basic:
-        raise UsageError(f"{drivetrain.name} has no parameters; name numbers of elements, such as shaft.stiffness")
+        raise UsageError(
+            f"{drivetrain.name} has no parameters; name numbers of elements, such as shaft.stiffness",
+            kind="missing-entry",
+        )
     return basic
 
 

@@ -154,7 +154,7 @@ class Unknowns:
             try:
                 values[name] = varied[name] if name in varied else self._evaluated(name, values)
             except (ExpressionError, ZeroDivisionError) as error:
-                raise ModelError(f"{name} cannot be calculated: {error}") from None
+                raise ModelError(f"{name} cannot be calculated: {error}", kind="incalculable-value") from None
         return values
 
     def _evaluated(self, name: str, values: Mapping[str, Any]) -> Any:
@@ -179,10 +179,10 @@ def unknowns(drivetrain: AssembledModel, names: Sequence[str]) -> Unknowns:
     parameters, start = [], []
     strange = [name for name in names if not isinstance(name, str)]
     if strange:
-        raise UsageError(f"a parameter must be given by its name, got {strange[0]!r}")
+        raise UsageError(f"a parameter must be given by its name, got {strange[0]!r}", kind="wrong-form")
     twice = sorted({name for name in names if list(names).count(name) > 1})
     if twice:
-        raise UsageError(f"{', '.join(twice)} is named twice; name each parameter once")
+        raise UsageError(f"{', '.join(twice)} is named twice; name each parameter once", kind="repeated-name")
     for name in names:
         if name in definition.parameters:
             parameters.append(name)
@@ -202,18 +202,23 @@ def _with_parameter(definition: Definition, name: str, drivetrain: AssembledMode
     if element_name not in definition.elements:
         known = [*definition.parameters, *(f"{e}.{f}" for e in definition.elements for f in _fields(drivetrain, e))]
         raise UsageError(
-            f'no parameter is named "{name}"{did_you_mean(name, known)}; or name a field: element.stiffness'
+            f'no parameter is named "{name}"{did_you_mean(name, known)}; or name a field: element.stiffness',
+            kind="unknown-parameter",
         )
     element = definition.elements[element_name]
     known_fields = _fields(drivetrain, element_name)
     if field not in known_fields:
         has = ", ".join(known_fields) or "none"
         raise UsageError(
-            f'{element_name} has no number "{field}"{did_you_mean(field, known_fields)} to vary; it has {has}'
+            f'{element_name} has no number "{field}"{did_you_mean(field, known_fields)} to vary; it has {has}',
+            kind="unknown-entry",
         )
     value = getattr(element, field)
     if isinstance(value, DampingMeasure) or not isinstance(value, Number):
-        raise UsageError(f"{name} is given as {value}; vary the parameters in it, or give it a plain value")
+        raise UsageError(
+            f"{name} is given as {value}; vary the parameters in it, or give it a plain value",
+            kind="expression-not-allowed",
+        )
     parameter = f"{element_name}__{field}"
     varied: Any = {field: Name(parameter)}
     changed: Element = replace(element, **varied)

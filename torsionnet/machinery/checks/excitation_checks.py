@@ -38,7 +38,7 @@ def unfit_excitations(definition: Definition) -> list[Fault]:
     faults += [unknown_name("node", node, nodes, path) for node, path in dict.fromkeys(places) if node not in nodes]
     if LOAD in definition.excitations:
         text = f'"{LOAD}" is the entry on who drives and who absorbs; give the excitation another name'
-        faults.append(Fault(text, ("excitations", LOAD), on_key=True))
+        faults.append(Fault(text, ("excitations", LOAD), on_key=True, kind="invalid-name"))
     if definition.load is not None:
         faults += unknown_in_load(definition, definition.load)
     values, wrong = resolve(definition.parameters)
@@ -96,7 +96,7 @@ def _rigid(definition: Definition, values: Mapping[str, Any]) -> Iterator[Fault]
             path, element = excitation.element_entry
             fault = twist_fault(definition.elements[element], definition.elements[element].parts(Values(values)))
             if fault:
-                yield Fault(fault, ("excitations", name, *path))
+                yield Fault(fault, ("excitations", name, *path), kind="unfit-element")
 
 
 def _shaft_ratios(definition: Definition, values: Mapping[str, Any]) -> tuple[dict[str, float], list[Fault]]:
@@ -109,7 +109,7 @@ def _shaft_ratios(definition: Definition, values: Mapping[str, Any]) -> tuple[di
         try:
             ratios[name] = abs(float(total_ratio(definition, values, excitation.shaft, definition.speeds.of)))
         except UsageError as error:
-            faults.append(Fault(message_of(error), ("excitations", name, "speed_of")))
+            faults.append(Fault(message_of(error), ("excitations", name, "speed_of"), kind="no-ratio"))
     return ratios, faults
 
 
@@ -165,7 +165,7 @@ def _on_imposed(definition: Definition) -> Iterator[Fault]:
             if by is not None:
                 said = "the motion of {} is imposed by {}; a torque there does nothing"
                 text = phrase(said, named_nodes(channel), ModelName(by))
-                yield Fault(text, ("excitations", name, *path))
+                yield Fault(text, ("excitations", name, *path), kind="no-effect")
 
 
 def _all_imposed(channel: Input, imposed: Mapping[frozenset[str], str]) -> str | None:
@@ -200,7 +200,11 @@ def archer_at_small_torque(external: ExternalTorques) -> Iterator[Fault]:
             text = f"Archer's damping with {taken / 1e3:.4g} kN*m, {taken / whole:.0%} of the torque of full ahead"
             text += " at that speed; the formula is for a propeller that works at its pitch:"
             yield Fault(
-                f"{text} give damping for this condition", ("elements", screw.name, "archer"), "warning", about=LOAD
+                f"{text} give damping for this condition",
+                ("elements", screw.name, "archer"),
+                "warning",
+                about=LOAD,
+                kind="missing-entry",
             )
 
 

@@ -40,7 +40,9 @@ def _unfit(limit: Limit, subject: LimitSubject) -> Iterator[Fault]:
     try:
         yield from limit.fitted(subject.elements).unfit(subject)
     except ModelError as error:
-        yield Fault(f"what the catalogue says of {limit.of} does not fit this limit", on_key=True)
+        yield Fault(
+            f"what the catalogue says of {limit.of} does not fit this limit", on_key=True, kind="unreadable-file"
+        )
         yield from error.faults
 
 

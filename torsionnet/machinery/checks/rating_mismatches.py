@@ -183,7 +183,7 @@ def _of_load(external: ExternalTorques, unlike: Sequence[_Unlike], work: Mapping
     stated = " and ".join(f"{one.machine.name} {power_text(one.machine.powers[0])}" for one in unlike)
     text = f"the load takes {power_text(_taken(work))} at rated speed, but stated are of {stated}"
     cause, meant = likely_load(_taken(work), min(sizes), getattr(load, entry) if entry == "torque" else None)
-    return [Fault(text + cause, ("load", entry), "warning", meant=meant)] if cause else []
+    return [Fault(text + cause, ("load", entry), "warning", meant=meant, kind="contradicting-ratings")] if cause else []
 
 
 def _machines(external: ExternalTorques, rated: float) -> Iterator[_Machine]:
@@ -222,7 +222,7 @@ def _unlike(
         text = f"a rated speed of {stated * RPM:.6g} rpm, but {node} turns at {expected * RPM:.6g} rpm"
         text += f" with {external.reference} at its rated {known[external.reference] * RPM:.6g} rpm"
         cause, meant = likely_speed(stated, expected, node, known)
-        yield Fault(text + cause, path, "warning", meant=meant)
+        yield Fault(text + cause, path, "warning", meant=meant, kind="contradicting-ratings")
 
 
 def _absorbed(external: ExternalTorques, machines: list[_Machine], work: Mapping[str, float]) -> Iterator[_Unlike]:
@@ -236,7 +236,14 @@ def _absorbed(external: ExternalTorques, machines: list[_Machine], work: Mapping
             text = f"{one.name} takes {power_text(one.powers[0])} at rated speed"
             text += f", the load there {power_text(taken)}"
             cause, meant = _cause(one, taken, external)
-            fault = Fault(text + cause, one.path(one.rating.path), "warning", about=LOAD, meant=meant)
+            fault = Fault(
+                text + cause,
+                one.path(one.rating.path),
+                "warning",
+                about=LOAD,
+                meant=meant,
+                kind="contradicting-ratings",
+            )
             yield _Unlike(one, one.powers[0] / taken, fault)
 
 
@@ -256,7 +263,9 @@ def _given(external: ExternalTorques, machines: list[_Machine], work: Mapping[st
         cause, meant = _cause(one, wanted, external)
         least = given * one.rating.shares[0]
         severity = "note" if least > wanted and not cause else "warning"
-        fault = Fault(text + cause, one.path(one.rating.path), severity, about=LOAD, meant=meant)
+        fault = Fault(
+            text + cause, one.path(one.rating.path), severity, about=LOAD, meant=meant, kind="contradicting-ratings"
+        )
         yield _Unlike(one, given / wanted, fault)
 
 

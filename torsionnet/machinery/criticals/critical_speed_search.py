@@ -98,9 +98,9 @@ def critical_speeds(
     [(1, 2.0, 10.0)]
     """
     if not 0 <= reach < 1:
-        raise UsageError(f"reach is a share of the speeds, 0 or more and below 1, got {reach}")
+        raise UsageError(f"reach is a share of the speeds, 0 or more and below 1, got {reach}", kind="out-of-range")
     if line_frequency is not None and not 0 < line_frequency < math.inf:
-        raise UsageError(f"a line frequency is above 0 Hz, got {line_frequency}")
+        raise UsageError(f"a line frequency is above 0 Hz, got {line_frequency}", kind="out-of-range")
     rule = margin_rule(margin)
     changed = _with_dampers(drivetrain, dampers, damper_names)
     every, reference, speed_range = excited_lines(changed, speeds, speed_of, excitation)
@@ -180,7 +180,9 @@ def _chosen_lines(known: Mapping[str, Sequence[OrderLine]], names: Iterable[str]
     wanted = {names} if isinstance(names, str) else set(names)
     given = [str(line) for group in known.values() for line in group]
     if missing := sorted(wanted - set(given)):
-        raise UsageError(f"no order line is named {comma_list(missing)}; there are {comma_list(given)}")
+        raise UsageError(
+            f"no order line is named {comma_list(missing)}; there are {comma_list(given)}", kind="unknown-name"
+        )
     found = {name: [line for line in group if str(line) in wanted] for name, group in known.items()}
     return {name: group for name, group in found.items() if group}
 

@@ -320,16 +320,25 @@ class CriticalSpeeds(NotebookResult):
             return found[0]
         names = list(dict.fromkeys(one.excitation for one in found))
         if len(names) > 1:
-            raise UsageError(f"{', '.join(names)} have order {order:g}; say which excitation")
+            raise UsageError(f"{', '.join(names)} have order {order:g}; say which excitation", kind="ambiguous-name")
         if found and near is not None:
             return min(found, key=lambda one: abs(one.first_speed - near))
         if found:
             if len({one.fixed for one in found}) > 1:
-                raise UsageError(f"mode {mode} is near {', '.join(one.line for one in found)}; choose among crossings")
+                raise UsageError(
+                    f"mode {mode} is near {', '.join(one.line for one in found)}; choose among crossings",
+                    kind="unknown-order",
+                )
             places = " and ".join(screen_text(one.first_speed * RPM, 5) for one in found)
-            raise UsageError(f"mode {mode} meets order {order:g} at {places} rpm; say which with near=, in rad/s")
+            raise UsageError(
+                f"mode {mode} meets order {order:g} at {places} rpm; say which with near=, in rad/s",
+                kind="ambiguous-name",
+            )
         known = ", ".join(dict.fromkeys(one.line for one in self.crossings if one.mode.number == mode)) or "none"
-        raise UsageError(f"mode {mode} meets no order {order:g} in or near the operating range; it meets {known}")
+        raise UsageError(
+            f"mode {mode} meets no order {order:g} in or near the operating range; it meets {known}",
+            kind="unknown-order",
+        )
 
     def mode(self, number: int) -> VibrationMode:
         """Vibration mode of the drivetrain by its number, counted from 1 without rigid bodies.
@@ -347,7 +356,7 @@ class CriticalSpeeds(NotebookResult):
             if self.modes
             else "nothing vibrates here"
         )
-        raise UsageError(f"there is no mode {number}; {known}")
+        raise UsageError(f"there is no mode {number}; {known}", kind="unknown-mode")
 
     def in_conditions(self, others: Sequence[CriticalSpeeds]) -> CriticalSpeeds:
         """Copy of the critical speeds, each with names of other conditions that excite its mode (``excited_in``)."""

@@ -57,7 +57,10 @@ def with_speed_peaks(
     swayed = [name for name, one in drivetrain.definition.following.items() if one.by == VIBRATORY_TORQUE]
     if swayed:
         text = f"{' and '.join(swayed)} follows the vibration of all excitations together"
-        raise UsageError(f"{text}: no order has a peak of its own; leave out the outputs and see torsionnet orders")
+        raise UsageError(
+            f"{text}: no order has a peak of its own; leave out the outputs and see torsionnet orders",
+            kind="no-solution",
+        )
     sought = [one for one in crossings if one.excited and one.natural_speed > 0]
     found: dict[int, tuple[SpeedPeak, ...]] = {}
     channels: tuple[Channel, ...] = ()

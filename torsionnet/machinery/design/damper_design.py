@@ -110,7 +110,9 @@ def damper_design(
     """
     names = [parameters] if isinstance(parameters, str) else list(parameters)
     if not names:
-        raise UsageError("name at least one parameter to optimise, such as the damping of a damper")
+        raise UsageError(
+            "name at least one parameter to optimise, such as the damping of a damper", kind="missing-entry"
+        )
     varied = unknowns(drivetrain, names)
     given = parameters if isinstance(parameters, Mapping) else {}
     units = sought_units(varied)
@@ -164,21 +166,26 @@ def levels_of(
     """Vibration levels to be made small, over a band in Hz from an input, or over speeds under excitations."""
     if input is None:
         if band is not None:
-            raise UsageError("a band of frequencies needs input=; without an input, give speeds instead")
+            raise UsageError(
+                "a band of frequencies needs input=; without an input, give speeds instead", kind="missing-entry"
+            )
         chosen = None if excitations is None else [*excitations]
         run = orders_at_speeds(drivetrain, output, speeds=speeds, speed_of=speed_of, excitations=chosen)
         examined = ExaminedSpeeds.of(drivetrain, speeds, speed_of=speed_of, excitations=chosen)
         return OrderLevels(VariedModel(varied), output, chosen, run, examined.refine)
     if speeds is not None or excitations is not None:
         raise UsageError(
-            "speeds and excitations do not go with an input, which is swept over frequency; leave out one or the other"
+            "speeds and excitations do not go with an input, which is swept over frequency; leave out one or the other",
+            kind="contradicting-entries",
         )
     low, high = band or vibration_range(modes(drivetrain))
     if not 0 < low < high < np.inf:
-        raise UsageError(f"a band goes from a frequency above 0 to a higher one, got {low:g} to {high:g} Hz")
+        raise UsageError(
+            f"a band goes from a frequency above 0 to a higher one, got {low:g} to {high:g} Hz", kind="unordered-rows"
+        )
     response = parametric_response(drivetrain, output, input, [low, high], list(varied.names))
     if len(response.request.outputs) * len(response.request.measured) != 1:
-        raise UsageError("one response is made small: name one output and one input")
+        raise UsageError("one response is made small: name one output and one input", kind="missing-entry")
     return ReceptanceLevels(response, (low, high))
 
 
@@ -194,16 +201,21 @@ def sought_box(varied: Unknowns, given: Bounds, units: Sequence[str]) -> Box:
     for name, parameter, start, unit in zip(varied.names, varied.parameters, varied.start, units, strict=True):
         written = given.get(name) or varied.definition.parameters[parameter].bounds
         if written is None and not start > 0:
-            raise UsageError(f"{name} is {start:g}, which gives no default bounds; give a lower and a higher one")
+            raise UsageError(
+                f"{name} is {start:g}, which gives no default bounds; give a lower and a higher one",
+                kind="missing-entry",
+            )
         low, high = (
             (start / DEFAULT_BOUNDS_FACTOR, start * DEFAULT_BOUNDS_FACTOR)
             if written is None
             else _pair(name, written, unit)
         )
         if not (np.isfinite([low, high]).all() and low < high):
-            raise UsageError(f"{name}: bounds are a lower and a higher value, got {low:g} and {high:g}")
+            raise UsageError(
+                f"{name}: bounds are a lower and a higher value, got {low:g} and {high:g}", kind="unordered-rows"
+            )
         if low < 0:
-            raise UsageError(f"{name}: a damper has no value below 0, got {low:g}")
+            raise UsageError(f"{name}: a damper has no value below 0, got {low:g}", kind="out-of-range")
         ends.append((low, high))
     lower, upper = np.array(ends, dtype=float).T
     return Box(lower, upper)
@@ -211,7 +223,7 @@ def sought_box(varied: Unknowns, given: Bounds, units: Sequence[str]) -> Box:
 
 def _pair(name: str, written: Sequence[Any], unit: str) -> tuple[float, float]:
     if isinstance(written, str) or len(written) != 2:
-        raise UsageError(f"{name}: bounds are two values, got {written!r}")
+        raise UsageError(f"{name}: bounds are two values, got {written!r}", kind="wrong-form")
     low, high = (_number(name, one, unit) for one in written)
     return low, high
 
@@ -220,11 +232,11 @@ def _number(name: str, written: Any, unit: str) -> float:
     try:
         value = read_scalar(written)
     except EntryError as error:
-        raise UsageError(f"{name}: {error}") from None
+        raise UsageError(f"{name}: {error}", kind=error.fault.kind) from None
     if not isinstance(value, Number):
-        raise UsageError(f"{name}: a bound is a number, got {written!r}")
+        raise UsageError(f"{name}: a bound is a number, got {written!r}", kind="not-a-number")
     if value.unit_dimension is not None and value.unit_dimension != parse_unit(unit or "1").dimension:
-        raise UsageError(f'{name}: "{written}" is not in {unit or "a plain number"}')
+        raise UsageError(f'{name}: "{written}" is not in {unit or "a plain number"}', kind="wrong-unit")
     return float(value.value)
 
 
@@ -307,7 +319,7 @@ def with_dampers(
     """
     if state not in STATES:
         known = f"choose {', '.join(STATES)}"
-        raise UsageError(f'"{state}" is no state of a damper{suggestion_or(state, STATES, known)}')
+        raise UsageError(f'"{state}" is no state of a damper{suggestion_or(state, STATES, known)}', kind="unknown-word")
     if state == AS_MODELLED:
         return definition
     active = {element.name: element for element in definition.active}
@@ -315,7 +327,10 @@ def with_dampers(
     if names is not None:
         chosen = known_elements(names, active)
     if not chosen:
-        raise UsageError("the model has no element of type viscous_damper; name the spring or damper that is the film")
+        raise UsageError(
+            "the model has no element of type viscous_damper; name the spring or damper that is the film",
+            kind="unfit-element",
+        )
     elements = dict(definition.elements)
     for name in chosen:
         found = active[name]
@@ -355,7 +370,8 @@ def _hub_and_ring(film: Element, active: Mapping[str, Element]) -> tuple[str, st
     rings = [node for node in ends if len(ends) == 2 and _is_ring(node, set(ends), active)]
     if len(rings) != 1:
         raise UsageError(
-            f'"{film.name}" is no film of a damper: a film lies between a hub and a ring on which nothing else acts'
+            f'"{film.name}" is no film of a damper: a film lies between a hub and a ring on which nothing else acts',
+            kind="unfit-element",
         )
     (ring,) = rings
     return next(node for node in ends if node != ring), ring
@@ -399,7 +415,9 @@ def viscous_equivalent(model: AnyModel, frequency: float) -> AnyModel:
     1.591549
     """
     if not 0 < frequency < float("inf"):
-        raise UsageError(f"a viscous equivalent holds at a frequency above 0 Hz, got {frequency:g}")
+        raise UsageError(
+            f"a viscous equivalent holds at a frequency above 0 Hz, got {frequency:g}", kind="out-of-range"
+        )
     values, elements = Values(model.exact_values), dict(model.definition.elements)
     for name, element in elements.items():
         if any(isinstance(part, Law) and _is_over_frequency(part) for part in element.parts(values)):
@@ -438,7 +456,7 @@ class ViscousLaws(OtherLaws):
             if kappa.real < 0:
                 at = f"{self.element.name}: at {float(self.frequency):g} Hz the stiffness is {kappa.real:.6g} N m/rad"
                 rest = "a continuous shaft may be given as type: shaft with segments"
-                raise UsageError(f"{at}, which no spring has; {rest}")
+                raise UsageError(f"{at}, which no spring has; {rest}", kind="unfit-element")
             stiffness = stiffness + value.algebra.number(Fraction(kappa.real))
             lost = lost + value.algebra.number(Fraction(kappa.imag))
         return replace(law, stiffness=stiffness, damping=law.damping + lost / omega, loss_factor=0, table=None)

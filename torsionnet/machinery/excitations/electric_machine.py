@@ -49,7 +49,7 @@ class AirGapTorque(Declared):
     def contradictions(self) -> list[Fault]:
         if self.amplitude or self.share:
             return []
-        return [Fault(f"a pulsation has an amplitude, a share or both: {self.form}", on_key=True)]
+        return [Fault(f"a pulsation has an amplitude, a share or both: {self.form}", on_key=True, kind="missing-entry")]
 
 
 _PULSATION = Nested("peak value and phase", lambda: AirGapTorque, "air_gap_torque", shown="{share: 2 %}")
@@ -103,6 +103,7 @@ class ShortCircuit(Declared):
                     "three phases short give a torque at the line frequency only; leave out twice",
                     ("twice",),
                     remedy=Remedy(LEAVE_OUT),
+                    kind="needless-entry",
                 )
             ]
         return []
@@ -165,24 +166,40 @@ class ElectricMachine(OrderExcitation):
     def contradictions(self) -> list[Fault]:
         kinds = ("orders", "electrical_orders", "line", "frequencies", "slip", "short_circuit")
         if not any(getattr(self, name) for name in kinds):
-            return [Fault(f"an electric machine needs {', '.join(kinds[:-1])} or {kinds[-1]}", on_key=True)]
+            return [
+                Fault(
+                    f"an electric machine needs {', '.join(kinds[:-1])} or {kinds[-1]}",
+                    on_key=True,
+                    kind="missing-entry",
+                )
+            ]
         return [*self._missing()]
 
     def _missing(self) -> Iterator[Fault]:
         if self.pole_pairs is None:
             for name in ("electrical_orders", "slip"):
                 if getattr(self, name):
-                    yield Fault(f"{name} needs the pole pairs of the machine: pole_pairs: 2", (name,), on_key=True)
+                    yield Fault(
+                        f"{name} needs the pole pairs of the machine: pole_pairs: 2",
+                        (name,),
+                        on_key=True,
+                        kind="missing-entry",
+                    )
         if self.rated_torque is None:
             for path, table in self._tables():
                 for key, one in table.items():
                     if one.share:
                         text = "a share needs the torque it is of: rated_torque: 12 kN*m"
-                        yield Fault(text, (*path, f"{key:g}", "share"))
+                        yield Fault(text, (*path, f"{key:g}", "share"), kind="missing-entry")
             if self.torque:
-                yield Fault("shares of the rated torque need rated_torque: 12 kN*m", ("torque",), on_key=True)
+                yield Fault(
+                    "shares of the rated torque need rated_torque: 12 kN*m",
+                    ("torque",),
+                    on_key=True,
+                    kind="missing-entry",
+                )
         if self.stator == self.node:
-            yield Fault("rotor and stator are on one node; give two different nodes", ("stator",))
+            yield Fault("rotor and stator are on one node; give two different nodes", ("stator",), kind="same-node")
 
     def _tables(self) -> Iterator[tuple[EntryPath, Mapping[float, AirGapTorque]]]:
         """Path and content of every table of pulsations that the machine gives."""

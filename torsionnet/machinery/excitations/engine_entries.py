@@ -44,7 +44,7 @@ class CylindersEntry(Listed[int]):
         if raw == EACH:
             return EACH, []
         if isinstance(raw, str):
-            return (), [Fault(f"expected {self.form}, {got(raw)}")]
+            return (), [Fault(f"expected {self.form}, {got(raw)}", kind="wrong-form")]
         return super().read(raw)
 
     def plain(self, value: Any) -> Json:

@@ -41,7 +41,7 @@ def impossible_lengths(engine: EngineEntries) -> Iterator[Fault]:
             low, high = USUAL_LENGTHS[name]
             meant = f"{size * 100:g} mm" if low <= size / 10 <= high else ""
             hint = f"; a bare number is m, write {size:g} mm" if low <= size / 1e3 <= high else question(meant)
-            yield Fault(text + hint, (name,), meant=meant)
+            yield Fault(text + hint, (name,), meant=meant, kind="implausible-size")
 
 
 def unusual_sizes_of(engine: EngineEntries) -> Iterator[Fault]:
@@ -68,7 +68,7 @@ def _mass(engine: EngineEntries) -> Iterator[Fault]:
     # A usual mass in g or t, of which the unit was left out.
     meant = {mass / 1e3: f"{mass:g} g", mass * 1e3: f"{mass:g} t"}
     found = next((words for one, words in meant.items() if low <= one / volume <= high), "")
-    yield Fault(text + question(found), ("reciprocating_mass",), "warning", meant=found)
+    yield Fault(text + question(found), ("reciprocating_mass",), "warning", meant=found, kind="implausible-size")
 
 
 def _rounded(size: float) -> str:
@@ -86,7 +86,7 @@ def _crankcase(gas: GasPressure) -> Iterator[Fault]:
     text += question(meant)
     if not meant and low <= pressure * 1e5 <= high:
         text += f"; a bare number is Pa, write {pressure:g} bar"
-    yield Fault(text, ("crankcase",), "warning", meant=meant).under("gas")
+    yield Fault(text, ("crankcase",), "warning", meant=meant, kind="implausible-size").under("gas")
 
 
 def _peaks(gas: GasPressure) -> Iterator[Fault]:
@@ -95,7 +95,13 @@ def _peaks(gas: GasPressure) -> Iterator[Fault]:
     fired = max(trace.values)
     if fired > HIGHEST_PEAK:
         text = f"{trace.origin}a highest pressure of {fired / 1e5:.4g} bar: usual are up to {HIGHEST_PEAK / 1e5:g} bar"
-        yield Fault(text + _meant_unit(fired, 1e5, HIGHEST_PEAK), ("gas", "fired"), "warning", position=trace.place)
+        yield Fault(
+            text + _meant_unit(fired, 1e5, HIGHEST_PEAK),
+            ("gas", "fired"),
+            "warning",
+            position=trace.place,
+            kind="implausible-size",
+        )
     if not gas.motored:
         return
     motored, (low, high) = max(gas.motored.values), MOTORED_PEAK_SHARES
@@ -103,7 +109,7 @@ def _peaks(gas: GasPressure) -> Iterator[Fault]:
         text = f"{gas.motored.origin}compression without injection goes to {motored / 1e5:.4g} bar"
         text += f", with injection the pressure goes to {fired / 1e5:.4g} bar"
         meant = _meant_unit(motored, low * fired, high * fired)
-        yield Fault(text + meant, ("gas", "motored"), "warning", position=gas.motored.place)
+        yield Fault(text + meant, ("gas", "motored"), "warning", position=gas.motored.place, kind="implausible-size")
 
 
 def _meant_unit(pressure: float, low: float, high: float) -> str:
@@ -128,7 +134,7 @@ STROKES = {2: "two", 4: "four"}
 def engine_faults(engine: EngineEntries) -> Iterator[Fault]:
     """Faults of engine entries that contradict each other."""
     if engine.cycle not in STROKES:
-        yield Fault("a cycle has 2 or 4 strokes", ("cycle",))
+        yield Fault("a cycle has 2 or 4 strokes", ("cycle",), kind="out-of-range")
         return
     yield from _mechanism(engine)
     firing = [*_banks(engine), *_firing(engine)]
@@ -146,9 +152,13 @@ def _mechanism(engine: EngineEntries) -> Iterator[Fault]:
     radius, per_cycle = engine.stroke / 2, engine.cycle / 2
     if engine.rod_length <= radius:
         text = f"a rod of {engine.rod_length:g} m is shorter than the crank radius {radius:g} m"
-        yield Fault(text, ("rod_length",))
+        yield Fault(text, ("rod_length",), kind="contradicting-values")
     if engine.piston_rod >= engine.bore:
-        yield Fault(f"a piston rod of {engine.piston_rod:g} m fills the bore {engine.bore:g} m", ("piston_rod",))
+        yield Fault(
+            f"a piston rod of {engine.piston_rod:g} m fills the bore {engine.bore:g} m",
+            ("piston_rod",),
+            kind="contradicting-values",
+        )
     own = engine.gas.own_orders if engine.gas else ()
     for path, orders in {
         ("orders",): list(engine.orders),
@@ -158,16 +168,26 @@ def _mechanism(engine: EngineEntries) -> Iterator[Fault]:
         odd = [f"{order:g}" for order in orders if abs(order * per_cycle - round(order * per_cycle)) > 1e-9]
         if odd:
             text = f"orders of a {STROKES[engine.cycle]}-stroke engine are multiples of {1 / per_cycle:g}"
-            yield Fault(f"{text}, not {', '.join(odd)}", path)
+            yield Fault(f"{text}, not {', '.join(odd)}", path, kind="contradicting-values")
 
 
 def _banks(engine: EngineEntries) -> Iterator[Fault]:
     if not engine.banks:
         if engine.bank_angle:
-            yield Fault("a bank angle needs banks: {A: [1, 2, 3], B: [4, 5, 6]}", ("bank_angle",), on_key=True)
+            yield Fault(
+                "a bank angle needs banks: {A: [1, 2, 3], B: [4, 5, 6]}",
+                ("bank_angle",),
+                on_key=True,
+                kind="missing-entry",
+            )
         return
     if not engine.bank_angle:
-        yield Fault("banks need the angle from one to the next: bank_angle: 60 deg", ("banks",), on_key=True)
+        yield Fault(
+            "banks need the angle from one to the next: bank_angle: 60 deg",
+            ("banks",),
+            on_key=True,
+            kind="missing-entry",
+        )
     yield from _incomplete(engine, "banks", [number for bank in engine.banks.values() for number in bank])
 
 
@@ -191,7 +211,10 @@ def _incomplete(engine: EngineEntries, key: str, given: list[int]) -> Iterator[F
     for text, wrong in found.items():
         if wrong:
             yield Fault(
-                f"{key} {text} {comma_list(wrong)}; there are {comma_list(engine.numbers)}", (key,), on_key=True
+                f"{key} {text} {comma_list(wrong)}; there are {comma_list(engine.numbers)}",
+                (key,),
+                on_key=True,
+                kind="unknown-name",
             )
 
 
@@ -203,7 +226,7 @@ def _angles(engine: EngineEntries) -> Iterator[Fault]:
     if not phases:
         text = "the firing order is impossible with banks that share crank pins, or possible in two ways"
         hint = "do the banks stand in the direction of rotation? Else give firing_angles"
-        yield Fault(f"{text}; {hint}", (key,), on_key=True)
+        yield Fault(f"{text}; {hint}", (key,), on_key=True, kind="contradicting-values")
         return
     unlike = firing_against_banks(phases, engine.numbers, engine.cylinder_bank_angles)
     if unlike:
@@ -213,7 +236,7 @@ def _angles(engine: EngineEntries) -> Iterator[Fault]:
             f"cylinders {one} and {other} are on one throw, {math.degrees(due):g} deg apart by their banks: they fire "
             f"{math.degrees(due):g}{turn} deg apart, not {math.degrees(apart):g}; on split pins leave out banks"
         )
-        yield Fault(text, (key,), on_key=True)
+        yield Fault(text, (key,), on_key=True, kind="contradicting-values")
 
 
 def _cylinders(engine: EngineEntries) -> Iterator[Fault]:
@@ -221,12 +244,16 @@ def _cylinders(engine: EngineEntries) -> Iterator[Fault]:
     for key, numbers in lists.items():
         for index, number in enumerate(numbers):
             if number not in engine.numbers:
-                yield Fault(f"there is no cylinder {number}; there are {comma_list(engine.numbers)}", (key, index))
+                yield Fault(
+                    f"there is no cylinder {number}; there are {comma_list(engine.numbers)}",
+                    (key, index),
+                    kind="unknown-name",
+                )
     for key in ("factors", "misfire_share"):
         for number in getattr(engine, key) or {}:
             if int(number) not in engine.numbers:
                 text = f"there is no cylinder {number}; there are {comma_list(engine.numbers)}"
-                yield Fault(text, (key, number), on_key=True)
+                yield Fault(text, (key, number), on_key=True, kind="unknown-name")
     yield from _misfire_shares(engine)
 
 
@@ -236,10 +263,10 @@ def _misfire_shares(engine: EngineEntries) -> Iterator[Fault]:
     for number, share in (engine.misfire_share or {}).items():
         if share > 1:
             text = f"a cylinder loses at most 100 % of its injection, not {100 * share:g} %"
-            yield Fault(text, ("misfire_share", number))
+            yield Fault(text, ("misfire_share", number), kind="out-of-range")
         if int(number) in silent:
             text = f"cylinder {number} has no injection already, by misfire or gas_off; name it once"
-            yield Fault(text, ("misfire_share", number), on_key=True)
+            yield Fault(text, ("misfire_share", number), on_key=True, kind="contradicting-entries")
 
 
 def _gas(engine: EngineEntries) -> Iterator[Fault]:
@@ -247,23 +274,32 @@ def _gas(engine: EngineEntries) -> Iterator[Fault]:
     for key in ("misfire", "misfire_share"):
         if getattr(engine, key) and (gas is None or not gas.has_motored):
             text = "a cylinder without injection follows the motored trace; give gas: {motored: compression.csv}"
-            yield Fault(text, (key,), on_key=True)
+            yield Fault(text, (key,), on_key=True, kind="missing-entry")
     for key in ("factors", "spread", "load"):
         if getattr(engine, key) and gas is None:
-            yield Fault(f"{key} is about gas torque; give gas: {{fired: p100.csv}}", (key,), on_key=True)
+            yield Fault(
+                f"{key} is about gas torque; give gas: {{fired: p100.csv}}", (key,), on_key=True, kind="missing-entry"
+            )
     if gas is None:
         return
     if gas.is_by_pressure and engine.load is None and len(gas.traces or not_none(gas.harmonics)) > 1:
         text = "which mean indicated pressure acts? give load: {mean_indicated_pressure: 27 bar}"
-        yield Fault(f"gas is given by mean indicated pressure: {text}", ("gas",), on_key=True)
+        yield Fault(
+            f"gas is given by mean indicated pressure: {text}", ("gas",), on_key=True, kind="contradicting-entries"
+        )
     if engine.load is not None and not gas.is_by_pressure:
         text = "a load chooses between traces by mean indicated pressure; a single trace follows rated and exponent"
-        yield Fault(text, ("load",), on_key=True)
+        yield Fault(text, ("load",), on_key=True, kind="needless-entry")
     if gas.crank_end and gas.harmonics:
-        yield Fault("the pressure below the piston goes with fired: or traces:", ("gas", "crank_end"), on_key=True)
+        yield Fault(
+            "the pressure below the piston goes with fired: or traces:",
+            ("gas", "crank_end"),
+            on_key=True,
+            kind="needless-entry",
+        )
     if gas.crank_end and gas.motored_harmonics:
         text = "the pressure below the piston goes with motored:, as a table by order may have it already"
-        yield Fault(text, ("gas", "motored_harmonics"), on_key=True)
+        yield Fault(text, ("gas", "motored_harmonics"), on_key=True, kind="needless-entry")
 
 
 def _traces(engine: EngineEntries) -> Iterator[Fault]:
@@ -272,7 +308,7 @@ def _traces(engine: EngineEntries) -> Iterator[Fault]:
         if trace.revolutions not in (None, engine.revolutions):
             text = f"{trace.file} covers {360 * trace.revolutions} deg"
             text += f"; the cycle of a {STROKES[engine.cycle]}-stroke engine has {360 * engine.revolutions} deg"
-            yield Fault(text, ("gas", *path), position=trace.place)
+            yield Fault(text, ("gas", *path), position=trace.place, kind="unfit-trace")
 
 
 def engine_remarks(engine: EngineEntries, speeds: FloatArray | None) -> Iterator[Fault]:
@@ -292,7 +328,10 @@ def engine_remarks(engine: EngineEntries, speeds: FloatArray | None) -> Iterator
         if engine.cycle == 4 and abs(late) > LATEST_PEAK:
             text = f"{trace.origin}the pressure is highest {math.degrees(late):.4g} deg after firing top dead centre"
             yield Fault(
-                f"{text}; check zero:, the angle of the traces at firing top dead centre", ("gas",), severity="warning"
+                f"{text}; check zero:, the angle of the traces at firing top dead centre",
+                ("gas",),
+                severity="warning",
+                kind="implausible-size",
             )
     for pressure, trace in (gas.traces or {}).items():
         found = trace.mean_indicated_pressure(engine.crank.ratio, engine.revolutions, gas.zero)
@@ -302,13 +341,14 @@ def engine_remarks(engine: EngineEntries, speeds: FloatArray | None) -> Iterator
                 f"{text}, but it is given under {pressure / 1e5:.4g} bar; correct one of them",
                 ("gas", "traces"),
                 severity="warning",
+                kind="contradicting-ratings",
             )
     if speeds is not None:
         try:
             pressures = engine.indicated_pressures(speeds)
             gas.fired_harmonics(engine.crank, engine.acting_orders[:1], pressures)
         except UsageError as error:
-            yield Fault(str(error), ("load",))
+            yield error.fault.under("load")
         else:
             yield from _held(gas, pressures)
 
@@ -335,4 +375,4 @@ def _stretched(engine: EngineEntries, path: EntryPath, trace: PressureTrace) -> 
         meant = (
             "a list covers the whole cycle, 720 deg; does this one cover 360 deg? Add the gas exchange, or give a file"
         )
-        yield Fault(f"{text}: {meant} with crank angles", ("gas", *path), severity="warning")
+        yield Fault(f"{text}: {meant} with crank angles", ("gas", *path), severity="warning", kind="implausible-size")

@@ -92,12 +92,12 @@ def excitation_number(excitations: Mapping[str, OrderExcitation], name: str) -> 
     found = _of_declared(excitations[owner], tokens)
     cylinders = getattr(excitations[owner], "cylinders", {})
     if found is not None and tokens[0] in NEUTRAL_VALUES and tokens[-1] not in cylinders:
-        raise UsageError(f"{owner} has no cylinder {tokens[-1]}; there are {', '.join(cylinders)}")
+        raise UsageError(f"{owner} has no cylinder {tokens[-1]}; there are {', '.join(cylinders)}", kind="unknown-name")
     if found is None:
         tables = [f"{owner}.{entry}.{number}" for entry in NEUTRAL_VALUES for number in cylinders]
         known = [*tables, *(f"{owner}.{each}" for each in _names(excitations[owner]))]
         hint = did_you_mean(name, known) or (f"; it has {', '.join(known)}" if known else "")
-        raise UsageError(f'{owner} has no number "{".".join(tokens)}" to vary{hint}')
+        raise UsageError(f'{owner} has no number "{".".join(tokens)}" to vary{hint}', kind="unknown-entry")
     path, value, spec, absent = found
     high = LARGEST_BY_ENTRY.get(str(path[0]), inf if spec.below is None else spec.below)
     bounds = (-inf if spec.lower is None else spec.lower, high)
@@ -133,7 +133,10 @@ def with_numbers(excitations: Mapping[str, OrderExcitation], values: Mapping[str
     for name, value in values.items():
         number = excitation_number(found, name)
         if number is None:
-            raise UsageError(f'no excitation has a number "{name}"{did_you_mean(name.partition(".")[0], found)}')
+            raise UsageError(
+                f'no excitation has a number "{name}"{did_you_mean(name.partition(".")[0], found)}',
+                kind="unknown-entry",
+            )
         found[number.excitation] = with_number(found[number.excitation], number, float(value))
     return found
 

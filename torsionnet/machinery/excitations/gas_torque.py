@@ -47,7 +47,13 @@ class TangentialHarmonic(Declared):
         polar, parts = (self.amplitude, self.phase), (self.cosine, self.sine)
         given = [pair for pair in (polar, parts) if any(one is not None for one in pair)]
         if len(given) != 1 or None in given[0]:
-            return [Fault(f"an order has amplitude and phase, or cosine and sine: {self.form}", on_key=True)]
+            return [
+                Fault(
+                    f"an order has amplitude and phase, or cosine and sine: {self.form}",
+                    on_key=True,
+                    kind="missing-entry",
+                )
+            ]
         return []
 
     def complex_amplitude(self, phase_of: str) -> complex:
@@ -146,7 +152,7 @@ class ZeroEntry(Spec[float]):
             return _ANGLE.coerce(raw)
         except EntryError:
             text = f"expected {FIRING_TDC}, or the crank angle of the traces at firing top dead centre (360 deg)"
-            raise EntryError(f"{text}, {got(raw)}") from None
+            raise EntryError(f"{text}, {got(raw)}", kind="wrong-form") from None
 
     def plain(self, value: Any) -> Json:
         return _ANGLE.plain(value)
@@ -210,14 +216,18 @@ class GasPressure(Declared):
         yield from one_at_most(self, "motored", "motored_harmonics", of="compression without injection")
         if self.motored_harmonics and None not in self.motored_harmonics:
             text = "there is one table without injection, by order: a misfiring cylinder has no indicated pressure"
-            yield Fault(text, ("motored_harmonics",), on_key=True)
+            yield Fault(text, ("motored_harmonics",), on_key=True, kind="contradicting-entries")
 
     def _wrong_scaling(self) -> Iterator[Fault]:
         if self.exponent and self.rated is None:
-            yield Fault("an exponent needs the speed to which the pressures belong: rated: 105 rpm", ("exponent",))
+            yield Fault(
+                "an exponent needs the speed to which the pressures belong: rated: 105 rpm",
+                ("exponent",),
+                kind="missing-entry",
+            )
         if self.exponent and self.is_by_pressure:
             text = "what is given by mean indicated pressure follows the load of the engine, and no exponent"
-            yield Fault(text, ("exponent",), on_key=True)
+            yield Fault(text, ("exponent",), on_key=True, kind="needless-entry")
 
     @property
     def is_by_pressure(self) -> bool:

@@ -43,16 +43,16 @@ class SpeedTable(Spec[SpeedRows]):
 
     def coerce(self, raw: object) -> SpeedRows:
         if not isinstance(raw, list | tuple) or len(raw) < 2:
-            raise EntryError(f"expected {self.example}, {got(raw)}")
+            raise EntryError(f"expected {self.example}, {got(raw)}", kind="wrong-form")
         rows = tuple(self._row(index, row) for index, row in enumerate(raw))
         for index in range(1, len(rows)):
             if rows[index][0] < rows[index - 1][0]:
-                raise EntryError("the speeds of a table rise from row to row", (index,))
+                raise EntryError("the speeds of a table rise from row to row", (index,), kind="unordered-rows")
         return rows
 
     def _row(self, index: int, row: Any) -> tuple[float, float]:
         if not isinstance(row, list | tuple) or len(row) != 2:
-            raise EntryError(f"expected a row [speed, value], {got(row)}", (index,))
+            raise EntryError(f"expected a row [speed, value], {got(row)}", (index,), kind="wrong-form")
         try:
             return coerce_part(0, _SPEED, row[0]), coerce_part(1, self.of, row[1])
         except EntryError as error:
@@ -71,7 +71,7 @@ def not_covered(tables: Mapping[EntryPath, SpeedRows | None], speeds: FloatArray
     if speeds is None:
         return []
     texts = {path: _outside(table, speeds, str(path[-1])) for path, table in tables.items() if table}
-    return [Fault(text, path) for path, text in texts.items() if text]
+    return [Fault(text, path, kind="beyond-table") for path, text in texts.items() if text]
 
 
 def over_speed(table: SpeedRows, speeds: FloatArray, what: str) -> FloatArray:
@@ -89,7 +89,7 @@ def over_speed(table: SpeedRows, speeds: FloatArray, what: str) -> FloatArray:
     """
     text = _outside(table, speeds, what)
     if text:
-        raise UsageError(text)
+        raise UsageError(text, kind="beyond-table")
     at, values = np.array(table).T
     # Two rows of one speed are a step, at which the later one counts.
     place = np.clip(np.searchsorted(at, speeds, side="right"), 1, len(at) - 1)
@@ -134,7 +134,13 @@ class HarmonicAmplitude(Declared):
         if len(given) == 1:
             return []
         text = "an order has an amplitude (of a torque), or an imposed angle, velocity or acceleration"
-        return [Fault(f"{text}; here {'are ' + ' and '.join(given) if given else 'is none'}", on_key=True)]
+        return [
+            Fault(
+                f"{text}; here {'are ' + ' and '.join(given) if given else 'is none'}",
+                on_key=True,
+                kind="contradicting-entries",
+            )
+        ]
 
     @property
     def is_motion(self) -> bool:
@@ -171,7 +177,9 @@ class TableByOrder(Plural[Mapping[float, D]]):
     def read(self, raw: object) -> tuple[dict[float, D], list[Fault]]:
         if not isinstance(raw, Mapping) or len(raw) < self.fewest:
             what = "orders" if self.key_name == "order" else "frequencies"
-            return {}, [Fault(f"expected {what} with what belongs to each, {self.example}, {got(raw)}")]
+            return {}, [
+                Fault(f"expected {what} with what belongs to each, {self.example}, {got(raw)}", kind="wrong-form")
+            ]
         table: dict[float, D] = {}
         faults: list[Fault] = []
         for key, value in raw.items():
@@ -179,10 +187,14 @@ class TableByOrder(Plural[Mapping[float, D]]):
                 place = self.key.coerce(key)
             except EntryError as error:
                 article = "an order is a number" if self.key_name == "order" else "a frequency has a unit, as 50 Hz"
-                faults.append(Fault(f"{article}: {error}", (key,), on_key=True))
+                faults.append(Fault(f"{article}: {error}", (key,), on_key=True, kind=error.fault.kind))
                 continue
             if place in table:
-                faults.append(Fault(f"{self.key_name} {place:g} stands twice; keep one", (key,), on_key=True))
+                faults.append(
+                    Fault(
+                        f"{self.key_name} {place:g} stands twice; keep one", (key,), on_key=True, kind="repeated-name"
+                    )
+                )
                 continue
             one, found = self.of.read(value)
             table[place] = cast("D", one)
@@ -244,10 +256,12 @@ class HarmonicTorque(ReactingExcitation):
         parts = [*self.orders.values(), *self.frequencies.values()]
         if not parts:
             examples = (f"{name}: {dict(self.specs())[name].example}" for name in ("orders", "frequencies"))
-            return [Fault(f"a harmonic excitation needs {' or '.join(examples)}", on_key=True)]
+            return [Fault(f"a harmonic excitation needs {' or '.join(examples)}", on_key=True, kind="missing-entry")]
         if len({part.is_motion for part in parts}) > 1:
             text = "torques and imposed motions are two excitations: where a motion is imposed, a torque does nothing"
-            return [Fault(text, ("orders" if self.orders else "frequencies",), on_key=True)]
+            return [
+                Fault(text, ("orders" if self.orders else "frequencies",), on_key=True, kind="contradicting-entries")
+            ]
         return super().contradictions()
 
     @property

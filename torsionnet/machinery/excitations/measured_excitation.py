@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar
@@ -105,13 +105,15 @@ def measured_lines(headings: Sequence[str], rows: FloatArray) -> MeasuredLines:
     widths = _half_widths(columns, numbers, quantity)
     keys = numbers[key] * (_factor(columns[key][1], "frequency", key) if key == "frequency" else 1)
     if (keys <= 0).any():
-        raise UsageError(f"{key} is above 0; the mean value is no vibration, leave its row out")
+        raise UsageError(f"{key} is above 0; the mean value is no vibration, leave its row out", kind="needless-entry")
     speeds = numbers["speed"] * _factor(columns["speed"][1], "speed", "speed") if "speed" in columns else None
     found = np.unique(keys)
     groups = [np.flatnonzero(keys == one) for one in found]
     if speeds is None:
         _require(
-            all(len(group) == 1 for group in groups), f"every {key} has one row, unless there is a column of speeds"
+            all(len(group) == 1 for group in groups),
+            f"every {key} has one row, unless there is a column of speeds",
+            "repeated-entry",
         )
         return MeasuredLines(
             quantity, key == "frequency", found, (), _parts(values, groups), has_phase, _parts(widths, groups)
@@ -119,7 +121,9 @@ def measured_lines(headings: Sequence[str], rows: FloatArray) -> MeasuredLines:
     # Each line over its own rising speeds, in whatever order the rows of the recording are.
     sorted_groups = [group[np.argsort(speeds[group])] for group in groups]
     _require(
-        all((np.diff(speeds[group]) > 0).all() for group in sorted_groups), f"every {key} has one row at each speed"
+        all((np.diff(speeds[group]) > 0).all() for group in sorted_groups),
+        f"every {key} has one row at each speed",
+        "repeated-entry",
     )
     at, of = _parts(speeds, sorted_groups), _parts(values, sorted_groups)
     return MeasuredLines(quantity, key == "frequency", found, at, of, has_phase, _parts(widths, sorted_groups))
@@ -136,15 +140,15 @@ def _half_widths(
     if "half_width" not in columns:
         return None
     own, factor = _quantity("half_width", columns["half_width"][1])
-    _require(own == quantity, f"half_width is one of {quantity}, as the amplitudes are")
+    _require(own == quantity, f"half_width is one of {quantity}, as the amplitudes are", "wrong-unit")
     # An interval is stated of the quantity of its column: it becomes a peak value by the same factor.
     size = next((name for name in PEAKS if name in columns), "amplitude")
     return np.asarray(factor * PEAKS[size] * numbers["half_width"])
 
 
-def _require(holds: bool, text: str) -> None:
+def _require(holds: bool, text: str, kind: str) -> None:
     if not holds:
-        raise UsageError(text)
+        raise UsageError(text, kind=kind)
 
 
 def _columns(headings: Sequence[str]) -> dict[str, tuple[int, str]]:
@@ -155,15 +159,22 @@ def _columns(headings: Sequence[str]) -> dict[str, tuple[int, str]]:
         name = match[1] if match else heading
         if match is None or name not in KNOWN:
             hint = did_you_mean(name, KNOWN)
-            raise UsageError(f'"{heading}" is not a heading of a recording{hint}; known: {", ".join(KNOWN)}, as {FORM}')
-        _require(name not in found, f"{name} is given by two headings; keep one of them")
+            raise UsageError(
+                f'"{heading}" is not a heading of a recording{hint}; known: {", ".join(KNOWN)}, as {FORM}',
+                kind="unknown-column",
+            )
+        _require(name not in found, f"{name} is given by two headings; keep one of them", "repeated-name")
         found[name] = place, (match[2] or "").strip()
     return found
 
 
 def _key(columns: dict[str, tuple[int, str]]) -> str:
     given = [name for name in ("order", "frequency") if name in columns]
-    _require(len(given) == 1, f"a recording has a column order or frequency [Hz], one of the two, as {FORM}")
+    _require(
+        len(given) == 1,
+        f"a recording has a column order or frequency [Hz], one of the two, as {FORM}",
+        "missing-column",
+    )
     return given[0]
 
 
@@ -171,10 +182,18 @@ def _values(columns: dict[str, tuple[int, str]], numbers: dict[str, FloatArray])
     """Name of the recorded quantity, and its complex peak values in SI units, shape (n_rows,)."""
     if "real" in columns and "imag" in columns:
         quantity, factor = _quantity("real", columns["real"][1])
-        _require(_quantity("imag", columns["imag"][1]) == (quantity, factor), "real and imag must have the same unit")
+        _require(
+            _quantity("imag", columns["imag"][1]) == (quantity, factor),
+            "real and imag must have the same unit",
+            "wrong-unit",
+        )
         return quantity, np.asarray(factor * (numbers["real"] + 1j * numbers["imag"]))
     sizes = [name for name in PEAKS if name in columns]
-    _require(len(sizes) == 1, f"a recording has one column of {', '.join(PEAKS)}, or real and imag, as {FORM}")
+    _require(
+        len(sizes) == 1,
+        f"a recording has one column of {', '.join(PEAKS)}, or real and imag, as {FORM}",
+        "missing-column",
+    )
     quantity, factor = _quantity(sizes[0], columns[sizes[0]][1])
     # Peak value from rms (sqrt 2) or peak to peak (1/2).
     values = np.asarray(factor * PEAKS[sizes[0]] * numbers[sizes[0]], dtype=np.complex128)
@@ -190,7 +209,8 @@ def _quantity(name: str, unit: str) -> tuple[str, float]:
         except UsageError:
             continue
     raise UsageError(
-        f'"{unit}" is not a unit of torque, angle, speed or acceleration; write the heading as {name} [N*m]'
+        f'"{unit}" is not a unit of torque, angle, speed or acceleration; write the heading as {name} [N*m]',
+        kind="wrong-unit",
     )
 
 
@@ -198,11 +218,13 @@ def _factor(unit: str, dimension: str, name: str) -> float:
     """Factor from the unit of a recording's column to the SI unit."""
     example = {"speed": "rpm", "angle": "deg", "frequency": "Hz"}.get(dimension, "N*m")
     if not unit or unit == "1":
-        raise UsageError(f"the column {name} has no unit; write its heading as {name} [{example}]")
+        raise UsageError(f"the column {name} has no unit; write its heading as {name} [{example}]", kind="missing-unit")
     try:
         return Value(name, dimension).coerce(f"1 {unit}")
     except EntryError:
-        raise UsageError(f'"{unit}" is no unit of the column {name}; write its heading as {name} [{example}]') from None
+        raise UsageError(
+            f'"{unit}" is no unit of the column {name}; write its heading as {name} [{example}]', kind="wrong-unit"
+        ) from None
 
 
 # Reader of text files with recorded orders or spectra from an order analysis.
@@ -226,10 +248,18 @@ def read_order_table(path: Path) -> tuple[tuple[str, ...], tuple[tuple[float, ..
     dialect = detect_dialect(body[:DIALECT_LINES])
     first = data_start(dialect, body[:DIALECT_LINES])
     if first == min(len(body), DIALECT_LINES):
-        raise _fault(f"found no rows of numbers; expected {FORM} and rows below", path.name, above + 1, lines)
+        raise _fault(
+            "wrong-file", f"found no rows of numbers; expected {FORM} and rows below", path.name, above + 1, lines
+        )
     heading = headings(dialect, body[:first], len(dialect.cells(body[first])))
     if not heading.lines:
-        raise _fault(f"no heading; the first line says what the columns are: {FORM}", path.name, above + 1, lines)
+        raise _fault(
+            "missing-column",
+            f"no heading; the first line says what the columns are: {FORM}",
+            path.name,
+            above + 1,
+            lines,
+        )
     reader = NumberRows(iter(body[first:]), path.name, dialect, len(heading.names), above + first + 1, heading.names)
     blocks = [np.column_stack(block) for block in reader.blocks(range(len(heading.names)), 0)]
     columns = tuple(
@@ -238,17 +268,18 @@ def read_order_table(path: Path) -> tuple[tuple[str, ...], tuple[tuple[float, ..
     rows = np.concatenate(blocks)
     try:
         if not np.isfinite(rows).all():
-            raise UsageError("a number is missing; every row has one in each column")
+            raise UsageError("a number is missing; every row has one in each column", kind="not-a-number")
         measured_lines(columns, rows)
     except UsageError as error:
-        raise _fault(str(error), path.name, above + first, lines) from None
+        raise _fault(error.kind, str(error), path.name, above + first, lines) from None
     return columns, tuple(tuple(row) for row in rows.tolist())
 
 
-def _fault(text: str, file: str, number: int, lines: Sequence[str]) -> ModelError:
+def _fault(kind: str, text: str, file: str, number: int, lines: Sequence[str]) -> ModelError:
     """Error with a fault at a line of an order analysis file, counted from 1."""
     source = lines[number - 1].rstrip()[:200].replace("\t", " ") if 0 < number <= len(lines) else ""
-    return ModelError([Fault(text, position=Position(file, max(number, 1), 1, len(source) + 1, source))], file)
+    position = Position(file, max(number, 1), 1, len(source) + 1, source)
+    return ModelError([Fault(text, position=position, kind=kind)], file)
 
 
 _NUMBER = Value("a number in the unit of its column", "1", lower=None)
@@ -275,15 +306,15 @@ class OrderTable(Declared):
 
     def contradictions(self) -> list[Fault]:
         if not self.rows:
-            return [Fault(f"a table has rows: {self.form}", ("rows",), on_key=True)]
+            return [Fault(f"a table has rows: {self.form}", ("rows",), on_key=True, kind="missing-entry")]
         for index, row in enumerate(self.rows):
             if len(row) != len(self.columns):
                 text = f"the row has {len(row)} numbers, there are {len(self.columns)} columns"
-                return [Fault(text, ("rows", index))]
+                return [Fault(text, ("rows", index), kind="wrong-count")]
         try:
             self.lines  # noqa: B018
         except UsageError as error:
-            return [Fault(str(error), ("columns",), on_key=True)]
+            return [replace(error.fault, path=("columns",), on_key=True)]
         return []
 
     @cached_property
@@ -362,7 +393,7 @@ class MeasuredExcitation(ReactingExcitation):
             named = ("table", "rows", f"{'frequency' if lines.by_frequency else 'order'} {key:g}")
             faults = not_covered({named: tuple((float(speed), 0.0) for speed in at)}, speeds)
             if faults:
-                return [Fault(faults[0].message, ("table", "rows"), on_key=True)]
+                return [replace(faults[0], path=("table", "rows"), on_key=True)]
         return []
 
     def torques(self, speeds: FloatArray) -> OrderTorques:

@@ -276,7 +276,7 @@ class ReactingExcitation(OrderExcitation):
         if self.reaction not in self.nodes:
             return []
         text = f'"{self.reaction}" takes the opposite of a torque on itself; name the node of the housing or block'
-        return [Fault(text, ("reaction",))]
+        return [Fault(text, ("reaction",), kind="same-node")]
 
 
 def register_excitation(cls: T) -> T:

@@ -194,8 +194,8 @@ class _Rows:
     heading: int
     file: str
 
-    def fault(self, text: str, row: int) -> Fault:
-        return _fault(text, self.file, self.numbers[row], self.lines)
+    def fault(self, text: str, row: int, *, kind: str) -> Fault:
+        return _fault(kind, text, self.file, self.numbers[row], self.lines)
 
     def without_last(self) -> _Rows:
         return replace(self, angles=self.angles[:-1], pressures=self.pressures[:-1])
@@ -216,7 +216,14 @@ def read_pressure_file(path: Path) -> PressureTrace:
     revolutions, both_ends = _covered(rows)
     _refuse(_not_closing(rows, both_ends, revolutions), path)
     trace = _trace(rows.without_last() if both_ends else rows, revolutions)
-    _refuse((_fault(text, path.name, rows.heading, rows.lines) for text in [peak_pressure_fault(trace)] if text), path)
+    _refuse(
+        (
+            _fault("implausible-size", text, path.name, rows.heading, rows.lines)
+            for text in [peak_pressure_fault(trace)]
+            if text
+        ),
+        path,
+    )
     return trace
 
 
@@ -226,10 +233,10 @@ def _refuse(faults: Iterator[Fault], path: Path) -> None:
         raise ModelError(found, path.name)
 
 
-def _fault(text: str, file: str, number: int, lines: Sequence[str]) -> Fault:
+def _fault(kind: str, text: str, file: str, number: int, lines: Sequence[str]) -> Fault:
     """Fault at a line of a trace file, counted from 1."""
     source = lines[number - 1].rstrip()[:200].replace("\t", " ") if 0 < number <= len(lines) else ""
-    return Fault(text, position=Position(file, max(number, 1), 1, len(source) + 1, source))
+    return Fault(text, position=Position(file, max(number, 1), 1, len(source) + 1, source), kind=kind)
 
 
 def _rows(path: Path) -> _Rows:
@@ -241,7 +248,9 @@ def _rows(path: Path) -> _Rows:
     dialect = detect_dialect(body[:DIALECT_LINES])
     first = data_start(dialect, body[:DIALECT_LINES])
     if first == min(len(body), DIALECT_LINES):
-        raise ModelError([_fault(f"found no rows of numbers; expected {FORM} and rows below", path.name, 1, lines)])
+        raise ModelError(
+            [_fault("wrong-file", f"found no rows of numbers; expected {FORM} and rows below", path.name, 1, lines)]
+        )
     width = len(dialect.cells(body[first]))
     heading = headings(dialect, [_DEGREES.sub("deg", line) for line in body[:first]], width)
     number = above + first
@@ -265,10 +274,11 @@ def _columns(
         width -= 1  # every row ends with a separator
     if width != 2:
         text = f"{width} column{'s' if width != 1 else ''}; a pressure trace has two: {FORM}"
-        raise ModelError([_fault(text, file, number or 1, lines)], file)
+        raise ModelError([_fault("missing-column", text, file, number or 1, lines)], file)
     if not heading.lines:
         raise ModelError(
-            [_fault(f"no heading; the first line says what the columns are: {FORM}", file, 1, lines)], file
+            [_fault("missing-column", f"no heading; the first line says what the columns are: {FORM}", file, 1, lines)],
+            file,
         )
     first = _unit(heading.units[0])
     return (1, 0) if first is not None and first.dimension == DIMENSIONS["pressure"] else (0, 1)
@@ -285,7 +295,7 @@ def _factor(heading: Headings, column: int, kind: str, file: str, number: int, l
         said = f'"{text}" is no unit of {kind}; write the heading as {meant}'
     else:
         return float(unit.factor) * (180 / np.pi if kind == "angle" else 1)
-    raise ModelError([_fault(said, file, number, lines)], file)
+    raise ModelError([_fault("wrong-unit" if text else "missing-unit", said, file, number, lines)], file)
 
 
 def _unit(text: str) -> Unit | None:
@@ -297,14 +307,14 @@ def _unit(text: str) -> Unit | None:
 
 def _wrong_rows(rows: _Rows) -> Iterator[Fault]:
     for row in np.flatnonzero(~(np.isfinite(rows.angles) & np.isfinite(rows.pressures)))[:5].tolist():
-        yield rows.fault("a number is missing; every row has an angle and a pressure", row)
+        yield rows.fault("a number is missing; every row has an angle and a pressure", row, kind="not-a-number")
         return
     for row in np.flatnonzero(np.diff(rows.angles) <= 0)[:1].tolist():
         text = f"the angle {rows.angles[row + 1]:g} deg follows {rows.angles[row]:g} deg; angles increase"
-        yield rows.fault(text, row + 1)
+        yield rows.fault(text, row + 1, kind="unordered-rows")
     if len(rows.angles) < LEAST_SAMPLES:
         text = f"{len(rows.angles)} pressures are too few for a cycle; give {LEAST_SAMPLES} or more"
-        yield rows.fault(text, len(rows.angles) - 1)
+        yield rows.fault(text, len(rows.angles) - 1, kind="unfit-trace")
 
 
 def _covered(rows: _Rows) -> tuple[int, bool]:
@@ -317,7 +327,7 @@ def _covered(rows: _Rows) -> tuple[int, bool]:
             return revolutions, missing < step / 2
     text = f"the trace covers {rows.angles[0]:g} to {rows.angles[-1]:g} deg"
     text += f"; {WHOLE_CYCLE}, with one or both ends"
-    raise ModelError([rows.fault(text, len(rows.angles) - 1)], rows.file)
+    raise ModelError([rows.fault(text, len(rows.angles) - 1, kind="unfit-trace")], rows.file)
 
 
 def _not_closing(rows: _Rows, both_ends: bool, revolutions: int) -> Iterator[Fault]:
@@ -328,7 +338,9 @@ def _not_closing(rows: _Rows, both_ends: bool, revolutions: int) -> Iterator[Fau
         allowed = max(allowed, CLOSING_STEP_RATIO * float(np.max(np.abs(np.diff(p)))))
     if abs(p[0] - p[-1]) > allowed:
         text = f"the trace does not close: it begins with {p[0] / 1e5:.6g} bar and ends with {p[-1] / 1e5:.6g} bar"
-        yield rows.fault(f"{text}; it covers 360 deg: {WHOLE_CYCLE}" if revolutions == 1 else text, len(p) - 1)
+        yield rows.fault(
+            f"{text}; it covers 360 deg: {WHOLE_CYCLE}" if revolutions == 1 else text, len(p) - 1, kind="unfit-trace"
+        )
 
 
 def _trace(rows: _Rows, revolutions: int) -> PressureTrace:
@@ -386,12 +398,12 @@ class TraceEntry(Composite[PressureTrace]):
         start = 0.0
         if isinstance(raw, Mapping):
             if set(raw) != {"start", "pressures"}:
-                raise EntryError(f"expected {{start: 0.5 deg, pressures: [...]}}, {got(raw)}")
+                raise EntryError(f"expected {{start: 0.5 deg, pressures: [...]}}, {got(raw)}", kind="wrong-form")
             start, raw = _ANGLE.coerce(raw["start"]), raw["pressures"]
         if not isinstance(raw, Sequence | np.ndarray):
-            raise EntryError(f"expected a list of pressures or the name of a file, {got(raw)}")
+            raise EntryError(f"expected a list of pressures or the name of a file, {got(raw)}", kind="wrong-form")
         values, faults = _numbers(raw)
-        faults = faults or [Fault(text, on_key=True) for text in _wrong(values)]
+        faults = faults or [Fault(text, on_key=True, kind="unfit-trace") for text in _wrong(values)]
         return PressureTrace(tuple(values[:-1] if len(values) % 2 else values), start), faults
 
     def plain(self, value: Any) -> Json:

@@ -52,7 +52,7 @@ class ShareOfFullAhead(Value):
         except EntryError:
             if is_quantity(raw, "torque"):
                 raise EntryError(
-                    f"a share of the mean torque at full ahead, as 11.2 %, is expected, {got(raw)}"
+                    f"a share of the mean torque at full ahead, as 11.2 %, is expected, {got(raw)}", kind="wrong-form"
                 ) from None
             raise
 
@@ -125,7 +125,7 @@ class PropellerTorque(OrderExcitation):
             for order in table:
                 if order != round(order):
                     text = f"a blade order is a whole multiple of the blades: 1, 2, ...; got {order:g}"
-                    yield Fault(text, path)
+                    yield Fault(text, path, kind="contradicting-values")
                     break
 
     def remarks(self, speeds: FloatArray | None) -> list[Fault]:
@@ -147,12 +147,12 @@ class PropellerTorque(OrderExcitation):
                 text = f"blade order {first:g} of {self.blades} blades is {first * self.blades:g} times a revolution"
                 meant = f"{first / self.blades:g}"
                 text += f"; blade orders are multiples of the blades: did you mean {meant}?"
-                yield Fault(text, path, "warning", meant=meant)
+                yield Fault(text, path, "warning", meant=meant, kind="implausible-size")
 
     def _wrong_conditions(self) -> Iterator[Fault]:
         if self.pitch == "fixed" and ZERO_PITCH in self.conditions:
             text = "a propeller of fixed pitch has no zero pitch; write pitch: controllable"
-            yield Fault(text, ("conditions", ZERO_PITCH), on_key=True)
+            yield Fault(text, ("conditions", ZERO_PITCH), on_key=True, kind="needless-entry")
         if self.condition and self.condition not in self.conditions:
             known = ", ".join(self.conditions)
             rest = f"there are {known}" if known else "there are none"
@@ -162,9 +162,13 @@ class PropellerTorque(OrderExcitation):
     def _wrong_zero(self) -> Iterator[Fault]:
         if self.phase_zero == "blade" and self.blade_angle is None:
             text = "phases from an upright blade need its angle where the first cylinder fires: blade_angle: 15 deg"
-            yield Fault(text, ("phase_zero",))
+            yield Fault(text, ("phase_zero",), kind="missing-entry")
         if self.phase_zero != "blade" and self.blade_angle is not None:
-            yield Fault("phases count from engine_tdc1; a blade angle goes with phase_zero: blade", ("blade_angle",))
+            yield Fault(
+                "phases count from engine_tdc1; a blade angle goes with phase_zero: blade",
+                ("blade_angle",),
+                kind="needless-entry",
+            )
 
     @property
     def shaft(self) -> str:

@@ -129,7 +129,7 @@ class ReciprocatingEngine(EngineEntries):
         try:
             found = self.gas.fired_harmonics(self.crank, self.acting_orders, self.indicated_pressures(speeds))
         except UsageError as error:
-            raise UsageError(f"engine on {self.shaft}: {error}") from None
+            raise UsageError(f"engine on {self.shaft}: {error}", kind=error.kind) from None
         return np.asarray(self.gas.factor(speeds)[:, None] * np.broadcast_to(found, shape))
 
     def _motored(self, speeds: FloatArray) -> ComplexArray:

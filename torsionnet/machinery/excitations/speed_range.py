@@ -32,7 +32,10 @@ class SpeedBand(Spec[tuple[float, float]]):
     def coerce(self, raw: object) -> tuple[float, float]:
         low, high = (SPEED.coerce(edge) for edge in self._edges(raw))
         if low >= high:
-            raise EntryError(f"a range goes from a lower to a higher speed, as in {RANGE_EXAMPLES}; {got(raw)}")
+            raise EntryError(
+                f"a range goes from a lower to a higher speed, as in {RANGE_EXAMPLES}; {got(raw)}",
+                kind="unordered-rows",
+            )
         return low, high
 
     @staticmethod
@@ -41,10 +44,12 @@ class SpeedBand(Spec[tuple[float, float]]):
             return raw[0], raw[1]
         match = _RANGE.fullmatch(raw) if isinstance(raw, str) else None
         if match is None:
-            raise EntryError(f"expected a range such as {RANGE_EXAMPLES}, {got(raw)}")
+            raise EntryError(f"expected a range such as {RANGE_EXAMPLES}, {got(raw)}", kind="wrong-form")
         if not match[2] and not match[4]:
             text = f"the range of speeds {match[1]}..{match[3]} has no unit"
-            raise EntryError(f"{text}; write {match[1]}..{match[3]} rpm, or [{match[1]}, {match[3]}] in rad/s")
+            raise EntryError(
+                f"{text}; write {match[1]}..{match[3]} rpm, or [{match[1]}, {match[3]}] in rad/s", kind="missing-unit"
+            )
         return f"{match[1]} {match[2] or match[4]}", f"{match[3]} {match[4] or match[2]}"
 
     def plain(self, value: Any) -> Json:
@@ -117,13 +122,22 @@ class SpeedRange(Declared):
     def contradictions(self) -> builtins.list[Fault]:
         if bool(self.list) == bool(self.range):
             text = "speeds are given by a range with its step, or one by one in a list"
-            return [Fault(f"{text}; here is {'both' if self.list else 'neither'}", ("range",), on_key=True)]
+            return [
+                Fault(
+                    f"{text}; here is {'both' if self.list else 'neither'}",
+                    ("range",),
+                    on_key=True,
+                    kind="contradicting-entries",
+                )
+            ]
         if self.list and self.step:
-            return [Fault("a list of speeds has no step", ("step",), on_key=True)]
+            return [Fault("a list of speeds has no step", ("step",), on_key=True, kind="needless-entry")]
         if self.range and not self.step:
-            return [Fault(f"a range of speeds needs its step: {self.form}", on_key=True)]
+            return [Fault(f"a range of speeds needs its step: {self.form}", on_key=True, kind="missing-entry")]
         if self.range and (self.range[1] - self.range[0]) / not_none(self.step) > MOST_SPEEDS:
-            return [Fault(f"the range has more than {MOST_SPEEDS} speeds; take a larger step", ("step",))]
+            return [
+                Fault(f"the range has more than {MOST_SPEEDS} speeds; take a larger step", ("step",), kind="too-large")
+            ]
         return self._unfit_run_up()
 
     def _unfit_run_up(self) -> builtins.list[Fault]:
@@ -135,9 +149,15 @@ class SpeedRange(Declared):
             f"the run-up goes from {low * RPM:.6g} to {high * RPM:.6g} rpm, the speeds begin at {first * RPM:.6g} rpm"
         )
         if low >= first * (1 - 1e-9):
-            return [Fault(f"{ends}: a run-up begins below them", ("run_up", "range"))]
+            return [Fault(f"{ends}: a run-up begins below them", ("run_up", "range"), kind="contradicting-values")]
         if high < first * (1 - 1e-9):
-            return [Fault(f"{ends}: what lies between is passed by every start, too", ("run_up", "range"))]
+            return [
+                Fault(
+                    f"{ends}: what lies between is passed by every start, too",
+                    ("run_up", "range"),
+                    kind="contradicting-values",
+                )
+            ]
         return []
 
     @property

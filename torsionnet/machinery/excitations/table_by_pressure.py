@@ -34,7 +34,11 @@ class TableByPressure(Composite[Mapping[float, Stored_co]]):
 
     def read(self, raw: object) -> tuple[Mapping[float, Stored_co], list[Fault]]:
         if not isinstance(raw, Mapping) or not raw:
-            return {}, [Fault(f"expected mean indicated pressures, {{27 bar: {self.of.example}}}, {got(raw)}")]
+            return {}, [
+                Fault(
+                    f"expected mean indicated pressures, {{27 bar: {self.of.example}}}, {got(raw)}", kind="wrong-form"
+                )
+            ]
         table: dict[float, Any] = {}
         faults: list[Fault] = []
         for key, value in raw.items():
@@ -44,7 +48,7 @@ class TableByPressure(Composite[Mapping[float, Stored_co]]):
                 faults.append(replace(error.fault, path=(key,), on_key=True))
                 continue
             if pressure in table:
-                faults.append(Fault(f"{key} stands twice; keep one", (key,), on_key=True))
+                faults.append(Fault(f"{key} stands twice; keep one", (key,), on_key=True, kind="repeated-name"))
                 continue
             table[pressure], found = self.of.read(value)
             faults += [fault.under(key) for fault in found]
@@ -72,13 +76,16 @@ def mean_pressure(raw: object) -> float:
     except EntryError as error:
         if is_quantity(raw, MEAN_PRESSURE.dimension):
             raise EntryError(
-                f"a mean indicated pressure is not below 0, {got(raw)}; a trace whose losses leave less stands at 0 bar"
+                f"a mean indicated pressure is not below 0, {got(raw)}; a trace whose losses leave less stands at "
+                "0 bar",
+                kind="out-of-range",
             ) from None
-        raise EntryError(f"a mean indicated pressure has its unit, as 27 bar: {error}") from None
+        raise EntryError(f"a mean indicated pressure has its unit, as 27 bar: {error}", kind="missing-unit") from None
     if 0 < pressure < SMALLEST_MEAN_PRESSURE:
         shown = f"{pressure:g} Pa ({pressure / 1e5:.2g} bar)"
         raise EntryError(
-            f"{shown} is too small for a mean indicated pressure; a bare number is Pa, write {pressure:g} bar"
+            f"{shown} is too small for a mean indicated pressure; a bare number is Pa, write {pressure:g} bar",
+            kind="missing-unit",
         )
     return pressure
 
@@ -97,7 +104,9 @@ def interpolated(known: Sequence[float], values: ComplexArray, wanted: FloatArra
         farthest = outside[np.argmax(np.maximum(low - outside, outside - high))]
         text = f"a mean indicated pressure of {farthest / 1e5:.4g} bar is asked for"
         there = f"{low / 1e5:.4g} to {high / 1e5:.4g} bar" if len(known) > 1 else f"{low / 1e5:.4g} bar only"
-        raise UsageError(f"{text}, gas is known for {there}; give what holds there, nothing is extrapolated")
+        raise UsageError(
+            f"{text}, gas is known for {there}; give what holds there, nothing is extrapolated", kind="beyond-table"
+        )
     if len(known) == 1:
         return np.repeat(values, len(wanted), axis=0)
     places = np.clip(np.searchsorted(known, wanted), 1, len(known) - 1)
@@ -162,17 +171,17 @@ class EngineLoad(Declared):
             return wrong
         if self.power is not None and self.mechanical_efficiency is None:
             text = "the indicated power follows from that at the coupling with mechanical_efficiency: 0.92"
-            return [Fault(text, ("power",), on_key=True)]
+            return [Fault(text, ("power",), on_key=True, kind="missing-entry")]
         if self.power is None and self.mechanical_efficiency is not None:
             text = "a mean indicated pressure needs no mechanical_efficiency; that belongs to a power"
-            return [Fault(text, ("mechanical_efficiency",), on_key=True)]
+            return [Fault(text, ("mechanical_efficiency",), on_key=True, kind="needless-entry")]
         if self.rated is None and (self.power is not None or self.exponent):
-            return [Fault("give the speed at which this is reached: rated: 750 rpm", on_key=True)]
+            return [Fault("give the speed at which this is reached: rated: 750 rpm", on_key=True, kind="missing-entry")]
         if self.power is None:
             try:
                 mean_pressure(self.mean_indicated_pressure)
             except EntryError as error:
-                return [Fault(str(error), ("mean_indicated_pressure",))]
+                return [error.fault.under("mean_indicated_pressure")]
         return []
 
     def _wrong_table(self) -> list[Fault]:
@@ -180,12 +189,12 @@ class EngineLoad(Declared):
         beside = [name for name in ("mean_indicated_pressure", "power", "rated") if getattr(self, name) is not None]
         if beside:
             text = f"a table over speed says it all; leave out {' and '.join(beside)}"
-            return [Fault(text, (beside[0],), on_key=True, remedy=Remedy(LEAVE_OUT))]
+            return [Fault(text, (beside[0],), on_key=True, remedy=Remedy(LEAVE_OUT), kind="needless-entry")]
         try:
             for _, pressure in self.over_speed:
                 mean_pressure(pressure)
         except EntryError as error:
-            return [Fault(str(error), ("over_speed",))]
+            return [replace(error.fault, path=("over_speed",))]
         return []
 
     def at(self, speeds: FloatArray, swept_volume: float, revolutions: int) -> FloatArray:

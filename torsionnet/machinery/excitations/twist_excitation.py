@@ -108,19 +108,19 @@ class UniversalJoint(TwistExcitation):
         if self.angle < LARGEST_JOINT_ANGLE:
             return []
         text = f"a universal joint works at less than {math.degrees(LARGEST_JOINT_ANGLE):g} deg"
-        return [Fault(f"{text}; a bare number is in radians, write 10 deg", ("angle",))]
+        return [Fault(f"{text}; a bare number is in radians, write 10 deg", ("angle",), kind="missing-unit")]
 
     def element_faults(self, elements: Mapping[str, Element]) -> list[Fault]:
         element = elements[self.joint]
         if element.glyph not in ("spring", "shaft"):
             said = "{} is a {}; a joint is in a spring between its two shafts"
-            return [Fault(phrase(said, ModelName(self.joint), element.kind), ("joint",))]
+            return [Fault(phrase(said, ModelName(self.joint), element.kind), ("joint",), kind="unfit-element")]
         shafts = shafts_of(element)
         if self.speed_of in shafts:
             return []
         said = "the input of a joint is an end of its element; {} connects {}"
         text = phrase(said, ModelName(self.joint), named_list(shafts, between=" and "))
-        return [Fault(text, ("speed_of",))]
+        return [Fault(text, ("speed_of",), kind="no-ratio")]
 
     def torques(self, speeds: FloatArray) -> OrderTorques:
         count = np.arange(1, self.multiples + 1)
@@ -202,12 +202,16 @@ class GearMesh(TwistExcitation):
     def contradictions(self) -> list[Fault]:
         if not (self.transmission_error or self.run_out or self.mate_run_out):
             text = "a mesh needs transmission_error: {1: {way: 4 um}}, run_out: {way: 10 um} or mate_run_out"
-            return [Fault(text, on_key=True)]
+            return [Fault(text, on_key=True, kind="missing-entry")]
         if self.base_radius is not None:
             return []
         ways = [line for line in self._lines() if line.error.way is not None]
         return [
-            Fault("an error given as a way needs the base radius of the wheel: base_radius: 40 mm", (*line.path, "way"))
+            Fault(
+                "an error given as a way needs the base radius of the wheel: base_radius: 40 mm",
+                (*line.path, "way"),
+                kind="missing-entry",
+            )
             for line in ways
         ]
 
@@ -235,23 +239,29 @@ class GearMesh(TwistExcitation):
             if gear.kind in KINDS_WITH_SEVERAL_MESHES:
                 own = "write the pair in question as an element of its own, {type: gear, teeth: ..., stiffness: ...}"
                 text = phrase("{}; {}", text, own)
-            return [Fault(text, ("mesh",))]
+            return [Fault(text, ("mesh",), kind="unfit-element")]
         if self.speed_of not in gear.nodes:
             said = "{} connects {} and {}; speed_of is one of them"
-            return [Fault(phrase(said, mesh, *map(ModelName, gear.nodes)), ("speed_of",))]
+            return [Fault(phrase(said, mesh, *map(ModelName, gear.nodes)), ("speed_of",), kind="unknown-node")]
         if gear.housing is not None:
             said = "{} is in a housing that turns; its tooth frequency is not known"
-            return [Fault(phrase(said, mesh), ("mesh",))]
+            return [Fault(phrase(said, mesh), ("mesh",), kind="unfit-element")]
         given = [gear.teeth, gear.teeth and gear.teeth[::-1]][gear.nodes.index(self.speed_of)]
         faults = []
         for place, name in enumerate(("teeth", "mate_teeth")):
             count = getattr(self, name)
             needed = self.mate_run_out or (name == "teeth" and self.transmission_error)
             if count is None and needed:
-                faults.append(Fault(phrase("{} is given by its ratio; give {}: 23 too", mesh, name), on_key=True))
+                faults.append(
+                    Fault(
+                        phrase("{} is given by its ratio; give {}: 23 too", mesh, name),
+                        on_key=True,
+                        kind="missing-entry",
+                    )
+                )
             elif count is not None and given is not None and count != abs(given[place]):
                 text = phrase("{} has {} teeth there, not {}", mesh, abs(given[place]), count)
-                faults.append(Fault(text, (name,)))
+                faults.append(Fault(text, (name,), kind="contradicting-values"))
         return faults
 
     def torques(self, speeds: FloatArray) -> OrderTorques:

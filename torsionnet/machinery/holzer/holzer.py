@@ -82,12 +82,15 @@ def holzer_table(
     298.0
     """
     if (mode is None) == (at is None):
-        raise UsageError("a Holzer table is of a mode (mode=1) or of a trial frequency (at=12.0 in Hz), one of the two")
+        raise UsageError(
+            "a Holzer table is of a mode (mode=1) or of a trial frequency (at=12.0 in Hz), one of the two",
+            kind="contradicting-entries",
+        )
     if not 0 < amplitude < math.inf:
-        raise UsageError(f"the amplitude of the first station is above 0 rad, got {amplitude}")
+        raise UsageError(f"the amplitude of the first station is above 0 rad, got {amplitude}", kind="out-of-range")
     for name in (first, referred_to):
         if name is not None and name not in drivetrain.nodes:
-            raise UsageError(f'no node is named "{name}"{did_you_mean(name, drivetrain.nodes)}')
+            raise UsageError(f'no node is named "{name}"{did_you_mean(name, drivetrain.nodes)}', kind="unknown-node")
     still = balance_of(drivetrain, 0.0, np.zeros(len(drivetrain.assembly.nodes)))
     order, tree = holzer_lines(drivetrain.assembly.nodes, still.loads, first)
     start, end = order[0].nodes[0], order[0].nodes[-1]
@@ -151,7 +154,7 @@ def _housing_notes(balance: HolzerBalance) -> Iterator[str]:
 
 def _trial_rate(at: float | None) -> float:
     if at is None or not 0 < at < math.inf:
-        raise UsageError(f"a trial frequency is above 0 Hz, got {at}")
+        raise UsageError(f"a trial frequency is above 0 Hz, got {at}", kind="out-of-range")
     return 2 * math.pi * at
 
 

@@ -105,7 +105,7 @@ def trial_angles(drivetrain: AssembledModel, omega: float, first: str, last: str
         found = np.linalg.solve(bordered, np.append(np.zeros(len(dynamic)), 1.0))
     except np.linalg.LinAlgError:
         text = f"at {omega / (2 * np.pi):.6g} Hz {first} stands still whatever acts on {last}; start elsewhere"
-        raise SolveError(text) from None
+        raise SolveError(text, kind="no-solution") from None
     return np.asarray(nodes @ found[:-1])
 
 

@@ -164,7 +164,9 @@ def mass_elastic_table(drivetrain: AssembledModel, referred_to: str | None = Non
     """
     definition, nodes = drivetrain.definition, drivetrain.assembly.nodes
     if referred_to is not None and referred_to not in drivetrain.nodes:
-        raise UsageError(f'no node is named "{referred_to}"{did_you_mean(referred_to, drivetrain.nodes)}')
+        raise UsageError(
+            f'no node is named "{referred_to}"{did_you_mean(referred_to, drivetrain.nodes)}', kind="unknown-node"
+        )
     # At 0 Hz and without motion: rows, stiffnesses and inertias as the Holzer table takes them.
     balance = balance_of(drivetrain, 0.0, np.zeros(len(nodes)))
     order, tree = holzer_lines(nodes, balance.loads, None)

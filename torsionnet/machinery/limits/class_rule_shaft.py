@@ -60,7 +60,7 @@ class ClassRuleShaft(ShaftLimit):
         """Fault that the rated speed is missing."""
         if self.rated is None and subject.rated is None:
             text = "lambda = n/n_rated needs the rated speed: speeds: {rated: 750 rpm}, or rated: of this limit"
-            yield Fault(text, on_key=True, about="speeds")
+            yield Fault(text, on_key=True, about="speeds", kind="missing-entry")
 
     def may_bar_higher(self, subject: LimitSubject) -> bool:
         """Whether ranges above ``no_barred_above`` may be barred, as while a cylinder misfires."""
@@ -212,10 +212,20 @@ class GeneratingSetShaft(ClassRuleShaft):
         if self.tensile_strength < 100e6:
             got = f"{self.tensile_strength / 1e6:g} N/mm^2"
             faults.append(
-                Fault(f"steel has a tensile strength of 100 N/mm^2 or more; got {got}", ("tensile_strength",))
+                Fault(
+                    f"steel has a tensile strength of 100 N/mm^2 or more; got {got}",
+                    ("tensile_strength",),
+                    kind="out-of-range",
+                )
             )
         if self.yield_strength is not None and self.yield_strength > self.tensile_strength:
-            faults.append(Fault("the yield strength is not above the tensile strength", ("yield_strength",)))
+            faults.append(
+                Fault(
+                    "the yield strength is not above the tensile strength",
+                    ("yield_strength",),
+                    kind="contradicting-values",
+                )
+            )
         return faults
 
     def unfit(self, subject: LimitSubject) -> Iterator[Fault]:

@@ -37,7 +37,7 @@ class TemperatureValue(Value):
     def coerce(self, raw: object) -> float:
         number = read_scalar(raw, self.dimension)
         if isinstance(number, Number) and number.unit_dimension is None and number.value < COLDEST:
-            raise EntryError(f"a temperature has its unit: write {raw} degC, or {raw} K")
+            raise EntryError(f"a temperature has its unit: write {raw} degC, or {raw} K", kind="missing-unit")
         return super().coerce(raw)
 
     def plain(self, value: float) -> str:
@@ -157,9 +157,15 @@ class CouplingLimit(ElementLimit):
         ambient, largest = self.ambient_temperature, self.largest_temperature
         if (ambient is None) != (largest is None) or (self.heat_transfer is not None and ambient is None):
             text = "a balance of heat needs both ambient_temperature and largest_temperature, as 45 degC and 90 degC"
-            faults.append(Fault(text, on_key=True))
+            faults.append(Fault(text, on_key=True, kind="missing-entry"))
         elif ambient is not None and largest is not None and largest <= ambient:
-            faults.append(Fault("largest_temperature must be above ambient_temperature", ("largest_temperature",)))
+            faults.append(
+                Fault(
+                    "largest_temperature must be above ambient_temperature",
+                    ("largest_temperature",),
+                    kind="contradicting-values",
+                )
+            )
         return faults
 
     @property
@@ -299,7 +305,7 @@ class DamperLimit(ElementLimit):
     def contradictions(self) -> list[Fault]:
         faults = super().contradictions() + one_at_most(self, "power", "power_per_area")
         if (self.power_per_area is None) != (self.area is None):
-            faults.append(Fault("power_per_area and area go together", on_key=True))
+            faults.append(Fault("power_per_area and area go together", on_key=True, kind="missing-entry"))
         return faults
 
     @property

@@ -55,7 +55,7 @@ class AllowedTable(Plural[Pairs]):
         if isinstance(raw, tuple):
             return raw, []
         if not isinstance(raw, Mapping) or len(raw) < 2:
-            return (), [Fault(f"expected two points or more, {self.example}; {got(raw)}")]
+            return (), [Fault(f"expected two points or more, {self.example}; {got(raw)}", kind="wrong-form")]
         found: dict[float, Number] = {}
         faults: list[Fault] = []
         for key, value in raw.items():
@@ -65,7 +65,7 @@ class AllowedTable(Plural[Pairs]):
                 faults.append(replace(error.fault, path=(key,), on_key=True))
                 continue
             if at in found:
-                faults.append(Fault(f"{key} stands twice", (key,), on_key=True))
+                faults.append(Fault(f"{key} stands twice", (key,), on_key=True, kind="repeated-name"))
             allowed, wrong = ALLOWED.read(value)
             faults += [fault.under(key) for fault in wrong]
             found[at] = cast("Number", allowed)
@@ -172,7 +172,7 @@ class CurveLimit(InSpeedBand):
     def contradictions(self) -> list[Fault]:
         faults = one_exactly(self, "value", "over_speed", "over_lambda", of="what is allowed")
         if self.orders and self.measure != "each_order":
-            faults.append(Fault("orders go with measure: each_order", ("orders",), on_key=True))
+            faults.append(Fault("orders go with measure: each_order", ("orders",), on_key=True, kind="needless-entry"))
         return faults
 
     def sensor(self, subject: LimitSubject) -> Sensor | None:
@@ -191,12 +191,12 @@ class CurveLimit(InSpeedBand):
             yield unknown_name(what, missing[0], names, ("output",))
             return
         if sensor.quantity == "stress" and section_fault(subject.elements[sensor.of]):
-            yield Fault(str(section_fault(subject.elements[sensor.of])), ("output",))
+            yield Fault(str(section_fault(subject.elements[sensor.of])), ("output",), kind="missing-entry")
             return
         yield from self._wrong_units(sensor)
         if self.over_lambda and subject.rated is None:
             text = "over_lambda needs the rated speed: speeds: {rated: 750 rpm}"
-            yield Fault(text, ("over_lambda",), on_key=True, about="speeds")
+            yield Fault(text, ("over_lambda",), on_key=True, about="speeds", kind="missing-entry")
         elif subject.speeds:
             yield from self._uncovered(subject.speeds, subject.rated)
 
@@ -209,7 +209,7 @@ class CurveLimit(InSpeedBand):
             try:
                 check_unit(value, dimension)
             except EntryError as error:
-                yield Fault(str(error), path)
+                yield replace(error.fault, path=path)
                 return
 
     def _uncovered(self, speeds: tuple[float, ...], rated: float | None) -> Iterator[Fault]:
@@ -222,7 +222,11 @@ class CurveLimit(InSpeedBand):
             covered = phrase("{low:.6g} to {high:.6g} rpm", low=low * RPM, high=high * RPM)
             text = f"the table covers {covered}, the speeds go from {speeds[0] * RPM:.6g} to {speeds[-1] * RPM:.6g} rpm"
             yield Fault(
-                f"{text}; other speeds are not judged, extend the table to them", (key,), "warning", on_key=True
+                f"{text}; other speeds are not judged, extend the table to them",
+                (key,),
+                "warning",
+                on_key=True,
+                kind="beyond-table",
             )
 
     def order_sensors(self, subject: LimitSubject) -> list[Sensor]:

@@ -80,7 +80,9 @@ class ElementLimit(InSpeedBand):
     def unfit(self, subject: LimitSubject) -> Iterator[Fault]:
         yield from super().unfit(subject)
         if self.criteria and all(getattr(self, key) is None for key in self.criteria):
-            yield Fault(f"nothing is limited; give one of {', '.join(self.criteria)}", on_key=True)
+            yield Fault(
+                f"nothing is limited; give one of {', '.join(self.criteria)}", on_key=True, kind="missing-entry"
+            )
 
     def total(self, line: LimitLine, mean: Sensor, evidence: Evidence) -> LimitLine:
         """Limit line with the absolute mean value plus the half range of vibration at every speed.
@@ -130,7 +132,13 @@ class GearLimit(ElementLimit):
     def contradictions(self) -> list[Fault]:
         bounds = "vibratory_share", "vibratory_torque"
         if not (given_entries(self, *bounds) or self.hammer):
-            return [Fault("nothing is limited; give vibratory_share, vibratory_torque or hammer: true", on_key=True)]
+            return [
+                Fault(
+                    "nothing is limited; give vibratory_share, vibratory_torque or hammer: true",
+                    on_key=True,
+                    kind="missing-entry",
+                )
+            ]
         return one_at_most(self, *bounds)
 
     @classmethod
@@ -145,7 +153,7 @@ class GearLimit(ElementLimit):
         needs = self.vibratory_share is not None and self.rated_torque is None
         if needs and subject.rated is None:
             text = "a share is of the mean torque at rated speed: give rated_torque, or speeds: {rated: 750 rpm}"
-            yield Fault(text, ("vibratory_share",), on_key=True, about="speeds")
+            yield Fault(text, ("vibratory_share",), on_key=True, about="speeds", kind="missing-entry")
 
     @property
     def torque(self) -> Sensor:

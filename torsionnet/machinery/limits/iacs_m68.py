@@ -91,12 +91,12 @@ class IacsM68(ClassRuleShaft):
         if self.feature not in known:
             owner = next(shaft for shaft, table in FEATURES.items() if self.feature in table)
             text = f'"{self.feature}" belongs to a shaft: {owner}; {self.shaft} has {", ".join(known)}'
-            faults.append(Fault(text, ("feature",)))
+            faults.append(Fault(text, ("feature",), kind="unfit-rule"))
         low, high = STRENGTHS[self.material]
         if not low <= self.tensile_strength <= high:
             text = f"sigma_B of {self.material.replace('_', '-')} steel is {low / 1e6:g} to {high / 1e6:g} N/mm^2 here"
             got = f"{self.tensile_strength / 1e6:g} N/mm^2"
-            faults.append(Fault(f"{text}; got {got}", ("tensile_strength",)))
+            faults.append(Fault(f"{text}; got {got}", ("tensile_strength",), kind="unfit-rule"))
         return [*faults, *self._wrong_details()]
 
     def _wrong_details(self) -> Iterator[Fault]:
@@ -107,22 +107,22 @@ class IacsM68(ClassRuleShaft):
             ("stress_concentration", "longitudinal_slot"),
         ):
             if getattr(self, key) is not None and self.feature != feature:
-                yield Fault(f"{key} goes with feature: {feature}", (key,), on_key=True)
+                yield Fault(f"{key} goes with feature: {feature}", (key,), on_key=True, kind="needless-entry")
         if self.slots > 3 and self.stress_concentration is None:
             text = "C_K = 0.30 is for 1, 2 or 3 slots; give the stress_concentration of others"
-            yield Fault(text, ("slots",))
+            yield Fault(text, ("slots",), kind="unfit-rule")
 
     def unfit(self, subject: LimitSubject) -> Iterator[Fault]:
         wrong = list(super().unfit(subject))
         yield from wrong
         reason = "" if wrong else self._inapplicable(self.section(subject))
         if reason:
-            yield Fault(reason, ("feature",))
+            yield Fault(reason, ("feature",), kind="unfit-rule")
         yield from self.no_rated_speed(subject)
         yield from self._unexamined(subject)
         foreign = self._foreign(subject)
         if foreign:
-            yield Fault(foreign, ("rule",), "warning", on_key=True)
+            yield Fault(foreign, ("rule",), "warning", on_key=True, kind="unfit-rule")
 
     def _foreign(self, subject: LimitSubject) -> str:
         """Message why the shaft is none of those that the rule is for; empty where it may be."""
@@ -141,7 +141,7 @@ class IacsM68(ClassRuleShaft):
         if not low * (1 - 1e-9) <= self.safe_speed <= high * (1 + 1e-9):
             examined = phrase("{low:.6g} to {high:.6g} rpm", low=low * RPM, high=high * RPM)
             text = f"safe_speed of {self.safe_speed * RPM:.6g} rpm is not among the speeds examined, {examined}"
-            yield Fault(text, ("safe_speed",))
+            yield Fault(text, ("safe_speed",), kind="out-of-range")
 
     def _inapplicable(self, section: RoundSection) -> str:
         """Message why the factor C_K does not hold for the hole or slot given; empty where it does."""

@@ -409,4 +409,4 @@ def _unlike(dimension: str, name: str, value: float, largest: str, most: float) 
     text = f"{name} of {value:g} {unit} beside {largest} of {most:g} {unit}"
     meant = f"{value:g} {likely}" if value * factor <= most * UNIT_SLIP_RATIO / 10 else ""
     text += f'; a number without unit is in {unit}: did you mean "{meant}"?' if meant else ""
-    return Fault(text, (name,), "warning", meant=meant)
+    return Fault(text, (name,), "warning", meant=meant, kind="implausible-size")

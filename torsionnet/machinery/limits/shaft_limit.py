@@ -66,7 +66,7 @@ class ShaftLimit(InSpeedBand):
 
     def contradictions(self) -> list[Fault]:
         if self.diameter is not None and self.bore is not None and self.bore >= self.diameter:
-            return [Fault("the bore must be smaller than the diameter", ("bore",))]
+            return [Fault("the bore must be smaller than the diameter", ("bore",), kind="contradicting-values")]
         return []
 
     def unfit(self, subject: LimitSubject) -> Iterator[Fault]:
@@ -74,15 +74,21 @@ class ShaftLimit(InSpeedBand):
         element, name = subject.elements[self.element], ModelName(self.element)
         if element.diameters is None and self.diameter is None:
             said = "{}, a {}, has no diameter, and so no stress; give the limit one, diameter: 300 mm, or make the "
-            yield Fault(phrase(f"{said}element a shaft", name, element.kind), ("element",))
+            yield Fault(phrase(f"{said}element a shaft", name, element.kind), ("element",), kind="unfit-element")
         elif len(element.ports) != 2:
-            yield Fault(phrase("{}, a {}, is no shaft between two nodes", name, element.kind), ("element",))
+            yield Fault(
+                phrase("{}, a {}, is no shaft between two nodes", name, element.kind),
+                ("element",),
+                kind="unfit-element",
+            )
         else:
             section = self.section(subject)
             if section.inner >= section.outer:
                 key = "diameter" if self.diameter is not None else "bore"
                 said = "the bore of {}, {:g} mm, is no smaller than its diameter, {:g} mm"
-                yield Fault(phrase(said, name, 1000 * section.inner, 1000 * section.outer), (key,))
+                yield Fault(
+                    phrase(said, name, 1000 * section.inner, 1000 * section.outer), (key,), kind="contradicting-values"
+                )
 
     def order_sensors(self, subject: LimitSubject) -> list[Sensor]:
         return torques_of(subject.elements[self.element])
@@ -175,11 +181,15 @@ class FatigueLimit(ShaftLimit):
         faults = super().contradictions()
         if self.mean_stress == "goodman" and self.ultimate_strength is None:
             text = "goodman needs ultimate_strength, in shear; or take mean_stress: haigh or none"
-            faults.append(Fault(text, on_key=True))
+            faults.append(Fault(text, on_key=True, kind="missing-entry"))
         if self.mean_stress == "haigh" and self.mean_sensitivity is None:
-            faults.append(Fault("haigh needs mean_sensitivity, as 0.2", on_key=True))
+            faults.append(Fault("haigh needs mean_sensitivity, as 0.2", on_key=True, kind="missing-entry"))
         if self.cycles is not None and self.slope is None:
-            faults.append(Fault("a number of cycles needs the slope of the S-N line, as slope: 5", ("cycles",)))
+            faults.append(
+                Fault(
+                    "a number of cycles needs the slope of the S-N line, as slope: 5", ("cycles",), kind="missing-entry"
+                )
+            )
         return faults
 
     @property

@@ -178,5 +178,7 @@ class SocietyName(OneOf):
     def coerce(self, raw: object) -> str:
         if raw in NOT_AT_HAND and raw not in self.options:
             instead = "give the values that its letter of approval states as rule: curve"
-            raise EntryError(f"{NOT_AT_HAND[str(raw)]}; judge by {' or '.join(self.options)}, or {instead}")
+            raise EntryError(
+                f"{NOT_AT_HAND[str(raw)]}; judge by {' or '.join(self.options)}, or {instead}", kind="unknown-word"
+            )
         return super().coerce(raw)

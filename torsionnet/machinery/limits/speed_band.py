@@ -34,11 +34,12 @@ class RatedSpeedBand(Spec[tuple[float, float]]):
             low, high = (part.strip() for part in raw.split(".."))
             edges = (low if low.endswith("%") or not high.endswith("%") else f"{low} %", high)
         if not (isinstance(edges, list | tuple) and len(edges) == 2):
-            raise EntryError(f"expected a band of the rated speed such as {BAND_FORMS}, {got(raw)}")
+            raise EntryError(f"expected a band of the rated speed such as {BAND_FORMS}, {got(raw)}", kind="wrong-form")
         first, last = (_EDGE.coerce(edge) for edge in edges)
         if not 0 <= first < last <= LARGEST_RATIO:
             raise EntryError(
-                f"a band of the rated speed rises and ends at {LARGEST_RATIO:g}, as {BAND_FORMS}; {got(raw)}"
+                f"a band of the rated speed rises and ends at {LARGEST_RATIO:g}, as {BAND_FORMS}; {got(raw)}",
+                kind="unordered-rows",
             )
         return first, last
 
@@ -70,7 +71,7 @@ class InSpeedBand(Limit):
         yield from super().unfit(subject)
         if self.speed_band and subject.rated is None:
             text = "a band of the rated speed needs that speed: speeds: {rated: 900 rpm}"
-            yield Fault(text, ("speed_band",), on_key=True, about="speeds")
+            yield Fault(text, ("speed_band",), on_key=True, about="speeds", kind="missing-entry")
 
     def breaks(self, subject: LimitSubject) -> list[float]:
         edges = [edge * (subject.rated or math.nan) for edge in self.speed_band or ()]

@@ -65,7 +65,9 @@ class DissipatedPower(NotebookResult):
         """
         if element not in self.elements:
             hint = did_you_mean(element, self.elements)
-            raise UsageError(f'no power of "{element}"{hint}; there is {", ".join(self.elements)}')
+            raise UsageError(
+                f'no power of "{element}"{hint}; there is {", ".join(self.elements)}', kind="unknown-element"
+            )
         return np.asarray(self.values[:, self.elements.index(element)])
 
     def table(self) -> Table:
@@ -112,7 +114,9 @@ def dissipated_power(
     names = [elements] if isinstance(elements, str) else list(elements)
     for name in names:
         if name not in drivetrain.elements:
-            raise UsageError(f'no element is named "{name}"{did_you_mean(name, drivetrain.elements)}')
+            raise UsageError(
+                f'no element is named "{name}"{did_you_mean(name, drivetrain.elements)}', kind="unknown-element"
+            )
     values = Values(drivetrain.exact_values)
     flows = {name: power_flows(drivetrain.elements[name], values) for name in names}
     outputs = list(dict.fromkeys(sensor for flow in flows.values() for sensor in power_sensors(flow)))

@@ -89,7 +89,8 @@ class MeanResponse(NotebookResult):
         names = [channel.name for channel in self.outputs]
         if output not in names:
             raise UsageError(
-                f'no output is named "{output}"{did_you_mean(output, names)}; there are {", ".join(names)}'
+                f'no output is named "{output}"{did_you_mean(output, names)}; there are {", ".join(names)}',
+                kind="unknown-channel",
             )
         return np.asarray(self.values[:, names.index(output)])
 
@@ -220,7 +221,8 @@ def _mean_response(
     if not nodes:
         raise UsageError(
             f"mean torques act on {', '.join(torques)}, to which nothing is attached in this configuration; "
-            "choose a configuration in which they are attached"
+            "choose a configuration in which they are attached",
+            kind="no-ratio",
         )
     wanted = resolve_request(drivetrain, outputs, nodes, None).outputs
     _require_determined(drivetrain, wanted)
@@ -295,7 +297,7 @@ def external_torques(
     else:
         at = np.atleast_1d(np.asarray(speeds, dtype=float))
     if at.ndim != 1 or not len(at) or not np.isfinite(at).all() or (at <= 0).any():
-        raise UsageError("speeds are finite numbers above 0, in rad/s")
+        raise UsageError("speeds are finite numbers above 0, in rad/s", kind="out-of-range")
     every: list[float] = at.tolist()
     found = [external.at(speed) for speed in every] if all_working else external.in_condition(every)
     return external.reference, at, {node: np.array([torques[node] for torques in found]) for node in found[0]}
@@ -312,10 +314,14 @@ def _stated(
     torques = {node: torque for node, torque in stated_torques(definition, values).items() if torque}
     if not torques:
         raise UsageError(
-            "no mean torques are given; give load: {absorbed_at: node, power: 3000 kW, torque_exponent: 2}"
+            "no mean torques are given; give load: {absorbed_at: node, power: 3000 kW, torque_exponent: 2}",
+            kind="missing-entry",
         )
     if speeds is not None:
-        raise UsageError("without an entry load: mean torques are known at the operating point only; leave out speeds")
+        raise UsageError(
+            "without an entry load: mean torques are known at the operating point only; leave out speeds",
+            kind="missing-entry",
+        )
     turning = mean_speeds(definition, values)
     if not turning.get(reference):
         reference = next(iter(definition.operating_point.speed), next(iter(torques)))
@@ -327,7 +333,9 @@ def _require_determined(drivetrain: AssembledModel, outputs: Sequence[Functional
     for output in outputs:
         reason = reason_undetermined(drivetrain, output)
         if reason:
-            raise UsageError(f"{output.name} has no mean value: {reason}; ask for a torque or a twist")
+            raise UsageError(
+                f"{output.name} has no mean value: {reason}; ask for a torque or a twist", kind="unfit-channel"
+            )
 
 
 def reason_undetermined(drivetrain: AssembledModel, output: Functional) -> str | None:
@@ -425,7 +433,7 @@ def _require_balance(left_over: FloatArray, sizes: FloatArray) -> None:
     over = np.abs(left_over) > UNBALANCED_SHARE * sizes
     if over.any():
         text = f"the mean torques leave {np.abs(left_over[over]).max():.4g} N*m over"
-        raise UsageError(f"{text}; a drivetrain that turns freely needs torques in balance")
+        raise UsageError(f"{text}; a drivetrain that turns freely needs torques in balance", kind="unbalanced-torques")
 
 
 def _rest(drivetrain: AssembledModel, left_over: FloatArray) -> tuple[str, ...]:

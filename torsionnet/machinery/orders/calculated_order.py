@@ -128,7 +128,7 @@ def swept_orders(
         Fewer than three times, or a passage that takes too many steps.
     """
     if len(tracked.times) < 3:
-        raise UsageError("a run-up has three or more speeds over time")
+        raise UsageError("a run-up has three or more speeds over time", kind="wrong-count")
     cycle = _cycle(tracked.orders)
     edges = _edges(tracked.times)
     run = passage_response(drivetrain, list(outputs), *_profile(tracked, edges, cycle), excitation=excitations)
@@ -140,7 +140,10 @@ def _cycle(orders: FloatArray) -> int:
     for cycle in range(SHORTEST_CYCLE, LONGEST_CYCLE + 1):
         if np.abs(orders * cycle - np.rint(orders * cycle)).max() < 1e-6:
             return cycle
-    raise UsageError(phrase("the orders have no common cycle of {count} revolutions or fewer", count=LONGEST_CYCLE))
+    raise UsageError(
+        phrase("the orders have no common cycle of {count} revolutions or fewer", count=LONGEST_CYCLE),
+        kind="no-common-cycle",
+    )
 
 
 def _edges(times: FloatArray) -> FloatArray:

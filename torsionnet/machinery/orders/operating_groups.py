@@ -245,7 +245,9 @@ def values_by_vibration(
     first = speeds[open_][0] * RPM
     text = f"{' and '.join(tables)} and the vibration do not settle within {VALUE_TOLERANCE:g} of each other"
     advice = "give a smoother table over the vibratory torque"
-    raise UsageError(f"{text} at {open_.sum()} of {len(speeds)} speeds, the first {first:.6g} rpm; {advice}")
+    raise UsageError(
+        f"{text} at {open_.sum()} of {len(speeds)} speeds, the first {first:.6g} rpm; {advice}", kind="no-solution"
+    )
 
 
 def _clamped(table: Rows, sizes: FloatArray) -> FloatArray:
@@ -260,7 +262,9 @@ def _require_inside(name: str, element: str, table: Rows, sizes: FloatArray, spe
         worst = int(np.argmax(np.where(outside, np.abs(sizes - low), -1)))
         ends = f"the table goes from {table[0][0]} to {table[-1][0]}"
         where = f"{sizes[worst]:.6g} N*m at {speeds[worst] * RPM:.6g} rpm"
-        raise UsageError(f"{name}: the vibratory torque of {element} is {where}; {ends}, extend it")
+        raise UsageError(
+            f"{name}: the vibratory torque of {element} is {where}; {ends}, extend it", kind="beyond-table"
+        )
 
 
 # Shares of the elements in the damping of a mode at its critical speed.

@@ -354,7 +354,7 @@ def compared_orders(
     if not found:
         orders = ", ".join(f"{one.order:g}" for one in measured)
         text = f"none of the measured orders of {response.reference} ({orders}) was calculated at its speeds"
-        raise UsageError(f"{text}; there are {', '.join(map(str, response.lines))}")
+        raise UsageError(f"{text}; there are {', '.join(map(str, response.lines))}", kind="unknown-order")
     return tuple(found)
 
 

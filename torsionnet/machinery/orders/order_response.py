@@ -138,7 +138,7 @@ class OrderResponse(NotebookResult):
             return 0
         if name not in names:
             what = f'no output is named "{name}"{did_you_mean(str(name), names)}' if name else "say which output"
-            raise UsageError(f"{what}; there are {', '.join(names)}")
+            raise UsageError(f"{what}; there are {', '.join(names)}", kind="unknown-channel")
         return names.index(name)
 
     def of_order(self, order: float, output: str | None = None, excitation: str | None = None) -> ComplexArray:
@@ -157,10 +157,14 @@ class OrderResponse(NotebookResult):
             if not line.fixed and math.isclose(line.order, order) and excitation in (None, line.excitation)
         ]
         if not found:
-            raise UsageError(f"no order {order:g} acts; there are {', '.join(map(str, self.lines))}")
+            raise UsageError(
+                f"no order {order:g} acts; there are {', '.join(map(str, self.lines))}", kind="unknown-order"
+            )
         if len({self.lines[place].relative for place in found}) > 1:
             names = " and ".join(self.lines[place].excitation for place in found)
-            raise UsageError(f"order {order:g} of {names} is not one frequency; say which excitation")
+            raise UsageError(
+                f"order {order:g} of {names} is not one frequency; say which excitation", kind="ambiguous-name"
+            )
         # Lines of one order and speed keep their phases to each other: complex values add.
         return np.asarray(self.values[:, found, self.output(output)].sum(axis=1))
 
@@ -198,7 +202,9 @@ class OrderResponse(NotebookResult):
             if not line.order and math.isclose(line.fixed, hertz) and excitation in (None, line.excitation)
         ]
         if not found:
-            raise UsageError(f"nothing acts at {hertz:g} Hz; there are {', '.join(map(str, self.lines))}")
+            raise UsageError(
+                f"nothing acts at {hertz:g} Hz; there are {', '.join(map(str, self.lines))}", kind="unknown-order"
+            )
         return np.asarray(self.values[:, found, self.output(output)].sum(axis=1))
 
     def waveform(self, output: str | None = None, points: int | None = None) -> tuple[FloatArray, FloatArray]:
@@ -308,12 +314,13 @@ class OrderResponse(NotebookResult):
             same = len(mean.speeds) == len(self.speeds) and np.allclose(mean.speeds, self.speeds, rtol=1e-9)
             if not same or [one.name for one in mean.outputs] != [one.name for one in self.outputs]:
                 raise UsageError(
-                    "the mean values have other speeds or outputs than the order response; calculate both for the same"
+                    "the mean values have other speeds or outputs than the order response; calculate both for the same",
+                    kind="unlike-results",
                 )
         given = np.asarray(mean.values if isinstance(mean, MeanValues) else mean, dtype=float)
         if given.shape not in (self.bounds.shape[1:], self.bounds.shape[2:]):
             size = f"{len(self.speeds)} speeds and {len(self.outputs)} outputs"
-            raise UsageError(f"the response has {size}, but the mean has the shape {given.shape}")
+            raise UsageError(f"the response has {size}, but the mean has the shape {given.shape}", kind="wrong-count")
         high, low = self.bounds + given
         return np.asarray(high), np.asarray(low)
 
@@ -432,7 +439,7 @@ class OrderResponse(NotebookResult):
 
     def _cycle(self) -> int:
         if self.revolutions is None:
-            raise UsageError(f"{self.no_cycle}; use half_range")
+            raise UsageError(f"{self.no_cycle}; use half_range", kind="no-common-cycle")
         return self.revolutions
 
     def by_frequency(self) -> ComplexArray:

@@ -199,7 +199,9 @@ def with_motions_held(drivetrain: AssembledModel, acting: Mapping[str, OrderExci
         return drivetrain
     held = drivetrain.with_definition(replace(drivetrain.definition, inputs=inputs))
     if held.assembly.kinematics.reduction.blocked:
-        raise UsageError("two imposed motions act on nodes that are rigidly connected; leave out one")
+        raise UsageError(
+            "two imposed motions act on nodes that are rigidly connected; leave out one", kind="contradicting-angles"
+        )
     return held
 
 
@@ -251,7 +253,8 @@ def _acts(line: OrderLine, one: OrderExcitation, senses: Senses, found: OrderTor
     lines = tuple(replace(line, order=order, fixed=frequency) for order, frequency in pairs)
     if not line.ratio and found.orders.any():
         raise UsageError(
-            f"{one.shaft} does not turn, so it has no orders; {line.excitation} can act at frequencies there"
+            f"{one.shaft} does not turn, so it has no orders; {line.excitation} can act at frequencies there",
+            kind="no-effect",
         )
     columns = {place: column for column, place in enumerate(found.nodes) if place in senses}
     inputs = {place: (one.channel(place), senses[place]) for place in columns}
@@ -415,43 +418,50 @@ def _require_moving(drivetrain: AssembledModel, name: str, excitation: OrderExci
     """Raise UsageError for an excitation on a node or element that is locked or switched off in the drivetrain."""
     if excitation.element_entry is not None and excitation.element_entry[1] not in drivetrain.elements:
         off = f"{excitation.element_entry[1]}, which is switched off in this configuration"
-        raise UsageError(f"{name} acts in {off}; leave this excitation out")
+        raise UsageError(f"{name} acts in {off}; leave this excitation out", kind="switched-off")
     for node in excitation.nodes:
         channel = excitation.channel(node)
         missing = next((one for one in channel.nodes if one not in drivetrain.nodes), None)
         if missing is not None:
             text = f'{name} acts on "{missing}", to which nothing is attached in this configuration'
-            raise UsageError(f"{text}; leave this excitation out")
+            raise UsageError(f"{text}; leave this excitation out", kind="no-effect")
         if drivetrain.assembly.kinematics.holds_row(channel.row):
             held = f'"{node}", which is locked' if channel.against is None else f"{named_nodes(channel)}, held rigidly"
-            raise UsageError(f"{name} acts on {held} in this configuration and causes no vibration; leave it out")
+            raise UsageError(
+                f"{name} acts on {held} in this configuration and causes no vibration; leave it out", kind="no-effect"
+            )
 
 
 def _speeds(drivetrain: AssembledModel, speeds: ArrayLike | None, speed_of: str | None) -> tuple[str, FloatArray]:
     """Name of the reference node, and its speeds (n_speeds,) in rad/s."""
     given = drivetrain.definition.speeds
     if given is None and (speeds is None or speed_of is None):
-        raise UsageError("the model has no entry speeds: {of: node, range: 300..800 rpm, step: 5 rpm}")
+        raise UsageError(
+            "the model has no entry speeds: {of: node, range: 300..800 rpm, step: 5 rpm}", kind="missing-entry"
+        )
     reference = str(speed_of or (given and given.of))
     at = np.atleast_1d(np.asarray(speeds if speeds is not None else given and given.values, dtype=float))
     if at.ndim != 1 or not len(at) or not np.isfinite(at).all() or (at <= 0).any():
-        raise UsageError("speeds are finite numbers above 0, in rad/s")
+        raise UsageError("speeds are finite numbers above 0, in rad/s", kind="out-of-range")
     return reference, at
 
 
 def _acting(known: Mapping[str, OrderExcitation], names: Iterable[str] | None) -> dict[str, OrderExcitation]:
     if not known:
         raise UsageError(
-            "the model has no excitations; give its engines, propellers and meshes in its entry excitations:"
+            "the model has no excitations; give its engines, propellers and meshes in its entry excitations:",
+            kind="missing-entry",
         )
     enabled = [name for name, one in known.items() if one.enabled]
     chosen = enabled if names is None else [names] if isinstance(names, str) else list(names)
     if not chosen:
-        raise UsageError("every excitation is switched off in this configuration; name those that are to act")
+        raise UsageError(
+            "every excitation is switched off in this configuration; name those that are to act", kind="switched-off"
+        )
     for name in chosen:
         if name not in known:
             hint = suggestion_or(name, known, f"there are {', '.join(known)}")
-            raise UsageError(f'no excitation is named "{name}"{hint}')
+            raise UsageError(f'no excitation is named "{name}"{hint}', kind="unknown-name")
     return {name: known[name] for name in chosen}
 
 
@@ -459,12 +469,14 @@ def _turning(drivetrain: AssembledModel, node: str, reference: str) -> Fraction:
     """Revolutions of a shaft per revolution of the reference shaft, negative if it turns the other way."""
     if node not in drivetrain.nodes:
         raise UsageError(
-            f'"{node}" is not part of this configuration, so that its orders have no speed; name another shaft'
+            f'"{node}" is not part of this configuration, so that its orders have no speed; name another shaft',
+            kind="switched-off",
         )
     for shaft in dict.fromkeys((reference, node)):
         clamp = cached_locking_clamp(drivetrain, shaft)
         if clamp:
             raise UsageError(
-                f"{shaft} is locked by {clamp} in this configuration: a shaft that does not turn has no orders"
+                f"{shaft} is locked by {clamp} in this configuration: a shaft that does not turn has no orders",
+                kind="no-effect",
             )
     return cached_total_ratio(drivetrain, node, reference)

@@ -39,7 +39,10 @@ def waveforms(spectrum: ComplexArray, points: int | None = None) -> FloatArray:
     n = points or _even_steps(POINTS_PER_PERIOD * max(highest, 1))
     # Sampling theorem: more than two points per period of the highest order.
     if n <= 2 * highest:
-        raise UsageError(f"{n} points are too few for a waveform with {highest} periods; take more than {2 * highest}")
+        raise UsageError(
+            f"{n} points are too few for a waveform with {highest} periods; take more than {2 * highest}",
+            kind="wrong-count",
+        )
     # Waves that lie in one piece are made and searched in less than half the time.
     rows = np.array(spectrum.transpose(0, 2, 1), order="C")
     if highest > MOST_PERIODS_BY_PRODUCT:

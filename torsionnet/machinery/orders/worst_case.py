@@ -287,7 +287,8 @@ def _cases(
     if count > MOST_CASES:
         names = " and ".join(one.excitation for one in alternatives)
         raise UsageError(
-            f"{names} make {count} cases together, more than {MOST_CASES}; let one of them have alternatives at a time"
+            f"{names} make {count} cases together, more than {MOST_CASES}; let one of them have alternatives at a time",
+            kind="too-large",
         )
     named = [list(enumerate(_named(one, alternatives))) for one in alternatives]
     found = {}

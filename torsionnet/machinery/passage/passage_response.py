@@ -176,7 +176,7 @@ class PassageResponse(NotebookResult):
             return 0
         if name not in names:
             what = f'no output is named "{name}"{did_you_mean(str(name), names)}' if name else "say which output"
-            raise UsageError(f"{what}; there are {', '.join(names)}")
+            raise UsageError(f"{what}; there are {', '.join(names)}", kind="unknown-channel")
         return names.index(name)
 
     def of(self, output: str | None = None) -> FloatArray:

@@ -246,7 +246,7 @@ class _Passage:
         total = sum(one.steps for one in found)
         if total > MOST_STEPS:
             text = f"the highest order takes {total} steps over {times[-1] - times[0]:g} s, more than {MOST_STEPS}"
-            raise UsageError(f"{text}; shorten the time, or leave out high orders")
+            raise UsageError(f"{text}; shorten the time, or leave out high orders", kind="too-large")
         return found
 
     def along(self, sections: Sequence[_Section], halvings: int) -> FloatArray:
@@ -287,7 +287,10 @@ class _Passage:
         for rig, places in drivetrains_at_speeds(at.drivetrain, at.reference, at.speeds, settled_values(at)):
             matrices = self._matrices(rig)
             if any(matrices[0].shape != other[0].shape for other in self.known.values()):
-                raise UsageError("parameters that follow the speed switch inertia or damping on and off along it")
+                raise UsageError(
+                    "parameters that follow the speed switch inertia or damping on and off along it",
+                    kind="unsupported-law",
+                )
             self.known.update({speeds[place]: matrices for place in places.tolist()})
 
     def _matrices(self, rig: AssembledModel) -> Matrices:
@@ -304,11 +307,19 @@ def _profile(times: ArrayLike, speeds: ArrayLike) -> tuple[FloatArray, FloatArra
     except (TypeError, ValueError):
         at, run = np.empty(0), np.empty(0)
     if at.ndim != 1 or at.shape != run.shape or len(at) < 2 or not np.isfinite([at, run]).all():
-        raise UsageError("a speed over time is two lists of finite numbers, times in s and speeds in rad/s, alike long")
+        raise UsageError(
+            "a speed over time is two lists of finite numbers, times in s and speeds in rad/s, alike long",
+            kind="wrong-form",
+        )
     if (np.diff(at) <= 0).any() or (run <= 0).any():
-        raise UsageError("times rise, and speeds are above 0 rad/s; begin a run-up at the lowest speed with tables")
+        raise UsageError(
+            "times rise, and speeds are above 0 rad/s; begin a run-up at the lowest speed with tables",
+            kind="unordered-rows",
+        )
     if len(at) > MOST_SPEED_POINTS:
-        raise UsageError(f"{len(at)} points of speed are more than {MOST_SPEED_POINTS}; thin them out")
+        raise UsageError(
+            f"{len(at)} points of speed are more than {MOST_SPEED_POINTS}; thin them out", kind="too-large"
+        )
     return at, run
 
 

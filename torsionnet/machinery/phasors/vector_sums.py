@@ -301,12 +301,12 @@ def vector_sums(
     engine = known.get(excitation)
     if not isinstance(engine, ReciprocatingEngine):
         engines = [name for name, one in known.items() if isinstance(one, ReciprocatingEngine)]
-        raise UsageError(f'no engine is named "{excitation}"{did_you_mean(excitation, engines)}')
+        raise UsageError(f'no engine is named "{excitation}"{did_you_mean(excitation, engines)}', kind="unknown-name")
     sound = replace(engine, misfire=(), gas_off=tuple(without), factors={})
     shapes = _shapes(drivetrain)
     numbers = tuple(shapes if modes is None else modes)
     if missing := [number for number in numbers if number not in shapes]:
-        raise UsageError(f"there is no mode {missing[0]}; there are {len(shapes)}, counted from 1")
+        raise UsageError(f"there is no mode {missing[0]}; there are {len(shapes)}, counted from 1", kind="unknown-mode")
     chosen = tuple(engine.acting_orders.tolist() if orders is None else orders)
     stars = {
         (mode, order): star_diagram(sound, excitation, order, shapes[mode], phrase("mode {number}", number=mode))

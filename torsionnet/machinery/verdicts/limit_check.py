@@ -268,7 +268,7 @@ class LimitCheck(NotebookResult):
         known = [f"{one.limit} {one.criterion}" for one in self.verdicts]
         asked = f"{limit} {criterion}" if criterion else limit
         what = f"say which criterion of {limit}" if found else f'no limit "{asked}"{did_you_mean(asked, known)}'
-        raise UsageError(f"{what}; there are {', '.join(known)}")
+        raise UsageError(f"{what}; there are {', '.join(known)}", kind="unknown-name")
 
     def table(self, conventions: Conventions = SI) -> Table:
         """Table of limits with a row for each criterion at its worst speed in rpm, and the rules as notes."""

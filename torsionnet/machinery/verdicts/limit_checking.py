@@ -154,7 +154,7 @@ def _run_up(running: _Examination, evidence: Evidence) -> RunUpCheck | None:
         found = examination.at(passed.first(np.empty(0)))
         found = refine_speeds(found, examination.wanted, examination.with_more)
     except UsageError as error:
-        raise UsageError(f"run-up: {error}") from None
+        raise UsageError(f"run-up: {error}", kind=error.kind) from None
     judged = []
     for (name, limit), lines in zip(running.limits.items(), found.lines, strict=True):
         for line in lines:
@@ -334,13 +334,14 @@ def _chosen(known: Mapping[str, Limit], names: str | Iterable[str] | None) -> di
     if not known:
         rules = ", ".join(limit_rules())
         raise UsageError(
-            f"the model has no limits; give them in its entry limits: {{name: {{rule: ...}}}}, rules are {rules}"
+            f"the model has no limits; give them in its entry limits: {{name: {{rule: ...}}}}, rules are {rules}",
+            kind="missing-entry",
         )
     wanted = list(known) if names is None else [names] if isinstance(names, str) else list(names)
     for name in wanted:
         if name not in known:
             hint = suggestion_or(name, known, f"there are {', '.join(known)}")
-            raise UsageError(f'no limit is named "{name}"{hint}')
+            raise UsageError(f'no limit is named "{name}"{hint}', kind="unknown-name")
     return {name: known[name] for name in wanted}
 
 
@@ -352,7 +353,7 @@ def _seen(subject: LimitSubject, limits: Sequence[Limit]) -> list[Sensor]:
             found += power_sensors(power_flows(subject.active[name], Values(subject.values)))
     if not found:
         text = "all elements with limits are switched off in this condition"
-        raise UsageError(f"{text}; check limits in a configuration that has them on")
+        raise UsageError(f"{text}; check limits in a configuration that has them on", kind="switched-off")
     return list(dict.fromkeys(found))
 
 

@@ -87,7 +87,9 @@ class LimitConclusion:
 
     def __post_init__(self) -> None:
         if not self.checks:
-            raise UsageError("a conclusion on limits needs at least one check of limits; there is none")
+            raise UsageError(
+                "a conclusion on limits needs at least one check of limits; there is none", kind="missing-entry"
+            )
 
     @property
     def configurations(self) -> tuple[str, ...]:

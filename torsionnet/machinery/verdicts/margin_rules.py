@@ -106,9 +106,9 @@ def margin_rule(given: str | float | MarginRule | None) -> MarginRule | None:
     share = _share(given)
     if share is None:
         hint = suggestion_or(str(given), PRESETS, f"there are {', '.join(PRESETS)}, or give a share as 15 %")
-        raise UsageError(f'no margin rule is named "{given}"{hint}')
+        raise UsageError(f'no margin rule is named "{given}"{hint}', kind="unknown-word")
     if not 0 < share < LARGEST_MARGIN:
-        raise UsageError(f"a margin is a share between 0 and 1, as 10 % or 0.1; got {given}")
+        raise UsageError(f"a margin is a share between 0 and 1, as 10 % or 0.1; got {given}", kind="out-of-range")
     every = MarginClause(0, float("inf"), share)
     return MarginRule("own", f"{100 * share:g} % from every excitation frequency, as given", (every,), share)
 

@@ -199,7 +199,8 @@ def measured_ranges(
     given = [one for one in tracked if one.half_range is not None]
     if not given:
         raise UsageError(
-            "the file has no half ranges, which limits judge: torsionnet track writes them as columns NAME half_range"
+            "the file has no half ranges, which limits judge: torsionnet track writes them as columns NAME half_range",
+            kind="missing-column",
         )
     subject = limit_subject(drivetrain.definition, drivetrain.exact_values)
     found: list[MeasuredRange] = []
@@ -222,7 +223,9 @@ def measured_ranges(
         names = ", ".join(dict.fromkeys(wanted)) or "none"
         raise UsageError(
             f"no measured half range belongs to a limit: the channels are {', '.join(one.name for one in given)}, and "
-            f"limits judge the half range of {names} at {check.rpm[0]:g} to {check.rpm[-1]:g} rpm; name the channels so"
+            f"limits judge the half range of {names} at {check.rpm[0]:g} to {check.rpm[-1]:g} rpm; name the channels "
+            "so",
+            kind="unlike-results",
         )
     return tuple(found)
 

@@ -59,7 +59,10 @@ def shaft_margins(
     """
     given = drivetrain.definition.speeds
     if given is None:
-        raise UsageError("separation margins need the speeds of the train: speeds: {of: motor, range: 600..1500 rpm}")
+        raise UsageError(
+            "separation margins need the speeds of the train: speeds: {of: motor, range: 600..1500 rpm}",
+            kind="missing-entry",
+        )
     speed_range = min(given.values), max(given.values)
     rule = margin_rule(margin)
     lines = [*_shaft_lines(drivetrain, given.of, rule), *_electrical_lines(drivetrain, given.of)]
