@@ -61,6 +61,6 @@ def _told(command: str) -> list[tuple[str, str]]:
     """Kind and message of the faults that a command prints."""
     program, *words = shlex.split(command)
     assert program == "torsionnet"
-    result = runner().invoke(app, words)
+    result = runner().invoke(app, words)  # type: ignore[no-untyped-call]
     found = re.findall(r"^(?:.*?: )?(?:error|warning): (.*) \[([a-z-]+)\]$", result.output, re.MULTILINE)
     return [(kind, message) for message, kind in found]
