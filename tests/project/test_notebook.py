@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -91,3 +92,31 @@ def test_what_cannot_be_drawn_has_its_table(results, monkeypatch):
 
     monkeypatch.setattr(tn.plot, "limit_check", fails)
     assert "<img" not in results["limits"]._repr_html_()
+
+
+@pytest.fixture(scope="module")
+def page_outputs(tmp_path_factory):
+    """What each cell shows, by media type, run by a kernel in a folder of its own."""
+    import jupytext
+    from nbclient import NotebookClient
+
+    page = jupytext.read(Path(__file__).parents[2] / "docs" / "how_to" / "notebooks.md")
+    folder = tmp_path_factory.mktemp("notebook")
+    NotebookClient(page, kernel_name="python3", resources={"metadata": {"path": str(folder)}}).execute()
+    assert (folder / "gears.png").stat().st_size > 10_000
+    cells = [cell for cell in page.cells if cell.cell_type == "code"]
+    assert not [said for cell in cells for said in cell.outputs if said.output_type == "stream"]
+    return [cell.outputs[0].data if cell.outputs else {} for cell in cells]
+
+
+def test_modes_of_the_page_are_a_table(page_outputs):
+    assert "<table>" in page_outputs[0]["text/html"]
+
+
+def test_a_transfer_function_is_a_formula(page_outputs):
+    assert r"\frac" in page_outputs[1]["text/latex"]
+
+
+def test_a_figure_shows_itself(page_outputs):
+    assert len(page_outputs[2]["image/png"]) > 10_000
+    assert page_outputs[3] == {}
