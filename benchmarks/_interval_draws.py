@@ -124,7 +124,7 @@ def orders(seed: int) -> list[float]:
     values, places = vibration(rng), np.radians(0.005) * rng.standard_normal(TEETH)
     wheel = wheel_rotation(PulseChannel("n", pulses(values, places, speed_of(rng))), Wheel(teeth=TEETH))
     half = ORDERS[::2]
-    (found,) = track_orders(None, wheel, wheels=[wheel], orders=half, reference=PhaseReference(0.0, "tooth 0"))
+    (found,) = track_orders(None, wheel, wheels=[wheel], orders=half, phase_reference=PhaseReference(0.0, "tooth 0"))
     return parts(found.values[:, 0] - values[::2], found.half_widths[:, 0])
 
 
@@ -134,7 +134,7 @@ def patterns(seed: int) -> list[float]:
     values, places, speed = vibration(rng), np.radians(0.02) * rng.standard_normal(TEETH), speed_of(rng)
     pickups = [PulseChannel(str(at), pulses(values, places, speed, at)) for at in (0.0, ANGLE)]
     marks = PulseChannel("index", (2 * np.pi * np.arange(1, TURNS) - np.pi / TEETH) / speed)
-    found = calibrate_wheel([WheelTest(*pickups, marks)], Wheel(teeth=TEETH), angle=float(ANGLE)).orders[:12]
+    found = calibrate_wheel([WheelTest(*pickups, marks)], Wheel(teeth=TEETH), pickup_angle=float(ANGLE)).orders[:12]
     tooth = 2 * np.pi * np.arange(TEETH) / TEETH
     exact = np.array([2 / TEETH * (places * np.exp(-1j * row.order * tooth)).sum() for row in found])
     return parts(np.array([row.value for row in found]) - exact, np.array([row.half_width for row in found]))

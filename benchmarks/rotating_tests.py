@@ -106,7 +106,7 @@ def tracked_orders(seconds: float, orders: Any, *, joint: bool) -> None:
 
     def ours(method: Any) -> Any:
         rotation = signals.mean_rotation(record, "angle")
-        (found,) = signals.track_orders(record, rotation, ["T"], orders=orders, method=method, reference=zero)
+        (found,) = signals.track_orders(record, rotation, ["T"], orders=orders, method=method, phase_reference=zero)
         return found.times, found.values
 
     work: dict[str, Callable[[], Any]] = {
@@ -151,7 +151,7 @@ def calibration() -> None:
             times = passages(places, ORDERS, values) / (rpm * RPM) + 1e-7 * random.standard_normal(len(numbers))
             pickups.append(signals.PulseChannel(name, times))
         tests.append(signals.WheelTest(pickups[0], pickups[1]))
-    took, found = timed(lambda: signals.calibrate_wheel(tests, signals.Wheel(teeth=TEETH), angle=PICKUP_ANGLE))
+    took, found = timed(lambda: signals.calibrate_wheel(tests, signals.Wheel(teeth=TEETH), pickup_angle=PICKUP_ANGLE))
 
     def largest_order(errors: Any) -> float:
         return float(np.degrees(np.abs(2 / TEETH * np.fft.fft(errors))[1:13]).max())

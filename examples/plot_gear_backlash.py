@@ -45,7 +45,7 @@ def swings(sweep: np.ndarray, start: MotionStart) -> list[float]:
         torque = {"mean": MEAN, "amplitude": AMPLITUDE, "frequency": f"{omega / (2 * np.pi)} Hz", "phase": "-90 deg"}
         cycle = 2 * np.pi / omega
         scenario = {"type": "torques", "duration": 50 * cycle, "rate": 100 / cycle, "torque": {"T": torque}}
-        record = gears.simulate(["x", "velocity(x)"], scenario=scenario, start=start)
+        record = gears.simulate(["x", "velocity(x)"], scenario=scenario, initial_state=start)
         x, speed = record["x"].values, record["velocity(x)"].values
         start = MotionStart(angles={"x": float(x[-1])}, speeds={"x": float(speed[-1])})
         found.append(float(np.ptp(x[-101:])))

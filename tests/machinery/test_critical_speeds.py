@@ -310,7 +310,7 @@ class TestMarinePlant:
             for element in cylinders.elements.values()
         ]
         stiff = tn.Drivetrain("locked", elements, parameters=cylinders.definition.parameters)
-        locked = cylinders.critical_speeds(dampers="locked", damper_names=["dmp_film"], excitation=["cyl1"])
+        locked = cylinders.critical_speeds(rings="locked", damper=["dmp_film"], excitation=["cyl1"])
         assert "damper ring locked" in locked.title
         frequencies = stiff.modes().undamped_natural_frequencies
         assert [mode.undamped_frequency for mode in locked.modes] == pytest.approx(frequencies[frequencies > 0])
@@ -365,7 +365,7 @@ class TestDampers:
 
     @pytest.mark.parametrize(("state", "inertia"), [("free", 2.1), ("half", 2.35), ("locked", 2.6)])
     def test_states(self, state, inertia):
-        (mode,) = damped_mass().critical_speeds(dampers=state).modes
+        (mode,) = damped_mass().critical_speeds(rings=state).modes
         assert mode.undamped_frequency == pytest.approx(math.sqrt(1e4 / inertia) / (2 * np.pi))
 
     @pytest.mark.parametrize(("state", "inertia"), [("free", 2), ("half", 2.25), ("locked", 2.5)])
@@ -377,7 +377,7 @@ class TestDampers:
             speeds={"of": "a", "list": ["300 rpm", "400 rpm"]},
             excitations={"fan": {"type": "harmonic", "node": "a", "orders": {2: {"amplitude": 1}}}},
         )  # fmt: skip
-        (mode,) = plant.critical_speeds(dampers=state, damper_names=["film"]).modes
+        (mode,) = plant.critical_speeds(rings=state, damper=["film"]).modes
         assert mode.undamped_frequency == pytest.approx(math.sqrt(1e4 / inertia) / (2 * np.pi))
 
     def test_as_modelled(self):
@@ -393,12 +393,12 @@ class TestDampers:
     )
     def test_what_is_refused(self, state, names, text):
         with pytest.raises(tn.UsageError) as caught:
-            damped_mass().critical_speeds(dampers=state, damper_names=names)
+            damped_mass().critical_speeds(rings=state, damper=names)
         assert text in str(caught.value)
 
     def test_without_a_damper(self):
         with pytest.raises(tn.UsageError, match="no element of type viscous_damper; name the spring or damper"):
-            two_mass(damping=0.0).critical_speeds(dampers="free")
+            two_mass(damping=0.0).critical_speeds(rings="free")
 
 
 class TestPairsOfModes:

@@ -476,13 +476,13 @@ class TestPictures:
         from torsionnet.plot import waveform
 
         run = plant(reference("forced_inline_six")).order_response("torque(crank3)")
-        (axes,) = waveform(run, rpm=run.rpm[1]).axes
+        (axes,) = waveform(run, speed=run.speeds[1]).axes
         values = axes.lines[0].get_ydata()
         assert "[kN·m]" in axes.get_ylabel()
         assert axes.get_xlim() == pytest.approx((0, 720))
         assert (values.max() - values.min()) / 2 == pytest.approx(run.half_range[1, 0] / 1e3, rel=1e-3)
         with pytest.raises(tn.UsageError, match="outside the speeds calculated"):
-            waveform(run, rpm=1)
+            waveform(run, speed=1)
 
     def test_waterfall_has_a_spectrum_at_the_height_of_every_speed(self):
         from torsionnet.plot import waterfall

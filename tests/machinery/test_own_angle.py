@@ -64,7 +64,7 @@ def test_own_angle_of_the_generating_set_at_600_rpm(plant, node, share, order, a
     assert largest_change(values, over_own_angle(values)) == pytest.approx([order, amplitude, phase], rel=0.02)
 
     wheel = wheel_rotation(PulseChannel("fly", steady(passages(values), SPEED)), Wheel(teeth=TEETH))
-    (found,) = track_orders(None, wheel, wheels=[wheel], orders=HALF, reference=PhaseReference(0.0, "tooth 0"))
+    (found,) = track_orders(None, wheel, wheels=[wheel], orders=HALF, phase_reference=PhaseReference(0.0, "tooth 0"))
     mean = largest_change(values, np.mean(found.values, axis=1))
     assert mean[0] < 2e-4
     assert mean[2] < 0.5

@@ -147,7 +147,7 @@ class TestMatch:
 
     def test_with_the_cut_system(self):
         names = {"angle(motor)": "motor", "angle(input_shaft)": "input_shaft"}
-        paired = match(self.identified(), self.rig().modes(measured_input="T_T"), at=names)
+        paired = match(self.identified(), self.rig().modes(measured_input="T_T"), nodes=names)
         assert np.abs(paired.frequency_errors).max() < 1e-6
         assert np.abs(paired.damping_errors).max() < 1e-6
         np.testing.assert_allclose(np.diag(paired.mac), 1, atol=1e-9)
@@ -196,7 +196,7 @@ class TestMatch:
         )
         response = free.frequency_response(["angle(motor)", "angle(load)"], "T", LINES)
         found = identify_modes(response)
-        paired = match(found, free.modes(), at={"angle(motor)": "motor", "angle(load)": "load"})
+        paired = match(found, free.modes(), nodes={"angle(motor)": "motor", "angle(load)": "load"})
         assert len(paired.model_poles) == 1
         assert paired.frequency_errors == pytest.approx(0, abs=1e-6)
         assert paired.mac[0, 0] == pytest.approx(1)
@@ -205,8 +205,8 @@ class TestMatch:
     def test_messages(self):
         found = self.identified()
         with pytest.raises(UsageError, match=r'did you mean "angle\(motor\)"'):
-            match(found, self.rig().modes(), at={"angle(moter)": "motor"})
+            match(found, self.rig().modes(), nodes={"angle(moter)": "motor"})
         with pytest.raises(UsageError, match='no node is named "moter"; did you mean "motor"'):
-            match(found, self.rig().modes(), at={"angle(motor)": "moter"})
+            match(found, self.rig().modes(), nodes={"angle(motor)": "moter"})
         with pytest.raises(UsageError, match="2 outputs by 1 poles, got 3 by 1"):
             match(found, [pole(4, 0.2)], shapes=np.ones((3, 1)))

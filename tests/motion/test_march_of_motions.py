@@ -19,7 +19,7 @@ def simulated(seed=3, rate=1000.0, seconds=0.2, most=3):
     times = np.arange(round(seconds * rate) + 1) / rate
     outputs = [f"{what}({node})" for what in ("angle", "velocity", "acceleration") for node in nodes]
     start = MotionStart(speeds=plant.speeds)
-    record = plant.drivetrain.simulate(outputs, plant.samples(times), rate, start=start)
+    record = plant.drivetrain.simulate(outputs, plant.samples(times), rate, initial_state=start)
     return np.array([record[name].values for name in outputs]), record
 
 
@@ -102,7 +102,7 @@ def test_contacts_that_close_and_open_between_two_grid_points_are_all_found():
     elements = [tn.Inertia("J", node="a", inertia=1), tn.Spring("k", nodes=("a", "ground"), stiffness=omega**2)]
     plant = tn.Drivetrain("grazing", [*elements, stops])
     start = MotionStart(speeds={"a": reach * omega})
-    record = plant.simulate("a", {"a": np.zeros(1401)}, omega / 0.97, start=start)
+    record = plant.simulate("a", {"a": np.zeros(1401)}, omega / 0.97, initial_state=start)
     half = np.arange(int(1400 * 0.97 / np.pi)) * np.pi
     closings, openings = ([event.time for event in record.events if event.what == what] for what in ("closes", "opens"))
     width = np.arcsin(touch / reach)
@@ -119,7 +119,7 @@ def test_events_of_two_parts_within_a_step_come_in_their_order():
     for late in "ab":
         speeds = {"a": 0.1 / 0.5153, "b": 0.1 / 0.5153}
         speeds[late] = 0.1 / 0.515301
-        record = plant.simulate("a", {"a": np.zeros(101)}, 100.0, start=MotionStart(speeds=speeds))
+        record = plant.simulate("a", {"a": np.zeros(101)}, 100.0, initial_state=MotionStart(speeds=speeds))
         first, second = record.events[:2]
         assert (first.element, second.element) == (f"stop_{'b' if late == 'a' else 'a'}", f"stop_{late}")
         assert (first.time, second.time) == (pytest.approx(0.5153, abs=1e-13), pytest.approx(0.515301, abs=1e-13))
@@ -150,7 +150,7 @@ def test_massless_node_with_a_contact_is_damped_in_contact_and_static_in_the_gap
     mesh = tn.Clearance("mesh", nodes=("m", "ground"), gap=2 * gap, stiffness=k_c, damping=c)
     elements = [tn.Inertia("J", node="a", inertia=inertia), tn.Spring("k", nodes=("a", "m"), stiffness=k), mesh]
     record = tn.Drivetrain("rim", elements).simulate(
-        ["a", "m"], {"a": np.zeros(301)}, 1e3, start=MotionStart(speeds={"a": 1.0, "m": 1.0})
+        ["a", "m"], {"a": np.zeros(301)}, 1e3, initial_state=MotionStart(speeds={"a": 1.0, "m": 1.0})
     )
 
     def pressed(_, y):

@@ -33,7 +33,7 @@ def test_free_duffing_motion_has_the_period_of_the_elliptic_integral():
     assert period == pytest.approx(1.95465730046, rel=1e-11)
     rig = single(tn.Spring("s", nodes=("a", "ground"), stiffness=w0**2, cubic=a))
     start = MotionStart(angles={"a": A})
-    record = rig.simulate(["velocity(a)", "torque(s)"], {"a": np.zeros(41)}, 4 / period, start=start)
+    record = rig.simulate(["velocity(a)", "torque(s)"], {"a": np.zeros(41)}, 4 / period, initial_state=start)
     rates, torques = record["velocity(a)"].values, record["torque(s)"].values
     # through 10 periods: the rate is zero at whole ones, where the acceleration is -(w0^2 A + a A^3)
     late = -rates[40] / (w0**2 * A + a * A**3)
@@ -55,7 +55,7 @@ def test_cubic_spring_beside_a_clearance_follows_scipy():
         ],
     )
     start = MotionStart(speeds={"a": 2.0, "b": -1.0})
-    record = rig.simulate(["angle(a)", "angle(b)"], {"a": np.full(101, 1.5)}, 200, start=start)
+    record = rig.simulate(["angle(a)", "angle(b)"], {"a": np.full(101, 1.5)}, 200, initial_state=start)
 
     def rates(_, y):
         a, b, va, vb = y
@@ -165,7 +165,9 @@ def test_dual_mass_flywheel_has_two_motions_at_one_frequency():
     def swing(frequency, start):
         driven = {"motor": cosine(40, 60, frequency)}
         periods = 150
-        record = rig.simulate("angle(primary)", driven, 400 * frequency, start=start, duration=periods / frequency)
+        record = rig.simulate(
+            "angle(primary)", driven, 400 * frequency, initial_state=start, duration=periods / frequency
+        )
         angle = record["angle(primary)"].values[-600:]
         return crest(angle) + crest(-angle)
 
@@ -186,12 +188,12 @@ def test_start_at_the_operating_point_stands_still():
         ],
     )
     torque = {"a": np.full(101, 70.0)}
-    record = rig.simulate(["angle(a)", "torque(disc)"], torque, 100, start="operating_point")
+    record = rig.simulate(["angle(a)", "torque(disc)"], torque, 100, initial_state="operating_point")
     assert np.ptp(record["angle(a)"].values) < 1e-12
     assert record["torque(disc)"].values == pytest.approx(np.full(101, 70.0), abs=1e-9)
     assert not record.events
     jump = rig.at(torque={"a": "70 N*m"}).simulate("torque(disc)", {"b": np.r_[0.0, np.full(20, 1.0)]}, 1000,
-                                                  start="operating_point")  # fmt: skip
+                                                  initial_state="operating_point")  # fmt: skip
     assert jump["torque(disc)"].values[0] == pytest.approx(70, abs=1e-9)  # the mean torque on a goes on acting
 
 
@@ -204,7 +206,9 @@ def test_start_with_torques_out_of_balance_accelerates_without_vibration():
             tn.Spring("disc", nodes=("a", "b"), stages=[{"stiffness": 400, "to": "0.1 rad"}, {"stiffness": 2000}]),
         ],
     )
-    record = rig.simulate(["acceleration(b)", "torque(disc)"], {"a": np.full(201, 80.0)}, 100, start="operating_point")
+    record = rig.simulate(
+        ["acceleration(b)", "torque(disc)"], {"a": np.full(201, 80.0)}, 100, initial_state="operating_point"
+    )
     assert record["acceleration(b)"].values == pytest.approx(np.full(201, 100.0), rel=1e-8)
     assert record["torque(disc)"].values == pytest.approx(np.full(201, 60.0), rel=1e-8)
     assert "steady acceleration" in record.notes[0]
@@ -238,11 +242,11 @@ def test_clutch_locks_under_a_rising_clamp_torque(drop):
 def test_runs_at_half_the_step_agree_until_chaos():
     rig = single(tn.Clearance("claw", nodes=("a", "ground"), gap=2, stiffness=1), inertia=1.0)
     start = MotionStart(speeds={"a": 1.3})
-    record = rig.simulate("angle(a)", {"a": np.zeros(201)}, 10, start=start, check=True)
+    record = rig.simulate("angle(a)", {"a": np.zeros(201)}, 10, initial_state=start, check=True)
     assert "all samples agree" in record.notes[-1]
     smooth = single(tn.Spring("s", nodes=("a", "ground"), stiffness=1, cubic=40), inertia=1.0)
     driven = {"a": cosine(0.0, 0.5, 1.2 / 2 / np.pi)}
-    record = smooth.simulate("angle(a)", driven, 2, duration=4.0, start=start, check=True)
+    record = smooth.simulate("angle(a)", driven, 2, duration=4.0, initial_state=start, check=True)
     assert "agree to" in record.notes[-1]
 
 
@@ -251,9 +255,9 @@ def test_bad_requests_are_answered():
     with pytest.raises(UsageError, match="give the duration"):
         rig.simulate("angle(a)", {"a": constant(1.0)}, 100)
     with pytest.raises(UsageError, match="starts from"):
-        rig.simulate("angle(a)", {"a": np.zeros(3)}, 100, start="rst")
+        rig.simulate("angle(a)", {"a": np.zeros(3)}, 100, initial_state="rst")
     with pytest.raises(UsageError, match='no node is named "b"'):
-        rig.simulate("angle(a)", {"a": np.zeros(3)}, 100, start=MotionStart(angles={"b": 1.0}))
+        rig.simulate("angle(a)", {"a": np.zeros(3)}, 100, initial_state=MotionStart(angles={"b": 1.0}))
     with pytest.raises(UsageError, match="3 and 101 samples"):
         rig.simulate("angle(a)", {"a": np.zeros(3)}, 100, duration=1.0)
     loose = tn.Drivetrain("loose", [
@@ -274,9 +278,9 @@ def test_a_motion_of_too_many_steps_is_refused_as_soon_as_its_steps_become_short
     driven, start = {"a": straight([(0, 0), (1, 0), (1.2, 2000), (2, 2000)])}, MotionStart(angles={"a": 0.01})
     monkeypatch.setattr("torsionnet.motion.smooth.smooth_system.MOST_STEPS", 400)
     with pytest.raises(SolveError, match=r"at 1\.[01]\d* s the motion needs too many steps; .* motion of s there"):
-        rig.simulate("angle(a)", driven, 100, duration=2.0, start=start)
+        rig.simulate("angle(a)", driven, 100, duration=2.0, initial_state=start)
     monkeypatch.setattr("torsionnet.motion.smooth.smooth_system.MOST_STEPS", 700)
-    rig.simulate("angle(a)", driven, 100, duration=2.0, start=start)
+    rig.simulate("angle(a)", driven, 100, duration=2.0, initial_state=start)
 
 
 def launched(torque, disc=1.2, shaft=0.0):

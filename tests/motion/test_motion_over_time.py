@@ -52,7 +52,9 @@ def test_free_rotor_in_a_clearance_has_the_period_of_flights_and_contacts():
     b, v = 0.05, 1.7
     plant = rotor(J, tn.Clearance("gap", nodes=("a", "ground"), gap=2 * b, stiffness=K))
     period = 4 * b / v + 2 * math.pi * math.sqrt(J / K)
-    record = plant.simulate(["a", "torque(gap)"], {"a": np.zeros(2000)}, 100.0, start=MotionStart(speeds={"a": v}))
+    record = plant.simulate(
+        ["a", "torque(gap)"], {"a": np.zeros(2000)}, 100.0, initial_state=MotionStart(speeds={"a": v})
+    )
     closings = [event.time for event in record.events if event.what == "closes"]
     assert len(closings) > 200
     assert np.diff(closings[::2]) == pytest.approx(period, abs=1e-11)
@@ -66,7 +68,7 @@ def test_free_rotor_in_a_clearance_keeps_its_energy_for_a_thousand_periods():
     plant = rotor(J, tn.Clearance("gap", nodes=("a", "ground"), gap=2 * b, stiffness=K))
     period = 4 * b / v + 2 * math.pi * math.sqrt(J / K)
     n = int(1000 * period * 20)
-    record = plant.simulate("a", {"a": np.zeros(n)}, 20.0, start=MotionStart(speeds={"a": v}))
+    record = plant.simulate("a", {"a": np.zeros(n)}, 20.0, initial_state=MotionStart(speeds={"a": v}))
     closings = [event.time for event in record.events if event.what == "closes"]
     assert (closings[-1] - closings[1]) / (len(closings) - 2) * 2 == pytest.approx(period, abs=1e-11)
     assert abs(record.energy.stored) < 1e-9 * J * v**2 / 2
@@ -76,7 +78,9 @@ def test_dry_friction_takes_four_torques_over_stiffness_a_cycle_and_stops():
     torque, start = 3.0, 0.05
     friction = tn.Friction("rub", nodes=("a", "ground"), torque=torque)
     plant = rotor(J, tn.Spring("spring", nodes=("a", "ground"), stiffness=K), friction)
-    record = plant.simulate(["a", "torque(rub)"], {"a": np.zeros(1000)}, 1000.0, start=MotionStart(angles={"a": start}))
+    record = plant.simulate(
+        ["a", "torque(rub)"], {"a": np.zeros(1000)}, 1000.0, initial_state=MotionStart(angles={"a": start})
+    )
     half = math.pi * math.sqrt(J / K)
     turns = [event.time for event in record.events[1:]]
     assert turns == pytest.approx(half * np.arange(1, 18), abs=1e-12)
@@ -97,7 +101,9 @@ def test_clutch_locks_when_the_slip_is_gone_and_the_torque_is_less_than_it_holds
     elements = [tn.Inertia("motor", node="a", inertia=0.25), tn.Inertia("load", node="b", inertia=1.2)]
     plant = tn.Drivetrain("clutch", [*elements, tn.Friction("clutch", nodes=("a", "b"), torque=180)])
     inputs = {"a": np.full(501, driving), "b": np.full(501, -braking)}
-    record = plant.simulate(["torque(clutch)", "velocity(b)"], inputs, 1000.0, start=MotionStart(speeds={"a": 250}))
+    record = plant.simulate(
+        ["torque(clutch)", "velocity(b)"], inputs, 1000.0, initial_state=MotionStart(speeds={"a": 250})
+    )
     (event,) = record.events
     assert (event.element, event.what) == ("clutch", "sticks")
     slowing = (180 - driving) / 0.25 + (180 - braking) / 1.2
@@ -126,7 +132,7 @@ def test_stick_slip_over_a_moving_face(imposed):
         ]
         plant = rotor(inertia, spring, *face)
         start = MotionStart(speeds={"a": speed, "f": speed})
-    record = plant.simulate("a", {"a": np.zeros(20001)}, 20e3, start=start)
+    record = plant.simulate("a", {"a": np.zeros(20001)}, 20e3, initial_state=start)
     sticking = [event.time for event in record.events if event.what == "sticks"]
     omega, step = math.sqrt(stiffness / inertia), (sticks - slides) / stiffness
     amplitude = math.hypot(step, speed / omega)
@@ -145,7 +151,7 @@ def test_gear_pair_has_two_motions(start, speed, low, high):
     mesh = tn.Clearance("mesh", nodes=("a", "ground"), gap=2, stiffness=1)
     plant = rotor(1.0, mesh, tn.Damper("drag", nodes=("a", "ground"), damping=0.1))
     given = MotionStart(angles={"a": start}, speeds={"a": speed})
-    record = plant.simulate("a", {"a": 0.1 + 0.032 * np.sin(0.8 * t)}, 1 / t[1], start=given)
+    record = plant.simulate("a", {"a": 0.1 + 0.032 * np.sin(0.8 * t)}, 1 / t[1], initial_state=given)
     last = record["a"].values[-800:]
     # straight pieces of the torque are 6e-6 of it too small
     assert last.min() == pytest.approx(low, abs=4e-6)
@@ -184,7 +190,7 @@ def test_contact_with_damping_pushes_but_never_pulls():
 def test_friction_behind_a_spring_slips_once_and_then_swings_without_loss():
     torque, speed = 30.0, 2.0
     record = rotor(J, tn.Friction("jenkins", nodes=("a", "ground"), torque=torque, stiffness=K)).simulate(
-        ["a", "torque(jenkins)"], {"a": np.zeros(4001)}, 4e3, start=MotionStart(speeds={"a": speed})
+        ["a", "torque(jenkins)"], {"a": np.zeros(4001)}, 4e3, initial_state=MotionStart(speeds={"a": speed})
     )
     left = J * speed**2 / 2 - torque**2 / (2 * K)
     highest = torque / K + left / torque
@@ -215,7 +221,9 @@ def test_preload_holds_until_its_torque_is_exceeded():
 def test_bounces_on_a_preload_end_in_standing_still():
     curve = PieceCurve("twist", (Slope(-5, 100, upper=0), Hold(0, -5, 5), Slope(5, 100, lower=0)))
     elements = curved("installed", ("a", "ground"), curve), tn.Damper("drag", nodes=("a", "ground"), damping=8)
-    record = rotor(J, *elements).simulate("a", {"a": np.zeros(2001)}, 1e3, start=MotionStart(angles={"a": 0.05}))
+    record = rotor(J, *elements).simulate(
+        "a", {"a": np.zeros(2001)}, 1e3, initial_state=MotionStart(angles={"a": 0.05})
+    )
     assert record.events[-1].what == "stands"
     assert abs(record["a"].values[-1]) < 1e-15
     assert len(record.events) < 500
@@ -273,7 +281,7 @@ def test_torque_that_changes_without_an_end_is_refused_with_time_and_rate():
     curve = PieceCurve("rate", (Slope(-5, upper=0), Slope(5, lower=0)))  # no step at which it could stick
     plant = rotor(J, curved("dry", ("a", "ground"), curve))
     with pytest.raises(SolveError, match=r"dry: at 0\.3\S* s its torque changes its piece more than .* times a second"):
-        plant.simulate("a", {"a": np.zeros(1001)}, 1e3, start=MotionStart(speeds={"a": 5.0}))
+        plant.simulate("a", {"a": np.zeros(1001)}, 1e3, initial_state=MotionStart(speeds={"a": 5.0}))
 
 
 def test_delays_and_tables_over_frequency_are_refused_beside_laws_of_motion():
@@ -289,7 +297,9 @@ def test_rotation_of_the_whole_leaves_the_twists_as_exact_as_without():
     plant = tn.Drivetrain("pair", [*elements, tn.Clearance("mesh", nodes=("a", "b"), gap=0.01, stiffness=5e3)])
     inputs = {"a": np.zeros(4001)}
     runs = [
-        plant.simulate("torque(mesh)", inputs, 200.0, start=MotionStart(speeds={"a": base + 0.5, "b": base - 0.5}))
+        plant.simulate(
+            "torque(mesh)", inputs, 200.0, initial_state=MotionStart(speeds={"a": base + 0.5, "b": base - 0.5})
+        )
         for base in (0.0, 300.0)
     ]
     still, spinning = (run["torque(mesh)"].values for run in runs)
@@ -303,7 +313,9 @@ def test_linear_plants_move_from_a_given_state_as_they_do_from_rest(name):
     plant = tn.load(name)
     torque = {next(iter(plant.inputs)): np.cumsum(np.random.default_rng(1).normal(size=200))}
     outputs = list(plant.sensors)
-    by_modes, by_steps = (plant.simulate(outputs, torque, 2e3, start=start) for start in ("rest", MotionStart()))
+    by_modes, by_steps = (
+        plant.simulate(outputs, torque, 2e3, initial_state=start) for start in ("rest", MotionStart())
+    )
     for one in outputs:
         size = np.abs(by_modes[one].values).max()
         assert by_steps[one].values == pytest.approx(by_modes[one].values, abs=1e-11 * size)

@@ -27,7 +27,7 @@ def test_torque_of_an_induction_machine_follows_its_curve_with_the_time_constant
     tau, load, n, rate = 0.03, 60.0, 41, 100.0
     rig = tn.Drivetrain("start", [motor(time_constant=tau)])
     begins = MotionStart(speeds={"m": 140.0}) if start == "moving" else "rest"
-    record = rig.simulate(["velocity(m)", "acceleration(m)"], {"m": np.full(n, -load)}, rate, start=begins)
+    record = rig.simulate(["velocity(m)", "acceleration(m)"], {"m": np.full(n, -load)}, rate, initial_state=begins)
 
     def rates(_, y):
         speed, torque = y
@@ -46,10 +46,12 @@ def test_torque_of_an_induction_machine_follows_its_curve_with_the_time_constant
 def test_lagging_machine_at_its_operating_point_stands_still_and_swings_as_its_tangent():
     rig = tn.Drivetrain("loaded", [motor(time_constant=0.03)]).at(torque={"m": "-240 N*m"})
     torque = np.full(81, -240.0)
-    steady = rig.simulate("velocity(m)", {"m": torque}, 200, start="operating_point")["velocity(m)"].values
+    steady = rig.simulate("velocity(m)", {"m": torque}, 200, initial_state="operating_point")["velocity(m)"].values
     assert steady == pytest.approx(np.full(81, (1 - 0.1 / 3) * 50 * np.pi), rel=1e-10)
     torque[1:] -= 0.01
-    moved = rig.simulate("velocity(m)", {"m": torque}, 200, start="operating_point")["velocity(m)"].values - steady
+    moved = (
+        rig.simulate("velocity(m)", {"m": torque}, 200, initial_state="operating_point")["velocity(m)"].values - steady
+    )
     small = -0.01 * np.ones(81)
     small[0] = 0.0
     # J w'' tau + J w' + c w = f + tau f': the slope c of Kloss at s_k/3
@@ -67,19 +69,23 @@ def test_lagging_machine_at_its_operating_point_stands_still_and_swings_as_its_t
 def test_propeller_and_load_of_constant_power_follow_their_closed_forms():
     torque, inertia, speed = 500.0, 3.0, 40.0
     screw = tn.Propeller("screw", node="p", inertia=inertia, exponent=2, torque=200, speed=20)
-    record = tn.Drivetrain("boat", [screw]).simulate("velocity(p)", {"p": np.full(31, torque)}, 20, start=MotionStart())
+    record = tn.Drivetrain("boat", [screw]).simulate(
+        "velocity(p)", {"p": np.full(31, torque)}, 20, initial_state=MotionStart()
+    )
     steady = 20 * np.sqrt(torque / 200)
     times = np.arange(31) / 20
     exact = steady * np.tanh(torque * times / (inertia * steady))
     assert record["velocity(p)"].values == pytest.approx(exact, rel=1e-10, abs=1e-12)
-    long = tn.Drivetrain("boat", [screw]).simulate("velocity(p)", {"p": np.full(2, torque)}, 0.2, start=MotionStart())
+    long = tn.Drivetrain("boat", [screw]).simulate(
+        "velocity(p)", {"p": np.full(2, torque)}, 0.2, initial_state=MotionStart()
+    )
     assert long["velocity(p)"].values[-1] == pytest.approx(steady, rel=1e-9)
     linear = tn.Drivetrain("boat", [screw]).simulate("velocity(p)", {"p": np.full(2, torque)}, 0.2)
     assert linear["velocity(p)"].values[-1] == pytest.approx(500 / (2 * 200 / 20), rel=1e-6)
     assert any("linear about the working point in its entries: screw" in note for note in linear.notes)
     taken = tn.ConstantPowerLoad("load", node="p", power=2e3)
     rig = tn.Drivetrain("drawn", [tn.Inertia("rotor", node="p", inertia=inertia), taken])
-    record = rig.simulate("velocity(p)", {"p": np.zeros(11)}, 20, start=MotionStart(speeds={"p": speed}))
+    record = rig.simulate("velocity(p)", {"p": np.zeros(11)}, 20, initial_state=MotionStart(speeds={"p": speed}))
     assert record["velocity(p)"].values == pytest.approx(np.sqrt(speed**2 - 4e3 / inertia * times[:11]), rel=1e-10)
     assert record.energy.dissipated["load"] == pytest.approx(2e3 * 0.5, rel=1e-10)
 
@@ -137,7 +143,7 @@ def test_stiff_motion_takes_the_implicit_method_and_follows_lsoda(monkeypatch):
             tn.Spring("s", nodes=("a", "ground"), stiffness=4.0, cubic=3.0),
         ],
     )
-    record = rig.simulate("angle(a)", {"b": np.full(6, 2.0)}, 100, start=MotionStart(angles={"a": 0.5}))
+    record = rig.simulate("angle(a)", {"b": np.full(6, 2.0)}, 100, initial_state=MotionStart(angles={"a": 0.5}))
 
     def rates(_, y):
         a, va, vb = y
@@ -166,7 +172,7 @@ def test_spring_behind_friction_gives_heat_where_friction_lets_go(cubic):
             tn.Spring("s", nodes=("a", "b"), stiffness=1, cubic=cubic),
         ]
     rig = tn.Drivetrain("belt", elements)
-    record = rig.simulate("angle(a)", {"a": np.zeros(11)}, 100, start=MotionStart(speeds={"a": speed}))
+    record = rig.simulate("angle(a)", {"a": np.zeros(11)}, 100, initial_state=MotionStart(speeds={"a": speed}))
     slid = speed * 0.1 - 20 / k
     assert [event.what for event in record.events] == ["slips"]
     assert record.energy.dissipated["rub"] == pytest.approx(20 * slid + (30 - 20) ** 2 / (2 * k), rel=3e-6)
@@ -191,7 +197,7 @@ def test_torque_that_jumps_on_a_node_without_inertia_does_work_at_once(law):
 def test_preload_that_catches_a_row_takes_the_energy_of_its_motion():
     spring = tn.Spring("s", nodes=("a", "ground"), stages=[{"stiffness": 100, "preload": "50 N*m"}], damping=5)
     rig = tn.Drivetrain("caught", [tn.Inertia("rotor", node="a", inertia=1.0), spring])
-    record = rig.simulate("angle(a)", {"a": np.full(101, 1.0)}, 100, start=MotionStart(speeds={"a": 0.4}))
+    record = rig.simulate("angle(a)", {"a": np.full(101, 1.0)}, 100, initial_state=MotionStart(speeds={"a": 0.4}))
     assert record.events[-1].what == "stands"
     assert abs(record.energy.left_over) < 1e-9 * 0.08
     assert record.energy.dissipated["s"] == pytest.approx(0.08, rel=1e-6)
@@ -220,9 +226,9 @@ def test_requests_that_no_motion_answers_are_refused():
         with pytest.raises(UsageError, match="3 and 101 samples"):
             rig.simulate("angle(a)", {"a": np.zeros(3)}, 100, duration=1.0)
         with pytest.raises(UsageError, match="starts from"):
-            rig.simulate("angle(a)", {"a": np.zeros(3)}, 100, start={"a": 1.0})
+            rig.simulate("angle(a)", {"a": np.zeros(3)}, 100, initial_state={"a": 1.0})
         with pytest.raises(UsageError, match="that of a is nan"):
-            rig.simulate("angle(a)", {"a": np.zeros(3)}, 100, start=MotionStart(angles={"a": float("nan")}))
+            rig.simulate("angle(a)", {"a": np.zeros(3)}, 100, initial_state=MotionStart(angles={"a": float("nan")}))
         one = rig.simulate("angle(a)", {"a": constant(1.0)}, 10, duration=0)
         assert one["angle(a)"].values.tolist() == [0.0]
 
@@ -238,7 +244,7 @@ def test_generator_on_a_grid_is_noted_as_linear_in_time():
 def test_operating_point_without_torque_on_a_loaded_model_starts_unloaded():
     spring = tn.Spring("s", nodes=("a", "ground"), stages=[{"stiffness": 400, "to": "0.1 rad"}, {"stiffness": 2000}])
     rig = tn.Drivetrain("held", [tn.Inertia("rotor", node="a", inertia=2.0), spring]).at(torque={"a": "70 N*m"})
-    record = rig.simulate("angle(a)", {"a": np.zeros(11)}, 100, start="operating_point")
+    record = rig.simulate("angle(a)", {"a": np.zeros(11)}, 100, initial_state="operating_point")
     assert np.abs(record["angle(a)"].values).max() < 1e-12
 
 
@@ -251,7 +257,7 @@ def test_integrators_start_from_zero_and_say_so():
             tn.Controller("governor", sense={"angle": "a"}, act="a", law={"i": -1}),
         ],
     )
-    record = rig.simulate("angle(a)", {"a": np.full(11, 0.5)}, 100, start="operating_point")
+    record = rig.simulate("angle(a)", {"a": np.full(11, 0.5)}, 100, initial_state="operating_point")
     assert "the integrators of governor start from zero" in record.notes[0]
     assert np.abs(record["angle(a)"].values).max() < 1e-12
 
@@ -272,7 +278,7 @@ def test_energies_of_random_plants_balance(seed):
     plant = moving_plant(seed, 6)
     times = np.linspace(0, 0.5, 501)
     record = plant.drivetrain.simulate(
-        "angle(n0)", plant.samples(times), 1000.0, start=MotionStart(speeds=plant.speeds)
+        "angle(n0)", plant.samples(times), 1000.0, initial_state=MotionStart(speeds=plant.speeds)
     )
     balance = record.energy
     size = abs(balance.supplied) + abs(balance.stored) + sum(map(abs, balance.dissipated.values()))
@@ -302,7 +308,7 @@ def test_spring_that_starts_beyond_what_its_friction_holds_lets_go_at_once():
     """The slider slips and sticks again at the first moment; what the spring held beyond its friction is heat."""
     rub = tn.Friction("rub", nodes=("a", "ground"), torque=20, stick=30, stiffness=800)
     rig = tn.Drivetrain("wound", [tn.Inertia("rotor", node="a", inertia=2.0), rub])
-    record = rig.simulate("angle(a)", {"a": np.zeros(21)}, 200, start=MotionStart(angles={"a": 0.1}))
+    record = rig.simulate("angle(a)", {"a": np.zeros(21)}, 200, initial_state=MotionStart(angles={"a": 0.1}))
     assert [event.what for event in record.events[:2]] == ["slips", "sticks"]
     assert record.energy.stored + record.energy.dissipated["rub"] == pytest.approx(0, abs=1e-11)
     assert record.energy.dissipated["rub"] == pytest.approx((80**2 - 20**2) / 1600, rel=0.02)
@@ -315,7 +321,9 @@ def test_friction_behind_a_spring_leaves_the_speeds_given_at_the_start(speed):
     masses = [tn.Inertia("one", node="a", inertia=0.5), tn.Inertia("two", node="b", inertia=7.5)]
     rig = tn.Drivetrain("rotors", [*masses, rub])
     speeds = {"a": 14.0, "b": speed}
-    record = rig.simulate(["velocity(a)", "velocity(b)"], {"a": np.zeros(21)}, 2000, start=MotionStart(speeds=speeds))
+    record = rig.simulate(
+        ["velocity(a)", "velocity(b)"], {"a": np.zeros(21)}, 2000, initial_state=MotionStart(speeds=speeds)
+    )
     one, two = record["velocity(a)"].values, record["velocity(b)"].values
     assert (one[0], two[0]) == pytest.approx((14.0, speed))
     assert 0.5 * one + 7.5 * two == pytest.approx(np.full(21, 0.5 * 14 + 7.5 * speed), rel=1e-12)

@@ -22,7 +22,7 @@ def simulated(plant, rate, seconds, beside=()):
     record = plant.drivetrain(beside).simulate(
         nodes,
         scenario={"type": "torques", "duration": seconds, "torque": torques},
-        start=MotionStart(speeds=dict(zip(nodes, plant.speeds, strict=True))),
+        initial_state=MotionStart(speeds=dict(zip(nodes, plant.speeds, strict=True))),
         sampling_rate=rate,
     )
     return np.array([record[node].values for node in nodes]).T
@@ -95,7 +95,9 @@ def in_series(*more):
 def test_two_frictions_in_series_carry_the_smaller_torque(speeds, more):
     """30 N m turn 1 kg m^2 against 7 N m, which turn 2 kg m^2, whatever the speed of what has no inertia."""
     outputs = ["a", "b", "velocity(m)", "torque(f10)", "torque(f7)"]
-    record = in_series(*more).simulate(outputs, {"a": np.full(51, 30.0)}, 100.0, start=MotionStart(speeds=speeds))
+    record = in_series(*more).simulate(
+        outputs, {"a": np.full(51, 30.0)}, 100.0, initial_state=MotionStart(speeds=speeds)
+    )
     first, time = speeds.get("a", 0.0), 0.5
     expected = [first * time + 23 * time**2 / 2, 3.5 * time**2 / 2, first + 23 * time, 7.0, 7.0]
     assert [record[one].values[-1] for one in outputs] == pytest.approx(expected, rel=1e-9)

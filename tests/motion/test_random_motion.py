@@ -16,7 +16,7 @@ ROUNDING = 1e-12
 def simulated(plant, nodes, times, speeds):
     sensors = [Sensor("angle", node) for node in nodes]
     start = MotionStart(speeds=speeds)
-    record = plant.drivetrain.simulate(sensors, plant.samples(times), 1 / (times[1] - times[0]), start=start)
+    record = plant.drivetrain.simulate(sensors, plant.samples(times), 1 / (times[1] - times[0]), initial_state=start)
     return np.array([record[str(sensor)].values for sensor in sensors]).T
 
 

@@ -190,7 +190,7 @@ class TestFaultySynchronisation:
     def test_later_and_faster_than_the_grid(self):
         first = {"g": 1.01 * OMEGA, "b": 1.012 * OMEGA}
         record = self.set_of_two().simulate(
-            self.OUTPUTS, scenario=self.onto(angle="-60 deg", at=0.1), start=tn.motion.MotionStart(speeds=first)
+            self.OUTPUTS, scenario=self.onto(angle="-60 deg", at=0.1), initial_state=tn.motion.MotionStart(speeds=first)
         )
         self.matches(record, self.integrated(-pi / 3, at=0.1, start=(0, 0, *first.values()), grid=OMEGA))
 
@@ -209,7 +209,7 @@ class TestFaultySynchronisation:
 
     @pytest.mark.parametrize("start", ["rest", "given"])
     def test_backwards_is_the_mirror_image(self, start):
-        turning = {"start": tn.motion.MotionStart(speeds={"g": -OMEGA, "b": -OMEGA})} if start == "given" else {}
+        turning = {"initial_state": tn.motion.MotionStart(speeds={"g": -OMEGA, "b": -OMEGA})} if start == "given" else {}
         record = self.set_of_two(operating_point={"speed": {"g": -1.002 * OMEGA}}).simulate(
             self.OUTPUTS, scenario=self.onto(angle="50 deg", decay=0.1, start="rest"), **turning
         )

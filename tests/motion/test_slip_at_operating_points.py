@@ -169,7 +169,7 @@ def test_every_load_counts_and_the_plant_stands_still_there(machine, load, beari
     (stable,) = [point for point in turning if point.is_stable]
     if len(turning) < len(plant.operating_points(torque=torques)):
         return  # friction that sticks is where it starts
-    motion = plant.simulate("velocity(a)", {"a": np.full(400, torques["a"])}, 1000.0, start="operating_point")
+    motion = plant.simulate("velocity(a)", {"a": np.full(400, torques["a"])}, 1000.0, initial_state="operating_point")
     np.testing.assert_allclose(motion["velocity(a)"].values, stable.speeds["a"], rtol=1e-9)
 
 
@@ -179,7 +179,7 @@ def test_bearings_on_both_sides_of_friction_that_slips():
     plant = clutched(tn.Friction("rub", nodes=("a", "b"), torque=40), *ends)
     (point,) = plant.operating_points(torque={"a": 150})
     assert point.speeds == pytest.approx({"a": 220, "b": 20})
-    motion = plant.simulate("velocity(b)", {"a": np.full(400, 150.0)}, 1000.0, start="operating_point")
+    motion = plant.simulate("velocity(b)", {"a": np.full(400, 150.0)}, 1000.0, initial_state="operating_point")
     np.testing.assert_allclose(motion["velocity(b)"].values, 20, rtol=1e-9)
 
 
@@ -219,7 +219,7 @@ def test_the_static_points_of_a_magnetic_coupling(torque):
     ]
     assert vibration == pytest.approx(np.sqrt(500 * (1 / 0.5 + 1 / 0.8)) / (2 * np.pi), rel=1e-9)
     steady = {"a": np.full(300, float(torque)), "b": np.full(300, -float(torque))}
-    motion = plant.simulate("twist(magnet)", steady, 1000.0, start="operating_point")
+    motion = plant.simulate("twist(magnet)", steady, 1000.0, initial_state="operating_point")
     np.testing.assert_allclose(motion["twist(magnet)"].values * sign, 0.12, rtol=1e-9)
     with pytest.raises(ModelError, match=r"101 N\*m, and it holds at most|101 N\*m"):
         plant.at(torque={"a": 101, "b": -101}).modes()

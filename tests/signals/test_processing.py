@@ -136,7 +136,7 @@ class TestCalculus:
 
     def test_drift_below_a_limit_is_left_out(self):
         record = recorded(self.motion("velocity") + 0.5 + 0.2 * np.cos(np.pi * self.TIME), 200, "velocity")
-        out = integrate(record, "x", ends="periodic", lowest=2.0)["x"]
+        out = integrate(record, "x", ends="periodic", lowest_frequency=2.0)["x"]
         np.testing.assert_allclose(out.values, self.motion("angle"), atol=1e-11)
         assert "nothing below 2 Hz" in out.notes[-1]
 
@@ -276,7 +276,7 @@ class TestOrders:
 
     def test_orders_stay_where_they_are(self):
         values = 3 * np.sin(2 * self.ANGLE) + 0.5 * np.cos(4.5 * self.ANGLE) + 1
-        seen = order_map(recorded(values, 1000, start=10.0), "x", self.SPEED, highest=6)
+        seen = order_map(recorded(values, 1000, start=10.0), "x", self.SPEED, highest_order=6)
         np.testing.assert_allclose(seen.along(2), 3, rtol=2e-3)
         np.testing.assert_allclose(seen.along(4.5), 0.5, rtol=0.05)
         np.testing.assert_allclose(seen.along(0), 1, rtol=2e-3)

@@ -30,7 +30,12 @@ def run_up():
 
 def compared(record, time, method, theirs, skip=1.0):
     (found,) = track_orders(
-        record, mean_rotation(record, "a"), ["T"], orders=[3, 4.5], method=method, reference=PhaseReference(0.0, "x")
+        record,
+        mean_rotation(record, "a"),
+        ["T"],
+        orders=[3, 4.5],
+        method=method,
+        phase_reference=PhaseReference(0.0, "x"),
     )
     inside = (found.times > skip) & (found.times < time[-1] - skip)
     for place, envelope in enumerate(theirs.envelopes.T):

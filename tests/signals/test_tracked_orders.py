@@ -68,7 +68,7 @@ def test_clean_orders_of_a_six_cylinder_engine_are_exact(rpm):
     """0.00002 degrees and 0.014 degrees of phase, as an independent tracker reached (issue 32)."""
     values = six_cylinder()
     seen = wheel(pulses_of(rpm, 60, values))
-    (found,) = track_orders(None, seen, wheels=[seen], orders=ORDERS, reference=TOP)
+    (found,) = track_orders(None, seen, wheels=[seen], orders=ORDERS, phase_reference=TOP)
     assert np.degrees(np.abs(np.abs(found.values) - np.abs(values)[:, None])).max() < 2e-5
     assert np.degrees(np.abs(np.angle(found.values / values[:, None]))).max() < 0.014
     assert found.rpm == pytest.approx(rpm, rel=1e-6)
@@ -77,7 +77,7 @@ def test_clean_orders_of_a_six_cylinder_engine_are_exact(rpm):
 def test_vold_kalman_gives_the_same_orders_inside_the_record():
     values = six_cylinder()
     seen = wheel(pulses_of(1800, 90, values))
-    (found,) = track_orders(None, seen, wheels=[seen], orders=ORDERS, reference=TOP, method=VoldKalman(2.0))
+    (found,) = track_orders(None, seen, wheels=[seen], orders=ORDERS, phase_reference=TOP, method=VoldKalman(2.0))
     inner = found.values[:, 4:-4]
     assert np.degrees(np.abs(np.abs(inner) - np.abs(values)[:, None])).max() < 2e-5
     assert np.degrees(np.abs(np.angle(inner / values[:, None]))).max() < 0.014
@@ -90,7 +90,7 @@ def test_orders_over_the_own_angle_of_the_wheel_differ():
     theta = omega * time + wave(ORDERS, values, omega * time)
     torque = wave(ORDERS, values, omega * time)
     record = Recording((Signal("a", "angle", theta), Signal("T", "torque", torque)), sampling_rate=20_000.0)
-    (found,) = track_orders(record, mean_rotation(record, "a"), ["T"], orders=[0.5, 12], reference=TOP)
+    (found,) = track_orders(record, mean_rotation(record, "a"), ["T"], orders=[0.5, 12], phase_reference=TOP)
     assert found.values[:, 0] == pytest.approx([np.radians(3.0), np.radians(0.3)], rel=2e-3)
     own = np.linspace(0, 4 * np.pi, 4001)[:-1] + 4 * np.pi
     over_own = np.interp(own, theta, torque)
@@ -102,7 +102,7 @@ def test_a_run_up_does_not_leak():
     _, phi, speed = run_up(600, 1800, 20, 5000)
     torque = 1000 + 20 * speed + 50 * np.cos(3 * phi + 0.4)
     record = Recording((Signal("n", "velocity", speed), Signal("T", "torque", torque)), sampling_rate=5000.0)
-    (found,) = track_orders(record, mean_rotation(record, "n"), ["T"], orders=[0.5, 2.5, 3, 3.5], reference=TOP)
+    (found,) = track_orders(record, mean_rotation(record, "n"), ["T"], orders=[0.5, 2.5, 3, 3.5], phase_reference=TOP)
     assert np.abs(found.along(3) - 50 * np.exp(0.4j)).max() < 0.02
     assert np.abs(found.values[[0, 1, 3]]).max() < 0.02
     assert found.half_range == pytest.approx(50, rel=2e-3)
@@ -123,7 +123,9 @@ def test_interval_covers_in_white_and_in_correlated_noise():
             (Signal("n", "velocity", speed), Signal("T", "torque", 10 * np.cos(3 * phi) + noise)), sampling_rate=1000.0
         )
         settings = CycleAverage(cycles=12)
-        (found,) = track_orders(record, mean_rotation(record, "n"), ["T"], orders=[3], method=settings, reference=TOP)
+        (found,) = track_orders(
+            record, mean_rotation(record, "n"), ["T"], orders=[3], method=settings, phase_reference=TOP
+        )
         error = found.values[0] - 10
         parts = np.concatenate([error.real, error.imag])
         hits[name] = np.mean(np.abs(parts) < np.tile(found.half_widths[0], 2))
@@ -151,7 +153,7 @@ def test_crossing_orders_of_two_shafts_within_two_percent():
     """Constant amplitudes, 5 Hz/s, bandwidth 1 Hz: within 2 %, 0.05 % was seen (issue 32)."""
     record, one, other, _ = crossing()
     first, second = track_orders(
-        record, one, ["T"], orders=[2], method=VoldKalman(1.0), reference=TOP, further=[(other, [1])]
+        record, one, ["T"], orders=[2], method=VoldKalman(1.0), phase_reference=TOP, further=[(other, [1])]
     )
     assert any("orders cross: 2 of a and 1 of b at 5 s" in note for note in first.notes)
     begin = other.angles[0]
@@ -172,7 +174,7 @@ def test_orders_that_cross_within_a_resonance_lose_more_than_11_percent_and_it_i
     one, two = mean_rotation(record, "a"), mean_rotation(record, "b")
     for bandwidth, held in ((0.7, True), (1.0, True), (1.5, True), (4.0, False)):
         method, further = VoldKalman(bandwidth), [(two, [2])]
-        found, _ = track_orders(record, one, ["T"], orders=[3], method=method, reference=TOP, further=further)
+        found, _ = track_orders(record, one, ["T"], orders=[3], method=method, phase_reference=TOP, further=further)
         inside = (found.times > 1) & (found.times < 9)
         true = np.interp(found.times, time, envelope.real) + 1j * np.interp(found.times, time, envelope.imag)
         error, width = (found.values[0] - true)[inside], found.half_widths[0, inside]
@@ -193,7 +195,7 @@ def test_loss_across_a_resonance_is_inside_the_interval(bandwidth, noise):
     values = (envelope * np.exp(1j * phi)).real + noise * np.random.default_rng(1).standard_normal(len(time))
     record = Recording((Signal("a", "angle", phi / 3), Signal("T", "torque", values)), sampling_rate=rate)
     (found,) = track_orders(
-        record, mean_rotation(record, "a"), ["T"], orders=[3], method=VoldKalman(bandwidth), reference=TOP
+        record, mean_rotation(record, "a"), ["T"], orders=[3], method=VoldKalman(bandwidth), phase_reference=TOP
     )
     at = np.argmin(np.abs(found.times - 10))
     true = np.interp(found.times[at], time, envelope.real) + 1j * np.interp(found.times[at], time, envelope.imag)
@@ -211,7 +213,7 @@ def test_average_in_slices_across_a_resonance_holds_the_peak_in_its_interval():
         sampling_rate=1000.0,
     )
     settings = CycleAverage(step=10 * np.pi / 30)
-    (found,) = track_orders(record, mean_rotation(record, "n"), ["T"], orders=[3], method=settings, reference=TOP)
+    (found,) = track_orders(record, mean_rotation(record, "n"), ["T"], orders=[3], method=settings, phase_reference=TOP)
     at = int(np.abs(found.values[0]).argmax())
     true = np.interp(found.times[at], time, envelope.real) + 1j * np.interp(found.times[at], time, envelope.imag)
     assert 0.01 < abs(found.values[0, at] - true) < found.half_widths[0, at] * np.sqrt(2)
@@ -228,14 +230,14 @@ def test_twist_of_two_wheels_with_errors_of_teeth():
         times = (2 * np.pi * np.arange(60 * 12) / 60 + np.tile(places, 12)) / (30 * np.pi)
         seen = [wheel(one, name=name) for one, name in zip(times, "ab", strict=True)]
         pair = (Twist("a", "b", 2e6), *seen)
-        (torque,) = track_orders(None, seen[0], twists=[pair], orders=np.arange(1.0, 13.0), reference=TOP)
+        (torque,) = track_orders(None, seen[0], twists=[pair], orders=np.arange(1.0, 13.0), phase_reference=TOP)
         assert (torque.name, torque.unit) == ("torque(a-b)", "N*m")
         found.append(np.abs(torque.values[:, 0]))
         widths.append(torque.half_widths[:, 0])
     assert np.sqrt(np.mean(np.square(found))) == pytest.approx(637, rel=0.12)
     # The interval is one of real and of imaginary part, each 1/sqrt(2) of the amplitude.
     assert np.sqrt(np.mean(np.square(widths))) == pytest.approx(1.96 * 637 / np.sqrt(2), rel=0.12)
-    half = track_orders(None, seen[0], twists=[pair], orders=[0.5, 1.5], reference=TOP)[0]
+    half = track_orders(None, seen[0], twists=[pair], orders=[0.5, 1.5], phase_reference=TOP)[0]
     assert np.abs(half.values).max() < 1
 
 
@@ -250,7 +252,7 @@ def test_what_repeats_in_half_orders_is_in_their_interval(step, places):
             times = pulses_of(1200, 18, values, positions=np.radians(places) * rng.standard_normal(60))
             seen.append(wheel(np.round(times / step) * step if step else times, name=name))
         half = ORDERS[::2]
-        (twist,) = track_orders(None, seen[0], twists=[(Twist("a", "b"), *seen)], orders=half, reference=TOP)
+        (twist,) = track_orders(None, seen[0], twists=[(Twist("a", "b"), *seen)], orders=half, phase_reference=TOP)
         away = twist.values[:, 0] - (first - second)[::2]
         scores += [*(away.real / twist.half_widths[:, 0]), *(away.imag / twist.half_widths[:, 0])]
     assert np.mean(np.abs(scores) <= 1) >= 0.9
@@ -262,10 +264,10 @@ def test_a_geared_wheel_is_tracked_in_its_own_angle():
     seen = wheel(pulses_of(900, 40, values))
     # A pinion of 30 teeth that turns twice as fast passes a tooth with every tooth of the wheel: same pulses.
     pinion = wheel(seen.times, teeth=30, name="pinion", ratio=0.5)
-    first, second = track_orders(None, seen, wheels=[seen, pinion], orders=[3, 6], reference=TOP)
+    first, second = track_orders(None, seen, wheels=[seen, pinion], orders=[3, 6], phase_reference=TOP)
     assert second.values == pytest.approx(2 * first.values, rel=1e-7)
     pair = (Twist("wheel", "pinion"), seen, pinion)
-    (twist,) = track_orders(None, seen, twists=[pair], orders=[3, 6], reference=TOP)
+    (twist,) = track_orders(None, seen, twists=[pair], orders=[3, 6], phase_reference=TOP)
     assert (twist.name, twist.unit) == ("twist(wheel-pinion)", "rad")
     assert np.abs(twist.values).max() < 1e-9
 
@@ -294,7 +296,7 @@ def test_a_wheel_that_turns_against_the_sense_of_the_model_in_a_run_up(method):
     slow = wheel(passing(-0.01, 0.7, 0.5), name="slow", ratio=2, reversed=True)
     zero = PhaseReference(-2 * np.pi / 60, "angle 0")  # tooth 0 is that of the first pulse, a pitch later
     pair = (Twist("wheel", "slow"), fast, slow)
-    kinds = track_orders(None, fast, wheels=[slow], twists=[pair], orders=[1, 1.5], reference=zero, method=method)
+    kinds = track_orders(None, fast, wheels=[slow], twists=[pair], orders=[1, 1.5], phase_reference=zero, method=method)
     for found, true in zip(kinds, (0.01 * np.exp(0.7j), 0.01 + 0.02 * np.exp(0.7j)), strict=True):
         assert np.abs(found.along(1.5) - true).max() < 3e-5
         assert np.abs(found.along(1)).max() < 3e-5
@@ -320,13 +322,13 @@ def test_phase_counts_from_top_dead_centre_over_the_whole_cycle(turns):
     cam = PulseChannel("cam", marks(np.arange(1, 20) * 4 * np.pi - np.radians(150), values, omega))
     mean = mean_rotation(seen)
     zero = phase_reference(mean, seen, cam=cam, offset=np.radians(35), place="top dead centre of cylinder 1")
-    (found,) = track_orders(None, mean, wheels=[seen], orders=ORDERS, reference=zero)
+    (found,) = track_orders(None, mean, wheels=[seen], orders=ORDERS, phase_reference=zero)
     assert np.degrees(np.abs(np.angle(found.values / values[:, None]))).max() < 0.014
     assert "top dead centre of cylinder 1, 35 deg after" in found.reference
     assert "cam" in found.reference
 
     undecided = phase_reference(mean, seen, offset=np.radians(35), place="top dead centre of cylinder 1")
-    (held,) = track_orders(None, mean, wheels=[seen], orders=ORDERS, reference=undecided)
+    (held,) = track_orders(None, mean, wheels=[seen], orders=ORDERS, phase_reference=undecided)
     assert held.undecided == tuple(ORDERS[ORDERS % 1 != 0])
     assert np.angle(held.along(3) / found.along(3)) == pytest.approx(0, abs=1e-9)
     assert held.along(0.5) == pytest.approx(np.abs(found.along(0.5)))
@@ -381,7 +383,7 @@ def test_orders_that_alias_in_the_channels_are_refused(method):
     signals = Signal("n", "velocity", speed), Signal("T", "torque", np.cos(29 * phi))
     record = Recording(signals, sampling_rate=1000.0)
     mean = mean_rotation(record, "n")
-    (found,) = track_orders(record, mean, ["T"], orders=[1, 29], method=method, reference=TOP)
+    (found,) = track_orders(record, mean, ["T"], orders=[1, 29], method=method, phase_reference=TOP)
     assert np.median(np.abs(found.along(29))) == pytest.approx(1, abs=0.02)
     with pytest.raises(UsageError, match=r"order 31 is above half the sampling rate of 1000 Hz at 99[0-9.]+ r/min"):
         track_orders(record, mean, ["T"], orders=[1, 31], method=method)
@@ -443,7 +445,7 @@ def test_vold_kalman_is_least_squares_with_a_coefficient_for_each_sample():
     expected = dense[:count] + 1j * dense[count:]
     record = Recording((Signal("a", "angle", phase / 5), Signal("T", "torque", values)), sampling_rate=rate)
     (found,) = track_orders(
-        record, mean_rotation(record, "a"), ["T"], orders=[5], method=VoldKalman(bandwidth), reference=TOP
+        record, mean_rotation(record, "a"), ["T"], orders=[5], method=VoldKalman(bandwidth), phase_reference=TOP
     )
     inside = (found.times > 0.8) & (found.times < 3.2)
     same = np.interp(found.times, time, expected.real) + 1j * np.interp(found.times, time, expected.imag)

@@ -108,7 +108,7 @@ class TestEngineOrders:
     def two_pickups(self, engine_orders, speeds, turns):
         positions = wheel_errors(eccentric=0.048)
         tests = [engine_test(engine_orders[rpm], rpm, positions, turns, 114.3 * DEGREE) for rpm in speeds]
-        found = calibrate_wheel(tests, Wheel(teeth=TEETH), angle=114 * DEGREE)
+        found = calibrate_wheel(tests, Wheel(teeth=TEETH), pickup_angle=114 * DEGREE)
         assert found.pattern.unresolved == ()
         assert found.angle / DEGREE == pytest.approx(114.3, abs=1e-3)
         assert found.angle / DEGREE == pytest.approx(114.3, abs=3 * found.angle_half_width / DEGREE)
@@ -125,8 +125,8 @@ class TestEngineOrders:
         positions, angle = wheel_errors(), np.radians(114)
         short, long = (engine_test(engine_orders[900], 900, positions, n, angle) for n in (turns, 17))
         with pytest.raises(UsageError, match=r"one window of 8 revolutions tells no order .* record 17 revolutions"):
-            calibrate_wheel([short], Wheel(teeth=TEETH), angle=angle)
-        found = calibrate_wheel([long], Wheel(teeth=TEETH), angle=angle).pattern
+            calibrate_wheel([short], Wheel(teeth=TEETH), pickup_angle=angle)
+        found = calibrate_wheel([long], Wheel(teeth=TEETH), pickup_angle=angle).pattern
         assert np.degrees(np.abs(found.positions - positions + positions.mean()).max()) < 1e-3
 
     @pytest.mark.nightly
@@ -170,7 +170,7 @@ class TestEngineOrders:
             for at, first in ((0, 36), (114, 25))
         ]
         pickups = [PulseChannel(name, steady(phi, 900 * RPM)) for name, phi in zip("AB", passed, strict=True)]
-        found = calibrate_wheel([WheelTest(*pickups)], Wheel(teeth=36, missing_teeth=2), angle=114 * DEGREE)
+        found = calibrate_wheel([WheelTest(*pickups)], Wheel(teeth=36, missing_teeth=2), pickup_angle=114 * DEGREE)
         assert np.abs(found.pattern.positions - positions)[:34].max() < 1e-5 * DEGREE
         assert not found.pattern.unresolved
 

@@ -24,14 +24,16 @@ from torsionnet.signals.rotation.wheel_rotation import wheel_rotation
 class TestTwoPickups:
     def test_one_speed_is_enough(self):
         positions = teeth()
-        found = calibrate_wheel([record(positions, 100.0, angle=100 * DEGREE)], Wheel(teeth=Z), angle=101 * DEGREE)
+        found = calibrate_wheel(
+            [record(positions, 100.0, angle=100 * DEGREE)], Wheel(teeth=Z), pickup_angle=101 * DEGREE
+        )
         assert found.pattern.positions == pytest.approx(positions, abs=1e-5 * DEGREE)
         assert found.angle / DEGREE == pytest.approx(100, abs=1e-5)
         assert [row.by for row in found.orders[:3]] == ["two pickups"] * 3
 
     def test_at_180_degrees_even_orders_stay_ambiguous_with_their_amount(self):
         positions = teeth()
-        found = calibrate_wheel([record(positions, 100.0, angle=np.pi)], Wheel(teeth=Z), angle=np.pi)
+        found = calibrate_wheel([record(positions, 100.0, angle=np.pi)], Wheel(teeth=Z), pickup_angle=np.pi)
         assert found.pattern.unresolved == (2, 4, 6, 8, 10)
         for row in found.orders[:9:2]:
             assert row.value == pytest.approx(position_amplitude(positions, row.order), abs=1e-4 * DEGREE)
@@ -46,14 +48,14 @@ class TestTwoPickups:
         for name, at in (("A", 0.0), ("B", 100 * DEGREE)):
             phi = crossing_angles(ORDERS, VALUES, positions, 160, pickup=at)
             pickups.append(PulseChannel(name, run_up(phi, 600 * RPM, 10.0)))
-        found = calibrate_wheel([WheelTest(*pickups)], Wheel(teeth=Z), angle=100 * DEGREE)
+        found = calibrate_wheel([WheelTest(*pickups)], Wheel(teeth=Z), pickup_angle=100 * DEGREE)
         assert found.pattern.positions == pytest.approx(positions, abs=2e-4 * DEGREE)
         assert "valid within that record only" in found.pattern.first
 
     def test_a_wheel_with_a_gap(self):
         positions = teeth(count=36, missing=2)
         test = record(positions, 100.0, angle=100 * DEGREE, missing=2, index=False)
-        found = calibrate_wheel([test], Wheel(teeth=36, missing_teeth=2), angle=100 * DEGREE)
+        found = calibrate_wheel([test], Wheel(teeth=36, missing_teeth=2), pickup_angle=100 * DEGREE)
         assert found.pattern.positions == pytest.approx(positions, abs=1e-4 * DEGREE)
         assert found.known
         assert found.pattern.missing == 2
@@ -61,12 +63,14 @@ class TestTwoPickups:
     def test_exchanged_pickups_of_a_wheel_with_a_gap_are_refused(self):
         test = record(teeth(count=36, missing=2), 100.0, angle=100 * DEGREE, missing=2, index=False)
         with pytest.raises(UsageError, match="are they exchanged"):
-            calibrate_wheel([WheelTest(test.second, test.first)], Wheel(teeth=36, missing_teeth=2), angle=100 * DEGREE)
+            calibrate_wheel(
+                [WheelTest(test.second, test.first)], Wheel(teeth=36, missing_teeth=2), pickup_angle=100 * DEGREE
+            )
 
     def test_an_angle_half_a_pitch_away_is_refused(self):
         test = record(teeth(), 100.0, angle=100 * DEGREE)
         with pytest.raises(UsageError, match="measure the angle between the pickups anew"):
-            calibrate_wheel([test], Wheel(teeth=Z), angle=107 * DEGREE)
+            calibrate_wheel([test], Wheel(teeth=Z), pickup_angle=107 * DEGREE)
 
     def test_records_are_aligned_by_the_pattern(self):
         positions = teeth()
@@ -74,7 +78,7 @@ class TestTwoPickups:
             record(positions, 100.0, angle=100 * DEGREE, index=False),
             record(positions, 150.0, angle=100 * DEGREE, index=False, first=7),
         ]
-        found = calibrate_wheel(tests, Wheel(teeth=Z), angle=100 * DEGREE)
+        found = calibrate_wheel(tests, Wheel(teeth=Z), pickup_angle=100 * DEGREE)
         assert found.pattern.positions == pytest.approx(positions, abs=1e-4 * DEGREE)
         assert any("tooth 7 of the first record comes first" in note for note in found.notes)
 
@@ -263,7 +267,7 @@ class TestIntervals:
                 record(positions, speed, angle=100 * DEGREE, jitter=5e-6, seed=100 * seed + place, turns=50)
                 for place, speed in enumerate((100.0, 160.0))
             ]
-            found = calibrate_wheel(tests, Wheel(teeth=Z), angle=100 * DEGREE)
+            found = calibrate_wheel(tests, Wheel(teeth=Z), pickup_angle=100 * DEGREE)
             for row in found.orders[:10]:
                 away = row.value - position_amplitude(positions, row.order)
                 inside += [abs(away.real) <= row.half_width, abs(away.imag) <= row.half_width]
@@ -279,7 +283,7 @@ class TestIntervals:
             values = VALUES * np.exp(1j * np.random.default_rng(seed).uniform(0, 2 * np.pi, len(VALUES)))
             test = record(positions, 40 * np.pi, values=values, angle=100 * DEGREE, turns=50)
             stepped = [replace(one, times=np.round(one.times, 6)) for one in (test.first, test.second)]
-            found = calibrate_wheel([WheelTest(*stepped, test.index)], Wheel(teeth=Z), angle=100 * DEGREE)
+            found = calibrate_wheel([WheelTest(*stepped, test.index)], Wheel(teeth=Z), pickup_angle=100 * DEGREE)
             for row in found.orders[:10]:
                 away = row.value - position_amplitude(positions, row.order)
                 inside += [abs(away.real) <= row.half_width, abs(away.imag) <= row.half_width]

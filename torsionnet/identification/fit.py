@@ -182,12 +182,12 @@ class Fit(FitResult):
         Test of whether the residuals are more than noise; None in a fit that was read from a file.
     """
 
-    def profile(self, name: str, level: float = 0.95) -> tuple[float, float]:
+    def profile(self, name: str, confidence: float = 0.95) -> tuple[float, float]:
         """Profile-likelihood interval (lower, upper) of one value in SI: where chi squared rises by less than allowed.
 
         Unlike :meth:`intervals` it may be asymmetric; an end is infinite, or at a bound, where the data set none.
         """
-        return profile_interval(self, name, level)
+        return profile_interval(self, name, confidence)
 
     def to_yaml(self, path: str | None = None) -> str:
         """YAML text with the result of the fit, also written to ``path``; :func:`load_fit` reads it."""

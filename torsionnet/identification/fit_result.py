@@ -111,13 +111,13 @@ class FitResult(NotebookResult):
     problem: FitProblem | None = field(default=None, repr=False)
     loss: str = "linear"
 
-    def intervals(self, level: float = 0.95) -> dict[str, tuple[float, float]]:
+    def intervals(self, confidence: float = 0.95) -> dict[str, tuple[float, float]]:
         """Confidence interval (lower, upper) of each fitted value in SI by name, sensor steps included."""
-        if not 0 < level < 1:
-            raise UsageError(f"the confidence level is a number between 0 and 1, such as 0.95, got {level}")
+        if not 0 < confidence < 1:
+            raise UsageError(f"the confidence level is a number between 0 and 1, such as 0.95, got {confidence}")
         freedom, found = max(self.degrees_of_freedom, 1), {}
         for name, value in self.values.items():
-            half = interval_half_width(level, self.standard_errors[name], self.steps.get(name, ()), freedom)
+            half = interval_half_width(confidence, self.standard_errors[name], self.steps.get(name, ()), freedom)
             found[name] = (value - half, value + half)
         return found
 

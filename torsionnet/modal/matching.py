@@ -281,7 +281,7 @@ def match(
     model: Modes | ArrayLike,
     *,
     shapes: ArrayLike | None = None,
-    at: Mapping[str, str] | None = None,
+    nodes: Mapping[str, str] | None = None,
     farthest: float = LARGEST_POLE_DISTANCE,
 ) -> Match:
     """Pairs of identified modes and the modes of a model nearest to them in pole and shape.
@@ -297,7 +297,7 @@ def match(
         Modes of a drivetrain (rigid-body modes are left out), or poles in rad/s.
     shapes : (n_out, n_model) array, optional
         For a model given by poles: angles at the outputs of the estimate.
-    at : dict, optional
+    nodes : dict, optional
         For a model given by :class:`~torsionnet.Modes`: output of the estimate -> node at which it measures. Outputs
         that have the name of a node need no entry.
     farthest : float, optional
@@ -324,7 +324,7 @@ def match(
     >>> match(found, rig.modes()).frequency_errors.round(2).tolist()  # not those of the rig as a whole
     [0.16, 0.06]
     """
-    poles, known = _of_model(estimate, model, shapes, at)
+    poles, known = _of_model(estimate, model, shapes, nodes)
     distance = np.abs(estimate.poles[:, None] - poles) / np.abs(poles)
     similarity = None if known is None else mac(*known)
     cost = distance if similarity is None else distance + np.nan_to_num(1 - similarity, nan=1.0)

@@ -71,7 +71,7 @@ def simulate(
     sampling_rate: float | None = None,
     *,
     between: str | Mapping[str, str] | None = None,
-    start: str | MotionStart | None = None,
+    initial_state: str | MotionStart | None = None,
     scenario: str | Scenario | Mapping[str, Any] | None = None,
     duration: float | None = None,
     check: bool = False,
@@ -91,7 +91,7 @@ def simulate(
         Hz; in a scenario instead of what that says.
     between : {"straight", "held", "band_limited"}, or mapping of these by input, optional
         Course of the torques between samples; by default that of a signal, and straight lines between numbers.
-    start : str or MotionStart, optional
+    initial_state : str or MotionStart, optional
         ``"rest"``, ``"operating_point"``, in balance with the torques at the first sample and mean torques on other
         nodes, or angles and speeds of nodes at the first sample. Default: rest, or what the scenario says.
     scenario : str, Scenario or mapping, optional
@@ -127,10 +127,10 @@ def simulate(
     if scenario is not None:
         if input is not None or between is not None:
             raise UsageError("a scenario brings its own torques; leave out input and between, or the scenario")
-        return _run_scenario(drivetrain, scenario, output, start, sampling_rate, duration, check=check)
+        return _run_scenario(drivetrain, scenario, output, initial_state, sampling_rate, duration, check=check)
     if output is None or input is None or sampling_rate is None:
         raise UsageError("a simulation needs output, input and a sampling rate, or a scenario")
-    begin = start or REST
+    begin = initial_state or REST
     return simulate_torques(
         drivetrain, output, input, sampling_rate, begin, duration=duration, check=check, between=between
     )

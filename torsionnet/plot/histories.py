@@ -117,7 +117,7 @@ BAND_ALPHA = 0.3
 
 
 def passage_response(
-    run: PassageResponse | Sequence[PassageResponse],
+    response: PassageResponse | Sequence[PassageResponse],
     output: str | None = None,
     *,
     limits: Mapping[str, ArrayLike] | Sequence[Mapping[str, ArrayLike]] | None = None,
@@ -132,7 +132,7 @@ def passage_response(
 
     Parameters
     ----------
-    run : PassageResponse or sequence of these
+    response : PassageResponse or sequence of these
         Several of one output have the same unit, such as a quick and a slow passage of one range.
     output : str, optional
         By default the first.
@@ -149,7 +149,7 @@ def passage_response(
     -------
     matplotlib.figure.Figure
     """
-    runs = [run] if isinstance(run, PassageResponse) else list(run)
+    runs = [response] if isinstance(response, PassageResponse) else list(response)
     given = [limits] * len(runs) if limits is None or isinstance(limits, Mapping) else list(limits)
     passages = [_Passage.of(one, output, lines or {}) for one, lines in zip(runs, given, strict=True)]
     channel = passages[0].channel

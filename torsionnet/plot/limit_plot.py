@@ -36,7 +36,7 @@ DOTS: dict[str, Any] = {
 
 
 def limit_check(
-    check: LimitCheck,
+    result: LimitCheck,
     limits: str | Sequence[str] | None = None,
     *,
     most: int = MOST_LINES,
@@ -51,7 +51,7 @@ def limit_check(
 
     Parameters
     ----------
-    check : LimitCheck
+    result : LimitCheck
     limits : str or sequence of str, optional
         By default all that were judged, one below the other.
     most : int
@@ -75,16 +75,16 @@ def limit_check(
         No such limit, or none was judged.
     """
     names = [limits] if isinstance(limits, str) else limits
-    panels = _panels(check, names)
+    panels = _panels(result, names)
     shows = [f"{verdicts[0].limit}, {verdicts[0].quantity}" for verdicts in panels]
     sheet, axes = style.stacked_panels(0.8 + 2.6 * len(panels), shows, ax)
     for panel, verdicts in zip(axes, panels, strict=True):
         own = [one for one in measured if any(one.limited is verdict for verdict in verdicts)]
-        _draw(panel, check, verdicts, most, conventions, own)
-    axes[-1].set_xlabel(speed_label(check.reference))
-    if len(check.rpm) > 1:
-        axes[-1].set_xlim(check.rpm[0], check.rpm[-1])
-    return sheet.titled(check.title if title is None else title)
+        _draw(panel, result, verdicts, most, conventions, own)
+    axes[-1].set_xlabel(speed_label(result.reference))
+    if len(result.rpm) > 1:
+        axes[-1].set_xlim(result.rpm[0], result.rpm[-1])
+    return sheet.titled(result.title if title is None else title)
 
 
 def _panels(check: LimitCheck, names: Sequence[str] | None) -> list[list[LimitVerdict]]:

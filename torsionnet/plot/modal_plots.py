@@ -315,12 +315,12 @@ def mac_matrix(
 # Pictures of modes found without an input: swept fit over frequency, decay with envelope, stabilisation diagram.
 
 
-def operational_modes(found: OperationalModes, *, title: str | None = None, ax: Axes | None = None) -> Figure:
+def operational_modes(modes: OperationalModes, *, title: str | None = None, ax: Axes | None = None) -> Figure:
     """Figure of what modes without an input were read from: run-up, decay or stabilisation diagram.
 
     Parameters
     ----------
-    found : OperationalModes
+    modes : OperationalModes
     title : str, optional
     ax : Axes, optional
         Axes to draw into; by default those of a new figure.
@@ -342,17 +342,17 @@ def operational_modes(found: OperationalModes, *, title: str | None = None, ax: 
     'time [s]'
     """
     sheet, axes = style.one_panel(3.8, ax)
-    unit = f" [{typeset_unit(found.unit)}]" if found.unit else ""
-    if isinstance(found.evidence, SweptFit):
-        _swept(axes, found.evidence, found)
-        axes.set_ylabel(f"{found.channel}, amplitude{unit}")
-    elif isinstance(found.evidence, DecayFit):
-        _decay(axes, found.evidence)
-        axes.set_ylabel(f"{found.channel}{unit}")
-    elif isinstance(found.evidence, AmbientPoles):
-        _stable(axes, found.evidence, found)
+    unit = f" [{typeset_unit(modes.unit)}]" if modes.unit else ""
+    if isinstance(modes.evidence, SweptFit):
+        _swept(axes, modes.evidence, modes)
+        axes.set_ylabel(f"{modes.channel}, amplitude{unit}")
+    elif isinstance(modes.evidence, DecayFit):
+        _decay(axes, modes.evidence)
+        axes.set_ylabel(f"{modes.channel}{unit}")
+    elif isinstance(modes.evidence, AmbientPoles):
+        _stable(axes, modes.evidence, modes)
     style.legend_beside(axes)
-    return sheet.titled(_heading(found) if title is None else title)
+    return sheet.titled(_heading(modes) if title is None else title)
 
 
 def _heading(found: OperationalModes) -> str:

@@ -13,6 +13,7 @@ from matplotlib.ticker import MultipleLocator
 import torsionnet.plot.drawing.style as style
 from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.errors import UsageError
+from torsionnet.base.units import RPM
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.orders.order_response import OrderResponse
 from torsionnet.plot.drawing.labels import axis_label, axis_unit, speed_label
@@ -138,7 +139,7 @@ def waveform(
     response: OrderResponse,
     output: str | None = None,
     *,
-    rpm: float,
+    speed: float,
     conventions: Conventions = SI,
     title: str | None = None,
     ax: Axes | None = None,
@@ -150,8 +151,8 @@ def waveform(
     response : OrderResponse
     output : str, optional
         Needed where there are several.
-    rpm : float
-        The calculated speed next to this one is drawn, r/min.
+    speed : float
+        rad/s; the calculated speed next to this one is drawn.
     conventions : Conventions, optional
         Unit of angles of the output.
     title : str, optional
@@ -164,10 +165,11 @@ def waveform(
         No such output, no common cycle, or a speed outside those calculated.
     """
     place = response.output(output)
-    low, high = response.rpm.min(), response.rpm.max()
-    if not low * (1 - 1e-9) <= rpm <= high * (1 + 1e-9):
-        raise UsageError(f"{rpm:g} r/min is outside the speeds calculated, {low:g} to {high:g} r/min")
-    at = int(np.argmin(np.abs(response.rpm - rpm)))
+    low, high = response.speeds.min(), response.speeds.max()
+    if not low * (1 - 1e-9) <= speed <= high * (1 + 1e-9):
+        calculated = f"{low * RPM:g} to {high * RPM:g} r/min"
+        raise UsageError(f"{speed * RPM:g} r/min is outside the speeds calculated, {calculated}")
+    at = int(np.argmin(np.abs(response.speeds - speed)))
     angle, waves = response.waveform(response.outputs[place].name)
     channel = response.outputs[place]
     sheet, axes = style.one_panel(3.2, ax)

@@ -18,7 +18,13 @@ MOTION_QUANTITIES = ("angle", "velocity", "acceleration")
 
 
 def convert(
-    recording: Recording, name: str, quantity: str, *, ends: Ends = "mirror", lowest: float = 0.0, new_name: str = ""
+    recording: Recording,
+    name: str,
+    quantity: str,
+    *,
+    ends: Ends = "mirror",
+    lowest_frequency: float = 0.0,
+    new_name: str = "",
 ) -> Recording:
     """Recording with one signal of motion integrated or differentiated to another quantity, in SI.
 
@@ -32,7 +38,7 @@ def convert(
         Continuation beyond the ends of the record. ``periodic``: repeated; exact if it holds whole periods.
         ``mirror``: the straight line from first to last value is treated separately, the rest reflected about its end
         points, which makes no step; the derivative is then inexact only in a few samples at the ends.
-    lowest : float, optional
+    lowest_frequency : float, optional
         Frequency in Hz below which the result is set to zero, as integration amplifies drift by 1/f.
     new_name : str, optional
         Name under which the result is added; by default it replaces the signal.
@@ -56,17 +62,24 @@ def convert(
     values, order = signal.values, _order(signal, quantity)
     _check_ends(ends)
     for _ in range(abs(order)):
-        values = _changed(values, np.sign(order), recording.sampling_rate, ends, lowest)
+        values = _changed(values, np.sign(order), recording.sampling_rate, ends, lowest_frequency)
     note = f"{quantity} from {signal.quantity} in the frequency domain, ends {ends}"
-    note += f", nothing below {lowest:g} Hz" if lowest else ""
+    note += f", nothing below {lowest_frequency:g} Hz" if lowest_frequency else ""
     return recording.with_signals(Signal(new_name or name, quantity, values, (*signal.notes, note)))
 
 
 def integrate(
-    recording: Recording, name: str, *, ends: Ends = "mirror", lowest: float = 0.0, new_name: str = ""
+    recording: Recording, name: str, *, ends: Ends = "mirror", lowest_frequency: float = 0.0, new_name: str = ""
 ) -> Recording:
     """Recording with one acceleration integrated to a velocity, or one velocity to an angle, in SI."""
-    return convert(recording, name, _neighbour(recording[name], -1), ends=ends, lowest=lowest, new_name=new_name)
+    return convert(
+        recording,
+        name,
+        _neighbour(recording[name], -1),
+        ends=ends,
+        lowest_frequency=lowest_frequency,
+        new_name=new_name,
+    )
 
 
 def differentiate(recording: Recording, name: str, *, ends: Ends = "mirror", new_name: str = "") -> Recording:

@@ -176,7 +176,7 @@ def order_map(
     name: str,
     speed: ArrayLike,
     *,
-    highest: float = 10,
+    highest_order: float = 10,
     revolutions: int = 8,
     overlap: float = 0.75,
 ) -> OrderMap:
@@ -190,7 +190,7 @@ def order_map(
     name : str
     speed : (n,) array
         Speed of the shaft whose orders are wanted, at every sample, rad/s, positive.
-    highest : float, optional
+    highest_order : float, optional
         Highest order kept.
     revolutions : int, optional
         Length of a window; the orders are ``1 / revolutions`` apart.
@@ -215,7 +215,7 @@ def order_map(
     check_processable(chosen)
     rotation = _rotation(speed, len(chosen))
     turns = sweep_cycles(rotation, chosen.sampling_rate)
-    per_turn = _samples_per_turn(rotation, turns, chosen.sampling_rate, highest)
+    per_turn = _samples_per_turn(rotation, turns, chosen.sampling_rate, highest_order)
     count = int(turns[-1] * per_turn) + 1
     equal = np.arange(count) / per_turn
     length, step = revolutions * per_turn, max(1, round(revolutions * per_turn * (1 - overlap)))
@@ -224,7 +224,7 @@ def order_map(
         raise UsageError(f"{text}; take fewer revolutions")
     times = np.interp(equal, turns, chosen.time)
     starts = np.arange(0, count - length + 1, step)
-    orders = np.arange(int(highest * revolutions) + 1) / revolutions
+    orders = np.arange(int(highest_order * revolutions) + 1) / revolutions
     values = _lines(_at(times, chosen, name), starts, length, orders / per_turn)
     middles, ends = starts + length // 2, np.minimum(starts + length, count - 1)
     return OrderMap(

@@ -225,13 +225,13 @@ class Signal:
         """Root mean square of the values of a signal."""
         return float((self.values**2).mean() ** 0.5)
 
-    def course(self, rate: float) -> BetweenSamples:
+    def course(self, sampling_rate: float) -> BetweenSamples:
         """Course of the signal between samples of a record at a rate in Hz."""
-        return BetweenSamples(self.between, self.course_rate or rate)
+        return BetweenSamples(self.between, self.course_rate or sampling_rate)
 
-    def at_other_rate(self, values: FloatArray, rate: float) -> Signal:
+    def at_other_rate(self, values: FloatArray, sampling_rate: float) -> Signal:
         """Signal with the values at other times, which were at a rate in Hz before."""
-        kept = None if self.between == "band_limited" else self.course_rate or rate
+        kept = None if self.between == "band_limited" else self.course_rate or sampling_rate
         return replace(self, values=values, course_rate=kept)
 
 

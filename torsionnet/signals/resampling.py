@@ -220,13 +220,13 @@ def _reflected(values: FloatArray, count: int) -> FloatArray:
     return np.pad(values, count, mode="reflect", reflect_type="odd")
 
 
-def resampled(recording: Recording, rate: float | None = None, *, bridge_gaps: bool = False) -> Recording:
+def resampled(recording: Recording, sampling_rate: float | None = None, *, bridge_gaps: bool = False) -> Recording:
     """Recording resampled to a uniform rate (Hz) by cubic splines through its samples.
 
     Parameters
     ----------
     recording : Recording
-    rate : float, optional
+    sampling_rate : float, optional
         New rate in Hz, by default the mean rate. Not lower than that: fewer samples need an anti-alias filter first.
     bridge_gaps : bool
         Draw the spline across gaps in the time stamps, which invents data there.
@@ -243,7 +243,7 @@ def resampled(recording: Recording, rate: float | None = None, *, bridge_gaps: b
     >>> resampled(record)["phi"].values.round(9).tolist()
     [0.0, 2.0, 4.0, 6.0]
     """
-    new = recording.sampling_rate if rate is None else rate
+    new = recording.sampling_rate if sampling_rate is None else sampling_rate
     if recording.times is None and new == recording.sampling_rate:
         return recording
     _check(recording, new, bridge_gaps)

@@ -65,7 +65,7 @@ class RecordReading(Arguments):
         "Repeatable.",
     )
     courses: tuple[tuple[str, str], ...] = option(
-        "--between-samples",
+        "--between",
         type=PairOption("CHANNEL", "COURSE", "T_M=held"),
         help="Its course between samples: held, straight or band_limited. Repeatable.",
     )

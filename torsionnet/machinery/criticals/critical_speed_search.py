@@ -52,8 +52,8 @@ def critical_speeds(
     reach: float = 0.25,
     lowest: int | None = None,
     line_frequency: float | None = None,
-    dampers: str = AS_MODELLED,
-    damper_names: Iterable[str] | None = None,
+    rings: str = AS_MODELLED,
+    damper: Iterable[str] | None = None,
 ) -> CriticalSpeeds:
     """Critical speeds at which orders meet natural frequencies, with and without damping, and their excitation.
 
@@ -77,9 +77,9 @@ def critical_speeds(
         Only the lowest so many modes.
     line_frequency : float, optional
         Hz; once and twice of it are compared with the natural frequencies, too.
-    dampers : str
+    rings : str
         ``"as_modelled"``, or the rings of viscous dampers ``"free"``, ``"locked"``, or by ``"half"``.
-    damper_names : iterable of str, optional
+    damper : iterable of str, optional
         Which dampers, or films between a hub and a ring; default: all elements of type viscous_damper.
 
     Raises
@@ -102,12 +102,12 @@ def critical_speeds(
     if line_frequency is not None and not 0 < line_frequency < math.inf:
         raise UsageError(f"a line frequency is above 0 Hz, got {line_frequency}", kind="out-of-range")
     rule = margin_rule(margin)
-    changed = _with_dampers(drivetrain, dampers, damper_names)
+    changed = _with_dampers(drivetrain, rings, damper)
     every, reference, speed_range = excited_lines(changed, speeds, speed_of, excitation)
     examined = every if lines is None else _chosen_lines(every, lines)
     # The vibrations are those with imposed motions held, as in the order response.
     held = with_motions_held(changed, {name: changed.definition.excitations[name] for name in examined})
-    title = drivetrain.title + ("" if dampers == AS_MODELLED else f", damper ring {dampers}")
+    title = drivetrain.title + ("" if rings == AS_MODELLED else f", damper ring {rings}")
     acting = {name: float(group[0].ratio) for name, group in examined.items()}
     if line_frequency:
         examined[LINE_FREQUENCY] = [

@@ -31,7 +31,7 @@ def track_orders(
     *,
     orders: Sequence[float],
     method: CycleAverage | VoldKalman | None = None,
-    reference: PhaseReference | None = None,
+    phase_reference: PhaseReference | None = None,
     further: Sequence[tuple[MeanRotation, Sequence[float]]] = (),
 ) -> tuple[TrackedOrders, ...]:
     """Complex orders of signals and of the vibration of wheels over time and speed, with 95 % intervals.
@@ -52,7 +52,7 @@ def track_orders(
         Vibrations per revolution of the reference shaft.
     method : CycleAverage or VoldKalman, optional
         Averages over blocks of eight cycles by default.
-    reference : PhaseReference, optional
+    phase_reference : PhaseReference, optional
         Where phases are 0; without one they count from the begin of the record and are not for comparison.
     further : sequence of (MeanRotation, sequence of float), optional
         Orders of other shafts that are tracked together with these, by Vold-Kalman filters only.
@@ -84,7 +84,7 @@ def track_orders(
     mean = rotation if isinstance(rotation, MeanRotation) else mean_rotation(rotation)
     wanted = np.unique(np.asarray(orders, dtype=np.float64))
     _check_orders(wanted, [*wheels, *(wheel for _, *pair in twists for wheel in pair)])
-    zero = reference or PhaseReference(float(mean.angles[0]), "")
+    zero = phase_reference or PhaseReference(float(mean.angles[0]), "")
     found: list[TrackedOrders] = []
     kinds = [of_wheel(wheel, mean) for wheel in wheels]
     kinds += [of_twist(first, second, twist, mean) for twist, first, second in twists]
@@ -293,5 +293,5 @@ def orders_of_test(
     return track_orders(
         recordings, mean, channels, [rotations[name] for name in wheels],
         [(twist, rotations[twist.first], rotations[twist.second]) for twist in twists],
-        orders=orders, method=method, reference=reference, further=further,
+        orders=orders, method=method, phase_reference=reference, further=further,
     )  # fmt: skip

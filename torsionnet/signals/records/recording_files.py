@@ -87,7 +87,14 @@ def read_recording(
     '"time" was taken for the time stamps'
     """
     options = ReadOptions(
-        names, quantities or {}, units or {}, sampling_rate, pulses or {}, pulse_readings or {}, resample, between or {}
+        names,
+        quantities or {},
+        units or {},
+        sampling_rate,
+        pulses or {},
+        pulse_readings or {},
+        resample,
+        between or {},
     )
     found = list(_read(Path(path), options, None, dialect))
     if len(found) > 1:

@@ -20,7 +20,7 @@ from torsionnet.signals.rotation.wheel_rotation import WheelRotation, wheel_rota
 
 
 def rotations_of_wheels(
-    record: Recording,
+    recording: Recording,
     wheels: Mapping[str, WheelChannel],
     patterns: Mapping[str, WheelPattern] | None = None,
     *,
@@ -31,7 +31,7 @@ def rotations_of_wheels(
 
     Parameters
     ----------
-    record : Recording
+    recording : Recording
         Record with the pulses of the wheels or the signals of their teeth.
     wheels : mapping of str to WheelChannel
     patterns : mapping of str to WheelPattern, optional
@@ -60,13 +60,13 @@ def rotations_of_wheels(
         try:
             mark = wheel.index or (index if index != name and wheel.ratio == 1 and not wheel.shows_tooth_0 else "")
             reading = (marks or {}).get(mark) or counted_reading(wheel)
-            pulses = wheel_pulses(record, mark, reading) if mark else None
+            pulses = wheel_pulses(recording, mark, reading) if mark else None
             pattern = (patterns or {}).get(name)
-            found[name] = wheel_rotation(wheel_pulses(record, name, wheel), wheel, pattern, index=pulses)
+            found[name] = wheel_rotation(wheel_pulses(recording, name, wheel), wheel, pattern, index=pulses)
         except UsageError as error:
             faults.append(Fault(str(error)))
     if faults:
-        raise ModelError(faults, record.title or "record")
+        raise ModelError(faults, recording.title or "record")
     return found
 
 

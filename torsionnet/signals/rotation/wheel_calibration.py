@@ -80,7 +80,7 @@ def calibrate_wheel(
     tests: Sequence[WheelTest],
     wheel: Wheel,
     *,
-    angle: float | None = None,
+    pickup_angle: float | None = None,
     calculated: CalculatedOrders | None = None,
     cycle: int = 2,
     constant_orders: Sequence[float] | None = None,
@@ -95,7 +95,7 @@ def calibrate_wheel(
     tests : sequence of WheelTest
         Steady speeds or run-ups.
     wheel : Wheel
-    angle : float, optional
+    pickup_angle : float, optional
         From the first pickup to the second in the sense of rotation, rad, to better than half a pitch.
     calculated : CalculatedOrders, optional
         Calculated vibration of the wheel, by which orders are resolved to which two pickups are blind.
@@ -124,22 +124,22 @@ def calibrate_wheel(
     >>> passed = np.arange(40 * teeth)
     >>> places = 2 * np.pi * passed / teeth + positions[passed % teeth]
     >>> pickups = [PulseChannel(n, (places + a) / 100) for n, a in (("A", 0.0), ("B", np.radians(90)))]
-    >>> found = calibrate_wheel([WheelTest(*pickups)], Wheel(teeth=teeth), angle=np.radians(90))
+    >>> found = calibrate_wheel([WheelTest(*pickups)], Wheel(teeth=teeth), pickup_angle=np.radians(90))
     >>> float(np.degrees(found.orders[0].value.real).round(6)), found.pattern.unresolved
     (0.1, (4,))
     """
     if not tests:
         raise UsageError("a calibration needs a record at least")
     paired = [test.second is not None for test in tests]
-    if any(paired) and angle is None:
+    if any(paired) and pickup_angle is None:
         raise UsageError("two pickups need the angle between them, to better than half a pitch")
     if any(paired) and not all(paired):
         raise UsageError("give the second pickup in each record, or in none")
     if wheel.stated:
         raise UsageError("a calibration needs a wheel of even teeth with one gap at most; its pattern states others")
     orders = order_set(wheel, cycle)
-    rotations = _aligned(tests, [_rotation(test, wheel) for test in tests], wheel, angle)
-    between = (angle or 0.0) % (2 * np.pi)
+    rotations = _aligned(tests, [_rotation(test, wheel) for test in tests], wheel, pickup_angle)
+    between = (pickup_angle or 0.0) % (2 * np.pi)
     positions = np.zeros(wheel.teeth)
     for _ in range(PASSES):
         found = [
@@ -227,7 +227,7 @@ def _aligned(
             "an index pulse once per turn, or calibrate from a run-up in one record, or with a second pickup"
         )
     alone = [
-        calibrate_wheel([test], wheel, angle=angle, widest=np.inf).pattern.positions for test in tests
+        calibrate_wheel([test], wheel, pickup_angle=angle, widest=np.inf).pattern.positions for test in tests
     ]  # fmt: skip
     done = [rotations[0]]
     for one, positions in zip(rotations[1:], alone[1:], strict=True):

@@ -44,7 +44,7 @@ class WheelChannel(PulseReading, Wheel):
         return [*PulseReading.contradictions(self), *Wheel.contradictions(self)]
 
 
-def wheel_pulses(record: Recording, name: str, reading: PulseReading) -> PulseChannel:
+def wheel_pulses(recording: Recording, name: str, reading: PulseReading) -> PulseChannel:
     """Pulses of a channel of a record, from its pulse times or from the signal of the teeth, times in s.
 
     With a second track the pulses have a direction.
@@ -62,7 +62,7 @@ def wheel_pulses(record: Recording, name: str, reading: PulseReading) -> PulseCh
     >>> len(wheel_pulses(record, "n1", PulseReading(level=0.5)))
     5
     """
-    stored = {channel.name: channel for channel in record.pulses}
+    stored = {channel.name: channel for channel in recording.pulses}
     if name in stored:
         if reading.second:
             raise UsageError(
@@ -71,11 +71,11 @@ def wheel_pulses(record: Recording, name: str, reading: PulseReading) -> PulseCh
                 "record where the shaft turns back"
             )
         return stored[name]
-    if name not in record.names:
-        known = [*stored, *record.names]
+    if name not in recording.names:
+        known = [*stored, *recording.names]
         hint = did_you_mean(name, known)
         raise UsageError(f'no channel is named "{name}"{hint}; there is {", ".join(known) or "none"}')
-    values, times = record[name].values, record.time
+    values, times = recording[name].values, recording.time
     if not reading.is_of_a_signal and holds_pulse_times(values):
         return PulseChannel(name, values, notes=("times of pulses as recorded",))
     first = _flanks(name, values, times, reading)
@@ -84,7 +84,7 @@ def wheel_pulses(record: Recording, name: str, reading: PulseReading) -> PulseCh
         _refuse_growing(name, values)
     note = f"flanks of a tooth signal sampled every {spacing:.4g} s, {reading.edge}"
     if reading.second:
-        second = _flanks(reading.second, record[reading.second].values, times, reading)
+        second = _flanks(reading.second, recording[reading.second].values, times, reading)
         return quadrature_pulses(name, first, second, edge=reading.edge, notes=(f"{note}; {reading.second} beside it",))
     return PulseChannel(name, first[1 if reading.edge == "falling" else 0], notes=(note,))
 

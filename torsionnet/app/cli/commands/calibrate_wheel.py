@@ -104,7 +104,7 @@ class CalibrateWheelCommand(Command):
             return calibrate_wheel(
                 tests,
                 wheel,
-                angle=self.between,
+                pickup_angle=self.between,
                 calculated=calculated,
                 cycle=self.cycle,
                 constant_orders=self._constant_orders(),

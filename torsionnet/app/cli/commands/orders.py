@@ -120,8 +120,8 @@ class OrdersCommand(ModelCommand):
             if self.drawn == "waterfall":
                 yield ending, plot.waterfall(run, channel.name, conventions=conventions)
             else:
-                worst = run.rpm[run.half_range[:, place].argmax()]
-                yield ending, plot.waveform(run, channel.name, rpm=worst, conventions=conventions)
+                worst = run.speeds[run.half_range[:, place].argmax()]
+                yield ending, plot.waveform(run, channel.name, speed=worst, conventions=conventions)
 
     def _tests(self, case: ConfiguredCase, run: OrderResponse) -> Tests:
         """Orders measured at each output of the drivetrain, by output name."""
@@ -199,10 +199,10 @@ class CriticalSpeedsCommand(ModelCommand):
         "--lowest", type=click.IntRange(min=1), metavar="N", help="Only the N lowest vibrations."
     )
     line_frequency: float | None = option("--line-frequency", metavar="HZ", help="Also once and twice this frequency.")
-    dampers: str = option(
+    rings: str = option(
         "--rings", type=click.Choice(STATES), default=STATES[0], show_default=True, help="Rings of viscous dampers."
     )
-    damper_names: tuple[str, ...] = option(
+    damper: tuple[str, ...] = option(
         "--damper", metavar="NAME", help="A damper, or a film.  [default: every viscous_damper]"
     )
     stars: int | None = option("--stars", type=click.IntRange(min=1), metavar="MODE", help="--plot draws these.")
@@ -227,8 +227,8 @@ class CriticalSpeedsCommand(ModelCommand):
             reach=self.reach,
             lowest=self.lowest,
             line_frequency=self.line_frequency,
-            dampers=self.dampers,
-            damper_names=self.damper_names or None,
+            rings=self.rings,
+            damper=self.damper or None,
         )
 
     def _picture(self, plot: ModuleType, found: CriticalSpeeds) -> Figure:
