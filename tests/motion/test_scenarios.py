@@ -209,7 +209,9 @@ class TestFaultySynchronisation:
 
     @pytest.mark.parametrize("start", ["rest", "given"])
     def test_backwards_is_the_mirror_image(self, start):
-        turning = {"initial_state": tn.motion.MotionStart(speeds={"g": -OMEGA, "b": -OMEGA})} if start == "given" else {}
+        turning = (
+            {"initial_state": tn.motion.MotionStart(speeds={"g": -OMEGA, "b": -OMEGA})} if start == "given" else {}
+        )
         record = self.set_of_two(operating_point={"speed": {"g": -1.002 * OMEGA}}).simulate(
             self.OUTPUTS, scenario=self.onto(angle="50 deg", decay=0.1, start="rest"), **turning
         )

@@ -126,10 +126,12 @@ def simulate(
     """
     if scenario is not None:
         if input is not None or between is not None:
-            raise UsageError("a scenario brings its own torques; leave out input and between, or the scenario")
+            text = "a scenario brings its own torques; leave out input and between, or the scenario"
+            raise UsageError(text, kind="contradicting-entries")
         return _run_scenario(drivetrain, scenario, output, initial_state, sampling_rate, duration, check=check)
     if output is None or input is None or sampling_rate is None:
-        raise UsageError("a simulation needs output, input and a sampling rate, or a scenario")
+        text = "a simulation needs output, input and a sampling rate, or a scenario"
+        raise UsageError(text, kind="missing-entry")
     begin = initial_state or REST
     return simulate_torques(
         drivetrain, output, input, sampling_rate, begin, duration=duration, check=check, between=between
