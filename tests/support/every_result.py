@@ -279,7 +279,7 @@ PLOTS = {
     "mode_shapes": lambda: (modes(), plant()),
     "nyquist": lambda: (margins(),),
     "operational_modes": lambda: (tn.modal.modes_from_decay(record(), "T", start=0),),
-    "order_map": lambda: (tn.signals.order_map(record(), "T", _speed(), highest=3),),
+    "order_map": lambda: (tn.signals.order_map(record(), "T", _speed(), highest_order=3),),
     "order_overlay": lambda: (orders(), {"T_s": measured_orders()}),
     "order_response": lambda: (orders(),),
     "pareto_front": lambda: (pareto_front(),),
@@ -307,7 +307,7 @@ PLOTS = {
     },
 }  # fmt: skip
 """What each function of ``torsionnet.plot`` draws here."""
-NEEDED = {"waveform": {"rpm": 600.0}}
+NEEDED = {"waveform": {"speed": 600.0 / tn.base.units.RPM}}
 """Keywords that some of them need."""
 
 
