@@ -6,6 +6,7 @@ from functools import cache
 import numpy as np
 
 import torsionnet as tn
+from torsionnet.base.units import RPM
 
 PLANT = """torsionnet: 1
 name: fan drive
@@ -307,7 +308,7 @@ PLOTS = {
     },
 }  # fmt: skip
 """What each function of ``torsionnet.plot`` draws here."""
-NEEDED = {"waveform": {"speed": 600.0 / tn.base.units.RPM}}
+NEEDED = {"waveform": {"speed": 600.0 / RPM}}
 """Keywords that some of them need."""
 
 
