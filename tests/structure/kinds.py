@@ -90,7 +90,12 @@ def without_kind(module: Module) -> Iterator[tuple[int, str]]:
         if not isinstance(node, ast.Call) or not isinstance(node.func, ast.Name | ast.Attribute):
             continue
         name = node.func.id if isinstance(node.func, ast.Name) else node.func.attr
-        if name not in MADE_OF_MESSAGES or any(one.arg in ("kind", None) for one in node.keywords) or not node.args:
+        if (
+            name not in MADE_OF_MESSAGES
+            or ast.unparse(node.func).startswith("click.")
+            or any(one.arg in ("kind", None) for one in node.keywords)
+            or not node.args
+        ):
             continue
         within = [one for one in functions if one.lineno <= node.lineno <= (one.end_lineno or 0)]
         is_note = any(isinstance(one, ast.Constant) and one.value == "note" for one in ast.walk(node))

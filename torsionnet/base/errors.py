@@ -223,6 +223,7 @@ class ModelError(TorsionnetError, ValueError):
         self.faults: tuple[Fault, ...] = (Fault(faults, kind=kind),) if isinstance(faults, str) else tuple(faults)
         self.title = title
         super().__init__(self._text())
+        self.kind = self.faults[0].kind if self.faults else ""
 
     def _text(self) -> str:
         count = sum(fault.severity != "note" for fault in self.faults)

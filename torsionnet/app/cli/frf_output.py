@@ -209,7 +209,7 @@ class Sampling:
         """Frequencies of the response in Hz, shape (n_f,); ``scale`` converts Hz to the unit chosen."""
         if self.listed is not None:
             if any(given is not None for given in (self.band, self.points, self.logarithmic)):
-                raise UsageError("give --frequencies, or --band and --points, not both")
+                raise UsageError("give --frequencies, or --band and --points, not both", kind="contradicting-entries")
             return read_list(self.listed) / scale
         start, stop = self.band or (
             end * scale for end in vibration_range(*(case.drivetrain.modes() for case in cases))
@@ -223,11 +223,16 @@ def frequency_range(start: float, stop: float, points: int, logarithmic: bool | 
     ``logarithmic`` None: if the range is more than a decade and does not begin at 0.
     """
     if not (math.isfinite(start) and math.isfinite(stop) and 0 <= start < stop):
-        raise UsageError(f"--band must not begin below 0 and must end above its beginning, got {start:g} and {stop:g}")
+        raise UsageError(
+            f"--band must not begin below 0 and must end above its beginning, got {start:g} and {stop:g}",
+            kind="unordered-rows",
+        )
     if logarithmic is None:
         logarithmic = 0 < start <= stop / RANGE_BELOW
     if logarithmic and start == 0:
-        raise UsageError("a logarithmic range cannot begin at 0; give --band a lowest frequency above 0")
+        raise UsageError(
+            "a logarithmic range cannot begin at 0; give --band a lowest frequency above 0", kind="out-of-range"
+        )
     return np.asarray(np.geomspace(start, stop, points) if logarithmic else np.linspace(start, stop, points))
 
 
@@ -240,7 +245,7 @@ def read_list(text: str) -> FloatArray:
     parts = [_part(part, text) for part in text.split(",")]
     frequencies = np.unique(np.concatenate(parts))
     if frequencies[0] < 0:
-        raise UsageError(f"a frequency must not be negative, got {frequencies[0]:g} Hz")
+        raise UsageError(f"a frequency must not be negative, got {frequencies[0]:g} Hz", kind="out-of-range")
     return frequencies
 
 
@@ -259,10 +264,11 @@ def _part(part: str, text: str) -> FloatArray:
     count = math.floor((stop - start) / step * (1 + 1e-12) + 1e-9) + 1
     if count > MOST_POINTS:
         raise UsageError(
-            f'"{part}" are {count} frequencies, and at most {MOST_POINTS} are calculated at once: take a larger step'
+            f'"{part}" are {count} frequencies, and at most {MOST_POINTS} are calculated at once: take a larger step',
+            kind="too-large",
         )
     return np.asarray(start + step * np.arange(count), dtype=np.float64)
 
 
 def _unreadable(text: str) -> UsageError:
-    return UsageError(f'frequencies are written "start:stop:step" or "1,2,5", got "{text}"')
+    return UsageError(f'frequencies are written "start:stop:step" or "1,2,5", got "{text}"', kind="wrong-form")

@@ -132,7 +132,9 @@ class PulseOptions(RecordReading):
         texts: dict[str, str] = {}
         for name, text in (*((name, text) for name, text in also if text), *self.pulses):
             if text and texts.get(name) not in {None, "", text}:
-                raise UsageError(f"{name} is given {texts[name]} and {text} teeth: leave one out")
+                raise UsageError(
+                    f"{name} is given {texts[name]} and {text} teeth: leave one out", kind="contradicting-entries"
+                )
             texts[name] = text or texts.get(name, "")
         self._check_names([*texts, *marks])
         found: dict[str, WheelOfTest] = {}
@@ -189,13 +191,16 @@ class PulseOptions(RecordReading):
         if given:
             raise UsageError(
                 f"{Path(file).name} has all entries of the wheels: leave {', '.join(given)} out; --pulses n1 without "
-                "teeth takes one wheel of the file"
+                "teeth takes one wheel of the file",
+                kind="contradicting-entries",
             )
         wheels = read_wheels(file)
         for name, _ in self.pulses:
             if name not in wheels:
                 hint = did_you_mean(name, wheels)
-                raise UsageError(f'{file} has no wheel "{name}"{hint}; there is {", ".join(wheels)}')
+                raise UsageError(
+                    f'{file} has no wheel "{name}"{hint}; there is {", ".join(wheels)}', kind="unknown-name"
+                )
         chosen = {name for name, _ in (*also, *self.pulses)} if self.pulses else wheels
         return {name: wheel for name, wheel in wheels.items() if name in chosen}
 
@@ -218,7 +223,10 @@ class PulseOptions(RecordReading):
                 if name and name not in known:
                     word, hint = entry.replace("_", "-"), did_you_mean(name, known)
                     there = ", ".join(known) or "none: name it with --pulses"
-                    raise UsageError(f"--{word} {name}={value}: there is no wheel of this name{hint}; there is {there}")
+                    raise UsageError(
+                        f"--{word} {name}={value}: there is no wheel of this name{hint}; there is {there}",
+                        kind="unknown-name",
+                    )
 
 
 _TEETH = ("teeth", "missing_teeth")
@@ -245,7 +253,9 @@ def _wheel(given: dict[str, str]) -> tuple[WheelOfTest | None, list[Fault]]:
     from torsionnet.signals.rotation.wheel_channel import WheelChannel
 
     if "teeth" not in given:
-        return None, [Fault("how many teeth does the wheel have? give --pulses CHANNEL=60 or --teeth 60")]
+        return None, [
+            Fault("how many teeth does the wheel have? give --pulses CHANNEL=60 or --teeth 60", kind="missing-entry")
+        ]
     entries: dict[str, Any] = {name: _number(name, value) for name, value in given.items()}
     if (ratio := given.get("ratio", "")).startswith("-"):
         entries |= {"ratio": ratio[1:].strip(), "reversed": True}

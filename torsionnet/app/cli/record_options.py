@@ -107,7 +107,9 @@ class RecordSpan(Arguments):
         for name, _ in self.delays:
             if name not in known:
                 hint = did_you_mean(name, known)
-                raise UsageError(f"--delay {name}: no such channel{hint}; {path} has {', '.join(known)}")
+                raise UsageError(
+                    f"--delay {name}: no such channel{hint}; {path} has {', '.join(known)}", kind="unknown-channel"
+                )
 
     def cut(self, record: Recording) -> Recording:
         """Recording without the delays, between the times given; UsageError where nothing of it lies there."""
@@ -117,7 +119,7 @@ class RecordSpan(Arguments):
             record = without_delays(record, dict(self.delays))
         found = record.between(self.start, self.stop)
         if not (len(found) or any(map(len, found.pulses))):
-            raise UsageError(f"nothing of the record lies there: {found.notes[-1]}")
+            raise UsageError(f"nothing of the record lies there: {found.notes[-1]}", kind="out-of-range")
         return found
 
 
@@ -163,7 +165,8 @@ class Averaging(Arguments):
         if self.preset and self.decimation is None and rate / factor < LEAST_PRESET_RATE:
             raise UsageError(
                 f"--preset {self.preset} is for records at 10 kHz: it keeps every {factor}th sample; of {rate:g} Hz "
-                f"{rate / factor:g} are left; leave the preset out, or replace the factor where there is --decimate"
+                f"{rate / factor:g} are left; leave the preset out, or replace the factor where there is --decimate",
+                kind="out-of-range",
             )
         return record
 
@@ -292,9 +295,15 @@ def _checked_blocks(
     told: Recording | None = None
     for block in recording_files.blocks_of_record(path, names=names, **reading.arguments):
         if span is not None and span.delays:
-            raise UsageError(f"{path} is read in blocks, across which no delay can be taken out; cut the record first")
+            raise UsageError(
+                f"{path} is read in blocks, across which no delay can be taken out; cut the record first",
+                kind="too-large",
+            )
         if not tests and end is not None and abs(block.start - end) * block.sampling_rate > SAME_CLOCK:
-            raise UsageError(f"{path} holds blocks that do not follow each other; save each in a file of its own")
+            raise UsageError(
+                f"{path} holds blocks that do not follow each other; save each in a file of its own",
+                kind="unreadable-time",
+            )
         _tell_notes(block, told)
         end, told = block.start + block.duration, block
         kept = block if span is None else block.between(span.start, span.stop)
@@ -313,7 +322,9 @@ def _even(record: Recording, reading: RecordReading, path: str) -> Recording:
     if record.times is not None:
         faults = [fault for fault in check_recording(record) if fault.path[:1] == ("time",)]
         texts = [replace(fault, severity="error", path=()) for fault in faults]
-        raise ModelError(texts or [Fault("the time stamps are not uniform: --resample makes them so")], path)
+        raise ModelError(
+            texts or [Fault("the time stamps are not uniform: --resample makes them so", kind="unreadable-time")], path
+        )
     return record
 
 

@@ -254,7 +254,7 @@ def disk_file(path: Path) -> DiskFile:
     try:
         return DiskFile(path)
     except (OSError, RuntimeError) as error:
-        raise UsageError(f"{path} cannot be read: {error}") from None
+        raise UsageError(f"{path} cannot be read: {error}", kind="unreadable-file") from None
 
 
 def _version(content: bytes, name: str) -> DiskVersion:

@@ -395,7 +395,7 @@ class Document:
             session = remade_session(Drivetrain.from_definition(definition, found), text, self.options)
             sound = SoundText(session, revision, session.describe())
         except TorsionnetError as error:
-            faults = [*faults, LocatedFault(Fault(str(error)), TextSpan(0, 0))]
+            faults = [*faults, LocatedFault(Fault(str(error), kind=error.kind), TextSpan(0, 0))]
             return Examined(revision, text, faults, before, is_sound=False)
         return Examined(revision, text, faults, sound, is_sound=True)
 

@@ -323,7 +323,9 @@ def over_speed(
     """
     given = rig.definition.speeds
     if given is None:
-        raise UsageError("over speed the page needs the entries speeds: and excitations: of the model")
+        raise UsageError(
+            "over speed the page needs the entries speeds: and excitations: of the model", kind="missing-entry"
+        )
     speeds, thinned = _thinned(np.array(given.values), ROUGH_SPEEDS if rough else len(given.values))
     run = rig.order_response(output, speeds=speeds)
     unit = run.outputs[0].unit

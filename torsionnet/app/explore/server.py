@@ -86,7 +86,8 @@ class ExploreServer(ThreadingHTTPServer):
             super().__init__((HOST, port), Handler)
         except (OSError, OverflowError) as error:
             raise UsageError(
-                f"port {port} cannot be used ({error}); choose another one with --port, or leave it out"
+                f"port {port} cannot be used ({error}); choose another one with --port, or leave it out",
+                kind="out-of-range",
             ) from None
         self.guard = Guard(self.server_address[1])
         self.places = Places()

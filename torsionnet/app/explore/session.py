@@ -59,7 +59,9 @@ def read_pair(text: str) -> ResponseChoice:
     """Output and input of a response, read from ``OUTPUT/INPUT``; UsageError where the text has another form."""
     output, slash, into = (part.strip() for part in text.partition("/"))
     if not (slash and output and into) or "/" in into:
-        raise UsageError(f'a transfer function is written OUTPUT/INPUT, as in theta_1/T_M; got "{text}"')
+        raise UsageError(
+            f'a transfer function is written OUTPUT/INPUT, as in theta_1/T_M; got "{text}"', kind="wrong-form"
+        )
     return ResponseChoice(output, into)
 
 
@@ -223,7 +225,8 @@ class Session:
                 else changed.parameter_definitions[name].is_derived
             ):
                 raise UsageError(
-                    f"{name}: expected a number with its unit; expressions of parameters belong in the model file"
+                    f"{name}: expected a number with its unit; expressions of parameters belong in the model file",
+                    kind="not-a-number",
                 )
         return changed
 
@@ -352,7 +355,10 @@ def open_session(
         if measured is not None:
             _check_orders(measured, found)
     elif measured is not None:
-        raise UsageError("measured orders are drawn over the speed: say which output they are of with --over-speed")
+        raise UsageError(
+            "measured orders are drawn over the speed: say which output they are of with --over-speed",
+            kind="missing-entry",
+        )
     name = "" if overlay is None else Path(overlay).name
     session = Session(
         str(model), path.name, text, base, start, tuple(pairs), tuple(over_speed), test, name, folder,

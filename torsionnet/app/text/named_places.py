@@ -276,7 +276,7 @@ def rename(text: str, offset: int, new: str, file: str = "", folder: Path | None
     names = NamesInText.of(text, file)
     found = place_at(names.places, offset)
     if found is None:
-        raise UsageError(NOTHING_HERE)
+        raise UsageError(NOTHING_HERE, kind="unknown-name")
     reason = _not_here(found, names) or _no_name(found, new) or _taken(found, new, names.places)
     if reason:
         raise UsageError(reason)
@@ -285,7 +285,9 @@ def rename(text: str, offset: int, new: str, file: str = "", folder: Path | None
     edits = [TextEdit(one.span, new) for one in names.places if one.home == found.home]
     after = NamesInText.of(edited(text, edits), file)
     if _homes(names.places, found.home, new) != Counter(one.home for one in after.places):
-        raise UsageError(f'with the name "{new}" something else would be meant in places; choose another one')
+        raise UsageError(
+            f'with the name "{new}" something else would be meant in places; choose another one', kind="ambiguous-name"
+        )
     return edits
 
 

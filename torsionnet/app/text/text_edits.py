@@ -131,7 +131,7 @@ class WrittenText:
         """Value at a path with its place; UsageError where there is none."""
         node = node_at(self.document, path)
         if node is None:
-            raise UsageError(f"the text has no entry {'.'.join(map(str, path))}")
+            raise UsageError(f"the text has no entry {'.'.join(map(str, path))}", kind="unknown-entry")
         return node
 
     def offset(self, line: int, column: int) -> int:
@@ -205,7 +205,7 @@ class WrittenText:
             inside = self.text.index("{", self.start(node)) + 1
             return TextEdit(TextSpan(inside, inside), text)
         if node.value is not None or node.key_place is None:
-            raise UsageError(f"{'.'.join(map(str, parent)) or 'the text'} is no table of entries")
+            raise UsageError(f"{'.'.join(map(str, parent)) or 'the text'} is no table of entries", kind="not-a-table")
         line, column = node.key_place[:2]
         if self.is_json or not self._in_block(parent):
             return TextEdit(self.value_span(node), f"{'' if self.is_json else ' '}{{{text}}}")

@@ -126,7 +126,10 @@ class AngleCommand(Command):
 
         wheels = self.reading.wheels()
         if not wheels:
-            raise UsageError("name the channel of pulses: --pulses n1=60, or a file of wheels: --wheels wheels.yaml")
+            raise UsageError(
+                "name the channel of pulses: --pulses n1=60, or a file of wheels: --wheels wheels.yaml",
+                kind="missing-entry",
+            )
         self.span.check(self.record)
         channels = channels_of(wheels)
         marks = self.reading.marks({one.index for one in channels.values()}, wheels)

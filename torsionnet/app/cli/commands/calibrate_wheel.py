@@ -133,7 +133,8 @@ class CalibrateWheelCommand(Command):
         if len(chosen) != 1:
             there = f"; there is {', '.join(chosen)}" if chosen else ""
             raise UsageError(
-                f"one wheel is calibrated at a time: name the channel of its pulses, --pulses fly=60{there}"
+                f"one wheel is calibrated at a time: name the channel of its pulses, --pulses fly=60{there}",
+                kind="missing-entry",
             )
         ((name, wheel),) = chosen.items()
         marks = self.reading.marks(filter(None, (wheel.index,)), wheels)
@@ -168,4 +169,6 @@ class CalibrateWheelCommand(Command):
         try:
             return [float(word) for word in self.constant.split(",")]
         except ValueError:
-            raise UsageError(f'--constant-orders is a list as 3,6, or none; got "{self.constant}"') from None
+            raise UsageError(
+                f'--constant-orders is a list as 3,6, or none; got "{self.constant}"', kind="wrong-form"
+            ) from None

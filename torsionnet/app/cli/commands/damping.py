@@ -153,7 +153,7 @@ class DampingCommand(RecordCommand):
         name = self.channels[0]
         if name not in tracked:
             text = f'no tracked channel is named "{name}"{did_you_mean(name, tracked)}'
-            raise UsageError(f"{text}; there is {', '.join(tracked)}")
+            raise UsageError(f"{text}; there is {', '.join(tracked)}", kind="unknown-channel")
         return modes_from_tracked_orders(
             tracked[name],
             orders[0],
@@ -231,7 +231,8 @@ def _quantity(record: Recording, name: str, quantity: str) -> FloatArray:
         unit = "rpm" if quantity == "velocity" else "rad"
         raise UsageError(
             f"{name} is no {quantity} but {signal.quantity or 'unknown'}: say --quantity {name}={quantity} and, if its "
-            f"unit is not in the file, --unit {name}={unit}"
+            f"unit is not in the file, --unit {name}={unit}",
+            kind="wrong-unit",
         )
     return signal.values
 

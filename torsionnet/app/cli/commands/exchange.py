@@ -111,7 +111,7 @@ class ExportCommand(ModelCommand):
             if not written.assembly.system.dynamic:
                 raise
             instead = "--viscous-at HZ replaces laws over frequency by springs and dampers with their values at HZ"
-            raise UsageError(f"{error}; {instead}") from error
+            raise UsageError(f"{error}; {instead}", kind=error.kind) from error
 
     def _written(self, drivetrain: Drivetrain) -> Drivetrain:
         if self.viscous_at is None:

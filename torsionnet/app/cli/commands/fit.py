@@ -86,7 +86,8 @@ class FitCommand(Command):
         if named := [option for option, given in asked.items() if given]:
             raise UsageError(
                 f"{' and '.join(named)}: the fit file names no parameters, so that parameters are only "
-                "ranked; name those to be fitted under parameters: in it, or leave these options out"
+                "ranked; name those to be fitted under parameters: in it, or leave these options out",
+                kind="needless-entry",
             )
         table = ranking.table()
         return Answer(screen=lambda: [table], data=lambda: ranking, csv=lambda: [("", table)])

@@ -80,7 +80,8 @@ class OrdersCommand(ModelCommand):
         if self.measured and self.drawn != PICTURES[0]:
             raise UsageError(
                 "a measurement can only be drawn into the plot of amplitudes over speed; leave out --picture, or the "
-                "measurement"
+                "measurement",
+                kind="contradicting-entries",
             )
         if self.measured:
             self.require_one("a test is of one configuration: name one with -c")

@@ -221,7 +221,7 @@ def _measured(
     part = whole.between(*band)
     if not len(part.frequencies):
         text = f"{file} has no frequency between {band[0]:g} and {band[1]:g} Hz; choose a band within what it has"
-        raise UsageError(f"{text}: {whole!r}")
+        raise UsageError(f"{text}: {whole!r}", kind="wrong-form")
     return Measured(part, configuration)
 
 
@@ -235,7 +235,7 @@ def configuration_and_file(name: str, rig: Drivetrain) -> tuple[str, str]:
     try:
         return rig.configured(before).configuration, after
     except (UsageError, ModelError) as error:
-        raise UsageError(f'--record "{name}": {error}') from None
+        raise UsageError(f'--record "{name}": {error}', kind=error.kind) from None
 
 
 def _response(

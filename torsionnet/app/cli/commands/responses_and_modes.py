@@ -232,7 +232,8 @@ def _require(modes: tuple[int, ...], results: list[ModeSensitivities]) -> None:
     for mode in modes:
         if mode not in known:
             raise UsageError(
-                f"there is no mode {mode}; the model has the modes {', '.join(map(str, known)) or '(none)'}"
+                f"there is no mode {mode}; the model has the modes {', '.join(map(str, known)) or '(none)'}",
+                kind="unknown-mode",
             )
 
 

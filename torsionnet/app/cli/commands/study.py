@@ -187,7 +187,8 @@ def _usual(study: Study, result: StudyResult | None) -> Conclusions:
     if not found:
         raise UsageError(
             "there is nothing to draw: the study has no curve, no answer, "
-            "and too few variants for its numbers; add one of them"
+            "and too few variants for its numbers; add one of them",
+            kind="missing-entry",
         )
     return found
 

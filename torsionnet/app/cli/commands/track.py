@@ -228,7 +228,10 @@ class TrackCommand(Command):
         if rotations and name not in (there := channel_names(self.record)):
             hint = did_you_mean(name, [*rotations, *there])
             wheels, channels = ", ".join(rotations), ", ".join(there)
-            raise UsageError(f"no wheel or channel is named {name}{hint}; wheels: {wheels}; channels: {channels}")
+            raise UsageError(
+                f"no wheel or channel is named {name}{hint}; wheels: {wheels}; channels: {channels}",
+                kind="unknown-channel",
+            )
         return mean_rotation(
             load_record(self.record, self.reading, [name], 0.0, advance, self.span), name, cycle=self.cycle
         )  # fmt: skip
@@ -250,7 +253,8 @@ class TrackCommand(Command):
                 return Twist(first, text[len(first) + 1 :], self.stiffness or 0.0)
         raise UsageError(
             f"--twist {text}: two wheels with - between them are needed, of {', '.join(known) or 'none'}; name wheels "
-            "with --reference-shaft and --pulses, or in the file of --wheels"
+            "with --reference-shaft and --pulses, or in the file of --wheels",
+            kind="missing-entry",
         )
 
     def _stresses(self, found: tuple[TrackedOrders, ...]) -> Iterator[TrackedOrders]:
@@ -262,10 +266,12 @@ class TrackCommand(Command):
             try:
                 diameter = DIAMETER.coerce(text)
             except EntryError as error:
-                raise UsageError(f"--diameter {name}: {error}") from None
+                raise UsageError(f"--diameter {name}: {error}", kind=error.fault.kind) from None
             torques = [one for one in found if name in (one.name, one.name[len("torque(") : -1])]
             if not torques:
-                raise UsageError(f"--diameter {name}: there is {', '.join(one.name for one in found)}")
+                raise UsageError(
+                    f"--diameter {name}: there is {', '.join(one.name for one in found)}", kind="unknown-name"
+                )
             yield stress_orders(torques[0], diameter)
 
     def _picture(self, plot: ModuleType, one: TrackedOrders, shown: Conventions) -> Figure:

@@ -73,7 +73,8 @@ class StaticCommand(ModelCommand):
         if not found:
             raise CutOffError(
                 "the load determines no mean torques in any of these configurations, for the reasons above; "
-                "name with -c one in which the shafts of the load turn together"
+                "name with -c one in which the shafts of the load turn together",
+                kind="no-ratio",
             )
         return cases, found
 
