@@ -12,6 +12,8 @@ from support.limit_cases import RPM, STEEL, hump, m68, stressed
 from support.ship_plant import PAGE_SHIP, SHIP
 
 import torsionnet as tn
+from torsionnet.machinery.limits.curve import crankshaft_throws
+from torsionnet.machinery.limits.evidence import LimitSubject
 from torsionnet.machinery.limits.iacs_m68 import IacsM68
 from torsionnet.machinery.limits.m68_factors import permissible, size_factor, usual_range
 
@@ -496,6 +498,42 @@ def test_limits_are_written_as_they_were_read():
     again = tn.loads(json.dumps(rig.definition.to_data()))
     assert again.definition.limits == rig.definition.limits
     assert again.configured("normal").check_limits().barred == rig.configured("normal").check_limits().barred
+
+
+class TestThrows:
+    """A maker's torque is judged in every throw of its crankshaft, each against the order response there."""
+
+    THROWS = ("k12", "k23", "k34", "k45", "k56", "k6f")
+
+    def test_the_largest_of_all_throws_counts_and_is_named(self):
+        ship = tn.loads(SHIP).configured("normal")
+        found = ship.check_limits("crank", refine=False).of("crank")
+        run = ship.order_response([f"torque({name})" for name in self.THROWS], speeds=found.speeds)
+        assert found.values == pytest.approx(run.half_range.max(axis=1), rel=1e-9)
+        most = self.THROWS[int(run.half_range[found.worst].argmax())]
+        assert found.of == f"torque({most})" != "torque(k6f)"
+        assert found.orders == pytest.approx(run.sizes.max(axis=2), rel=1e-9, abs=1e-6)
+
+    def test_one_throw_alone_where_the_author_says_so(self):
+        text = SHIP.replace("output: torque(k6f),", "output: torque(k6f), throws: one,")
+        ship = tn.loads(text).configured("normal")
+        found = ship.check_limits("crank", refine=False).of("crank")
+        run = ship.order_response("torque(k6f)", speeds=found.speeds)
+        assert found.values == pytest.approx(run.half_range[:, 0], rel=1e-9)
+        assert found.of == "torque(k6f)"
+
+    def test_another_crankshaft_and_other_outputs_have_limits_of_their_own(self):
+        """Four cylinders on two shafts: c1 to c3 and d1 to d2, both on the wheel."""
+        springs = {"a": "c1, c2", "b": "c2, c3", "flange": "c3, w", "e": "d1, d2", "other": "d2, w", "out": "w, p"}
+        elements = [tn.Spring(name, nodes=tuple(nodes.split(", ")), stiffness=1) for name, nodes in springs.items()]
+        active = {one.name: one for one in elements}
+        nodes = tuple(dict.fromkeys(node for one in elements for node in one.ports.values()))
+        cranks = frozenset({"c1", "c2", "c3", "d1", "d2"})
+        view = LimitSubject(active, active, nodes, nodes, {}, (), None, False, {}, cranks=cranks)
+        assert crankshaft_throws(view, "a") == ["a", "b"]
+        assert crankshaft_throws(view, "flange") == ["a", "b", "flange"]
+        assert crankshaft_throws(view, "other") == ["e", "other"]
+        assert crankshaft_throws(view, "out") == []
 
 
 @pytest.mark.slow

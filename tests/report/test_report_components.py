@@ -98,6 +98,7 @@ def test_every_throw_and_what_is_not_covered(ship):
     rated = rig.order_response(run.outputs[0].name, speeds=[105 * math.pi / 30])
     assert float(rows(table)[0][2]) == pytest.approx(rated.half_range[0, 0] / 1e3, rel=1e-3)
     assert [row[0] for row in rows(table)] == [f"crank{number}" for number in range(1, 6)]
+    assert table.notes == (("The maker's limit is judged in every throw; crank2 uses it most.",),)
     assert "UR M53 is not covered" in str(of(Paragraph, blocks(ship, "components"))[-2].text)
     assert "maker of the engine" in str(of(Listing, blocks(ship, "components"))[0].items)
 

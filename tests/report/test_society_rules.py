@@ -10,7 +10,7 @@ from support.limit_cases import hump, m68, stressed
 
 import torsionnet as tn
 from torsionnet.base.phrases import phrase
-from torsionnet.machinery.checks.limit_checks import unfit_limits
+from torsionnet.machinery.checks.limit_checks import limit_subject, unfit_limits
 from torsionnet.machinery.limits.class_rule_shaft import GeneratingSetShaft
 from torsionnet.machinery.limits.society_rules import NOT_AT_HAND, SHAFT_SOCIETIES, SOCIETIES
 from torsionnet.machinery.verdicts.shaft_margins import shaft_margins
@@ -29,6 +29,22 @@ RPM = np.arange(20.0, 104.01, 0.5)
 def generator_set(**more):
     return {"rule": "generating_set_shaft", "element": "shaft", "shaft": "generator", "material": "carbon",
             "tensile_strength": "440 MPa", **more}  # fmt: skip
+
+
+SHAFTING = """torsionnet: 1
+name: two stages and a line
+elements:
+  motor: {type: inertia, node: a, inertia: 20}
+  fast: {type: gear, nodes: [a, b], ratio: -3}
+  lay: {type: shaft, nodes: [b, c], outer_diameter: 200 mm, length: 0.5 m}
+  slow: {type: gear, nodes: [c, d], ratio: -3}
+  line: {type: shaft, nodes: [d, p], outer_diameter: 300 mm, length: 6 m}
+  screw: {type: inertia, node: p, inertia: 3000}
+  water: {type: damper, nodes: [p, ground], damping: 9000}
+speeds: {of: p, range: 60..110 rpm, step: 2 rpm, rated: 100 rpm}
+excitations: {screw: {type: propeller, node: p, blades: 4, torque: 60 kN*m, rated: 100 rpm, blade_orders: {1: {share: 8 %}}}}
+limits: {line: {rule: iacs_m68, element: line, shaft: intermediate, feature: integral_flange, material: carbon, tensile_strength: 500 MPa}}
+"""
 
 
 class TestPropulsionShafts:
@@ -61,6 +77,35 @@ class TestPropulsionShafts:
         ours, theirs = (stressed(hump(90, 50), m68(rules=rules)) for rules in SHAFT_SOCIETIES)
         for one, other in zip(ours.values(), theirs.values(), strict=True):
             assert (one.verdict, one.barred, one.in_passing) == (other.verdict, other.barred, other.in_passing)
+
+    @pytest.mark.parametrize("rules", SHAFT_SOCIETIES)
+    def test_the_stress_is_a_half_range_of_vibration_by_any_symbol(self, rules):
+        """What a test measures is set beside tau_1 of KR as beside tau_C of M68; a passage is judged by tau_2, tau_T."""
+        model = tn.loads(SHAFTING.replace("rule: iacs_m68", f"rule: iacs_m68, rules: {rules}"))
+        limit, view = model.definition.limits["line"], limit_subject(model.definition, model.exact_values)
+        continuous, passing = ("tau_1", "tau_2") if rules == "kr" else ("tau_C", "tau_T")
+        sensors, factor = limit.vibratory_sensors(continuous, view)
+        assert {one.of for one in sensors} == {"line"}
+        assert factor == pytest.approx(16 / (math.pi * 0.3**3))
+        assert limit.vibratory_sensors(passing, view) is None
+
+    @pytest.mark.parametrize("rules", SHAFT_SOCIETIES)
+    def test_documents_have_the_factors_of_propulsion_shafts(self, rules):
+        text = SHAFTING.replace("rule: iacs_m68", f"rule: iacs_m68, rules: {rules}")
+        report = make_report(tn.loads(text), kind="approval", sections=["components"], date=None)
+        factors, components = (one for one in report.sections[0].blocks if isinstance(one, TableBlock))
+        assert "factors and where they come from" in str(factors.caption)
+        (group,) = components.groups
+        assert group.title == "Shafts"
+        assert [row[1][0] for row in group.rows] == ["Stress, continuous operation", "Stress, quick passage"]
+
+    def test_a_shaft_between_two_gears_is_none_of_them(self):
+        """M68.1: shafts that are integral to gear boxes have rules of their own; the shaft behind the wheel has M68."""
+        model = tn.loads(SHAFTING)
+        (fault,) = unfit_limits(tn.loads(SHAFTING.replace("element: line", "element: lay")).definition)
+        assert fault.severity == "warning"
+        assert "not for shafts that are integral to gearing (M68.1), and lay lies between two gears" in fault.message
+        assert unfit_limits(model.definition) == []
 
     @pytest.mark.parametrize("society", sorted(NOT_AT_HAND))
     def test_no_numbers_of_societies_whose_text_was_not_at_hand(self, society):

@@ -12,6 +12,7 @@ from torsionnet.machinery.limits import Limit
 from torsionnet.machinery.limits.coupling import DamperLimit
 from torsionnet.machinery.limits.curve import CurveLimit
 from torsionnet.machinery.limits.machine_angle import MachineAngleLimit
+from torsionnet.machinery.limits.society_rules import in_all_words
 from torsionnet.machinery.verdicts.condition_peaks import ConditionPeaks
 from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion, WorstLimit
 from torsionnet.machinery.verdicts.rule_factors import RuleSymbol, RuleWords
@@ -20,7 +21,7 @@ from torsionnet.model.definition import Definition
 from torsionnet.report.report_units import engineering_unit
 
 GROUPS = {
-    "shafts": ("iacs_m68", "fatigue"),
+    "shafts": ("iacs_m68", "generating_set_shaft", "fatigue"),
     "crankshaft": (),
     "couplings": ("coupling",),
     "gears": ("gear",),
@@ -30,8 +31,8 @@ GROUPS = {
 }
 """Rules of limits, by the kind of component that they are for, in the order of the report."""
 CRITERIA: dict[str, RuleWords] = {
-    "tau_C": ("stress, continuous operation",),
-    "tau_T": ("stress, quick passage",),
+    **dict.fromkeys(in_all_words("tau_C"), ("stress, continuous operation",)),
+    **dict.fromkeys(in_all_words("tau_T"), ("stress, quick passage",)),
     "tau_W": ("stress against fatigue",),
     "tau_F": ("stress against yield",),
     "continuous": ("half range, continuous operation",),
@@ -139,23 +140,6 @@ def _uses(
         yield replace(use, what=("the same angle, mechanical",)).scaled(scale / limit.pole_pairs, "deg")
     else:
         yield use.scaled(*engineering_unit(verdict.unit, conventions))
-
-
-def throws(model: Definition) -> tuple[str, ...]:
-    """Names of the elements between two cylinders of an engine or compressor that are switched on, in their order.
-
-    Examples
-    --------
-    >>> import torsionnet as tn
-    >>> throws(tn.load("two_stroke_ship").definition)
-    ('crank1', 'crank2', 'crank3', 'crank4', 'crank5')
-    """
-    cylinders = _cylinders(model)
-    return tuple(
-        one.name
-        for one in model.active
-        if len(set(one.ports.values())) == 2 and all(node in cylinders for node in one.ports.values())
-    )
 
 
 def _cylinders(model: Definition) -> set[str]:

@@ -11,6 +11,7 @@ from torsionnet.base.number_text import NumberText
 from torsionnet.base.phrases import joined, phrase
 from torsionnet.base.units import RPM
 from torsionnet.machinery.criticals.critical_speeds import CriticalSpeed
+from torsionnet.machinery.limits.society_rules import in_all_words
 from torsionnet.machinery.orders.operating_groups import damping_shares
 from torsionnet.machinery.orders.order_amplitudes import SummedOrder
 from torsionnet.machinery.verdicts.condition_peaks import ConditionPeaks, CriticalRecord, JudgedPoint, SumPeak
@@ -35,7 +36,7 @@ MOST_ORDERS = 3
 """Number of largest orders that are named at a peak."""
 WORST = "worst"
 """Mark of the condition in which a limit is used most at a peak, of all conditions."""
-GENERAL_CRITERIA = ("continuous", "in passing", "tau_C", "tau_T", "tau_1", "tau_2", "tau_W", "angle")
+GENERAL_CRITERIA = {"continuous", "in passing", "tau_W", "angle"} | in_all_words("tau_C") | in_all_words("tau_T")
 """Criteria that need no name beside their component, as the headings of the table say them."""
 COMMON = (
     Heading("Critical speed", "rpm", numeric=True),

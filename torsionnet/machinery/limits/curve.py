@@ -27,6 +27,23 @@ from torsionnet.machinery.verdicts.rule_factors import RuleText
 from torsionnet.model.channels import UNITS, ChannelName, Sensor, named_sensor
 from torsionnet.model.element_base.round_section import section_fault
 
+
+def crankshaft_throws(subject: LimitSubject, element: str) -> list[str]:
+    """Names of the elements between two cylinders of the crankshaft that an element is a part of, with the element.
+
+    Empty for an element of no crankshaft. It may itself lie between the last cylinder and the flywheel.
+    """
+    ports = {name: set(one.ports.values()) for name, one in subject.active.items()}
+    throws = {name: nodes for name, nodes in ports.items() if len(nodes) == 2 and nodes <= subject.cranks}
+    reached = ports.get(element, set()) & subject.cranks
+    found = {element} if reached else set[str]()
+    # From throw to throw along the shaft: another engine's crankshaft is not reached.
+    while more := [name for name, nodes in throws.items() if name not in found and nodes & reached]:
+        found.update(more)
+        reached |= set().union(*(throws[name] for name in more))
+    return [name for name in ports if name in found]
+
+
 # Allowed values of a limit, one for all speeds or tables over speed or speed ratio.
 
 ALLOWED = ValueInUnitOfUse("value allowed", exclusive=True)
@@ -141,6 +158,12 @@ class CurveLimit(InSpeedBand):
         "half_range",
     )
     orders: tuple[float, ...] = entry(Listed("with each_order: these alone", ORDER, form="a list of orders"), ())
+    throws: str = entry(
+        OneOf(
+            "of a torque in a crankshaft: every throw of it is judged, or the one of the output alone", ("all", "one")
+        ),
+        "all",
+    )
     tachometer_tolerance: float = entry(TOLERANCE, 0)
     passing_time: float | None = entry(PASSING_TIME, None)
     transient_factor: float | None = entry(Value("times the value for passing through", "1", lower=1), None)
@@ -230,8 +253,18 @@ class CurveLimit(InSpeedBand):
             )
 
     def order_sensors(self, subject: LimitSubject) -> list[Sensor]:
+        """Sensor of the output; of a torque in a crankshaft also those of its other throws, which are as strong."""
         sensor = self.sensor(subject)
-        return [] if sensor is None else [sensor]
+        if sensor is None or sensor.quantity != "torque" or self.throws == "one":
+            return [] if sensor is None else [sensor]
+        others = (name for name in crankshaft_throws(subject, sensor.of) if name != sensor.of)
+        return [sensor, *(Sensor("torque", name) for name in others)]
+
+    def place(self, line: LimitLine, evidence: Evidence) -> str:
+        """Output, or the throw with the largest value where the crankshaft is used most."""
+        sensors = self.order_sensors(evidence.subject)
+        worst = evidence.largest_of(sensors, line.worst)
+        return self.of if worst is sensors[0] else str(worst)
 
     def vibratory_sensors(self, criterion: str, subject: LimitSubject) -> tuple[list[Sensor], float] | None:
         del criterion
@@ -255,8 +288,11 @@ class CurveLimit(InSpeedBand):
         sensor = self.sensor(evidence.subject)
         if sensor is None:
             return
-        orders = evidence.orders([sensor])
-        values = evidence.size([sensor]) if self.measure == "half_range" else self._largest(sensor, evidence)
+        sensors = self.order_sensors(evidence.subject)
+        orders = evidence.orders(sensors)
+        values = evidence.size(sensors)
+        if self.measure != "half_range":
+            values = np.max([self._largest(one, evidence) for one in sensors], axis=0)
         allowed = self._allowed(evidence)
         quantity = "half range" if self.measure == "half_range" else "largest amplitude of an order"
         unit = UNITS[sensor.quantity]

@@ -115,6 +115,10 @@ class Evidence:
         places = [self._place(sensor) for sensor in sensors]
         return np.stack([case.half_range[:, places].max(axis=1) for case in self.run.each], axis=1)
 
+    def largest_of(self, sensors: Sequence[Sensor], at: int) -> Sensor:
+        """Sensor with the largest half range of the sum of all orders at a speed, given by its index."""
+        return max(sensors, key=lambda sensor: float(self.run.half_range[at, self._place(sensor)]))
+
     def orders(self, sensors: Sequence[Sensor]) -> OrderAmplitudes:
         """Amplitudes of every order in SI units, those of the sensor with the largest half range at each speed."""
         return OrderAmplitudes.of(self.run, [self._place(one) for one in sensors])

@@ -22,11 +22,13 @@ from torsionnet.machinery.limits.m68_factors import (
     CAPS,
     CONSTANT_ABOVE,
     FEATURES,
+    GEARING,
     HIGHEST_RATIO,
     HOLE,
     NO_BARRED_ABOVE,
     NOT_COVERED,
     NOT_FOR_CRANKSHAFTS,
+    NOT_FOR_GEARS,
     NOT_FOR_SETS,
     PASSING_FACTOR,
     PROPELLER_CAP,
@@ -130,8 +132,10 @@ class IacsM68(ClassRuleShaft):
             return NOT_FOR_SETS
         # A part between two throws, as others may lie between a cylinder and the flywheel.
         nodes = set(subject.elements[self.element].ports.values())
-        is_crank = len(nodes) > 1 and nodes <= subject.cranks
-        return phrase(NOT_FOR_CRANKSHAFTS, name=self.element) if is_crank else ""
+        if len(nodes) > 1 and nodes <= subject.cranks:
+            return phrase(NOT_FOR_CRANKSHAFTS, name=self.element)
+        meshing = {node for one in subject.elements.values() if one.kind in GEARING for node in one.ports.values()}
+        return phrase(NOT_FOR_GEARS, name=self.element) if len(nodes) > 1 and nodes <= meshing else ""
 
     def _unexamined(self, subject: LimitSubject) -> Iterator[Fault]:
         """Fault that the speed for safe navigation is not among the speeds examined."""

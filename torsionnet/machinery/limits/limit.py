@@ -124,6 +124,11 @@ class Limit(Declared):
         del line, evidence
         return ()
 
+    def place(self, line: LimitLine, evidence: Evidence) -> str:
+        """Name of the element, node or output in which a line is judged; of several the one that is used most."""
+        del line, evidence
+        return self.of
+
     def known_lines(self, evidence: Evidence) -> list[LimitLine]:
         """Lines of a condition over speed, one for each criterion of the limit.
 
@@ -260,10 +265,12 @@ class Limit(Declared):
         barred: tuple[SpeedSpan, ...],
         remarks: tuple[str, ...],
     ) -> LimitVerdict:
-        case, about_case = _worst_case(evidence, line, self.order_sensors(evidence.subject)[0])
+        judged = self.vibratory_sensors(line.criterion, evidence.subject)
+        sensors = judged[0] if judged else self.order_sensors(evidence.subject)[:1]
+        case, about_case = _worst_case(evidence, line, sensors)
         own = (*self.remarks(line, evidence), *([about_case] if case else []))
         return LimitVerdict(
-            limit=name, of=self.of, criterion=line.criterion, quantity=line.quantity, unit=line.unit,
+            limit=name, of=self.place(line, evidence), criterion=line.criterion, quantity=line.quantity, unit=line.unit,
             speeds=evidence.speeds, values=line.values, allowed=line.allowed, verdict=verdict,
             text=self.text(evidence), barred=barred,
             remarks=(*remarks, *line.remarks, *own, *_coarse(evidence, line.values)), case=case,
@@ -321,6 +328,11 @@ class LimitLine:
         return utilisation_of(self.values, self.allowed)
 
     @property
+    def worst(self) -> int:
+        """Index of the speed at which the value allowed is used most."""
+        return int(np.argmax(np.nan_to_num(self.utilisation, nan=-1.0)))
+
+    @property
     def each(self) -> FloatArray:
         """Values of the criterion in each case of excitation, shape (n_speeds, n_cases).
 
@@ -353,15 +365,15 @@ def merged_line(parts: Sequence[LimitLine], order: NDArray[np.intp]) -> LimitLin
     )
 
 
-def _worst_case(evidence: Evidence, line: LimitLine, sensor: Sensor) -> tuple[str, str]:
+def _worst_case(evidence: Evidence, line: LimitLine, sensors: Sequence[Sensor]) -> tuple[str, str]:
     """Case of excitation that is worst at the worst speed, as a misfiring cylinder, and a remark on it.
 
     Empty where all are equal.
     """
     if not line.vibratory:
         return "", ""
-    at = int(np.argmax(np.nan_to_num(line.utilisation, nan=-1.0)))
-    case = evidence.worst_case(sensor, at)
+    at = line.worst
+    case = evidence.worst_case(evidence.largest_of(sensors, at), at)
     return ("", "") if case == ALL_CASES_EQUAL else (case, f"worst at {evidence.run.rpm[at]:g} rpm: {case}")
 
 

@@ -42,11 +42,6 @@ SCF_OF_UNIT = 1.45
 SLOT_LENGTH, SLOT_BORE, SLOT_WIDTH, HOLE = 0.8, 0.7, 0.15, 0.3
 """Bounds of IACS M68 on slots and holes over the outer diameter: a slot is shorter, its shaft's bore smaller, its width
 larger; a hole is no larger."""
-SOURCE = (
-    "IACS UR M68, torsional vibration stresses and C_K as in KR Rules Part 5 Chapter 4 (2025), 202 and 206, "
-    "which carry them"
-)
-"""Text with the source of IACS M68 as reports print it."""
 NOT_COVERED = (
     "speeds above 1.05 rated; crankshafts, shafts of gears, electric machines and turbines; ice class; shafts exposed "
     "to sea water; bending; required diameters (M68.4). With a controllable pitch propeller full and zero pitch are "
@@ -63,6 +58,13 @@ NOT_FOR_CRANKSHAFTS = (
     "UR M68 is not for crankshafts (M68.1), and {name} is part of one: give the limit of its maker, rule: curve"
 )
 """Message that IACS M68 does not judge a part of a crankshaft."""
+NOT_FOR_GEARS = (
+    "UR M68 is not for shafts that are integral to gearing (M68.1), and {name} lies between two gears: give the limit "
+    "of its maker, rule: curve or rule: fatigue"
+)
+"""Message that IACS M68 does not judge a shaft of a gearbox."""
+GEARING = ("gear", "planetary", "gearbox", "final_drive")
+"""Types of elements that mesh; a shaft with one at either end is part of a gearbox."""
 
 
 PASSING_FACTOR = 1.7

@@ -16,6 +16,7 @@ from torsionnet.base.phrases import ModelName, phrase
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.limits.evidence import Evidence, LimitSubject, torques_of
 from torsionnet.machinery.limits.limit import LimitLine, line_without_data, register_rule
+from torsionnet.machinery.limits.society_rules import in_all_words
 from torsionnet.machinery.limits.speed_band import InSpeedBand
 from torsionnet.machinery.orders.order_amplitudes import OrderAmplitudes
 from torsionnet.machinery.verdicts.rule_factors import RuleText
@@ -23,8 +24,8 @@ from torsionnet.model.channels import Sensor
 from torsionnet.model.element_base.element_entries import ElementName
 from torsionnet.model.elements import Element, Values
 
-VIBRATORY_STRESSES = ("tau_C", "tau_W")
-"""Criteria of limits of shafts that judge the half range of the shear stress alone."""
+VIBRATORY_STRESSES = in_all_words("tau_C") | {"tau_W"}
+"""Criteria of limits of shafts that judge the half range of the shear stress alone in continuous operation."""
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from torsionnet.base.entries.spec import EntryError, OneOf
-from torsionnet.machinery.limits.m68_factors import SOURCE
 
 
 @dataclass(frozen=True)
@@ -85,6 +84,11 @@ class Society:
         return re.sub(rf"(?<![\w-])({known})(?=s?(?![\w-]))", lambda found: said[found[1]], text)
 
 
+SOURCE = (
+    "IACS UR M68, torsional vibration stresses and C_K as in KR Rules Part 5 Chapter 4 (2025), 202 and 206, "
+    "which carry them"
+)
+"""Text with the source of IACS M68 as reports print it."""
 KR_CHAPTER = "KR Rules for the Classification of Steel Ships, Part 5 Chapter 4 (2025)"
 """Chapter of the Korean Register's rules on torsional vibration, with its edition."""
 LR_CHAPTER = (
@@ -159,6 +163,16 @@ SOCIETIES: dict[str, Society] = {
     ),
 }
 """Rows of the classification societies whose text on torsional vibration was at hand, by their short name."""
+
+
+def in_all_words(word: str) -> frozenset[str]:
+    """Words and symbols of all societies for a word or symbol that limits use of themselves, with this one.
+
+    >>> sorted(in_all_words("tau_C"))
+    ['tau_1', 'tau_C', 'tau_c']
+    """
+    return frozenset({word, *(society.in_words(word) for society in SOCIETIES.values())})
+
 
 NOT_AT_HAND = {
     "lr": "of LR's rules words and symbols were at hand, but not the formulas of its limits (Pt 5 Ch 8 2.5)",

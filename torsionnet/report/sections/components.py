@@ -9,13 +9,18 @@ import numpy as np
 from torsionnet.base.entries.spec import not_none
 from torsionnet.base.number_text import aligned_numbers
 from torsionnet.base.phrases import phrase
+from torsionnet.machinery.checks.limit_checks import limit_subject
 from torsionnet.machinery.limits.coupling import temperature_words
+from torsionnet.machinery.limits.curve import CurveLimit, crankshaft_throws
+from torsionnet.machinery.limits.evidence import LimitSubject
 from torsionnet.machinery.limits.iacs_m68 import IacsM68
 from torsionnet.machinery.limits.m68_factors import BORE
+from torsionnet.machinery.limits.society_rules import in_all_words
 from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion, WorstLimit
 from torsionnet.machinery.verdicts.rule_factors import RuleFactor, RuleSymbol, RuleWords
+from torsionnet.machinery.verdicts.speed_spans import utilisation_of
 from torsionnet.model.channels import Sensor
-from torsionnet.report.component_uses import GROUPS, ComponentUse, component_uses, throws
+from torsionnet.report.component_uses import GROUPS, ComponentUse, component_uses
 from torsionnet.report.condition_tables import condition_cell, without_empty
 from torsionnet.report.document_tree import (
     Block,
@@ -32,14 +37,12 @@ from torsionnet.report.document_tree import (
     TableGroup,
     Text,
 )
-from torsionnet.report.report_data import ReportData
+from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import as_words, capital, unit
 from torsionnet.report.report_units import FACTOR_UNITS, engineering_unit
 from torsionnet.symbolic.symbol_names import GREEK
 
-SAME_TORQUE = 1e-3
-"""Relative excess of the largest torque of a throw over the torque compared above which it is another throw's."""
 MOST_SHAFTS = 4
 """Largest number of shafts side by side in one table of factors, as a page has no room for more."""
 M68_TEXT: Text = (
@@ -65,6 +68,9 @@ NO_M53 = (
     "webs and fillets, which this calculation does not have."
 )
 """Sentence on what is not calculated for crankshafts."""
+EVERY_THROW = "The maker's limit is judged in every throw; {most} uses it most."
+ONE_THROW = "The maker's limit is judged in {of} alone; {most} would use it most."
+"""Sentences below the table of throws on where the limit of the maker is judged."""
 
 
 def components_section(subject: ReportData) -> Section | None:
@@ -77,8 +83,10 @@ def components_section(subject: ReportData) -> Section | None:
         return None
     uses = component_uses(found, subject.model.definition, subject.conventions, subject.normal_peaks)
     blocks: list[Block] = [*_m68_shafts(subject, found), _all_components(subject, found, uses)]
-    if any(use.group == "crankshaft" for use in uses):
-        blocks += [*_throws(subject, uses), Paragraph((NO_M53,))]
+    crankshafts = {use.worst.verdict.limit: use for use in uses if use.group == "crankshaft" and use.value is not None}
+    for use in crankshafts.values():
+        blocks += _throws(subject, use)
+    blocks += [Paragraph((NO_M53,))] if crankshafts else []
     blocks += [Paragraph(("Rules and sources:",)), Listing(tuple(_sources(found)))]
     return Section("components", ("Shafts, crankshaft, couplings, gears, dampers",), tuple(blocks))
 
@@ -89,7 +97,7 @@ def _m68_shafts(subject: ReportData, found: LimitConclusion) -> Iterator[Block]:
     shafts = [
         one
         for one in found.worst()
-        if isinstance(limits[one.verdict.limit], IacsM68) and one.verdict.criterion == "tau_C"
+        if isinstance(limits[one.verdict.limit], IacsM68) and one.verdict.criterion in in_all_words("tau_C")
     ]
     shafts.sort(key=lambda one: list(limits).index(one.verdict.limit))
     if shafts:
@@ -224,45 +232,51 @@ def _cells(subject: ReportData, use: ComponentUse, speed: NumberText, source: st
     return (as_words(verdict.limit), _typeset(what), shown, *numbers, speed, condition, source)
 
 
-def _throws(subject: ReportData, uses: Sequence[ComponentUse]) -> Iterator[Block]:
+def _throws(subject: ReportData, use: ComponentUse) -> Iterator[Block]:
     """Table of the vibratory torque in every throw, in normal operation and where the crankshaft is used most."""
-    crankshaft = [use for use in uses if use.group == "crankshaft"]
-    use = max(crankshaft, key=lambda use: use.worst.utilisation or 0.0)
-    normal, worst = subject.normal_case, subject.judged_case(use.worst.check)
-    elements = throws(worst.drivetrain.definition)
+    check, normal, worst = use.worst.check, subject.normal_case, subject.judged_case(use.worst.check)
+    limit, view = subject.model.definition.limits[use.worst.verdict.limit], _limit_subject(worst)
+    sensor = limit.sensor(view) if isinstance(limit, CurveLimit) else None
+    elements = crankshaft_throws(view, sensor.of) if sensor is not None and sensor.quantity == "torque" else []
     if not elements:
         return
     scale, shown = engineering_unit("N*m", subject.conventions)
     sensors = [Sensor("torque", name) for name in elements]
     columns = [Heading("Throw"), Heading("Between")]
-    ports = worst.drivetrain.definition.elements
+    ports = view.elements
     cells: list[list[Cell]] = [
         [as_words(name) for name in elements],
         [" – ".join(as_words(node) for node in ports[name].ports.values()) for name in elements],
     ]
     peaks = not_none(subject.normal_peaks)
-    if peaks.rated is not None and throws(normal.drivetrain.definition) == elements:
-        run = normal.drivetrain.order_response(sensors, speeds=peaks.points.speeds[[peaks.rated]])
+    if peaks.rated is not None and set(elements) <= _limit_subject(normal).active.keys():
+        rated = normal.drivetrain.order_response(sensors, speeds=peaks.points.speeds[[peaks.rated]])
         columns.append(Heading("At rated speed, normal", unit(shown), numeric=True))
-        cells.append([*aligned_numbers([float(size) * scale for size in run.half_range[0]])])
-    run = worst.drivetrain.order_response(sensors, refine=True)
-    sizes = run.half_range.max(axis=0)
+        cells.append([*aligned_numbers([float(size) * scale for size in rated.half_range[0]])])
+    sizes = worst.drivetrain.order_response(sensors, speeds=check.speeds).half_range
+    used = utilisation_of(sizes.T, use.worst.verdict.allowed).T
+    top = np.nan_to_num(used, nan=-1.0).argmax(axis=0)
     columns += [
         Heading("Largest half range", unit(shown), numeric=True),
         Heading("Speed", "rpm", numeric=True),
+        Heading("Used most", "%", numeric=True),
+        Heading("At", "rpm", numeric=True),
     ]
     cells += [
-        [*aligned_numbers([float(size) * scale for size in sizes])],
-        [*aligned_numbers([float(run.rpm[at]) for at in run.half_range.argmax(axis=0)], 3)],
+        [*aligned_numbers([float(size) * scale for size in sizes.max(axis=0)])],
+        [*aligned_numbers([float(check.rpm[at]) for at in sizes.argmax(axis=0)], 3)],
+        [NumberText(100 * float(used[at, place]), 3) for place, at in enumerate(top)],
+        [*aligned_numbers([float(check.rpm[at]) for at in top], 3)],
     ]
     where = phrase(", largest in condition {name}", name=worst.title) if worst.configuration else ""
-    most = as_words(elements[int(np.argmax(sizes))])
-    compared = as_words(use.worst.verdict.of)
-    beyond = use.value is not None and float(sizes.max()) * scale > (1 + SAME_TORQUE) * use.value
-    notes = (
-        [phrase("The largest is in {most}; the maker's limit is for {of}.", most=most, of=compared)] if beyond else []
-    )
+    most = elements[int(np.argmax(used[top, range(len(elements))]))]
+    text = EVERY_THROW if isinstance(limit, CurveLimit) and limit.throws == "all" else ONE_THROW
+    notes = [phrase(text, most=as_words(most), of=as_words(limit.of))]
     yield table(phrase("Vibratory torque by throw{where}", where=where), columns, list(zip(*cells, strict=True)), notes)
+
+
+def _limit_subject(case: Case) -> LimitSubject:
+    return limit_subject(case.drivetrain.definition, case.drivetrain.exact_values)
 
 
 def _numbered(found: LimitConclusion) -> dict[tuple[str, str], list[str]]:
