@@ -23,7 +23,7 @@ TASKS = {
     "a report": r"^torsionnet report ",
     "a study": r"^torsionnet study ",
     "an own element": r"^class \w+\(Element\)",
-    "a notebook": r"%matplotlib inline",
+    "a notebook": r"^rig\.modes\(\)$",
 }
 """What a block of a page has that shows how the task is done."""
 
