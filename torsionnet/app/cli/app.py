@@ -126,44 +126,58 @@ class ClosedPipeStream:
             os.close(nowhere)
 
 
-COMMANDS = {  # in the order of use; the texts stand here so that the list of commands imports none of them
-    "library": "The models, parts and catalogues that come with the package.",
-    "new": "A commented model file to start from: ship, genset, rig, train, turbine.",
-    "check": "Is a model sound? Every fault with its place in the file.",
-    "explain": "What the word in brackets behind a message means, and what mends it.",
-    "show": "Elements, parameters, equations of motion, matrices, schematic.",
-    "equations": "Equations of motion and transfer functions in symbols.",
-    "modes": "Natural frequencies, damping ratios, mode shapes, energy shares.",
-    "margins": "How far a controlled drivetrain is from becoming unstable.",
-    "explore": "A page to play with a model: sliders, responses, modes.",
-    "sensitivity": "Which parameter moves which mode, and by how much.",
-    "frf": "Frequency responses between sensors, inputs and nodes.",
-    "orders": "What engines, propellers and the like do over speed, order by order.",
-    "critical-speeds": "Where orders meet natural frequencies, with margins and excitation.",
-    "holzer": "Holzer table of a mode or of a trial frequency.",
-    "static": "Mean torque, twist, stress and power of every element under the load.",
-    "simulate": "A scenario over time: torques, short circuits, contacts, friction.",
-    "limits": "Do shafts, couplings and gears bear it? Which speeds are barred?",
-    "damper": "The film or tuning of a damper with which the largest vibration is smallest.",
-    "study": "Tolerances, conditions and choices: what varies, what is asked, what follows.",
-    "bench": "Run a test on a model instead of a rig, and write the record.",
-    "angle": "Angle and speed from pulses of toothed wheels, with their uncertainty.",
-    "clocks": "Drift and offset between the clocks of two systems that recorded one test.",
-    "estimate": "Frequency responses and coherence from a record of signals.",
-    "track": "Complex orders of a turning machine from teeth, torque and gauges.",
-    "campaign": "A whole rotating test from one file: orders beside the model, repeats, fit, report.",
-    "compare": "A record against a model.",
-    "calibrate-wheel": "Pitch errors of a toothed wheel, from its own pulses.",
-    "spectrogram": "Level over time and frequency of a record.",
-    "fit": "Find parameters of a model from records or responses.",
-    "identify-modes": "Natural frequencies and damping ratios from a record, without a model.",
-    "damping": "Natural frequencies and damping ratios from a run-up, a free decay or ambient vibration.",
-    "report": "The document on a model: HTML, PDF, LaTeX or Markdown.",
-    "export": "The model for Matlab, Modelica, openTorsion, as an FMU or a sheet.",
-    "import": "A model file out of a maker's sheet or another program.",
-    "language-server": "Faults, completion and renaming in the editor that model files are written in.",
-    "schema": "JSON Schema of model files, for editors.",
+GROUPS = {  # by what a user does; the texts stand here so that the list of commands imports none of them
+    "Model": {
+        "library": "The models, parts and catalogues that come with the package.",
+        "new": "A commented model file to start from: ship, genset, rig, train, turbine.",
+        "check": "Is a model sound? Every fault with its place in the file.",
+        "show": "Elements, parameters, equations of motion, matrices, schematic.",
+        "equations": "Equations of motion and transfer functions in symbols.",
+        "import": "A model file out of a maker's sheet or another program.",
+        "export": "The model for Matlab, Modelica, openTorsion, as an FMU or a sheet.",
+    },
+    "Calculate": {
+        "modes": "Natural frequencies, damping ratios, mode shapes, energy shares.",
+        "sensitivity": "Which parameter moves which mode, and by how much.",
+        "frf": "Frequency responses between sensors, inputs and nodes.",
+        "margins": "How far a controlled drivetrain is from becoming unstable.",
+        "simulate": "A scenario over time: torques, short circuits, contacts, friction.",
+        "static": "Mean torque, twist, stress and power of every element under the load.",
+        "study": "Tolerances, conditions and choices: what varies, what is asked, what follows.",
+    },
+    "Running machinery": {
+        "orders": "What engines, propellers and the like do over speed, order by order.",
+        "critical-speeds": "Where orders meet natural frequencies, with margins and excitation.",
+        "holzer": "Holzer table of a mode or of a trial frequency.",
+        "limits": "Do shafts, couplings and gears bear it? Which speeds are barred?",
+        "damper": "The film or tuning of a damper with which the largest vibration is smallest.",
+    },
+    "Tests and records": {
+        "bench": "Run a test on a model instead of a rig, and write the record.",
+        "estimate": "Frequency responses and coherence from a record of signals.",
+        "compare": "A record against a model.",
+        "fit": "Find parameters of a model from records or responses.",
+        "identify-modes": "Natural frequencies and damping ratios from a record, without a model.",
+        "damping": "Natural frequencies and damping ratios from a run-up, a free decay or ambient vibration.",
+        "spectrogram": "Level over time and frequency of a record.",
+        "angle": "Angle and speed from pulses of toothed wheels, with their uncertainty.",
+        "calibrate-wheel": "Pitch errors of a toothed wheel, from its own pulses.",
+        "clocks": "Drift and offset between the clocks of two systems that recorded one test.",
+        "track": "Complex orders of a turning machine from teeth, torque and gauges.",
+        "campaign": "A whole rotating test from one file: orders beside the model, repeats, fit, report.",
+    },
+    "Documents": {
+        "report": "The document on a model: HTML, PDF, Word, LaTeX or Markdown.",
+    },
+    "Tools": {
+        "explore": "A page to play with a model: sliders, responses, modes.",
+        "explain": "What the word in brackets behind a message means, and what mends it.",
+        "language-server": "Faults, completion and renaming in the editor that model files are written in.",
+        "schema": "JSON Schema of model files, for editors.",
+    },
 }
+"""What each command does, by group."""
+COMMANDS = {name: text for group in GROUPS.values() for name, text in group.items()}
 
 
 FILES = {
@@ -197,16 +211,20 @@ class LazyGroup(click.Group):
 
     def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
         if args and not args[0].startswith("-") and args[0] not in COMMANDS:
+            from torsionnet.app.cli.other_words import same_command
             from torsionnet.base.errors import did_you_mean
 
-            hint = did_you_mean(args[0], COMMANDS) or f"; there are {', '.join(COMMANDS)}"
+            same = same_command(args[0])
+            hint = f"; say {same}" if same else did_you_mean(args[0], COMMANDS) or f"; there are {', '.join(COMMANDS)}"
             raise click.UsageError(f'no command is named "{args[0]}"{hint}', ctx)
         return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         del ctx
-        with formatter.section("Commands"):
-            formatter.write_dl(list(COMMANDS.items()))
+        widest = max(map(len, COMMANDS))
+        for group, commands in GROUPS.items():
+            with formatter.section(group):
+                formatter.write_dl([(f"{name:{widest}}", what) for name, what in commands.items()])
 
     def invoke(self, ctx: click.Context) -> Any:
         with exit_code_for_errors():

@@ -120,7 +120,29 @@ def click_command(name: str, declared: type[Command]) -> click.Command:
     params += [forms[form] for form in declared.forms]
     params += [plot_option(declared.picture).parameter("plot_file", str | None)] if declared.picture else []
     words = remedy_words([option for one in params for option in one.opts])
-    return click.Command(name, callback=run, params=params, help=inspect.getdoc(declared))
+    return CommandWithExamples(name, callback=run, params=params, help=inspect.getdoc(declared))
+
+
+class CommandWithExamples(click.Command):
+    """Click command in whose help the last paragraph of the text, lines to be typed, stands as examples at the end."""
+
+    def format_help_text(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        del ctx
+        text, _ = self._parts()
+        formatter.write_paragraph()
+        with formatter.indentation():
+            formatter.write_text(text)
+
+    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        del ctx
+        _, examples = self._parts()
+        if examples:
+            with formatter.section("Examples"):
+                formatter.write("".join(f"  {line}\n" for line in examples.splitlines()))
+
+    def _parts(self) -> tuple[str, str]:
+        text, _, examples = (self.help or "").rpartition("\n\n\b\n")
+        return (text, examples) if examples.startswith("torsionnet ") else (self.help or "", "")
 
 
 def write_answer(answer: Answer, output: Output) -> None:

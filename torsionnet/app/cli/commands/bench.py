@@ -44,12 +44,12 @@ class BenchCommand(Command):
 
     RIG is a model file with a bench: section, a file that names a model and has a bench:, or a bench of the library.
 
+    A bench that turns gives a record for each steady point and for each recording system, NAME_600rpm.npz.
+
     \b
     torsionnet bench amt_bench -c II -o gear_II.tdms
     torsionnet bench dmf_bench --seed 7 --plot signals.png
     torsionnet bench marine_run_up -o run_up.npz
-
-    A bench that turns gives a record for each steady point and for each recording system, NAME_600rpm.npz.
     """
 
     forms = NUMBERS

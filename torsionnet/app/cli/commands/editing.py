@@ -130,6 +130,9 @@ class LanguageServerCommand(Command):
 
     The editor starts it; docs/how_to/editors.md has the settings for several. Faults stand at their line while one
     types; completion, explanations, renaming, outline and formatting come with it. It needs the extra lsp.
+
+    \b
+    torsionnet language-server
     """
 
     def answer(self) -> Answer:

@@ -13,6 +13,10 @@ class ExplainCommand(Command):
     """Explain a kind of fault, the word in brackets behind a message: what it means, an example, and its mending.
 
     Without a word it lists all of them.
+
+    \b
+    torsionnet explain
+    torsionnet explain unknown-node
     """
 
     kind: str | None = argument("[KIND]", required=False)

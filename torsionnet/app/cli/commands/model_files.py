@@ -43,7 +43,12 @@ class LibraryFile:
 
 
 class LibraryCommand(Command):
-    """List models, studies and campaigns of the package, to be named in place of a file, parts and catalogues."""
+    """List models, studies and campaigns of the package, to be named in place of a file, parts and catalogues.
+
+    \b
+    torsionnet library
+    torsionnet library --json
+    """
 
     forms = JSON
 
@@ -161,7 +166,13 @@ WRONG_MODEL, WRONG_USAGE = 1, 2  # exit codes
 
 
 class CheckCommand(Command):
-    """Check model files; every error, warning and note is shown with its place. Exit code 1 if there are errors."""
+    """Check model files; every error, warning and note is shown with its place. Exit code 1 if there are errors.
+
+    \b
+    torsionnet check plant.yaml
+    torsionnet check *.yaml --json
+    torsionnet check plant.yaml --watch
+    """
 
     forms = JSON
 
@@ -295,6 +306,11 @@ class ShowCommand(ModelCommand):
     """Elements with their values as written and in SI, parameters, inputs, sensors, configurations, mean speeds.
 
     With --equations, --matrices or --flat only these; --csv writes the table of elements.
+
+    \b
+    torsionnet show amt_rig -c V --plot rig.svg
+    torsionnet show dmf_rig --equations
+    torsionnet show dmf_rig --matrices
     """
 
     forms = TABLE

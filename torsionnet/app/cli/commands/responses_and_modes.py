@@ -40,6 +40,11 @@ class ModesCommand(ModelCommand):
     """Complex modes: natural frequencies |lambda|/2pi, damping ratios, descriptions.
 
     The eigenvalues, shapes and energy shares are all in --json; --csv has the eigenvalues.
+
+    \b
+    torsionnet modes amt_rig -c all --energies
+    torsionnet modes amt_rig -c V --shapes --plot shapes.png
+    torsionnet modes dmf_rig --measured-input T_T
     """
 
     forms = TABLE
@@ -149,6 +154,9 @@ class MarginsCommand(ModelCommand):
     """Stability margins of the loop opened at a controller: gain, phase, delay, and the distance from -1.
 
     All other loops are closed. --plot draws Nyquist's plot.
+
+    \b
+    torsionnet margins plant.yaml --plot nyquist.png
     """
 
     forms = TABLE

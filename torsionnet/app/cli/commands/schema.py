@@ -19,6 +19,11 @@ class SchemaCommand(Command):
     """Print the JSON Schema of model, bench, fit, study or campaign files, by which editors check and explain them.
 
     First line of a model file: # yaml-language-server: $schema=torsionnet.schema.json
+
+    \b
+    torsionnet schema -o torsionnet.schema.json
+    torsionnet schema --kind study
+    torsionnet schema --json-of modes
     """
 
     kind: str = option(
