@@ -70,7 +70,7 @@ def test_a_start_above_the_limit_in_passing_fails_the_verdict(tmp_path):
     assert check.run_up.verdict == check.verdict == LimitConclusion((check,)).verdict == "fail"
     assert "starts from 250 to 675 rpm of flywheel at 15 % load: crankshaft not kept in passing" in check.conclusion
     assert instruction_table([check]).notes == (
-        "Not to be run as it is: crankshaft not kept; starts examined from 250 rpm on.",
+        "Not to be run as it is: crankshaft not kept; starts examined from 250 rpm on, stops not examined.",
     )
 
 

@@ -130,7 +130,7 @@ class TestPassage:
         low, _ = above(50e3, 9e3, 10e3)
         assert math.floor(checks[2].highest / RPM) == low
         assert checks[2].passed == ()
-        assert checks[2].finding() == f"tail does not hold; at most {low} rpm of e"
+        assert checks[2].finding() == f"flange, tail do not hold; at most {low} rpm of e"
         assert checks[2].permits(low * RPM)
         assert not checks[2].permits(100 * RPM)
         assert checks[0].highest is None
@@ -148,9 +148,11 @@ class TestPassage:
 
     def test_what_holds_elsewhere_may_be_run(self, checks):
         (note,) = instruction_table(checks).notes
-        assert note.startswith("Not kept in single conditions: tail; there only the remaining speeds may be run; ")
+        assert note.startswith(
+            "Not kept in single conditions: flange, tail; there only the remaining speeds may be run, "
+        )
         (note,) = instruction_table(checks[::-1]).notes
-        assert note.startswith("Not to be run as it is: tail not kept; ")
+        assert note.startswith("Not to be run as it is: flange, tail not kept; ")
 
 
 def test_a_range_below_one_with_rated_speed_in_it_is_still_passed():
@@ -180,12 +182,16 @@ class TestDocument:
     def test_tables_agree(self, report, checks):
         conditions = {row[0]: row for row in rows(captioned(report, "conditions", "Conditions examined"))}
         zero = conditions["Propeller at zero pitch, normal firing"]
-        assert zero[1:3] == ("fail: tail", checks[2].restriction)
+        # What one limit refuses to pass, no other one only bars: flange and tail are not kept.
+        assert zero[1] == "fail: flange, tail"
+        assert checks[2].of("flange").verdict == checks[2].of("tail", "continuous").verdict == "fail"
         table = captioned(report, "conclusion", "Operating instructions")
         groups = {group.title: [tuple(map(words, row)) for row in group.rows] for group in table.groups}
         assert [*groups] == [words(name) for name in conditions]
         ((low, _, action, limits, at, value, *_),) = groups["Propeller at zero pitch, normal firing"]
-        assert f"at most {low} rpm of e" == zero[2]
+        assert zero[2] == f"20 to {low} rpm"
+        low, high = above(50e3, 20e3, 10e3)
+        assert conditions["Full pitch, normal firing"][2] == f"20 to {low} rpm, {high} to 120 rpm"
         assert limits.startswith("tail, in passing; ")
         assert "tachometer red, notice at each control station" in action
         worst = [row for row in rows(captioned(report, "conclusion", "Verdict")) if row[2].startswith("propeller")]

@@ -69,7 +69,7 @@ excitations: {blades: {type: harmonic, node: b, orders: {2: {amplitude: 10}}}}
 limits: {shaft: {rule: curve, output: torque(shaft), value: 100 N*m, source: maker}}
 """
     )
-    (found,) = section(fan, passage=(1.0,))
+    (found,) = section(fan, passage=(100.0,))
     assert isinstance(found.blocks[-1], Picture)
 
 

@@ -14,6 +14,10 @@ NEED_A_NOUN = (
     "nominal", "none", "normal", "open", "part", "partial", "quarter", "rated", "reduced", "single", "zero",
 )  # fmt: skip
 """Names of alternatives that say little without their axis behind them, as in "full load"."""
+STATES = (
+    "connected", "disconnected", "disengaged", "engaged", "in", "off", "on", "out", "running", "stopped", "yes",
+)  # fmt: skip
+"""Names of alternatives that say little without their axis before them, as in "pump off"."""
 NORMAL = "normal"
 """Name of an alternative that says enough where there is one axis."""
 NUMBER = re.compile(r"\d+|[IVX]+|[A-Z]")
@@ -49,7 +53,7 @@ class ConditionTitles:
         words, noun = name.replace("_", " "), axis.replace("_", " ")
         if axis == DEFAULT_AXIS or (len(self.axes) == 1 and (name == NORMAL or NUMBER.fullmatch(name))):
             return words
-        if NUMBER.fullmatch(name):
+        if NUMBER.fullmatch(name) or words.lower() in STATES:
             return f"{noun} {words}"
         return f"{words} {noun}" if words.lower() in NEED_A_NOUN else words
 

@@ -110,13 +110,22 @@ def _entry(model: Drivetrain, key: str, value: Any, written: Any = None) -> str:
     if found is not None and found[0] == EXCITATIONS:
         excitation = model.definition.excitations[owner]
         if name in FIRING:
-            state = "unloaded" if excitation.absorbs else FIRING[name]
-            return f"{as_words(owner)}: {_cylinders(value)} {state}"
+            if excitation.absorbs:
+                return f"{as_words(owner)}: {_unloaded(excitation, value)}"
+            return f"{as_words(owner)}: {_cylinders(value)} {FIRING[name]}"
         if name == "enabled":
             return f"{as_words(owner)} {'running' if value else 'not running'}"
     what = "load" if owner == LOAD else as_words(owner)
     points = "{name}: pressure trace of {count} points" if name == GAS else "{name}: {count} values"
     return joined("", (f"{what}: ", _named(name, value, written, points)))
+
+
+def _unloaded(excitation: Any, value: Any) -> str:
+    """Text of the cylinders of a compressor that are unloaded: all alike, or some beside others that are not."""
+    known = {str(number) for number in getattr(excitation, "numbers", ())}
+    if isinstance(value, Sequence) and not isinstance(value, str) and {*map(str, value)} == known:
+        return phrase("all cylinders unloaded alike")
+    return phrase("{cylinders} unloaded, the others loaded", cylinders=_cylinders(value))
 
 
 def _cylinders(value: Any) -> str:

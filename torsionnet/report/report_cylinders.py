@@ -409,6 +409,8 @@ def state_table(subject: ReportData) -> TableBlock | None:
 def _states(engine: ReciprocatingEngine) -> list[tuple[str, str]]:
     """Cylinders and what their gas does, for every state of an engine that is not normal."""
     without = "unloaded: the pressure given without delivery" if engine.absorbs else "no injection: compression only"
+    if engine.is_unloaded_evenly:
+        without = "all unloaded alike, a load of its own: the pressure given without delivery"
     states = []
     if engine.misfire:
         each = engine.misfire == EACH

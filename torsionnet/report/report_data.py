@@ -20,6 +20,7 @@ from torsionnet.linear.dynamic_stiffness.transfer_request import usable_channels
 from torsionnet.linear.frequency_response import FrequencyResponse
 from torsionnet.linear.modes.modes import Modes
 from torsionnet.linear.responses.grid import Adaptive, vibration_range
+from torsionnet.machinery.verdicts.margin_rules import PRESETS
 from torsionnet.model.condition_titles import ConditionTitles
 from torsionnet.model.configurations import label, parse_choice
 from torsionnet.report.plan import Pair
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
     from torsionnet.linear.assembly.assembled import AssembledModel
     from torsionnet.linear.frequency_response import FloatArray
+    from torsionnet.machinery.criticals.critical_speeds import CriticalSpeeds
     from torsionnet.machinery.holzer.holzer import CountedVibration
     from torsionnet.machinery.orders.order_line import OrderLine
     from torsionnet.machinery.orders.order_response import OrderResponse
@@ -50,6 +52,8 @@ DEFAULT_PAIRS = 3
 """Number of sensors whose transfer functions a report shows unless others are asked for."""
 MOST_OUTPUTS = 6
 """Largest number of outputs that a report shows over speed unless others are asked for."""
+MOST_MARGINS = 3
+"""Largest number of drivetrains with other modes whose separation margins a report shows."""
 FEW_CASES = 3
 """Number of configurations up to which a report lists the modes and peaks of each one below the other; of more, a page
 folds them away."""
@@ -342,6 +346,20 @@ class ReportData:
     def distinct_drivetrains(self) -> tuple[tuple[Case, ...], ...]:
         """Configurations of the report, grouped by equal drivetrains: those of a group differ in excitations alone."""
         return _by_drivetrain(self.cases)
+
+    @cached_property
+    def separation_margins(self) -> tuple[tuple[tuple[Case, ...], CriticalSpeeds], ...]:
+        """Separation margins of the first drivetrains with other modes, each with its configurations.
+
+        Empty unless the report's ``rules`` name a rule of separation margins and the model has speeds.
+        """
+        rule = self.request.plan.rules
+        if rule is None or rule not in PRESETS or self.model.definition.speeds is None:
+            return ()
+        from torsionnet.machinery.verdicts.shaft_margins import shaft_margins
+
+        groups = self.distinct_drivetrains[:MOST_MARGINS]
+        return tuple((cases, shaft_margins(cases[0].drivetrain, rule)) for cases in groups)
 
     @cached_property
     def judged_drivetrains(self) -> tuple[tuple[Case, ...], ...]:

@@ -34,17 +34,27 @@ VALUES = (
 """Note on the numbers of the operating instructions."""
 
 
-def instruction_blocks(subject: ReportData, found: LimitConclusion) -> list[Block]:
-    """Blocks of a report with the operating instructions; where nothing is restricted, a sentence that says so."""
+TOO_NEAR = "Separation margins are not kept, as the verdict says: no instruction makes up for that."
+"""Note on natural frequencies that are too near to an excitation at speeds that no instruction bars."""
+
+
+def instruction_blocks(subject: ReportData, found: LimitConclusion, *, apart: bool = True) -> list[Block]:
+    """Blocks of a report with the operating instructions; where nothing is restricted, a sentence that says so.
+
+    ``apart`` tells whether separation margins are kept.
+    """
     rows = operating_instructions(found.checks, subject.titles.of)
+    known = [check.configuration for check in found.checks]
+    last = last_notes(found.checks, lambda names: subject.titles.several(names, known))
+    last += [] if apart else [phrase(TOO_NEAR)]
     if not rows:
-        said = (text for note in last_notes(found.checks, subject.titles.of) for text in (" ", note))
+        said = (text for note in last for text in (" ", note))
         return [Paragraph((Strong("Operating instructions:"), *said))]
     groups = [
         TableGroup(tuple(_row(one, subject) for one in those), capital(title) if len(found.checks) > 1 else "")
         for title, those in groupby(rows, key=lambda one: one.condition)
     ]
-    notes = [_tachometer(rows), VALUES, *last_notes(found.checks, subject.titles.of)]
+    notes = [_tachometer(rows), VALUES, *last]
     return [TableBlock(("Operating instructions",), COLUMNS, tuple(groups), tuple((note,) for note in notes))]
 
 

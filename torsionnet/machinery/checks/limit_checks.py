@@ -58,7 +58,7 @@ def limit_subject(definition: Definition, values: Mapping[str, Any]) -> LimitSub
         sensors=definition.sensors,
         speeds=() if speeds is None else speeds.values,
         rated=None if speeds is None else speeds.rated,
-        misfiring=any(engine.has_lost_cylinder for engine in engines),
+        misfiring=any(engine.has_lost_cylinder and not engine.is_unloaded_evenly for engine in engines),
         values=values,
         is_generating_set=is_generating_set(definition),
         cranks=frozenset(node for engine in engines for node in engine.numbers.values()),

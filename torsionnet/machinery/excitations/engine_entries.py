@@ -299,6 +299,11 @@ class EngineEntries(ReactingExcitation):
         return bool(self.misfire) or bool(self.gas_off)
 
     @property
+    def is_unloaded_evenly(self) -> bool:
+        """Whether all cylinders of a compressor are unloaded: that is a load of its own, and no cylinder is out."""
+        return self.absorbs and self.misfire != EACH and {*self.numbers} == {*self.misfire, *self.gas_off}
+
+    @property
     def has_lost_torque(self) -> bool:
         """Whether a cylinder works without injection or gas torque, or has lost a share of its injection."""
         return self.has_lost_cylinder or any((self.misfire_share or {}).values())

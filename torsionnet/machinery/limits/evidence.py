@@ -82,6 +82,8 @@ class Evidence:
         the model as written where nothing drives the sensor's element in this condition.
     idle : frozenset of Sensor
         Those that nothing drives, as in the gear of an engine that is declutched.
+    run_below : float, optional
+        Highest speed in rad/s that a condition permits below the speed bands of its limits, so that it is run there.
     """
 
     run: OrderResponse
@@ -90,6 +92,7 @@ class Evidence:
     subject: LimitSubject
     rated_means: Mapping[Sensor, float] = field(default_factory=dict)
     idle: frozenset[Sensor] = frozenset()
+    run_below: float | None = None
 
     @property
     def speeds(self) -> FloatArray:

@@ -250,15 +250,16 @@ class IacsM68(ClassRuleShaft):
         if evidence.subject.misfiring and self.safe_speed is None:
             remarks.append("a cylinder misfires: ranges must leave safe navigation possible; give safe_speed")
         lost = [span for span in barred if self.safe_speed is not None and span.holds(self.safe_speed)]
-        if evidence.subject.misfiring and lost:
-            remarks.insert(0, f"safe_speed lies in a range to be barred: {lost[0]}")
-            passed = tuple(span for span in barred if span not in lost)
-            return self._verdict(line, name, evidence, FAIL, passed, tuple(remarks))
         found = super().with_barred(line, name, evidence, barred, kept, remarks)
-        if self.safe_speed is None or found.highest is None or self.safe_speed <= found.highest:
+        above = self.safe_speed is not None and found.highest is not None and self.safe_speed > found.highest
+        if above:
+            said = f"safe_speed is above the highest speed permitted: {restriction_words((), found.highest)}"
+        elif evidence.subject.misfiring and lost:
+            said = f"safe_speed lies in a range to be barred: {lost[0]}"
+        else:
             return found
-        above = f"safe_speed is above the highest speed permitted: {restriction_words((), found.highest)}"
-        return replace(found, verdict=FAIL, remarks=(above, *found.remarks))
+        # The ranges may be passed all the same: what decides is the speed that does not stay free.
+        return replace(found, verdict=FAIL, remarks=(said, *found.remarks), not_free=self.safe_speed)
 
     def on_barred(self) -> Iterator[str]:
         if self.feature.endswith("keyway"):

@@ -216,6 +216,11 @@ class Limit(Declared):
         del criterion, subject
         return None
 
+    def running(self, line: LimitLine, evidence: Evidence) -> SpeedSpan | None:
+        """Speeds in rad/s at which the machine runs by a speed band of the limit; None where it names none."""
+        del line, evidence
+        return None
+
     def continuous(self, line: LimitLine, name: str, evidence: Evidence) -> LimitVerdict:
         """Verdict of the limit on a criterion for continuous operation.
 
@@ -277,6 +282,7 @@ class Limit(Declared):
             orders=line.orders.largest if line.orders else None, amplitudes=line.orders,
             tolerance=self.tolerance, in_passing=line.in_passing,
             seconds_to_pass=self.seconds_to_pass, steady_temperature=line.steady_temperature,
+            running=self.running(line, evidence),
         )  # fmt: skip
 
 

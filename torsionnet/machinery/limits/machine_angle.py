@@ -30,6 +30,7 @@ class MachineAngleLimit(InSpeedBand):
     """
 
     kind: ClassVar[str] = "machine_angle"
+    holds_in_band_alone: ClassVar[bool] = True
 
     node: str = entry(NodeName("the node of its rotor", allow_ground=False))
     pole_pairs: int = entry(Count("pairs of poles", 1, 200))

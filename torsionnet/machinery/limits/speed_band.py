@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 
@@ -14,8 +15,8 @@ from torsionnet.base.errors import Fault, got
 from torsionnet.base.units import RPM
 from torsionnet.machinery.limits.evidence import Evidence, LimitSubject
 from torsionnet.machinery.limits.limit import Limit, LimitLine
-from torsionnet.machinery.verdicts.limit_verdict import FAIL, LimitVerdict
-from torsionnet.machinery.verdicts.speed_spans import spans_above
+from torsionnet.machinery.verdicts.limit_verdict import BARRED, FAIL, LimitVerdict
+from torsionnet.machinery.verdicts.speed_spans import SpeedSpan, joined_spans, spans_above
 
 BAND_FORMS = "95..105 % or [0.95, 1.05]"
 """Example of how a band of speed ratios is written, for messages and schemas."""
@@ -60,8 +61,12 @@ class InSpeedBand(Limit):
     """Base of limits that may hold in a band of the rated speed alone, as of generating sets.
 
     In the band no range can be barred, also with a cylinder out; outside, speeds are only passed, and what holds in
-    continuous operation is not judged there.
+    continuous operation is not judged there. A condition that permits no speed of the band runs below it: there the
+    limit is judged, too, but for one that means nothing outside its band.
     """
+
+    holds_in_band_alone: ClassVar[bool] = False
+    """Whether the limit means nothing at speeds outside its band, as the angle of a generator that is not connected."""
 
     speed_band: tuple[float, float] | None = entry(
         RatedSpeedBand("speeds over the rated speed at which the machine runs; default: all that are examined"), None
@@ -86,7 +91,18 @@ class InSpeedBand(Limit):
             return line
         low, high = self._edges(evidence)
         inside = (evidence.speeds >= low * (1 - 1e-12)) & (evidence.speeds <= high * (1 + 1e-12))
+        if evidence.run_below is not None and not self.holds_in_band_alone:
+            inside |= evidence.speeds <= evidence.run_below * (1 + 1e-12)
         return replace(line, allowed=np.where(inside, line.allowed, np.nan))
+
+    def running(self, line: LimitLine, evidence: Evidence) -> SpeedSpan | None:
+        """Speeds in rad/s at which the machine runs by the band, as far as they are examined; None without a band.
+
+        Of a limit that holds while speeds are passed, too, there is none.
+        """
+        if self.speed_band is None or line.in_passing:
+            return None
+        return SpeedSpan(*self._edges(evidence)).within(evidence.examined)
 
     def _edges(self, evidence: Evidence) -> tuple[float, float]:
         """Lowest and highest speed of the band in rad/s."""
@@ -106,8 +122,20 @@ class InSpeedBand(Limit):
         above = spans_above(evidence.speeds, line.values, line.allowed) if self.speed_band else []
         if not above:
             return super().continuous(line, name, evidence)
-        text = f"exceeded from {above[0]} in the speed band, where no range can be barred"
-        return self._verdict(line, name, evidence, FAIL, (), (text,))
+        # Below the band, where a condition runs that permits no speed of it, ranges can be barred.
+        low = self._edges(evidence)[0]
+        below = [self._up_to_permitted(span, evidence) for span in above if span.high < low]
+        barred = joined_spans([span.widened(self.tolerance).within(evidence.examined) for span in below])
+        if len(below) == len(above):
+            return self._verdict(line, name, evidence, BARRED, barred, ())
+        text = f"exceeded from {above[len(below)]} in the speed band, where no range can be barred"
+        return self._verdict(line, name, evidence, FAIL, barred, (text,))
+
+    def _up_to_permitted(self, span: SpeedSpan, evidence: Evidence) -> SpeedSpan:
+        """Range of speeds below the band, up to the highest one permitted where no examined speed lies between."""
+        top = evidence.run_below or span.high
+        between = (evidence.speeds > span.high) & (evidence.speeds <= top)
+        return span if between.any() else SpeedSpan(span.low, top)
 
     def remarks(self, line: LimitLine, evidence: Evidence) -> tuple[str, ...]:
         said = super().remarks(line, evidence)
@@ -118,4 +146,6 @@ class InSpeedBand(Limit):
         first, last = evidence.examined.low, evidence.examined.high
         if first > low * (1 + 1e-9) or last < high * (1 - 1e-9):
             band += f"; examined from {max(low, first) * RPM:.6g} to {min(high, last) * RPM:.6g} rpm"
+        if evidence.run_below is not None and not self.holds_in_band_alone:
+            band += f"; no speed of it is permitted: judged up to {evidence.run_below * RPM:.6g} rpm, too"
         return (*said, band)

@@ -31,6 +31,7 @@ from torsionnet.machinery.verdicts.limit_verdict import (
 )
 from torsionnet.machinery.verdicts.rule_factors import RuleText
 from torsionnet.machinery.verdicts.run_up_check import RunUpCheck, run_up_sentences
+from torsionnet.machinery.verdicts.settled_verdicts import highest_permitted
 from torsionnet.machinery.verdicts.speed_spans import (
     WHOLE_RPM_RELATIVE,
     SpeedSpan,
@@ -42,7 +43,9 @@ from torsionnet.machinery.verdicts.speed_spans import (
     starts_sentence,
 )
 
-STARTS, STARTS_EXAMINED = "starts and stops not examined", "starts examined from {speed:g} rpm on"
+STARTS, STARTS_EXAMINED = (
+    "starts and stops not examined", "starts examined from {speed:g} rpm on, stops not examined",
+)  # fmt: skip
 """Words in every verdict on limits: each start passes speeds below the lowest that was examined, unless a run-up is."""
 
 
@@ -63,14 +66,44 @@ def unexamined_sentence(missing: Sequence[str], known: Sequence[str], examined: 
     return [phrase(text, count=len(missing), all=len(known), names=names)]
 
 
-def by_range(checks: Sequence[LimitCheck]) -> dict[tuple[float, float], list[LimitCheck]]:
-    """Checks of limits by the lowest and highest speed in rpm that they examined, which configurations may change."""
+def by_range(checks: Sequence[LimitCheck], *, running: bool = False) -> dict[tuple[float, float], list[LimitCheck]]:
+    """Checks of limits by the lowest and highest speed in rpm that they examined, which configurations may change.
+
+    With ``running`` those between which the machine runs, where limits have a speed band.
+    """
     found: dict[tuple[float, float], list[LimitCheck]] = {}
     for check in checks:
+        examined = SpeedSpan(float(check.speeds[0]), float(check.speeds[-1]))
+        ((first, last),) = rpm_spans([(check.running if running else None) or examined])
         # Ten digits: the ends of one range may differ in rounding.
-        low, high = (float(f"{speed:.10g}") for speed in (check.rpm[0], check.rpm[-1]))
+        low, high = (float(f"{speed:.10g}") for speed in (first, last))
         found.setdefault((low, high), []).append(check)
     return found
+
+
+def band_findings(checks: Sequence[LimitCheck], where: Callable[[Sequence[str]], str]) -> Iterator[str]:
+    """Sentences on limits that were judged in their speed bands alone, as the machine only passes other speeds.
+
+    ``where`` makes the end of a sentence of names of configurations.
+    """
+    found: dict[str, list[str]] = {}
+    for check in checks:
+        for sentence in _band_sentences(check):
+            found.setdefault(sentence, []).append(check.configuration)
+    yield from (phrase("{sentence}{where}", sentence=text, where=where(names)) for text, names in found.items())
+
+
+def _band_sentences(check: LimitCheck) -> Iterator[str]:
+    """Sentences on the speeds in which limits with a speed band were judged, where more speeds were examined."""
+    found: dict[SpeedSpan, list[str]] = {}
+    ends = SpeedSpan(float(check.speeds[0]), float(check.speeds[-1]))
+    for one in check.verdicts:
+        in_band = one.running and one.judged and one.judged[0].low >= one.running.low * (1 - WHOLE_RPM_RELATIVE)
+        if one.running != ends and in_band:
+            found.setdefault(one.judged[0], []).append(f"{one.limit} {one.criterion}")
+    for span, names in found.items():
+        low, high = span.low * RPM, span.high * RPM
+        yield phrase(IN_BAND, low=low, high=high, shaft=check.reference, limits=listed_names(names))
 
 
 def starts_words(checks: Sequence[LimitCheck]) -> str:
@@ -91,6 +124,8 @@ def starts_findings(checks: Sequence[LimitCheck], where: Callable[[Sequence[str]
     yield from (phrase("{sentence}{where}", sentence=text, where=where(names)) for text, names in found.items())
 
 
+IN_BAND = "{limits} judged in the speed band alone, {low:.6g} to {high:.6g} rpm of {shaft}"
+"""Finding on limits that hold in a speed band."""
 ALL_HOLD = "all limits hold{where} at the speeds examined, {low:g} to {high:g} rpm of {shaft}"
 ALL_EXAMINED_HOLD = "the limits examined hold{where} at the speeds examined, {low:g} to {high:g} rpm of {shaft}"
 """Findings where no limit restricts the speeds: of all limits, and where some were left out."""
@@ -199,14 +234,9 @@ class LimitCheck(NotebookResult):
     def highest(self) -> float | None:
         """Highest speed in rad/s below all ranges that may not be passed; None where every speed is reached.
 
-        It is the low end of the first range that a limit refuses, joined with the barred ranges that overlap it. Where
-        that is the lowest speed examined, no speed is permitted.
+        Where that is the lowest speed examined, no speed is permitted.
         """
-        top = float(self.speeds[-1])
-        refused = [span for one in self.verdicts for span in one.refused]
-        refused += [SpeedSpan(one.highest, top) for one in self.verdicts if one.highest is not None]
-        ranges = joined_spans([*refused, *self.barred])
-        return min((one.low for one in ranges if any(one.holds(span.low) for span in refused)), default=None)
+        return highest_permitted(self.verdicts, self.speeds)
 
     def permits(self, speed: float) -> bool:
         """Whether a speed in rad/s is reached and may be kept in this configuration."""
@@ -218,6 +248,26 @@ class LimitCheck(NotebookResult):
         if self.highest is not None and self.highest <= self.speeds[0] * (1 + WHOLE_RPM_RELATIVE):
             return phrase("no speed of {shaft} is permitted", shaft=self.reference)
         return restriction_words(self.passed, self.highest, phrase(" of {shaft}", shaft=self.reference))
+
+    @property
+    def running(self) -> SpeedSpan | None:
+        """Speeds in rad/s at which the machine runs by the speed bands of limits; None where there are none.
+
+        Where no speed of them is permitted, it runs below, and there is none either.
+        """
+        bands = [one.running for one in self.verdicts if one.running]
+        low, high = min((one.low for one in bands), default=0.0), max((one.high for one in bands), default=0.0)
+        reached = self.highest is None or self.highest > low * (1 + WHOLE_RPM_RELATIVE)
+        return SpeedSpan(low, high) if bands and reached else None
+
+    @property
+    def permitted(self) -> tuple[SpeedSpan, ...]:
+        """Speed ranges (rad/s) at which the machine may be run in one configuration, as far as they are examined."""
+        low, high = float(self.speeds[0]), float(self.speeds[-1] if self.highest is None else self.highest)
+        running = self.running or SpeedSpan(low, high)
+        edges = [low, *(edge for span in self.passed for edge in (span.low, span.high)), high]
+        spans = [SpeedSpan(*pair).within(running) for pair in zip(edges[::2], edges[1::2], strict=True)]
+        return tuple(span for span in spans if span.high > span.low)
 
     @property
     def passed(self) -> tuple[SpeedSpan, ...]:
@@ -234,7 +284,13 @@ class LimitCheck(NotebookResult):
         """Texts that conclude from all verdicts on limits, on what was not examined and on what was found."""
         missing = unexamined_sentence(self.others, self.configurations, [self.configuration])
         where = phrase(" in {names}", names=self.configuration or "the model as written") if self.others else ""
-        return (*missing, *self.left_out, *starts_findings([self], lambda _: ""), self.finding(where))
+        return (
+            *missing,
+            *self.left_out,
+            *starts_findings([self], lambda _: ""),
+            *band_findings([self], lambda _: ""),
+            self.finding(where),
+        )
 
     def finding(self, where: str = "") -> str:
         """Sentence that concludes on the limits in one configuration, in which ``where`` names the configuration."""

@@ -36,6 +36,7 @@ from torsionnet.machinery.passage.passage_solution import passage_response
 from torsionnet.machinery.verdicts.limit_check import LimitCheck
 from torsionnet.machinery.verdicts.limit_verdict import FAIL, OPEN, LimitVerdict, listed_names
 from torsionnet.machinery.verdicts.run_up_check import PassedLimit, RunUpCheck
+from torsionnet.machinery.verdicts.settled_verdicts import highest_permitted, settled
 from torsionnet.machinery.verdicts.speed_spans import SpeedSpan, spans_above
 from torsionnet.model.channels import Sensor
 from torsionnet.model.definition import Definition
@@ -113,15 +114,8 @@ def _check(
     examined = ExaminedSpeeds.of(drivetrain, speeds, excitations=asked, refine=refine)
     examination = _Examination(drivetrain, subject, chosen, asked, examined)
     breaks = np.array([speed for limit in chosen.values() for speed in limit.breaks(subject)])
-    found = examination.at(examined.first(breaks))
-    if examined.refine:
-        found = refine_speeds(found, examination.wanted, examination.with_more)
+    found, verdicts = examination.examined(examined.first(breaks))
     run, evidence = found.run, found.evidence
-    verdicts = tuple(
-        verdict
-        for (name, limit), lines in zip(chosen.items(), found.lines, strict=True)
-        for verdict in limit.verdicts(name, evidence, lines)
-    )
     run_up = _run_up(examination, evidence) if starts else None
     notes = [NO_CYCLE] * (run.revolutions is None)
     notes += [_cylinder_note(drivetrain.definition)] * subject.misfiring + [*run.engine_notes]
@@ -151,8 +145,7 @@ def _run_up(running: _Examination, evidence: Evidence) -> RunUpCheck | None:
         examination = _Examination(
             acting, running.subject, running.limits, running.excitations, passed, loaded, evidence.rated_means
         )
-        found = examination.at(passed.first(np.empty(0)))
-        found = refine_speeds(found, examination.wanted, examination.with_more)
+        found = examination.resolved(examination.at(passed.first(np.empty(0))))
     except UsageError as error:
         raise UsageError(f"run-up: {error}", kind=error.kind) from None
     judged = []
@@ -240,6 +233,8 @@ class _Examination:
     """Drivetrain with the mean torques of a run-up; None where speeds are examined in continuous operation."""
     known_rated: Mapping[Sensor, float] = field(default_factory=dict)
     """Mean values at rated speed that are known already, in SI units by sensor."""
+    run_below: float | None = None
+    """Highest speed in rad/s that is permitted below the speed bands of limits; None where these are run."""
 
     def at(self, speeds: FloatArray) -> _Examined:
         """Order responses, mean values and limit curves over the speeds (n_speeds,) in rad/s of the reference shaft."""
@@ -248,7 +243,10 @@ class _Examination:
         )
         means, why = _means(self.loaded or self.drivetrain, self.subject, self._here, run.speeds)
         full = self.known_rated or self._full_load
-        evidence = Evidence(run, means, why, self.subject, full, self._idle)
+        return self.judged_by(Evidence(run, means, why, self.subject, full, self._idle, self.run_below))
+
+    def judged_by(self, evidence: Evidence) -> _Examined:
+        """The limits' curves over the speeds of some evidence."""
         lines = [
             limit.known_lines(evidence) if self.loaded is None else limit.lines_in_passing(evidence)
             for limit in self.limits.values()
@@ -292,6 +290,28 @@ class _Examination:
         except (UsageError, ModelError):
             return self._rated
         return self._rated | dict(zip(self._idle, means.tolist(), strict=True))
+
+    def examined(self, speeds: FloatArray) -> tuple[_Examined, tuple[LimitVerdict, ...]]:
+        """Curves and settled verdicts over the speeds (n,) in rad/s, and over those that resolve the curves."""
+        found = self.resolved(self.at(speeds))
+        verdicts = self.verdicts(found)
+        top = highest_permitted(verdicts, found.run.speeds)
+        bands = [one.running for one in verdicts if one.running]
+        if top is not None and bands and all(band.low >= top * (1 - 1e-9) for band in bands):
+            # No speed of a band is permitted: the machine runs below, where its limits are judged, too.
+            below = replace(self, run_below=top)
+            found = below.resolved(below.judged_by(replace(found.evidence, run_below=top)))
+            verdicts = below.verdicts(found)
+        return found, settled(verdicts, found.run.speeds)
+
+    def resolved(self, found: _Examined) -> _Examined:
+        """Curves at further speeds, so many that peaks and ends of ranges are known, if that is asked for."""
+        return refine_speeds(found, self.wanted, self.with_more) if self.speeds.refine else found
+
+    def verdicts(self, found: _Examined) -> tuple[LimitVerdict, ...]:
+        """Verdicts of all limits on their curves, each by itself."""
+        limits = zip(self.limits.items(), found.lines, strict=True)
+        return tuple(one for (name, limit), lines in limits for one in limit.verdicts(name, found.evidence, lines))
 
     def wanted(self, found: _Examined) -> FloatArray:
         """Speeds (n,) in rad/s to add where the curves of the limits are not resolved yet."""

@@ -17,6 +17,7 @@ from torsionnet.machinery.verdicts.limit_check import (
     ALL_EXAMINED_HOLD,
     ALL_HOLD,
     LimitCheck,
+    band_findings,
     by_range,
     starts_findings,
     starts_words,
@@ -176,7 +177,8 @@ class LimitConclusion:
             [self._titled(name) for name in self.not_examined], [self._titled(name) for name in self.configurations],
             examined,
         )  # fmt: skip
-        return (*missing, *self.left_out, *starts_findings(self.checks, self._where), *self._found())
+        starts = starts_findings(self.checks, self._where)
+        return (*missing, *self.left_out, *starts, *band_findings(self.checks, self._where), *self._found())
 
     @property
     def starts(self) -> str:

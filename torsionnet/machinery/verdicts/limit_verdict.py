@@ -101,12 +101,18 @@ class LimitVerdict:
         Highest temperature in K by the balance of heat.
     amplitudes : OrderAmplitudes, optional
         The same amplitudes, and those in the case to which ``values`` belong.
+    running : SpeedSpan, optional
+        Speeds in rad/s at which the machine runs by the limit's speed band; None where it names none.
+    not_free : float, optional
+        Speed in rad/s that has to stay free, as for safe navigation, and does not.
+    unpassed : tuple of SpeedSpan
+        Speed ranges (rad/s) that the limit would bar, where another one lets nothing pass in this condition.
     """
 
     SHOWN: ClassVar = (
         "limit", "of", "criterion", "quantity", "unit", "verdict", "worst_rpm", "worst_value", "worst_allowed",
-        "worst_unit", "worst_utilisation", "barred_rpm", "highest_rpm", "values", "allowed", "text.source",
-        "text.formula", "text.not_covered", "remarks", "restrictions",
+        "worst_unit", "worst_utilisation", "judged_rpm", "barred_rpm", "highest_rpm", "values", "allowed",
+        "text.source", "text.formula", "text.not_covered", "remarks", "restrictions",
     )  # fmt: skip
 
     limit: Annotated[str, Out("limit")]
@@ -131,6 +137,9 @@ class LimitVerdict:
     case: str = ""
     steady_temperature: float | None = None
     amplitudes: OrderAmplitudes | None = None
+    running: SpeedSpan | None = None
+    not_free: float | None = None
+    unpassed: tuple[SpeedSpan, ...] = ()
 
     @property
     def passed(self) -> tuple[SpeedSpan, ...]:
@@ -145,7 +154,18 @@ class LimitVerdict:
         ends = SpeedSpan(float(self.speeds[0]), float(self.speeds[-1]))
         above = spans_above(self.speeds, self.values, self.allowed)
         open_ones = [span for span in above if not any(one.low <= span.low <= one.high for one in self.barred)]
-        return joined_spans([span.widened(self.tolerance).within(ends) for span in open_ones])
+        return joined_spans([*self.unpassed, *(span.widened(self.tolerance).within(ends) for span in open_ones)])
+
+    @property
+    def judged(self) -> tuple[SpeedSpan, ...]:
+        """Speed ranges (rad/s) in which the limit was judged, which are those with a value allowed."""
+        known = np.where(np.isfinite(self.allowed), 1.0, np.nan)
+        return spans_above(self.speeds, known, np.zeros(len(known))) if len(known) else ()
+
+    @property
+    def judged_rpm(self) -> tuple[tuple[float, float], ...]:
+        """Pairs of lowest and highest speed in rpm of the ranges in which the limit was judged."""
+        return rpm_spans(self.judged)
 
     @property
     def restrictions(self) -> Annotated[str | None, Out("to be barred", json=None)]:

@@ -13,6 +13,7 @@ from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.phrases import joined, phrase
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Table, result_table
+from torsionnet.base.units import RPM
 from torsionnet.machinery.verdicts.limit_check import LimitCheck, by_range, starts_words
 from torsionnet.machinery.verdicts.limit_verdict import FAIL, LimitVerdict, listed_names
 from torsionnet.machinery.verdicts.speed_spans import SpeedSpan, joined_spans, span_words
@@ -44,6 +45,8 @@ class Instruction:
     unit, action, marking : str
     elsewhere : str
         Conditions in which a range may be passed that may not be passed in this one; empty where that is not asked.
+    besides : str
+        What else is said of the range: a speed that has to stay free and does not, and a passage that no limit judges.
     """
 
     conditions: tuple[str, ...]
@@ -63,6 +66,7 @@ class Instruction:
     action: str
     marking: str
     elsewhere: str = ""
+    besides: str = ""
 
     @property
     def tachometer(self) -> Annotated[str, Out("tachometer", json=None, after="condition")]:
@@ -77,17 +81,28 @@ class Instruction:
     @property
     def instruction(self) -> Annotated[str, Out("action and marking", json=None, after="unit")]:
         """Text of what the crew has to do in a speed range, where else it may be passed, and how it is marked."""
-        return joined("; ", filter(None, (self.action, self.elsewhere, self.marking)))
+        return joined("; ", filter(None, (self.action, self.besides, self.elsewhere, self.marking)))
 
 
+ONLY_PASSED = (
+    "Speeds outside of {low:.6g} to {high:.6g} rpm of {shaft} are to be passed without stopping{where}: {limits}."
+)
+"""Note on speeds outside of the speed bands of limits, which are judged in the bands alone."""
 UNRESTRICTED = "No restrictions from {low:g} to {high:g} rpm of {shaft}{where}; {starts}."
 UNRESTRICTED_ELSEWHERE = "No other restrictions from {low:g} to {high:g} rpm of {shaft}{where}; {starts}."
 """Notes on the speeds that no instruction restricts."""
 FAILS = "Not to be run as it is: {limits} not kept; {starts}."
-FAILS_ELSEWHERE = "Not kept in single conditions: {limits}; there only the remaining speeds may be run; {starts}."
+FAILS_ELSEWHERE = (
+    "Not kept in single conditions: {limits}; there only the remaining speeds may be run, if there are any; {starts}."
+)
 """Notes on limits that do not hold, in the first condition or in others."""
 RED, NOTICE = "tachometer red, notice at each control station", "notice at each control station"
 """Markings for the crew of a ship, of a range and of a highest speed."""
+NOT_FREE = "the speed for safe navigation, {speed:.5g} rpm, does not stay free"
+BEGINS = "it begins where {limit} is exceeded"
+NOT_JUDGED = "the passage is not judged: no limit in passing is given"
+"""Texts on a range that is barred at a speed that has to stay free, on one that begins below what decides on it, and on
+one of which no limit says what it bears."""
 PASS_QUICKLY, PASS_WITHIN, NOT_AT_ALL = range(3)
 """Ranks of what limits permit in a speed range, rising with gravity: passing without stopping, in a time, none."""
 MOST_WAYS = 2
@@ -212,24 +227,40 @@ def instruction_table(checks: Sequence[LimitCheck], conventions: Conventions = S
     return result_table(title or "operating instructions", shown, Instruction, notes=last_notes(checks))
 
 
-def last_notes(checks: Sequence[LimitCheck], title: Callable[[str], str] = str) -> list[str]:
+def last_notes(checks: Sequence[LimitCheck], named: Callable[[Sequence[str]], str] = listed_names) -> list[str]:
     """Sentences on the speeds that no instruction restricts, or one on the limits that do not hold.
 
-    The first check is that of the normal condition. There is one for all conditions examined at the same speeds.
+    The first check is that of the normal condition. There is one for all conditions examined at the same speeds, and
+    one for all that run in the same speed band, outside of which they only pass. ``named`` makes a text of the names of
+    configurations.
     """
     failed = dict.fromkeys(one.limit for check in checks for one in check.verdicts if one.verdict == FAIL)
     failed |= dict.fromkeys(name for check in checks if check.run_up for name in check.run_up.names(FAIL))
-    starts = starts_words(checks)
+    starts, outside = starts_words(checks), list(_only_passed(checks, named))
     if failed:
         template = FAILS if checks[0].verdict == FAIL else FAILS_ELSEWHERE
-        return [phrase(template, limits=listed_names(list(failed)), starts=starts)]
+        return [phrase(template, limits=listed_names(list(failed)), starts=starts), *outside]
     template = UNRESTRICTED_ELSEWHERE if any(map(restricted_ranges, checks)) else UNRESTRICTED
-    notes, ranges = [], by_range(checks)
+    notes, ranges = [], by_range(checks, running=True)
     for (low, high), alike in ranges.items():
-        names = listed_names([title(check.configuration) for check in alike])
-        where = phrase(" in {names}", names=names) if len(ranges) > 1 else ""
+        where = _where(alike, named) if len(ranges) > 1 else ""
         notes.append(phrase(template, low=low, high=high, shaft=checks[0].reference, where=where, starts=starts))
-    return notes
+    return [*notes, *outside]
+
+
+def _only_passed(checks: Sequence[LimitCheck], named: Callable[[Sequence[str]], str]) -> Iterator[str]:
+    """Sentences on the speeds that are only passed, as limits are judged in their speed bands alone."""
+    for (low, high), alike in by_range(checks, running=True).items():
+        passing = [one for one in alike if one.running and (low, high) not in by_range([one])]
+        names = dict.fromkeys(two.limit for one in passing for two in one.verdicts if two.running)
+        if passing:
+            limits = phrase("{limit} not judged there", limit=listed_names(list(names)))
+            where = _where(passing, named) if len(passing) < len(checks) else ""
+            yield phrase(ONLY_PASSED, low=low, high=high, shaft=checks[0].reference, where=where, limits=limits)
+
+
+def _where(checks: Sequence[LimitCheck], named: Callable[[Sequence[str]], str]) -> str:
+    return phrase(" in {names}", names=named([check.configuration for check in checks]))
 
 
 def _places(check: LimitCheck) -> Iterator[_Place]:
@@ -258,8 +289,19 @@ def instruction(
         max(place.verdict.tolerance for place in places), low, high, one.limit, one.criterion,
         tuple(dict.fromkeys(place.named for place in places)), float(check.rpm[at]), float(one.values[at]),
         min(steady, default=math.nan), min(passing, default=math.nan), one.unit, action, marking,
-        _elsewhere(found, checks, title),
+        _elsewhere(found, checks, title), _besides(found, decisive, judged=bool(passing)),
     )  # fmt: skip
+
+
+def _besides(found: PassedRange, decisive: _Place, *, judged: bool) -> str:
+    """Text of what makes a range begin, of speeds that have to stay free, and of a passage that is not ``judged``."""
+    first = min(found.places, key=lambda place: place.span.low)
+    begins = found.passage == NOT_AT_ALL and first.span.low < decisive.span.low
+    free = {one.not_free for one in found.verdicts if one.not_free is not None and found.span.holds(one.not_free)}
+    said = [phrase(NOT_FREE, speed=speed * RPM) for speed in sorted(free)]
+    said += [phrase(BEGINS, limit=first.named)] if begins and first.named != decisive.named else []
+    said += [phrase(NOT_JUDGED)] if not judged and found.passage != NOT_AT_ALL else []
+    return joined("; ", said) if said else ""
 
 
 def _action(found: PassedRange) -> tuple[int, int | None, str, str]:

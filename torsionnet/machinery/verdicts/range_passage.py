@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import Annotated, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.result_rows import Out
@@ -149,19 +150,55 @@ class RangePassage:
         return times, values
 
     @cached_property
-    def _worst_time(self) -> float:
+    def _worst(self) -> tuple[float, float]:
+        """Time in s and size in SI of the largest value in the range, as it is marked in whole rpm.
+
+        Of all values where one outside of it, while vibration dies away, is above what is allowed in passing.
+        """
         times, values = self._envelope
-        return float(times[np.argmax(values)])
+        inside = self._inside(times)
+        counted = np.where(inside, values, 0.0)
+        if np.any(self._over_passing & ~inside) and not np.any(self._over_passing & inside):
+            counted = values
+        at = int(np.argmax(counted))
+        return float(times[at]), float(counted[at])
+
+    def _inside(self, times: FloatArray) -> NDArray[np.bool_]:
+        """Whether the speed at each time lies in the range as it is marked, outward to 1 rpm."""
+        low, high = SpeedSpan(self.low, self.high).rpm_outward
+        rpm = np.interp(times, self.response.times, self.response.rpm)
+        return np.asarray((rpm >= low) & (rpm <= high))
+
+    @property
+    def _over_passing(self) -> NDArray[np.bool_]:
+        """Whether the value is above what is allowed in passing at each time of the envelope."""
+        times, values = self._envelope
+        return np.asarray(values > np.interp(times, self.response.times, self.allowed_in_passing))
+
+    @cached_property
+    def beyond(self) -> tuple[float, float, float] | None:
+        """Speed in rpm, value and value of steady vibration there in SI, outside of the range.
+
+        The largest one above what is allowed in continuous operation, while vibration dies away; None where it is not.
+        """
+        times, values = self._envelope
+        allowed = np.interp(times, self.response.times, self.allowed)
+        rpm = np.interp(times, self.response.times, self.response.rpm)
+        steady = np.interp(rpm, self.check.rpm, self.verdict.values)
+        # What steady vibration exceeds, too, is another range to be barred.
+        over = np.where((values > allowed) & (steady <= allowed) & ~self._inside(times), values, 0.0)
+        at = int(np.argmax(over))
+        return (float(rpm[at]), float(over[at]), float(steady[at])) if over[at] else None
 
     @property
     def rpm(self) -> Annotated[float, Out("speed", "rpm", digits=4)]:
-        """Speed in rpm at which the value is largest along the passage."""
-        return float(np.interp(self._worst_time, self.response.times, self.response.rpm))
+        """Speed in rpm at which the value is largest in the range while it is passed."""
+        return float(np.interp(self._worst[0], self.response.times, self.response.rpm))
 
     @property
     def largest(self) -> Annotated[float, Out("largest value", digits=4, unit_of="unit")]:
-        """Largest value that the limit judges along the passage, in its SI unit: a half range, or with its mean."""
-        return float(self._envelope[1].max())
+        """Largest value that the limit judges in the range, in its SI unit: a half range, or with its mean."""
+        return self._worst[1]
 
     @property
     def steady(self) -> Annotated[float, Out("steady", digits=4, unit_of="unit")]:
@@ -183,7 +220,7 @@ class RangePassage:
         return self._there(self.allowed_in_passing)
 
     def _there(self, over_time: FloatArray) -> float | None:
-        found = float(np.interp(self._worst_time, self.response.times, over_time))
+        found = float(np.interp(self._worst[0], self.response.times, over_time))
         return found if math.isfinite(found) else None
 
     @property
@@ -206,9 +243,7 @@ class RangePassage:
         """Outcome of the passage, whether the limit in passing is kept, or that there is none."""
         if self.in_passing is None:
             return NOT_LIMITED
-        times, values = self._envelope
-        over = values > np.interp(times, self.response.times, self.allowed_in_passing)
-        return EXCEEDED if over.any() else KEPT
+        return EXCEEDED if self._over_passing.any() else KEPT
 
 
 def passage_table(

@@ -162,6 +162,19 @@ def span_words(spans: Iterable[SpeedSpan]) -> str:
     return joined(", ", map(str, spans))
 
 
+def permitted_words(spans: Iterable[SpeedSpan]) -> str:
+    """Text in rpm of speed ranges (rad/s) that are permitted, rounded inward to 1 rpm; a word where there is none.
+
+    Examples
+    --------
+    >>> permitted_words([SpeedSpan(4.05, 9.0), SpeedSpan(11.0, 12.0)])
+    '39 to 85 rpm, 106 to 114 rpm'
+    """
+    ends = [(whole_rpm(span.low, math.ceil), whole_rpm(span.high, math.floor)) for span in spans]
+    words = [phrase("{low} to {high} rpm", low=low, high=high) for low, high in ends if low <= high]
+    return joined(", ", words) if words else phrase("none")
+
+
 def restriction_words(passed: Sequence[SpeedSpan], highest: float | None, shaft: str = "") -> str:
     """Text in rpm of barred speeds and of the highest speed permitted, rounded down to 1 rpm, empty for neither.
 

@@ -35,7 +35,8 @@ from torsionnet.report.report_run_up import run_up_blocks
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import as_words, capital, pair_latex, symbol_or_words, unit
 from torsionnet.report.report_units import engineering_unit
-from torsionnet.report.sections.limits import conclusion, verdict
+from torsionnet.report.sections.limits import conclusion, judged_words, verdict
+from torsionnet.report.sections.resonances import missed_margins
 from torsionnet.report.sections.responses import static_value_and_peaks
 
 if TYPE_CHECKING:
@@ -64,12 +65,14 @@ def conclusion_section(subject: ReportData) -> Section:
 
 
 def _judged(subject: ReportData, found: LimitConclusion) -> Iterator[Block]:
-    yield Paragraph((Strong("Verdict:"), " ", Strong(found.verdict), "; ", Strong(found.starts)))
-    findings = [capital(as_words(finding)) for finding in found.findings]
+    missed = missed_margins(subject)
+    apart = ("; ", Strong(phrase("separation margins not kept"))) if missed else ()
+    yield Paragraph((Strong("Verdict:"), " ", Strong(found.verdict), "; ", Strong(found.starts), *apart))
+    findings = [capital(as_words(finding)) for finding in (*missed, *found.findings)]
     yield Listing(tuple((text,) for text in [*findings, *_by_small_damping(subject, found)]))
     yield _components(subject, found)
     yield from run_up_blocks(subject, found)
-    yield from instruction_blocks(subject, found)
+    yield from instruction_blocks(subject, found, apart=not missed)
     yield Paragraph(("Not covered:",))
     yield Listing(tuple(_not_covered(subject, found)))
 
@@ -98,6 +101,7 @@ def _components(subject: ReportData, found: LimitConclusion) -> TableBlock:
         Heading("Limit"),
         Heading("Condition"),
         Heading("Verdict"),
+        Heading("Judged", "rpm"),
         Heading("Speed", "rpm", numeric=True),
         Heading("Value", numeric=True),
         Heading("Allowed", numeric=True),
@@ -138,6 +142,7 @@ def _rows(subject: ReportData, worst: Sequence[WorstLimit], *, named: bool) -> t
         [as_words(one.verdict.criterion) for one in worst],
         [subject.titles.of(one.check.configuration) if named else "" for one in worst],
         [one.verdict.verdict for one in worst],
+        [judged_words(one.verdict) for one in worst],
         list(aligned_numbers([one.rpm for one in worst], 4)),
         ["" if value is None else NumberText(value, 4) for value, _, _ in sizes],
         ["" if allowed is None else NumberText(allowed, 4) for _, allowed, _ in sizes],

@@ -11,6 +11,7 @@ from torsionnet.machinery.excitations.reciprocating_engine import conditions_run
 from torsionnet.machinery.limits.society_rules import SOCIETIES
 from torsionnet.machinery.verdicts.limit_check import LimitCheck
 from torsionnet.machinery.verdicts.limit_verdict import FAIL, OPEN
+from torsionnet.machinery.verdicts.speed_spans import permitted_words
 from torsionnet.model.configurations import label
 from torsionnet.model.load.external_torques import ENGINE
 from torsionnet.report.document_tree import (
@@ -178,7 +179,7 @@ def _conditions(subject: ReportData) -> TableBlock:
     """
     axes, checks = subject.model.definition.configurations, _checks(subject)
     heads = [Heading("Condition"), *([Heading("What it sets", wide=True)] if len(axes) == 1 else [])]
-    heads += [Heading("Verdict"), Heading("Speeds not permitted"), Heading("Most used limit")]
+    heads += [Heading("Verdict"), Heading("Speeds permitted"), Heading("Most used limit")]
     heads += [Heading("Speed", "rpm", numeric=True), Heading("Used", "%", numeric=True)]
     rows: list[tuple[Cell, ...]] = []
     for case in subject.judged_cases:
@@ -207,7 +208,7 @@ def _verdict(check: LimitCheck) -> tuple[Cell, ...]:
     (most, *_) = sorted(concerned, key=lambda one: -(one.worst_utilisation or 0.0))
     return (
         named if check.verdict in (FAIL, OPEN) else check.verdict,
-        check.restriction,
+        permitted_words(check.permitted),
         f"{as_words(most.limit)}, {as_words(most.criterion)}",
         "" if most.worst_rpm is None else NumberText(most.worst_rpm, 4),
         "" if most.worst_utilisation is None else NumberText(100 * most.worst_utilisation, 3),

@@ -10,7 +10,7 @@ import numpy as np
 
 from torsionnet.base.equal_remarks import grouped_remarks
 from torsionnet.base.number_text import aligned_numbers
-from torsionnet.base.phrases import phrase
+from torsionnet.base.phrases import joined, phrase
 from torsionnet.linear.frequency_response import Channel
 from torsionnet.machinery.verdicts.limit_check import LimitCheck
 from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion
@@ -89,6 +89,7 @@ def _verdicts(subject: ReportData, judged: LimitConclusion, name: str) -> TableB
     columns = (
         Heading("Configuration"),
         Heading("Criterion"),
+        Heading("Judged", "rpm"),
         Heading("Speed", "r/min", numeric=True),
         Heading("Value", numeric=True),
         Heading("Allowed", numeric=True),
@@ -101,6 +102,7 @@ def _verdicts(subject: ReportData, judged: LimitConclusion, name: str) -> TableB
     cells: list[list[Cell]] = [
         [subject.titles.of(check.configuration) for check, _ in found],
         [as_words(one.criterion) for _, one in found],
+        [judged_words(one) for _, one in found],
         list(aligned_numbers([row[0] for row in worst])),
         list(aligned_numbers([row[1] for row in worst])),
         list(aligned_numbers([row[2] for row in worst])),
@@ -120,6 +122,12 @@ def _verdicts(subject: ReportData, judged: LimitConclusion, name: str) -> TableB
         list(zip(*cells, strict=True)),
         notes,
     )
+
+
+def judged_words(one: LimitVerdict) -> str:
+    """Text of the speeds in rpm in which a limit was judged, as 675 to 825."""
+    ranges = [phrase("{low:.4g} to {high:.4g}", low=low, high=high) for low, high in one.judged_rpm]
+    return joined(", ", ranges) if ranges else ""
 
 
 def _gravest(found: LimitConclusion, name: str) -> list[LimitCheck]:
@@ -201,7 +209,7 @@ def _remarks(subject: ReportData, found: LimitConclusion) -> list[str]:
             if len(names) < len(known)
             else ""
         )
-        remarks.append(f"{'; '.join(abouts)}: {as_words(remark)}{within}")
+        remarks.append(joined("", ("; ".join(abouts), ": ", as_words(remark), within)))
     return remarks
 
 
@@ -211,7 +219,13 @@ QUICK, SLOW = 10.0, 60.0
 """Times in s in which barred ranges are passed in a report unless others are asked for: with power to spare, and with
 little, as under a fouled hull. They are examples; no rule that was found names a time."""
 NOT_PASSED = "Not to be passed, neither slowly nor quickly:"
-"""Lead of the list of ranges in which a limit forbids the passage."""
+NOT_CALCULATED = "Passages not examined, to be passed all the same:"
+"""Leads of the lists of ranges in which a limit forbids the passage, and of those whose passage is not calculated."""
+BEYOND = (
+    "Beyond the range, where it is left, vibration of this passage is above what is allowed in continuous operation: "
+    "{limit} has up to {value} {unit} at {speed:.4g} rpm, {steady} in steady operation there."
+)
+"""Note on vibration that dies away outside of a range after it was passed."""
 MOST_RANGES = 4
 """Largest number of barred ranges whose passage a report shows."""
 WHAT_IS_COUNTED = (
@@ -228,21 +242,38 @@ def passage_section(subject: ReportData) -> Section | None:
     if found is None:
         return None
     ranges: list[PassedRange] = []
-    # The most used first: what is passed there is passed in the other conditions, too.
-    for one in sorted(passed_ranges(found.checks), key=lambda one: -one.utilisation):
-        if not any(_covers(other, one) for other in ranges):
+    # The most used first: the others lie in these, or are only named.
+    every = passed_ranges(found.checks)
+    for one in sorted(every, key=lambda one: -one.utilisation):
+        if len(ranges) < MOST_RANGES and not any(_covers(other, one) for other in ranges):
             ranges.append(one)
-    blocks = [block for number, one in enumerate(ranges[:MOST_RANGES], 1) for block in _range(subject, one, number)]
+    found_blocks = [list(_range(subject, one, number)) for number, one in enumerate(ranges, 1)]
+    blocks = [block for some in found_blocks for block in some]
     lead: list[Block] = [Paragraph((WHAT_IS_COUNTED,))] if blocks else []
     refused = [_refused(subject, one) for one in refused_ranges(found.checks)[:MOST_ROWS]]
-    if not blocks and not refused:
+    missing = [_named_range(subject, one) for one, some in zip(ranges, found_blocks, strict=True) if not some]
+    missing += [_named_range(subject, one) for one in every if one not in ranges]
+    if not blocks and not refused and not missing:
         return None
-    return Section("passage", ("Passing the barred ranges",), (*_not_to_be_passed(refused), *lead, *blocks))
+    others = (*_listed(NOT_PASSED, refused), *_listed(NOT_CALCULATED, missing[:MOST_ROWS]))
+    return Section("passage", ("Passing the barred ranges",), (*others, *lead, *blocks))
 
 
-def _not_to_be_passed(refused: Sequence[str]) -> list[Block]:
-    """Sentence and list of the ranges that must not be passed; empty without any."""
-    return [Paragraph((Strong(NOT_PASSED),)), Listing(tuple((one,) for one in refused))] if refused else []
+def _listed(lead: str, ranges: Sequence[str]) -> list[Block]:
+    """Sentence and list of ranges; empty without any."""
+    return [Paragraph((Strong(lead),)), Listing(tuple((one,) for one in ranges))] if ranges else []
+
+
+def _named_range(subject: ReportData, barred: PassedRange) -> str:
+    """Text of a range in a condition, with the limits that bar it."""
+    limits = ", ".join(as_words(one.limit) for one in barred.verdicts)
+    where = _condition(subject, barred)
+    return phrase("{range}{where}: {limits}", range=barred.span, where=where, limits=limits)
+
+
+def _condition(subject: ReportData, barred: PassedRange) -> str:
+    title = subject.titles.of(barred.check.configuration)
+    return f", {title}" if title else ""
 
 
 def _refused(subject: ReportData, refused: PassedRange) -> str:
@@ -280,7 +311,7 @@ def _range(subject: ReportData, barred: PassedRange, number: int) -> Iterator[Bl
     if not passages:
         return
     low, high = barred.span.rpm_outward
-    where = f", {subject.titles.of(check.configuration)}" if check.configuration else ""
+    where = _condition(subject, barred)
     yield Paragraph(
         (Strong(phrase("{low} to {high} rpm{where}:", low=low, high=high, where=where)), *_finding(passages, asked))
     )
@@ -290,6 +321,18 @@ def _range(subject: ReportData, barred: PassedRange, number: int) -> Iterator[Bl
     notes = dict.fromkeys(note for one in passages for note in one.response.notes[:-1])
     if notes:
         yield Paragraph((f"{capital('; '.join(as_words(note) for note in notes))}.",))
+    yield from _beyond(subject, passages)
+
+
+def _beyond(subject: ReportData, passages: Sequence[RangePassage]) -> Iterator[Paragraph]:
+    """Sentence on the largest vibration outside of a range, if any there is above what is allowed when it lasts."""
+    left = [(one, found) for one in passages if (found := one.beyond) is not None]
+    if left:
+        one, (rpm, value, steady) = max(left, key=lambda pair: pair[1][1])
+        scale, shown = engineering_unit(one.unit, subject.conventions)
+        about = {"limit": as_words(one.named), "speed": rpm, "unit": unit(shown)}
+        sizes = {name: NumberText(size * scale, DIGITS) for name, size in (("value", value), ("steady", steady))}
+        yield Paragraph((phrase(BEYOND, **about, **sizes),))
 
 
 def _finding(passages: tuple[RangePassage, ...], asked: float | None) -> tuple[str, ...]:

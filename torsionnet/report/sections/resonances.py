@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from torsionnet.base.number_text import aligned_numbers
-from torsionnet.base.phrases import phrase
+from torsionnet.base.phrases import joined, phrase
 from torsionnet.base.units import RPM
 from torsionnet.machinery.criticals.critical_speeds import CriticalSpeed
-from torsionnet.machinery.verdicts.margin_rules import PRESETS
+from torsionnet.machinery.verdicts.limit_verdict import listed_names
 from torsionnet.machinery.verdicts.order_peaks import LEAST_SHARE
 from torsionnet.report.condition_tables import damping_cell, further_criticals, normal_criticals
 from torsionnet.report.document_tree import (
@@ -164,26 +164,17 @@ def _holzer_tables(case: Case, excited: CriticalSpeeds) -> list[Block]:
 
 # Table of a report with the separation margins of a train from shaft speeds and electrical frequencies.
 
-MOST_DRIVETRAINS = 3
-"""Largest number of drivetrains with other modes whose separation margins a report shows."""
-
 
 def separation_margins(subject: ReportData) -> list[Block]:
     """Tables of the margins of low modes from multiples of speeds, line frequencies and all orders, by drivetrain.
 
     Empty unless the report's ``rules`` name a rule of separation margins and the model has speeds.
     """
-    rule = subject.request.plan.rules
-    if rule is None or rule not in PRESETS or subject.model.definition.speeds is None:
-        return []
     several = len(subject.distinct_drivetrains) > 1
-    return [_margins(rule, cases, several=several) for cases in subject.distinct_drivetrains[:MOST_DRIVETRAINS]]
+    return [_margins(found, cases, several=several) for cases, found in subject.separation_margins]
 
 
-def _margins(rule: str, cases: tuple[Case, ...], *, several: bool) -> TableBlock:
-    from torsionnet.machinery.verdicts.shaft_margins import shaft_margins
-
-    found = shaft_margins(cases[0].drivetrain, rule)
+def _margins(found: CriticalSpeeds, cases: tuple[Case, ...], *, several: bool) -> TableBlock:
     where = (
         phrase(" in configuration {name}", name=shared_choices([case.configuration for case in cases]))
         if several
@@ -228,11 +219,39 @@ def _telling(pairs: Sequence[tuple[CriticalSpeed, OrderLine]]) -> list[tuple[Cri
     return [pair for pair in pairs if pair[0].passes is False or pair is nearest]
 
 
+def compared_words(one: CriticalSpeed) -> str:
+    """Text of the excitation from which a mode has to be apart, as 2 x motor."""
+    if one.order:
+        return f"{one.order:g} x {as_words(one.excitation)}"
+    return f"{one.fixed:g} Hz, {as_words(one.excitation)}"
+
+
+def missed_margins(subject: ReportData) -> list[str]:
+    """Sentences on the modes that are nearer to an excitation than the rule of separation margins wants."""
+    said = []
+    for cases, found in subject.separation_margins:
+        missed: dict[int, list[str]] = {}
+        for one in found.crossings:
+            if one.passes is False:
+                missed.setdefault(one.mode.number, []).append(compared_words(one))
+        modes = [
+            phrase("mode {mode} from {lines}", mode=mode, lines=listed_names(lines)) for mode, lines in missed.items()
+        ]
+        names = [case.configuration for case in cases]
+        several = len(subject.distinct_drivetrains) > 1
+        where = phrase(" in configuration {name}", name=shared_choices(names)) if several else ""
+        if modes and found.rule:
+            said.append(phrase(MISSED, rule=found.rule.name, modes=joined(", ", modes), where=where))
+    return said
+
+
+MISSED = "Separation margins by {rule} not kept{where}: {modes}; stresses at these critical speeds have to show no harm"
+"""Finding on modes that are too near to an excitation."""
+
+
 def _row(found: CriticalSpeeds, one: CriticalSpeed, line: OrderLine) -> tuple[Cell, ...]:
     low, high = np.abs(line.frequency(np.array(found.speed_range))).tolist()
-    compared = (
-        f"{one.order:g} x {as_words(one.excitation)}" if one.order else f"{one.fixed:g} Hz, {as_words(one.excitation)}"
-    )
+    compared = compared_words(one)
     required = "" if one.required is None else NumberText(100 * one.required, 3)
     kept = "" if one.passes is None else "yes" if one.passes else "no"
     return (
