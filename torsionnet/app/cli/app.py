@@ -176,7 +176,7 @@ GROUPS = {  # by what a user does; the texts stand here so that the list of comm
         "schema": "JSON Schema of model files, for editors.",
     },
 }
-"""What each command does, by group."""
+"""Commands by group, each with a sentence on what it does."""
 COMMANDS = {name: text for group in GROUPS.values() for name, text in group.items()}
 
 

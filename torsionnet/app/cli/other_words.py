@@ -40,11 +40,11 @@ SAME = {
     "--help": "help commands usage man",
     "--version": "version about",
 }
-"""What does the same, as it is typed behind ``torsionnet``: words that people try."""
+"""Commands as they are typed behind ``torsionnet``, each with the words that people try for it."""
 
 
 def same_command(word: str) -> str:
-    """What does here what a word from elsewhere asks for, as it is typed; the empty string where nothing is known.
+    """Command for what a word from elsewhere asks for, as it is typed; the empty string where nothing is known.
 
     >>> same_command("bode"), same_command("brake")
     ('torsionnet frf --plot bode.png', '')
