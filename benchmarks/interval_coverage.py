@@ -38,7 +38,7 @@ import numpy as np
 import torsionnet as tn
 from benchmarks._interval_draws import DRAWS, covered, drawn_row
 from benchmarks._sizes import ARGUMENTS, sized
-from torsionnet.bench import Acquisition, Encoder, Exciter, Plan, Transducer
+from torsionnet.bench import Acquisition, Encoder, Plan, Transducer
 from torsionnet.signals import LinearChirp, Welch, estimate
 
 SEEDS, AT_ONCE = sized(60, 2), sized(5, 1)
@@ -65,7 +65,13 @@ WINDOWS = {
 }
 ROUTES = ("record", "response", "file")
 CHIRP = LinearChirp(start=0.2, stop=40, duration=60, amplitude=15)
-EXCITER = Exciter(bandwidth="60 Hz", harmonics={2: "2 %", 3: "1.3 %"}, limit="110 N*m", bits=13, full_scale="110 N*m")
+EXCITER = {
+    "bandwidth": "60 Hz",
+    "harmonics": {2: "2 %", 3: "1.3 %"},
+    "limit": "110 N*m",
+    "bits": 13,
+    "full_scale": "110 N*m",
+}
 ACQUISITION = Acquisition(rate="1 kHz", bits=16)
 WAYS = tuple(product(WINDOWS, ROUTES))
 ONE_MASS = {"k": 1000.0, "J": 0.1, "c": 0.4}

@@ -1,4 +1,4 @@
-"""Public names of the package: what its lazy tables offer, the members of public classes, and their signatures.
+"""Public names of the package: what its lazy tables offer, results, the members of both, and their signatures.
 
 ``python docs/public_names.py`` (``make signatures``) writes the list of signatures, with which ``make lint`` compares.
 """
@@ -25,37 +25,113 @@ HEAD = "# Public names and signatures: a change is a decision (docs/stability.md
 INNER_BASES = (Declared, NotebookResult)
 """Base classes whose own members are for the package alone: how entries are read, what a notebook asks for."""
 _SCENARIO = ("begins", "course", "expressions", "length", "name_faults", "needed", "places", "schema", "words")
+RESULTS: dict[str, str] = {
+    "torsionnet.base.errors": "Position",
+    "torsionnet.base.table": "Column",
+    "torsionnet.bench.bench": "TurningTest",
+    "torsionnet.bench.campaign.campaign": "Campaign",
+    "torsionnet.bench.campaign.campaign_result": "CampaignResult ConditionSpread",
+    "torsionnet.bench.recorded_signal": "ExciterOutput",
+    "torsionnet.bench.wheel_turning": "TrueFault",
+    "torsionnet.identification.fit_result": "Compared",
+    "torsionnet.identification.lack_of_fit": "Explanation LackOfFit Misfit",
+    "torsionnet.identification.model_choice": "Choice",
+    "torsionnet.identification.ranking": "RankedCause Ranking",
+    "torsionnet.linear.assembly.matrices": "SystemMatrices",
+    "torsionnet.linear.between_samples": "BetweenSamples",
+    "torsionnet.linear.estimation": "Estimation",
+    "torsionnet.linear.modes.mode_pairs": "VibrationMode",
+    "torsionnet.linear.modes.modes": "ModeRow",
+    "torsionnet.linear.responses.loop_margins": "LoopMargins Margin",
+    "torsionnet.linear.responses.shared_response": "FrequencyResponses",
+    "torsionnet.linear.sensitivity.sensitivities_of_modes": "ModeEffect ModeSensitivities",
+    "torsionnet.machinery.criticals.critical_speeds": "CriticalSpeed CriticalSpeeds SpeedPeak",
+    "torsionnet.machinery.design.damper_optimum": "DamperOptimum DesignParameter",
+    "torsionnet.machinery.holzer.holzer_table": "HolzerBranch HolzerLink HolzerStation HolzerTable",
+    "torsionnet.machinery.holzer.mass_elastic_table": "MassElasticLine MassElasticRow MassElasticShaft "
+    "MassElasticTable StationSection",
+    "torsionnet.machinery.mean.dissipation": "DissipatedPower",
+    "torsionnet.machinery.mean.mean_solution": "MeanResponse",
+    "torsionnet.machinery.mean.static_state": "ElementLoad PowerBalance StaticState",
+    "torsionnet.machinery.orders.order_line": "OrderLine",
+    "torsionnet.machinery.orders.order_response": "OrderResponse",
+    "torsionnet.machinery.passage.passage_response": "PassagePeak PassageResponse",
+    "torsionnet.machinery.phasors.vector_sums": "StarDiagram",
+    "torsionnet.machinery.verdicts.limit_check": "LimitCheck",
+    "torsionnet.machinery.verdicts.limit_verdict": "LimitVerdict",
+    "torsionnet.machinery.verdicts.limit_conclusion": "WorstLimit",
+    "torsionnet.machinery.verdicts.rule_factors": "RuleText",
+    "torsionnet.machinery.verdicts.speed_spans": "SpeedSpan",
+    "torsionnet.modal.circle_fitting": "CircleFit",
+    "torsionnet.modal.matching": "Match",
+    "torsionnet.modal.modal_estimate": "IdentifiedMode ModalEstimate",
+    "torsionnet.modal.operational.operational_modes": "OperationalMode OperationalModes",
+    "torsionnet.modal.operational.run_up_fit": "SpeedSweep",
+    "torsionnet.modal.spectral_lines": "Criteria",
+    "torsionnet.modal.stabilisation_chart": "Order Stabilisation",
+    "torsionnet.model.catalogues.catalogue": "Catalogue",
+    "torsionnet.model.channels": "Input Sensor",
+    "torsionnet.model.parameters": "Parameter",
+    "torsionnet.model.sheets.mass_elastic_sheet": "MassElasticSheet",
+    "torsionnet.report.document_tree": "Picture Report",
+    "torsionnet.signals.comparison": "Difference",
+    "torsionnet.signals.orders.mean_rotation": "MeanRotation",
+    "torsionnet.signals.orders.tracked_orders": "TrackedOrders TrackingKernel",
+    "torsionnet.signals.pulses": "MissingPulses Pulses",
+    "torsionnet.signals.recording": "MotionEvent",
+    "torsionnet.signals.rotation.calibration_result": "WheelCalibration",
+    "torsionnet.signals.rotation.clock_drift": "ClockDrift",
+    "torsionnet.signals.rotation.pitch_order": "PitchOrder",
+    "torsionnet.signals.rotation.wheel_rotation": "WheelRotation",
+    "torsionnet.signals.spectra": "Spectrogram",
+    "torsionnet.study.design.best_damper": "DamperInCondition",
+    "torsionnet.study.quantities.expression": "UserFunction",
+    "torsionnet.study.reductions.summaries": "Summary",
+    "torsionnet.study.run.answering": "AnsweredStudy",
+    "torsionnet.study.shown_units": "ShownUnits",
+    "torsionnet.study.space.samples": "Samples",
+    "torsionnet.study.space.space": "Space",
+    "torsionnet.study.study": "Study",
+    "torsionnet.study.study_result": "StudyResult",
+    "torsionnet.symbolic.normalised": "Expanded Normalised",
+    "torsionnet.symbolic.rational": "Rational",
+    "torsionnet.symbolic.simplified": "Simplified",
+    "torsionnet.symbolic.symbolic_system": "SymbolicSystem",
+    "torsionnet.symbolic.transfer_function": "TransferFunction",
+    "torsionnet.symbolic.transfer_matrix": "TransferMatrix",
+}
+"""Results: classes by their modules of which public names return or hold objects, and that no program makes itself.
+
+Their fields and members are public, the modules are not.
+"""
+_RESULTS = {
+    name: getattr(importlib.import_module(module), name) for module, names in RESULTS.items() for name in names.split()
+}
 INNER_MEMBERS: dict[type, set[str]] = {
     object: {"contradictions", "key_faults", "notebook_tables", "record", "renamed", "row"},
-    tn.Drivetrain: {"assembly", "definition", "from_definition", "with_definition", "with_entries_named"},
+    tn.Drivetrain: {"assembly", "at_point", "definition", "from_definition", "with_definition", "with_entries_named"},
     tn.Element: {
         *("diameters", "expanded", "expressions", "from_entries", "is_at_own_speed", "mean_speed_rows", "other_laws"),
         *("own_parts", "own_tangent_parts", "own_whole_parts", "parts", "place_of", "reads_off", "referral_fault"),
         *("scalars", "schema", "sign_at", "twist", "with_laws"),
     },
-    tn.OperatingPoint: {"loaded_nodes", "read", "with_overlay"},
-    tn.Parameter: {"given", "with_operating_values", "written"},
+    _RESULTS["Parameter"]: {"given", "with_operating_values", "written"},
     tn.TorqueScenario: {*_SCENARIO, "histories", "read_entries", "to_data"},
     tn.ShortCircuitScenario: {*_SCENARIO, "torque", "what"},
-    tn.machinery.OrderResponse: {"engine_notes", "no_cycle"},
-    tn.machinery.CriticalSpeed: {"star_vectors"},
-    tn.machinery.CriticalSpeeds: {"margin_rule", "modes_with_shapes"},
-    tn.machinery.DamperOptimum: {"output", "over", "unit"},
-    tn.machinery.LimitCheck: {"barred_rpm", "findings", "highest", "passed"},
+    _RESULTS["OrderResponse"]: {"engine_notes", "no_cycle"},
+    _RESULTS["CriticalSpeed"]: {"star_vectors"},
+    _RESULTS["CriticalSpeeds"]: {"margin_rule", "modes_with_shapes"},
+    _RESULTS["DamperOptimum"]: {"output", "over", "unit"},
+    _RESULTS["LimitCheck"]: {"barred_rpm", "findings", "highest", "passed"},
     tn.machinery.LimitConclusion: {"barred_rpm", "findings", "worst_table"},
-    tn.machinery.LimitVerdict: {"barred_rpm", "highest_rpm", "worst_unit"},
-    tn.machinery.StaticState: {"external_torques"},
-    tn.motion.EnergyBalance: {"balance", "heat"},
-    tn.study.Study: {"entries", "evaluator", "model_in", "model_text"},
+    _RESULTS["LimitVerdict"]: {"barred_rpm", "highest_rpm", "worst_unit"},
+    _RESULTS["StaticState"]: {"external_torques"},
+    _RESULTS["Study"]: {"entries", "evaluator", "model_in", "model_text"},
     tn.study.Workers: {"executor"},
-    tn.study.Samples: {"points"},
-    **{
-        one: {"bound", "sizes", "words"}
-        for one in (tn.study.ListOfValues, tn.study.Lognormal, tn.study.Normal, tn.study.Triangular, tn.study.Uniform)
-    },
-    tn.study.UserFunction: {*dir(tn.study.UserFunction)},
-    tn.study.ValueRange: {"bound", "sizes", "words"},
-    tn.symbolic.TransferFunction: {
+    _RESULTS["Samples"]: {"points"},
+    tn.study.Normal: {"bound", "sizes", "words"},
+    _RESULTS["UserFunction"]: {*dir(_RESULTS["UserFunction"])},
+    _RESULTS["TransferFunction"]: {
         "free_symbols",
         "nested_leaves",
         "predicted_terms",
@@ -79,6 +155,11 @@ class PublicName:
     @property
     def is_class(self) -> bool:
         return isclass(self.value)
+
+    @property
+    def is_result(self) -> bool:
+        """Whether it is a class of which programs only get objects."""
+        return self.value is _RESULTS.get(self.last)
 
     @property
     def last(self) -> str:
@@ -124,7 +205,7 @@ def public_packages() -> list[str]:
 
 
 def public_names() -> list[PublicName]:
-    """Every public object once, sorted by name, element types and modules' contents included."""
+    """Every public object once, sorted by name, element types, modules' contents and results included."""
     named: dict[int, tuple[Any, list[str]]] = {}
     for package in public_packages():
         module = importlib.import_module(package)
@@ -133,6 +214,9 @@ def public_names() -> list[PublicName]:
             if not ismodule(value) and name != "__version__":
                 named.setdefault(id(value), (value, []))[1].append(f"{package}.{name}")
     found = [PublicName(names[0], value, tuple(names[1:])) for value, names in named.values()]
+    found += [
+        PublicName(f"{module}.{name}", _RESULTS[name]) for module, names in RESULTS.items() for name in names.split()
+    ]
     return sorted(found, key=lambda one: one.name)
 
 
@@ -161,7 +245,7 @@ def _lines(one: PublicName) -> Iterator[str]:
 
 def _parameters(one: PublicName) -> Iterator[str]:
     """Lines with the parameters of a class, numbered where they may be given by position, and its other fields."""
-    given = signature(one.value).parameters
+    given = {} if one.is_result else signature(one.value).parameters
     for number, (name, parameter) in enumerate(given.items(), 1):
         place = "by name" if parameter.kind is Parameter.KEYWORD_ONLY else f"number {number:02}"
         yield f"{one.name}({place} {_parameter(name, parameter)})"

@@ -6,16 +6,17 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from public_names import PublicName, public_names
+from public_uses import sources_of_results, uses_of_names
 
 import torsionnet as tn
 
 MODEL = (
-    *("Drivetrain", "Parameter", "Input", "Sensor", "OperatingPoint", "load", "loads", "library_models"),
+    *("Drivetrain", "Parameter", "Input", "Sensor", "load", "loads", "library_models"),
     *("ShortCircuitScenario", "TorqueScenario"),
 )
 RESULTS = (
     *("Adaptive", "Channel", "Column", "Conventions", "FrequencyResponse", "FrequencyResponses"),
-    *("Modes", "Note", "SI", "Table"),
+    *("Modes", "Table"),
 )
 DAMPING = ("convert_damping",)
 IDENTIFICATION = ("identify", "Measurement", "Unknown", "Fit")
@@ -35,16 +36,24 @@ SUBJECTS: tuple[tuple[str, str, tuple[str, ...]], ...] = (
     ),
     ("Identification", "", (*IDENTIFICATION, "identification", "linear.sensitivity")),
     ("Virtual benches", "", (*BENCHES, "bench")),
-    ("Campaigns", "Rotating tests; [](how_to/campaign.md) walks through one.", ("bench.campaign",)),
+    (
+        "Campaigns",
+        "Rotating tests; [](how_to/campaign.md) walks through one.",
+        ("load_campaign", "run_campaign", "bench.campaign"),
+    ),
     ("Symbols", "", ("symbolic",)),
     ("Plots", "Each function returns a figure of matplotlib.", ("plot",)),
     (
         "Studies",
-        "Quantities and answers are written as in [a study file](study_file.md); variations have classes too.",
+        "Quantities, answers and variations are written as in [a study file](study_file.md).",
         ("load_study", "study"),
     ),
     ("Reports", "", ("write_report", "report")),
-    ("Interchange", "Which file goes to which program is on [its page](how_to/interchange.md).", ("io",)),
+    (
+        "Interchange",
+        "Which file goes to which program is on [its page](how_to/interchange.md).",
+        ("io", "Catalogue", "MassElasticSheet"),
+    ),
     ("Damping and units", "Units are `tn.units`.", (*DAMPING, "base.units")),
     ("Errors", "", ("errors",)),
 )
@@ -78,11 +87,13 @@ def subject_of(one: PublicName) -> str:
         package = "errors"
     also = {other.removeprefix("torsionnet.").rpartition(".")[0] for other in one.others}
     for heading, _, contents in SUBJECTS:
-        if last in contents and not package:
+        if last in contents and (not package or one.is_result):
             return heading
-    for heading, _, contents in SUBJECTS:
-        if package in contents or (not package and also & {*contents}):
-            return heading
+    rooms = [package.rsplit(".", cut)[0] for cut in range(package.count(".") + 1)] if one.is_result else [package]
+    for room in rooms:  # of a result the nearest one above its module
+        for heading, _, contents in SUBJECTS:
+            if room in contents or (not room and also & {*contents}):
+                return heading
     raise ValueError(f"no subject of the reference has {one.name}")
 
 
@@ -98,7 +109,9 @@ def page_names() -> dict[str, PublicName]:
 
 
 def shown_name(one: PublicName) -> str:
-    """Name as a program writes it after ``import torsionnet as tn``."""
+    """Name as a program writes it after ``import torsionnet as tn``; of a result the class alone."""
+    if one.is_result:
+        return one.last
     package, _, last = one.name.removeprefix("torsionnet.").rpartition(".")
     return ".".join(["tn", *([package.rpartition(".")[2]] if package else []), last])
 
@@ -112,12 +125,28 @@ def reference_index() -> str:
 
 
 def _part(heading: str, sentence: str, objects: list[tuple[str, PublicName]]) -> str:
-    lines = [f"## {heading}\n", f"{sentence}\n" if sentence else "", "| name | what it is |", "|---|---|"]
+    names = [(page, one) for page, one in objects if not one.is_result]
+    results = [(page, one) for page, one in objects if one.is_result]
+    lines = [f"## {heading}\n", f"{sentence}\n" if sentence else ""]
+    if names:
+        lines += ["| name | what it is | used in |", "|---|---|---|", *_rows(names), ""]
+    if results:
+        lines += ["| result | what it is | comes from |", "|---|---|---|", *_rows(results), ""]
+    return "\n".join(lines)
+
+
+def _rows(objects: list[tuple[str, PublicName]]) -> Iterator[str]:
     for page, one in sorted(objects, key=lambda pair: pair[1].name.casefold()):
         places = "".join(f'<span id="{place}"></span>' for place in dict.fromkeys(_places(one)))
         summary = one.summary or _plain_summary(one)
-        lines.append(f"| {places}[`{shown_name(one)}`](reference/{page}.md) | {_markdown(summary)} |")
-    return "\n".join([*lines, ""])
+        yield f"| {places}[`{shown_name(one)}`](reference/{page}.md) | {_markdown(summary)} | {_reason(one)} |"
+
+
+def _reason(one: PublicName) -> str:
+    """Task that needs a public object: the page or example that shows it, or the call that returns it."""
+    if one.is_result:
+        return f"`{sources_of_results()[one.last][0]}`"
+    return str(uses_of_names()[one.name][0])
 
 
 def _places(one: PublicName) -> Iterator[str]:
@@ -144,7 +173,8 @@ def object_page(one: PublicName) -> str:
             "---\norphan: true\n---\n",
             f"# {shown_name(one)}\n",
             f"[Reference](../reference.md#{subject_of(one).lower().replace(' ', '-')}): {subject_of(one).lower()}."
-            + (f" Also {others}." if others else ""),
+            + (f" Also {others}." if others else "")
+            + (f" Comes from {_reason(one)}." if one.is_result else ""),
             f"\n```{{eval-rst}}\n{_directive(one)}```\n",
         ]
     )

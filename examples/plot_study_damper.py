@@ -19,7 +19,7 @@ study = tn.load_study("inline_six_damper")
 result = tn.study.run_study(study)
 best = study.answers["damper"].conclude(study, result)
 assert isinstance(best, DamperOverConditions)  # for type checkers: what an answer finds depends on its type
-figure = best.figure(plot)
+figure = best.figure()
 print("\n".join(best.sentences))
 
 # %%

@@ -8,16 +8,15 @@ fifth gear.
 """
 
 import torsionnet as tn
-from torsionnet import plot
 
 study = tn.load_study("amt_two_stiffnesses")
 result = tn.study.run_study(study)
-figure = study.answers["frequency"].conclude(study, result).figure(plot, units=study.shown_units())
+figure = study.answers["frequency"].conclude(study, result).figure(units=study.shown_units())
 
 # %%
 # The damping ratio falls with the stiffness of the half-shaft.
 
-figure = study.answers["damping"].conclude(study, result).figure(plot, units=study.shown_units())
+figure = study.answers["damping"].conclude(study, result).figure(units=study.shown_units())
 
 # %%
 # The same numbers as an array, k_1 along the first axis: the rigs whose first mode stays below 6 Hz with a damping

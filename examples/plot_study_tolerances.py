@@ -14,7 +14,6 @@ variants in each of four gears, drawn by a Sobol sequence.
 """
 
 import torsionnet as tn
-from torsionnet import plot
 
 study = tn.load_study("amt_tolerances")
 result = tn.study.run_study(study)
@@ -25,7 +24,7 @@ print(result.table())
 # largest of these responses are twice the smallest ones in every gear.
 
 bands = study.answers["resonance"].conclude(study, result)
-figure = bands.figure(plot, units=study.shown_units())
+figure = bands.figure(units=study.shown_units())
 print("\n".join(bands.sentences))
 
 # %%
@@ -38,4 +37,4 @@ print("\n".join(share.sentences))
 # One parameter at a time over its tolerance: the oil decides in the lower gears, the dual-mass flywheel in fifth.
 
 influence = study.answers["influence"].conclude(study, result)
-figure = influence.figure(plot, units=study.shown_units())
+figure = influence.figure(units=study.shown_units())

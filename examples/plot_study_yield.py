@@ -9,12 +9,11 @@ without injection or without gas? With all cylinders firing both are used less. 
 """
 
 import torsionnet as tn
-from torsionnet import plot
 
 study = tn.load_study("marine_yield")
 result = tn.study.run_study(study)
 share = study.answers["yield"].conclude(study, result)
-figure = share.figure(plot, units=study.shown_units())
+figure = share.figure(units=study.shown_units())
 print("\n".join(share.sentences))
 
 # %%

@@ -3,7 +3,6 @@ from torsionnet import bench as bench
 from torsionnet import extend as extend
 from torsionnet import identification as identification
 from torsionnet import io as io
-from torsionnet import linear as linear
 from torsionnet import machinery as machinery
 from torsionnet import modal as modal
 from torsionnet import motion as motion
@@ -11,30 +10,22 @@ from torsionnet import plot as plot
 from torsionnet import report as report
 from torsionnet import signals as signals
 from torsionnet import study as study
-from torsionnet import symbolic as symbolic
 from torsionnet.base import units as units
 from torsionnet.base.conventions import Conventions as Conventions
-from torsionnet.base.conventions import SI as SI
 from torsionnet.base.errors import Fault as Fault
 from torsionnet.base.errors import MissingExtraError as MissingExtraError
 from torsionnet.base.errors import ModelError as ModelError
-from torsionnet.base.errors import Position as Position
 from torsionnet.base.errors import SolveError as SolveError
 from torsionnet.base.errors import TorsionnetError as TorsionnetError
 from torsionnet.base.errors import TorsionnetWarning as TorsionnetWarning
 from torsionnet.base.errors import UsageError as UsageError
-from torsionnet.base.notes import Note as Note
-from torsionnet.base.table import Column as Column
 from torsionnet.base.table import Table as Table
 from torsionnet.base.version import __version__ as __version__
 from torsionnet.bench import Bench as Bench
-from torsionnet.bench import campaign as campaign
 from torsionnet.bench import load_bench as load_bench
-from torsionnet.bench.campaign import load_campaign as load_campaign
-from torsionnet.bench.campaign import run_campaign as run_campaign
+from torsionnet.bench.campaign.campaign import load_campaign as load_campaign
+from torsionnet.bench.campaign.running_campaign import run_campaign as run_campaign
 from torsionnet.drivetrain import Drivetrain as Drivetrain
-from torsionnet.entry_classes import OperatingPoint as OperatingPoint
-from torsionnet.entry_classes import Parameter as Parameter
 from torsionnet.entry_classes import ShortCircuitScenario as ShortCircuitScenario
 from torsionnet.entry_classes import TorqueScenario as TorqueScenario
 from torsionnet.identification import Fit as Fit
@@ -46,11 +37,8 @@ from torsionnet.linear.frequency_response import Channel as Channel
 from torsionnet.linear.frequency_response import FrequencyResponse as FrequencyResponse
 from torsionnet.linear.modes.modes import Modes as Modes
 from torsionnet.linear.responses.grid import Adaptive as Adaptive
-from torsionnet.linear.responses.shared_response import FrequencyResponses as FrequencyResponses
 from torsionnet.loading import load as load
 from torsionnet.loading import loads as loads
-from torsionnet.model.channels import Input as Input
-from torsionnet.model.channels import Sensor as Sensor
 from torsionnet.model.damping import convert_damping as convert_damping
 from torsionnet.model.elements import Element as Element
 from torsionnet.model.elements.element_types import Belt as Belt
@@ -91,7 +79,6 @@ from torsionnet.model.elements.element_types import TunedDamper as TunedDamper
 from torsionnet.model.elements.element_types import Tyre as Tyre
 from torsionnet.model.elements.element_types import Vehicle as Vehicle
 from torsionnet.model.elements.element_types import ViscousDamper as ViscousDamper
-from torsionnet.model.files import library_benches as library_benches
 from torsionnet.model.files import library_models as library_models
 from torsionnet.report import write_report as write_report
 from torsionnet.study import load_study as load_study
@@ -105,7 +92,6 @@ __all__ = [
     "Channel",
     "Clearance",
     "Clutch",
-    "Column",
     "ConstantPowerLoad",
     "ContinuousShaft",
     "Controller",
@@ -122,7 +108,6 @@ __all__ = [
     "FlexibleCoupling",
     "FluidCoupling",
     "FrequencyResponse",
-    "FrequencyResponses",
     "Friction",
     "Gear",
     "Gearbox",
@@ -130,7 +115,6 @@ __all__ = [
     "HystereticSpring",
     "InductionMachine",
     "Inertia",
-    "Input",
     "Lock",
     "LumpedMatrices",
     "MassElastic",
@@ -138,16 +122,10 @@ __all__ = [
     "MissingExtraError",
     "ModelError",
     "Modes",
-    "Note",
-    "OperatingPoint",
-    "Parameter",
     "PendulumAbsorber",
     "Planetary",
-    "Position",
     "Propeller",
     "RigidCoupling",
-    "SI",
-    "Sensor",
     "Shaft",
     "ShortCircuitScenario",
     "SolveError",
@@ -167,15 +145,12 @@ __all__ = [
     "Vehicle",
     "ViscousDamper",
     "bench",
-    "campaign",
     "convert_damping",
     "extend",
     "identification",
     "identify",
     "io",
-    "library_benches",
     "library_models",
-    "linear",
     "load",
     "load_bench",
     "load_campaign",
@@ -190,7 +165,6 @@ __all__ = [
     "sensitivity",
     "signals",
     "study",
-    "symbolic",
     "units",
     "write_report",
 ]

@@ -8,6 +8,7 @@ import pytest
 import torsionnet as tn
 from torsionnet.base import familiar_words
 from torsionnet.model.elements import ELEMENT_TYPES
+from torsionnet.symbolic.symbolic_system import SymbolicSystem
 
 SPRING = "elements: {{s: {{type: {kind}, nodes: [a, b], {entries}}}, j: {{type: inertia, node: a, inertia: 1}}}}"
 
@@ -105,7 +106,7 @@ def there(place, of):
 def test_what_is_named_exists():
     """Every name in every hint is one that there is."""
     starts = {"tn": tn, "plot": tn.plot, "signals": tn.signals, "io": tn.io, "model": tn.Drivetrain, "modes": tn.Modes}
-    starts |= {"response": tn.FrequencyResponse, "symbolic": tn.symbolic.SymbolicSystem}
+    starts |= {"response": tn.FrequencyResponse, "symbolic": SymbolicSystem}
     found = [*familiar_words.PYTHON.values(), *familiar_words.METHODS.values()]
     named = [
         one

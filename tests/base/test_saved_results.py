@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import torsionnet as tn
+from torsionnet.base.notes import Note
 from torsionnet.base.table import Column, Table
 
 F = np.array([0.0, 2.0, 9.0])
@@ -48,7 +49,7 @@ def test_responses_are_read_back(tmp_path):
 
 def test_numbers_that_json_lacks(tmp_path):
     theta, torque = tn.Channel("phi", "rad"), tn.Channel("T", "N*m")
-    note = tn.Note("at rest", "warning", channel="phi")
+    note = Note("at rest", "warning", channel="phi")
     H = tn.FrequencyResponse(F, [np.inf, np.nan, 1 - 2j], (theta,), (torque,), notes=("warning: a plain text", note))
     for found in read_again(H, tmp_path):
         np.testing.assert_array_equal(found.values, H.values)

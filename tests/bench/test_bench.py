@@ -13,18 +13,8 @@ from torsionnet.bench.plan import Acquisition, Encoder, Exciter, Plan, Transduce
 from torsionnet.bench.recorded_signal import exciter_output, recorded_signal
 from torsionnet.model.files import json_schema, library_benches
 from torsionnet.model.files.library import library_folder
-from torsionnet.signals import (
-    PAPER,
-    BurstRandom,
-    LinearChirp,
-    LogarithmicSweep,
-    Multisine,
-    Recording,
-    Signal,
-    SteppedSine,
-    difference,
-    estimate,
-)
+from torsionnet.signals import PAPER, BurstRandom, LinearChirp, Recording, Signal, difference, estimate
+from torsionnet.signals.excitation import LogarithmicSweep, Multisine, SteppedSine
 from torsionnet.signals.order_tracking import sweep_harmonics
 from torsionnet.signals.uncertainty import resolution, step_of
 

@@ -8,16 +8,8 @@ import pytest
 
 import torsionnet as tn
 from torsionnet.bench.plan import Acquisition, Encoder, Plan, Transducer
-from torsionnet.signals import (
-    BurstRandom,
-    LinearChirp,
-    LogarithmicSweep,
-    Multisine,
-    Recording,
-    Signal,
-    SteppedSine,
-    check_recording,
-)
+from torsionnet.signals import BurstRandom, LinearChirp, Recording, Signal, check_recording
+from torsionnet.signals.excitation import LogarithmicSweep, Multisine, SteppedSine
 from torsionnet.signals.recording_checks import repeated_blocks
 from torsionnet.signals.uncertainty import step_of
 from torsionnet.signals.value_faults import frozen_stretches, spikes

@@ -13,7 +13,8 @@ from support.tors_models import THRUSTER
 
 import torsionnet as tn
 from fuzz import reuse, running
-from torsionnet.io import to_tors, write_frequency_response
+from torsionnet.io import write_frequency_response
+from torsionnet.io.tors_writing import to_tors
 from torsionnet.model.files import library_models
 from torsionnet.signals import write_recording
 

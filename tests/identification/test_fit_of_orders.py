@@ -17,7 +17,7 @@ from torsionnet.identification.orders.parametric_orders import ParametricOrders
 from torsionnet.identification.unknown_parameter import read_unknowns
 from torsionnet.io import read_frequency_response
 from torsionnet.io.tracked_order_tables import read_tracked_orders, write_tracked_orders
-from torsionnet.linear.sensitivity import ParametricResponse
+from torsionnet.linear.sensitivity.parametric import ParametricResponse
 from torsionnet.signals.orders.tracked_orders import MeasuredOrder
 
 SIGMA = 2.0

@@ -13,7 +13,8 @@ from torsionnet.identification.fit import load_fit
 from torsionnet.identification.fit_result import interval_half_width
 from torsionnet.identification.residuals.noise import sensor_noise_powers, weighted_mean
 from torsionnet.identification.residuals.sensor_steps import REST_POSITIONS, SensorSteps, unexcited_windows
-from torsionnet.signals import LinearChirp, Multisine, Welch, decimate
+from torsionnet.signals import LinearChirp, Welch, decimate
+from torsionnet.signals.excitation import Multisine
 
 SETTINGS = Welch("hamming", 2.0, 0.8, decimation=10)
 METER = 0.5

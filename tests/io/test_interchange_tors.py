@@ -13,7 +13,9 @@ from support.tors_models import THRUSTER, random_tree
 
 import torsionnet as tn
 from torsionnet.base.errors import ModelError, TorsionnetWarning, UsageError
-from torsionnet.io import from_tors, read_tors, to_tors, write_tors
+from torsionnet.io import read_tors, write_tors
+from torsionnet.io.tors_reading import from_tors
+from torsionnet.io.tors_writing import to_tors
 
 # Assembly.from_tors(THRUSTER): sqrt(eigh(K, M)) / 2 pi; eigenvalues of its state matrix with positive imaginary part;
 # first row of T inv(K - w^2 M + j w C) T^T with the gear transformation T = assembly.T(assembly.E()).

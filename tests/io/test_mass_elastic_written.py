@@ -8,7 +8,8 @@ import pytest
 import torsionnet as tn
 from torsionnet.app.cli import main
 from torsionnet.base.errors import TorsionnetWarning, UsageError
-from torsionnet.io import read_mass_elastic, to_mass_elastic, write_mass_elastic
+from torsionnet.io import read_mass_elastic, write_mass_elastic
+from torsionnet.io.mass_elastic_sheet import to_mass_elastic
 
 WHOLE = {
     "amt_rig": "gear=V",

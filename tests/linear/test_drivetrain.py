@@ -10,6 +10,8 @@ import pytest
 from support.models import geared_line
 
 import torsionnet as tn
+from torsionnet.model.channels import Input, Sensor
+from torsionnet.model.parameters import Parameter
 
 
 def faults_of(*elements, **entries):
@@ -441,14 +443,14 @@ class TestChecks:
 
     def test_channels_are_checked_where_they_are_made(self):
         for make in (
-            lambda: tn.Input("force", "a"),
-            lambda: tn.Sensor("angel", "a"),
-            lambda: tn.Sensor("angle", "a", at="b"),
-            lambda: tn.Sensor("angle", 5),
+            lambda: Input("force", "a"),
+            lambda: Sensor("angel", "a"),
+            lambda: Sensor("angle", "a", at="b"),
+            lambda: Sensor("angle", 5),
         ):
             with pytest.raises(tn.UsageError):
                 make()
-        assert tn.Parameter(3).value.evaluate({}) == 3
+        assert Parameter(3).value.evaluate({}) == 3
 
     def test_a_measure_of_no_damping_that_is_none_is_placed(self):
         found = faults_of(WHEEL, tn.Spring("s", nodes=("a", "ground"), stiffness=-10, damping={"Q": 0, "at": 10}))

@@ -12,7 +12,7 @@ from oracle.solution import Mechanics
 
 import torsionnet as tn
 from torsionnet.base.errors import UsageError
-from torsionnet.linear.sensitivity import parametric_response
+from torsionnet.linear.sensitivity.parametric import parametric_response
 
 F = Fraction
 LOW = np.array([1e-4, 1e-3, 0.01, 1.0])

@@ -17,7 +17,8 @@ from torsionnet.app.explore.session import choices
 from torsionnet.base.errors import ModelError, UsageError
 from torsionnet.io import to_modelica
 from torsionnet.io.matlab import matrices
-from torsionnet.linear.sensitivity import parametric_response
+from torsionnet.linear.sensitivity.parametric import parametric_response
+from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.files import dump, json_schema
 from torsionnet.model.files.reader import read_text
 from torsionnet.model.overview import channels_table
@@ -101,7 +102,7 @@ PAIR = row(("crank", 1), ("block", -1))
 class TestTorque:
     EXPECTED = np.array([readings(dense(f, loads=[PAIR]), f) for f in F])
 
-    @pytest.mark.parametrize("source", ["T_E", "crank-block", " crank - block ", tn.Input("torque", "crank", "block")])
+    @pytest.mark.parametrize("source", ["T_E", "crank-block", " crank - block ", Input("torque", "crank", "block")])
     def test_against_matrices_by_hand(self, source):
         found = plant(ENGINE, READ).frequency_response(list(READ), source, F).values[:, :, 0]
         assert found == pytest.approx(self.EXPECTED, rel=1e-10)
@@ -129,7 +130,7 @@ class TestTorque:
         kappa = VALUES["k"] + DAMPING["c"] * 2j * np.pi * F
         pair = rig.frequency_response("load", "crank-wheel", F).values[:, 0, 0] * kappa
         assert pair == pytest.approx(
-            rig.frequency_response("load", tn.Input("twist", "shaft"), F).values[:, 0, 0], rel=1e-10
+            rig.frequency_response("load", Input("twist", "shaft"), F).values[:, 0, 0], rel=1e-10
         )
 
     def test_through_a_rigid_gear(self):
@@ -369,7 +370,7 @@ sensors: {rel: {angle: [a, b]}, slip: {velocity: [b, a]}}
     def test_ground_as_second_node_is_the_node_alone(self):
         definition, faults = read_text(self.TEXT.replace("torque: [a, b]", "torque: [a, ground]"), "pair.yaml")
         assert not [fault for fault in faults if fault.severity == "error"]
-        assert definition.inputs["T"] == tn.Input("torque", "a")
+        assert definition.inputs["T"] == Input("torque", "a")
         assert definition.to_data()["inputs"] == {"T": {"torque": "a"}}
 
     @pytest.mark.parametrize(
@@ -421,11 +422,11 @@ sensors: {rel: {angle: [a, b]}, slip: {velocity: [b, a]}}
     @pytest.mark.parametrize(
         "make",
         [
-            lambda: tn.Input("torque", "a", "a"),
-            lambda: tn.Input("twist", "a", "b"),
-            lambda: tn.Input("torque", "ground", "a"),
-            lambda: tn.Sensor("torque", "a", against="b"),
-            lambda: tn.Sensor("angle", "a", against="a"),
+            lambda: Input("torque", "a", "a"),
+            lambda: Input("twist", "a", "b"),
+            lambda: Input("torque", "ground", "a"),
+            lambda: Sensor("torque", "a", against="b"),
+            lambda: Sensor("angle", "a", against="a"),
         ],
     )
     def test_objects_that_mean_nothing(self, make):

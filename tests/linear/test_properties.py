@@ -34,6 +34,7 @@ from support.strategies import (
 )
 
 import torsionnet as tn
+from torsionnet.model.channels import Sensor
 
 EXPLORE = int(os.environ.get("PROPERTY_EXAMPLES", "0"))
 RATIONAL = tuple(kind for kind in TREE if kind != "shaft")  # a shaft brings pi
@@ -425,7 +426,7 @@ def test_drivetrain_behind_a_gear_scaled_by_tau_squared_equals_no_gear(front, be
 def measured_response(first, meter, second, outputs, at, f):
     drivetrain = first.plus(meter, second).drivetrain(inputs={"T": {"torque": at}})
     end = meter.values["nodes"][1]
-    return drivetrain.frequency_response(outputs, tn.Sensor("torque", "meter", at=end), f)
+    return drivetrain.frequency_response(outputs, Sensor("torque", "meter", at=end), f)
 
 
 @pytest.mark.slow
@@ -544,7 +545,7 @@ def torque_channels(blueprint, drivetrain):
     for name, element in drivetrain.elements.items():
         for index, (port, node) in enumerate(element.ports.items()):
             if node != GROUND:
-                found.append((tn.Sensor("torque", name, at=port), node, 1 if index == 0 else -1))
+                found.append((Sensor("torque", name, at=port), node, 1 if index == 0 else -1))
     assert {sensor.of for sensor, _, _ in found} == {piece.name for piece in blueprint.pieces}
     return found
 
@@ -588,7 +589,7 @@ def test_rigid_connections_pass_on_torque_by_the_ratio_and_all_power(blueprint, 
         speed = dict(
             zip(
                 ports,
-                drivetrain.frequency_response([tn.Sensor("velocity", node) for node in ports.values()], "n0", f)
+                drivetrain.frequency_response([Sensor("velocity", node) for node in ports.values()], "n0", f)
                 .values[:, :, 0]
                 .T,
                 strict=True,
@@ -650,7 +651,7 @@ def test_torque_in_a_rigid_loop_is_refused_naming_the_loop(taus, rest, through):
     names = [piece.name for piece in (*pieces, closing)]
     element = names[-1] if through else names[0]
     with pytest.raises(tn.UsageError) as refusal:
-        drivetrain.frequency_response(tn.Sensor("torque", element), "l0", [1.0])
+        drivetrain.frequency_response(Sensor("torque", element), "l0", [1.0])
     assert "statically indeterminate" in str(refusal.value)
     assert all(name in str(refusal.value) for name in names)
     assert not any(piece.name in str(refusal.value).split() for piece in rest.prefixed("r_").pieces)

@@ -16,6 +16,7 @@ from torsionnet.base.registers import Groups
 from torsionnet.linear.modes.natural_modes import modes
 from torsionnet.linear.sensitivity.parametric import parametric_response
 from torsionnet.linear.sensitivity.sensitivities_of_modes import mode_sensitivities
+from torsionnet.model.channels import Sensor
 from torsionnet.model.elements import GROUND, Constraint, Values
 
 F = np.array([0.37, 5.3])
@@ -24,11 +25,11 @@ STEP = Fraction(1, 10**20)
 
 def every_sensor(drivetrain):
     for node in drivetrain.nodes:
-        yield from (tn.Sensor(quantity, node) for quantity in ("angle", "velocity", "acceleration"))
+        yield from (Sensor(quantity, node) for quantity in ("angle", "velocity", "acceleration"))
     for name, element in drivetrain.elements.items():
-        yield tn.Sensor("twist", name)
-        yield tn.Sensor("torque", name)
-        yield from (tn.Sensor("torque", name, at=port) for port, node in element.ports.items() if node != GROUND)
+        yield Sensor("twist", name)
+        yield Sensor("torque", name)
+        yield from (Sensor("torque", name, at=port) for port, node in element.ports.items() if node != GROUND)
 
 
 def number(value):

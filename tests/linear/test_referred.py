@@ -12,7 +12,8 @@ from torsionnet.app.cli.app import app
 from torsionnet.base.errors import ModelError, UsageError
 from torsionnet.io import to_modelica
 from torsionnet.linear.modes.mode_pairs import referred_shapes
-from torsionnet.linear.sensitivity import parametric_response
+from torsionnet.linear.sensitivity.parametric import parametric_response
+from torsionnet.model.channels import Sensor
 from torsionnet.model.files import dump, json_schema
 from torsionnet.model.files.reader import read_text
 
@@ -387,7 +388,7 @@ class TestReadings:
 
     def test_declared_by_node_and_by_object(self):
         rig = line(sensors={"T_c": {"torque": "shaft", "referred_to": "crank"}})
-        texts = ["T_c", "T_s referred to crank", tn.Sensor("torque", "shaft", referred_to="crank")]
+        texts = ["T_c", "T_s referred to crank", Sensor("torque", "shaft", referred_to="crank")]
         found = [rig.frequency_response(text, "T", F).values for text in texts]
         assert found[1] == pytest.approx(found[0])
         assert found[2] == pytest.approx(found[0])
@@ -424,7 +425,7 @@ class TestReadings:
         with pytest.raises(ModelError, match='no node is named "cranc"'):
             line(sensors={"x": {"torque": "shaft", "referred_to": "cranc"}})
         with pytest.raises(UsageError, match="a stress is that of its own shaft"):
-            tn.Sensor("stress", "shaft", referred_to="crank")
+            Sensor("stress", "shaft", referred_to="crank")
         loose = line(elements=[tn.Inertia("y_J", node="y", inertia=1), tn.Damper("d", nodes=("y", "prop"), damping=1)])
         with pytest.raises(UsageError, match="no ratio leads from y to crank"):
             loose.frequency_response("y referred to crank", "T", F)

@@ -9,7 +9,8 @@ from support import campaigns, strategies
 
 import torsionnet as tn
 from torsionnet.base.errors import SolveError, UsageError
-from torsionnet.linear.sensitivity import mode_sensitivities, parametric_response
+from torsionnet.linear.sensitivity import mode_sensitivities
+from torsionnet.linear.sensitivity.parametric import parametric_response
 
 F = np.array([0.4, 3.0, 5.6, 8.1, 20.0, 80.0])
 mp.mp.dps = 40

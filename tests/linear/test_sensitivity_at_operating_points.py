@@ -7,7 +7,8 @@ import pytest
 
 import torsionnet as tn
 from torsionnet.base.errors import UsageError
-from torsionnet.linear.sensitivity import mode_sensitivities, parametric_response
+from torsionnet.linear.sensitivity import mode_sensitivities
+from torsionnet.linear.sensitivity.parametric import parametric_response
 
 FREQUENCIES = [3.0, 5.0, 9.0]
 

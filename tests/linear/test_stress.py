@@ -7,7 +7,7 @@ import pytest
 
 import torsionnet as tn
 from torsionnet.io import read_frequency_response, write_frequency_response, write_modelica
-from torsionnet.linear.sensitivity import parametric_response
+from torsionnet.linear.sensitivity.parametric import parametric_response
 
 OUTER, BORE = 0.1, 0.04
 MODULUS = math.pi * (OUTER**4 - BORE**4) / (16 * OUTER)

@@ -5,6 +5,7 @@ import pytest
 from support.models import geared_line
 
 import torsionnet as tn
+from torsionnet.model.channels import Sensor
 
 F = np.array([0.5, 3.0, 12.0, 40.0])
 
@@ -36,7 +37,7 @@ class TestTorques:
 
     def test_sensor_objects_and_text_are_the_same(self):
         rig = geared_line()
-        sensor = tn.Sensor("torque", "stage", at="o")
+        sensor = Sensor("torque", "stage", at="o")
         np.testing.assert_array_equal(value(rig, sensor), value(rig, "torque(stage, o)"))
 
     def test_spring_to_ground_hands_its_torque_over(self):

@@ -134,7 +134,7 @@ def test_between_calculated_speeds(count, degree):
 
 class TestPicture:
     def test_dots_over_lines(self, folder):
-        from torsionnet.plot import order_overlay
+        from torsionnet.plot.order_overlay_plot import order_overlay
 
         response = tn.loads(PLANT).configured("rough").order_response("torque(shaft)")
         measured = read_orders(folder / recorded(folder), response.outputs[0])
@@ -148,7 +148,7 @@ class TestPicture:
 
     def test_orders_of_the_largest_amplitudes_are_drawn_calculated_or_measured(self):
         """Of eight the first is large in the calculation alone, the last but one in the test alone, the second in none."""
-        from torsionnet.plot import order_overlay
+        from torsionnet.plot.order_overlay_plot import order_overlay
 
         speeds, names = np.array([400, 600, 800]) * RPM, range(1, 9)
         lines = tuple(OrderLine("engine", order, Fraction(1)) for order in names)

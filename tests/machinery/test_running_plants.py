@@ -9,6 +9,7 @@ from support.forced_plants import reference
 
 import torsionnet as tn
 from torsionnet.model.elements import Values
+from torsionnet.model.operating_point import OperatingPoint
 from torsionnet.model.speeds import total_ratio
 from torsionnet.report.report import make_report
 
@@ -117,7 +118,7 @@ class TestMarine:
     def test_damping_of_the_propeller_is_archers(self, plant):
         """c = a Q/n, a = 30, n in r/min, Q over n squared: half of it at half the speed."""
         for share in (1, 0.5):
-            point = tn.OperatingPoint(speed={"fly": f"{750 * share} rpm"})
+            point = OperatingPoint(speed={"fly": f"{750 * share} rpm"})
             there = tn.Drivetrain.from_definition(replace(plant.definition, operating_point=point))
             (law,) = there.elements["propeller"].parts(Values(there.exact_values))
             assert float(law.damping) == pytest.approx(share * 30 * 188.7e3 / 151.8, rel=1e-3)

@@ -14,12 +14,14 @@ from support.modal_cases import chain_residues, pole, response_of
 import torsionnet as tn
 from torsionnet.base.errors import SolveError, UsageError
 from torsionnet.linear.frequency_response import Channel
-from torsionnet.modal import Criteria, Settings, fit_poles, identify_modes, match, peak_picking, stabilisation
+from torsionnet.modal import Settings, identify_modes, match, peak_picking, stabilisation
+from torsionnet.modal.matching import mac
 from torsionnet.modal.matrix_fraction import largest_order
+from torsionnet.modal.mode_identification import fit_poles
 from torsionnet.modal.refinement import factors_of, roots_of
 from torsionnet.modal.residues import Projection
 from torsionnet.modal.selection import clusters, significant_poles
-from torsionnet.modal.spectral_lines import lines_of, power
+from torsionnet.modal.spectral_lines import Criteria, lines_of, power
 from torsionnet.modal.stabilisation_chart import Order, Stabilisation, _same
 
 LINES = np.arange(0.5, 30.01, 0.1)
@@ -149,7 +151,7 @@ class TestKnownPoles:
         found = identify_modes(response_of(poles, residues, LINES, noise=1e-3), Settings(highest_order=4))
         assert nearest(found.poles, poles).max() < 0.01
         assert np.isfinite(found.frequency_errors).all()
-        assert np.all(np.diag(tn.modal.mac(found.shapes, shapes)) > 0.999)
+        assert np.all(np.diag(mac(found.shapes, shapes)) > 0.999)
 
 
 FEW_SEEDS = [0, 1, *(pytest.param(seed, marks=pytest.mark.nightly) for seed in range(2, 5))]
@@ -302,7 +304,7 @@ class TestLscf:
         response = response_of(poles, residues, np.arange(0.1, 100.01, 0.1), output="rad/s^2")
         found = identify_modes(response, Settings("lscf"))
         assert nearest(found.poles, poles).max() < 1e-6
-        assert np.all(np.diag(tn.modal.mac(found.shapes, shapes)) > 1 - 1e-8)
+        assert np.all(np.diag(mac(found.shapes, shapes)) > 1 - 1e-8)
         rough = identify_modes(response, Settings("lscf"), refined=False)
         assert nearest(rough.poles, poles).max() < 1e-4
         assert np.isnan(rough.frequency_errors).all()

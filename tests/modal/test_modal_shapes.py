@@ -12,7 +12,9 @@ from support.modal_cases import chain_residues, pole, response_of
 import torsionnet as tn
 from torsionnet.base.errors import UsageError
 from torsionnet.linear.frequency_response import Channel
-from torsionnet.modal import cmif, identify_modes, mac, match, mpc, msf
+from torsionnet.modal import cmif, identify_modes, match
+from torsionnet.modal.matching import mac, mpc, msf
+from torsionnet.model.channels import Input
 from torsionnet.signals import frac
 
 LINES = np.arange(0.5, 30.01, 0.1)
@@ -192,7 +194,7 @@ class TestMatch:
                 tn.Spring("k", ["motor", "load"], stiffness=1000, damping=1),
                 tn.Inertia("b", "load", inertia=2),
             ],
-            inputs={"T": tn.Input("torque", "motor")},
+            inputs={"T": Input("torque", "motor")},
         )
         response = free.frequency_response(["angle(motor)", "angle(load)"], "T", LINES)
         found = identify_modes(response)

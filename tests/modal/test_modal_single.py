@@ -10,6 +10,7 @@ import torsionnet as tn
 from torsionnet.base.errors import SolveError, UsageError
 from torsionnet.linear.frequency_response import Channel, FrequencyResponse
 from torsionnet.modal import circle_fit, peak_picking
+from torsionnet.modal.matching import mac
 
 # Half power of theta_1/T_T in percent; the poles of the rigs cut at the torque meter have 25 (31 with c_O = 360).
 HALF_POWER = {"dmf": 30.6, "II": 28.4, "III": 29.1, "IV": 29.1, "V": 28.5, "V_c_O_360": 41.6}
@@ -91,7 +92,7 @@ class TestHalfPower:
         read = peak_picking(response_of(poles, residues, np.arange(1, 20, 0.005)))
         assert read.natural_frequencies == pytest.approx([5, 11], rel=1e-3)
         assert read.damping_ratios == pytest.approx([0.005, 0.004], rel=0.02)
-        assert np.diag(tn.modal.mac(read.shapes, shapes)).min() > 0.999
+        assert np.diag(mac(read.shapes, shapes)).min() > 0.999
         np.testing.assert_allclose(read.residues, residues, rtol=0.05, atol=0.05 * np.abs(residues).max())
 
     def test_band(self):

@@ -10,8 +10,9 @@ from support import campaigns
 from support.known_damping import F0, ZETA, closed_form, half_power, swept, with_noise
 
 from torsionnet.base.errors import SolveError, UsageError
-from torsionnet.modal import match, modes_from_run_up, modes_from_tracked_orders
+from torsionnet.modal import match, modes_from_run_up
 from torsionnet.modal.operational.run_up_fit import sweep_of, swept_response
+from torsionnet.modal.operational.run_up_modes import modes_from_tracked_orders
 from torsionnet.signals.orders.tracked_orders import UNKNOWN_TRACKING, TrackedOrders, TrackingKernel
 from torsionnet.signals.recording import Recording, Signal
 

@@ -19,6 +19,7 @@ from torsionnet.linear.modes.continuous import negative_pivots
 from torsionnet.linear.modes.continuous_damped import damped_modes
 from torsionnet.linear.sensitivity.parametric import parametric_response
 from torsionnet.linear.sensitivity.sensitivities_of_modes import mode_sensitivities
+from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.element_base.shaft_stiffness import ShaftEnd, ShaftTwist
 
 G, RHO, D, L = 79.3e9, 7850.0, 0.1, 2.0
@@ -345,10 +346,10 @@ def test_response_also_next_to_clamped_frequencies_of_the_pieces():
 
 def test_torque_twist_and_stress_at_both_ends():
     sensors = {
-        "held": tn.Sensor("torque", "s", at="a"),
-        "free": tn.Sensor("torque", "s", at="b"),
-        "stress": tn.Sensor("stress", "s", at="a"),
-        "twist": tn.Sensor("twist", "s"),
+        "held": Sensor("torque", "s", at="a"),
+        "free": Sensor("torque", "s", at="b"),
+        "stress": Sensor("stress", "s", at="a"),
+        "twist": Sensor("twist", "s"),
     }
     model = rig(shaft(), tn.Lock("l", node="a"), tn.Inertia("j", node="b", inertia=0.3), sensors=sensors)
     f = np.array([3.0, 200.0, 900.0])
@@ -438,8 +439,8 @@ def test_state_space_is_refused_with_the_way_out():
     model = rig(
         shaft(),
         tn.Inertia("j", node="a", inertia=1),
-        inputs={"T": tn.Input("torque", "a")},
-        sensors={"v": tn.Sensor("velocity", "a")},
+        inputs={"T": Input("torque", "a")},
+        sensors={"v": Sensor("velocity", "a")},
     )
     with pytest.raises(UsageError, match="segments"):
         model.to_control()

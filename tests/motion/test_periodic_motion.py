@@ -12,6 +12,7 @@ import torsionnet as tn
 from torsionnet.base.errors import UsageError
 from torsionnet.base.expressions import FLOAT
 from torsionnet.linear.dynamic_stiffness.transfer_request import resolve_request
+from torsionnet.model.channels import Input
 from torsionnet.model.elements import MotionLaw, Values
 from torsionnet.motion.periodic.condensed import CondensedPlant
 from torsionnet.motion.periodic.describing_functions import describing_function, slider_describing_function
@@ -172,7 +173,7 @@ def test_mean_torques_have_to_balance_on_what_turns_freely():
             tn.Clearance("gap", nodes=("a", "b"), gap="2 deg", stiffness=8000),
         ],
     )
-    plant = CondensedPlant(free, [tn.Input("torque", "a"), tn.Input("torque", "b")])
+    plant = CondensedPlant(free, [Input("torque", "a"), Input("torque", "b")])
     plant.require_balance(np.array([25.0, -25.0]))
     with pytest.raises(UsageError, match="do not balance on what turns freely: 5 N m"):
         plant.require_balance(np.array([25.0, -20.0]))

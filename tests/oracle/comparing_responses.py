@@ -18,7 +18,7 @@ from oracle.exact import precision
 from oracle.package import named
 from oracle.questions import Asked
 from oracle.rounding import unavoidable
-from torsionnet.linear.sensitivity import parametric_response
+from torsionnet.linear.sensitivity.parametric import parametric_response
 
 EXPLAINED = 2
 NEGLIGIBLE = 1e-100

@@ -17,7 +17,7 @@ import torsionnet as tn
 from plain.equations import Dense
 from plain.questions import QUESTIONS
 from plain.trains import Plant, plant
-from torsionnet.linear.sensitivity import parametric_response
+from torsionnet.linear.sensitivity.parametric import parametric_response
 from torsionnet.model.files.writer import flat_text
 
 BITS = 300

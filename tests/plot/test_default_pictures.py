@@ -145,6 +145,8 @@ sensors: {T_s: {torque: shaft}}
 
 
 def test_large_torques_are_drawn_in_kilonewtonmetres():
+    from torsionnet.plot.order_overlay_plot import order_overlay
+
     """In every picture with an axis of torque; up to 990 N m in N m."""
     model = tn.loads(LARGE)
     run = model.order_response("T_s")
@@ -154,12 +156,12 @@ def test_large_torques_are_drawn_in_kilonewtonmetres():
     record = Recording((Signal("T_s", "torque", np.array([0, -3e5, 1e5])),), RATE)
     design = model.damper_design("T_s", "c")
     for axes in (
-        plot.order_response(run).axes[0], plot.order_overlay(run, test).axes[0],
+        plot.order_response(run).axes[0], order_overlay(run, test).axes[0],
         plot.time_histories(record).axes[0], *plot.damper_design(design).axes,
     ):  # fmt: skip
         assert axes.get_ylabel().endswith("[kN·m]")
     assert plot.time_histories(record).axes[0].lines[0].get_ydata().tolist() == [0, -300, 100]
-    assert plot.order_overlay(run, test).axes[0].lines[1].get_ydata().tolist() == [20, 30]
+    assert order_overlay(run, test).axes[0].lines[1].get_ydata().tolist() == [20, 30]
     levels, effect = plot.damper_design(design).axes
     assert levels.get_xlim() == pytest.approx(tuple(design.curves[0].points[[0, -1]]))
     assert levels.lines[0].get_ydata().max() == pytest.approx(design.before.level / 1e3, rel=1e-3)
@@ -171,11 +173,14 @@ def test_large_torques_are_drawn_in_kilonewtonmetres():
 
 
 def test_pictures_have_the_title_that_is_given_and_amplitudes_over_speed_begin_at_zero():
+    from torsionnet.plot.order_overlay_plot import order_overlay
+    from torsionnet.plot.order_response_plot import half_ranges
+
     run = tn.loads(LARGE).order_response("T_s")
     test = {"T_s": [MeasuredOrder(6, np.array([40.0, 60.0]), np.array([2e4, 3e4]))]}
     record = Recording((Signal("T_s", "torque", np.array([0, -3e5, 1e5])),), RATE)
     over_speed = [
-        plot.order_response(run, title="x"), plot.half_ranges([run], title="x"), plot.order_overlay(run, test, title="x")
+        plot.order_response(run, title="x"), half_ranges([run], title="x"), order_overlay(run, test, title="x")
     ]  # fmt: skip
     for figure in over_speed:
         assert figure.axes[0].get_ylim()[0] == 0
@@ -183,8 +188,8 @@ def test_pictures_have_the_title_that_is_given_and_amplitudes_over_speed_begin_a
         assert figure.axes[0].get_xlim() == pytest.approx(run.rpm[[0, -1]].tolist())
     for figure in (*over_speed, plot.waterfall(run, title="x"), plot.time_histories(record, title="x")):
         assert figure.get_suptitle() == "x"
-    assert [figure.get_suptitle() for figure in (plot.half_ranges([run]), plot.waterfall(run))] == ["T_s", run.title]
-    two = plot.half_ranges([run, run], labels=["wet", "dry"])
+    assert [figure.get_suptitle() for figure in (half_ranges([run]), plot.waterfall(run))] == ["T_s", run.title]
+    two = half_ranges([run, run], labels=["wet", "dry"])
     assert [text.get_text() for text in two.legends[0].get_texts()] == ["wet", "dry"]
 
 
@@ -221,12 +226,14 @@ def test_the_name_of_an_event_has_its_room_inside_the_panel(time, side):
 
 
 def test_harmonics_of_a_sweep_have_the_name_of_their_signal_and_their_orders():
+    from torsionnet.plot.time_frequency import sweep_harmonics
+
     sizes = np.array([[1.0, 0.1], [2.0, 0.2], [1.0, 0.4]])
     found = Harmonics(np.arange(3.0), np.array([10.0, 20, 30]), (1.0, 2.0), sizes, -170 * sizes, "T", "N*m")
-    figure = plot.sweep_harmonics(found)
+    figure = sweep_harmonics(found)
     size, phase = figure.axes
     assert figure.get_suptitle() == "T"
-    assert plot.sweep_harmonics(found, title="other").get_suptitle() == "other"
+    assert sweep_harmonics(found, title="other").get_suptitle() == "other"
     assert [text.get_text() for text in figure.legends[0].get_texts()] == ["1x", "2x"]
     assert [line.get_ydata().tolist() for line in size.lines] == sizes.T.tolist()
     assert np.abs(np.diff(phase.lines[0].get_ydata())).max() < 180  # no jumps by a turn

@@ -1,5 +1,6 @@
 """Rules of form, which `make lint` applies to the checkout, notice what breaks them and let its neighbours pass."""
 
+import importlib
 import re
 import subprocess
 from pathlib import Path
@@ -296,6 +297,29 @@ def test_results_that_are_not_public_and_members_that_are_not_there_are_found():
     assert [fault.what for fault in public.missing_members({object: {"no"}, tn.Spring: {"kind", "no"}})] == [
         "Spring has no member no"
     ]
+
+
+def test_names_without_a_task_and_results_without_a_call_are_found():
+    (fault,) = public.unused_names(["torsionnet.load", "torsionnet.signals.frob"], {"torsionnet.load": ()})
+    assert (fault.place, fault.what) == ("torsionnet/signals/__init__.py", "frob stands on no page and in no example")
+    (fault,) = public.idle_results({"Modes": ["Drivetrain.modes"], "Frob": []})
+    assert fault.what == "no public name returns Frob"
+
+
+def test_a_page_uses_what_its_programs_and_its_words_name(monkeypatch):
+    monkeypatch.syspath_prepend(str(public.DOCS))
+    uses = importlib.import_module("public_uses")
+    program = "import torsionnet as tn\nfrom torsionnet import plot as p\nfrom torsionnet.io import to_tors\nx.load(tn.units.convert)\np.bode(1)"
+    assert uses.names_in_program(program, {}) >= {
+        *("torsionnet.plot", "torsionnet.io.to_tors", "torsionnet.base.units.convert", "torsionnet.plot.bode")
+    }
+    assert "torsionnet.load" not in uses.names_in_program(program, {})
+    text = (
+        "Call `signals.decimate(x)` or `tn.load`; `estimate` alone and tn.loads are words.\n```sh\n`tn.plot.fit`\n```\n"
+    )
+    found = uses.names_on_page(text)
+    assert found >= {"torsionnet.signals.decimate", "torsionnet.load"}
+    assert not {name for name in found if "estimate" in name or "loads" in name or "fit" in name}
 
 
 def test_fields_that_go_and_come_are_found():

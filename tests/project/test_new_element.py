@@ -85,7 +85,8 @@ assert " AnInerter as AnInerter" in stubs.package_stub("torsionnet")
 symbol_picture.write(pathlib.Path(), "an_inerter", [generate.sample(tn.AnInerter, full=True)])
 assert pathlib.Path("symbol_an_inerter.svg").stat().st_size
 
-from torsionnet.io import to_modelica, to_tors
+from torsionnet.io import to_modelica
+from torsionnet.io.tors_writing import to_tors
 assert "Inertia made_inertia(J=b*4);" in to_modelica(rig)
 try:
     to_tors(rig)

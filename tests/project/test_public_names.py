@@ -25,13 +25,12 @@ PACKAGES = [
         tn.modal,
         tn.plot,
         tn.report,
-        tn.linear,
         tn.machinery,
         tn.motion,
         tn.sensitivity,
         tn.signals,
     ),
-    *(tn.study, tn.symbolic, tn.campaign),
+    tn.study,
 ]
 OFFERED_MODULES = {*(package.__name__ for package in PACKAGES), "torsionnet.base.units"}
 named = pytest.mark.parametrize("package", [tn, *PACKAGES], ids=lambda package: package.__name__)

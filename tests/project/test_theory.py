@@ -341,7 +341,7 @@ class TestIdentification:
 
 class TestSensitivitiesAndTolerances:
     def test_10_2_derivative_of_a_receptance(self):
-        from torsionnet.linear.sensitivity import parametric_response
+        from torsionnet.linear.sensitivity.parametric import parametric_response
 
         model = train(
             inertia("a", J1), inertia("b", J2), spring("a", "b", "k", damping=C), parameters={"k": f"{K} N*m/rad"}

@@ -14,7 +14,7 @@ from support.report_phrases import unphrased
 import torsionnet as tn
 from torsionnet.app.cli.commands.report import ReportCommand
 from torsionnet.base.number_text import aligned_numbers
-from torsionnet.report import Measured, make_report
+from torsionnet.report import make_report
 from torsionnet.report.build import BUILDERS
 from torsionnet.report.document_tree import (
     BreakableMath,
@@ -30,6 +30,7 @@ from torsionnet.report.document_tree import (
 )
 from torsionnet.report.plan import SECTIONS
 from torsionnet.report.report_data import document_kind
+from torsionnet.report.report_request import Measured
 
 RUNNING = ("excitations", "mean_torques", "critical_speeds", "orders", "limits")
 """Sections of models in which machinery runs."""

@@ -10,6 +10,7 @@ import pytest
 from support import campaigns
 
 import torsionnet as tn
+from torsionnet.model.operating_point import OperatingPoint
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import Details, Heading, Math, NumberText, Paragraph, Report, Section, TableBlock
 from torsionnet.report.report_tables import merge_equal_rows, table
@@ -40,7 +41,7 @@ def crank_engine():
         inputs={"T": {"torque": "c1"}},
         sensors={"phi": {"angle": "c14"}, "T_s": {"torque": "k5"}},
         configurations={"coupling": {"soft": {"k": 2e6}, "same": {}, "stiff": {"k": 4e6}, "stiffer": {"k": 5e6}}},
-        operating_point=tn.OperatingPoint(speed={"c1": "750 rpm"}),
+        operating_point=OperatingPoint(speed={"c1": "750 rpm"}),
     )
 
 

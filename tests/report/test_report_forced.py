@@ -212,7 +212,7 @@ class TestForcedResponse:
 
 class TestFamilies:
     def test_worst_is_marked_and_the_others_are_counted(self, checks):
-        from torsionnet.plot import limit_families
+        from torsionnet.plot.limit_plot import limit_families
 
         (panel,) = limit_families(checks).axes
         labels = [text.get_text() for text in panel.get_legend().get_texts()]
@@ -222,7 +222,7 @@ class TestFamilies:
         assert [text.get_text() for text in panel.texts] == ["continuous"]
 
     def test_unknown_limits_are_refused(self, checks):
-        from torsionnet.plot import limit_families
+        from torsionnet.plot.limit_plot import limit_families
 
         with pytest.raises(tn.UsageError, match="nothing to draw"):
             limit_families(checks, "screw")

@@ -9,8 +9,9 @@ from support.command_line import run
 
 import torsionnet as tn
 from torsionnet.base.errors import ModelError, UsageError
-from torsionnet.linear.between_samples import Folding
-from torsionnet.signals import BetweenSamples, Recording, Signal, Welch, decimate, estimate, full_record
+from torsionnet.linear.between_samples import BetweenSamples, Folding
+from torsionnet.signals import Recording, Signal, Welch, decimate, estimate
+from torsionnet.signals.estimators import full_record
 
 J, C, K = 0.1, 0.8, 1000.0
 MOTIONS = ("angle", "velocity", "acceleration")

@@ -14,13 +14,13 @@ from torsionnet.signals import (
     Signal,
     angle_from_pulses,
     check_recording,
-    missing_pulses,
     read_recording,
     repaired_pulses,
     write_recording,
 )
 from torsionnet.signals.bandlimited import Rotation
 from torsionnet.signals.encoder import pulse_times
+from torsionnet.signals.pulses import missing_pulses
 
 LINES, SPEED, RATE = 60, 50 * np.pi, 20_000.0  # 25 turns a second
 SMALL = np.radians(0.1)

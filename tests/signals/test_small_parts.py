@@ -11,8 +11,10 @@ from torsionnet.identification.fit_file import load_fit_plan
 from torsionnet.linear.dynamic_stiffness.many_digits import ManyDigits, _quotient
 from torsionnet.linear.dynamic_stiffness.transfer_request import resolve_request
 from torsionnet.linear.frequency_response import Channel, FrequencyResponse
-from torsionnet.signals import Recording, Signal, Welch, angle_from_counts, angle_from_pulses, estimate
+from torsionnet.model.files import library_benches
+from torsionnet.signals import Recording, Signal, Welch, angle_from_pulses, estimate
 from torsionnet.signals.comparison import agreement
+from torsionnet.signals.encoder import angle_from_counts
 from torsionnet.signals.excitation import SteppedSine
 from torsionnet.signals.resampling import gaps
 from torsionnet.signals.welch import without_trend
@@ -203,7 +205,7 @@ class TestBenchFiles:
         ],
     )
     def test_refused(self, tmp_path, good, bad, where, message):
-        text = tn.library_benches()["dmf_bench"].read_text(encoding="utf-8").replace(good, bad)
+        text = library_benches()["dmf_bench"].read_text(encoding="utf-8").replace(good, bad)
         (tmp_path / "bench.yaml").write_text(text, encoding="utf-8")
         with pytest.raises(ModelError) as caught:
             tn.load_bench(tmp_path / "bench.yaml")

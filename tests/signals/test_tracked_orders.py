@@ -10,17 +10,10 @@ import pytest
 import scipy
 
 from torsionnet.base.errors import UsageError
-from torsionnet.signals import (
-    CycleAverage,
-    PhaseReference,
-    Twist,
-    VoldKalman,
-    mean_rotation,
-    order_map,
-    phase_reference,
-    track_orders,
-)
-from torsionnet.signals.orders.mean_rotation import MeanRotation
+from torsionnet.signals import CycleAverage, PhaseReference, VoldKalman, mean_rotation, track_orders
+from torsionnet.signals.order_tracking import order_map
+from torsionnet.signals.orders.mean_rotation import MeanRotation, phase_reference
+from torsionnet.signals.orders.tracked_signals import Twist
 from torsionnet.signals.recording import Recording, Signal
 from torsionnet.signals.rotation.pulse_channel import PulseChannel
 from torsionnet.signals.rotation.wheel import Wheel

@@ -1,4 +1,4 @@
-"""Rules on the public interface: its stored lists, and that documents, examples and benchmarks use nothing else."""
+"""Rules on the public interface: its stored lists, and that documents, examples and benchmarks use it and no more."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import difflib
 import importlib
 import re
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -42,6 +42,9 @@ def interface_faults() -> Iterator[Fault]:
     now = names.signatures_text().splitlines()
     yield from changed_signatures(names.SIGNATURES.read_text(encoding="utf-8").splitlines(), now)
     yield from inner_results(now, {one.last for one in names.public_names()})
+    used = importlib.import_module("public_uses")
+    yield from unused_names((one.name for one in names.public_names() if not one.is_result), used.uses_of_names())
+    yield from idle_results(used.sources_of_results())
     yield from missing_members(names.INNER_MEMBERS)
     yield from changed_fields(FIELDS.read_text(encoding="utf-8").splitlines(), output_fields())
     yield from overdue_names(tn.__version__)
@@ -80,7 +83,25 @@ def inner_results(lines: Iterable[str], public: set[str]) -> Iterator[Fault]:
         match = re.search(r" -> ([A-Z]\w+)(?: classmethod)?$", line)
         if match and match[1] not in public | KNOWN_ELSEWHERE | {"Self"}:
             what = f"{line.partition('(')[0]} returns {match[1]}, which is not public"
-            yield Fault("tests/public_signatures.txt", what, "enter it in the table of its package's __init__.py")
+            yield Fault("tests/public_signatures.txt", what, "enter it in RESULTS of docs/public_names.py")
+
+
+def unused_names(names: Iterable[str], used: Collection[str]) -> Iterator[Fault]:
+    """Public names that no page and no example needs."""
+    for name in names:
+        if name not in used:
+            package, _, last = name.rpartition(".")
+            remedy = "show the task that needs it on a page, or take it out of its package's table"
+            yield Fault(
+                f"{package.replace('.', '/')}/__init__.py", f"{last} stands on no page and in no example", remedy
+            )
+
+
+def idle_results(sources: Mapping[str, Sequence[str]]) -> Iterator[Fault]:
+    """Results that no public name returns or holds."""
+    for name, calls in sources.items():
+        if not calls:
+            yield Fault("docs/public_names.py", f"no public name returns {name}", "take it from RESULTS")
 
 
 # What --json prints

@@ -270,7 +270,7 @@ def test_every_answer_has_words_a_table_data_and_a_picture(everything, name):
     assert found.sentences
     assert "soft" in str(found.table())
     assert json.dumps(found.to_data(), allow_nan=False) == json.dumps(again.to_data(), allow_nan=False)
-    figure = found.figure(tn.plot)
+    figure = found.figure()
     labels = [axes.get_xlabel() + axes.get_ylabel() for axes in figure.axes]
     assert any(labels) or name == "l"
     figure.draw_without_rendering()
@@ -314,4 +314,4 @@ def test_yield_of_what_hardly_varies():
     )  # fmt: skip
     found = study.answers["kept"].conclude(study, tn.study.run_study(study))
     assert "100 % (93 to 100 %)" in found.sentences[0]
-    assert len(found.figure(tn.plot).axes) == 1
+    assert len(found.figure().axes) == 1

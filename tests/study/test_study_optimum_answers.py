@@ -7,7 +7,6 @@ import pytest
 import scipy
 
 import torsionnet as tn
-from torsionnet import plot
 from torsionnet.linear.sensitivity.parametric import parametric_response
 from torsionnet.machinery.design.levels import ReceptanceLevels, WorstLevels
 from torsionnet.study.design.best_damper import damper_over_conditions
@@ -49,7 +48,7 @@ def answered(answer, rig=None, *, vary=None, quantities=None, **more):
     found = study.answers["a"].conclude(study, None)
     assert isinstance(found.table().to_text(), str)
     assert json.loads(json.dumps(found.to_data()))["sentences"] == list(found.sentences)
-    assert found.figure(plot).axes
+    assert found.figure().axes
     return found
 
 

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import torsionnet as tn
-from torsionnet import plot
 from torsionnet.base.units import RPM
 from torsionnet.study import define, run_study
 from torsionnet.study.answers.map_answer import MapResult, ParameterMap
@@ -35,13 +34,13 @@ def drawn(figure, path):
 
 class TestContourMap:
     def test_an_axis_has_equal_factors_where_its_values_have(self):
-        axes = plot.contour_map(a_map(rising())).axes[0]
+        axes = a_map(rising()).figure().axes[0]
         assert (axes.get_xscale(), axes.get_yscale()) == ("log", "linear")
 
     def test_units_of_the_author(self):
         units = ShownUnits({"k_1": "kN*m/rad", "theta": "deg"})
         found = a_map(rising(), limit=QuantityLimit(below=3.0))
-        figure = plot.contour_map(found, units=units)
+        figure = found.figure(units=units)
         axes, bar = figure.axes
         assert axes.get_xlim() == pytest.approx((0.01, 1.0))
         assert "kN·m/rad" in axes.get_xlabel()
@@ -49,12 +48,12 @@ class TestContourMap:
         assert bar.lines[-1].get_ydata()[0] == pytest.approx(np.degrees(3.0))
 
     def test_values_over_decades_have_colours_by_factors(self):
-        assert plot.contour_map(a_map(10.0 ** rising())).axes[1].get_yscale() == "log"
+        assert a_map(10.0 ** rising()).figure().axes[1].get_yscale() == "log"
 
     @pytest.mark.few(1)
     @pytest.mark.parametrize("values", [np.full((5, 4), 3.0), np.zeros((5, 4)), np.full((5, 4), np.nan)])
     def test_constants_and_nothing(self, values, tmp_path):
-        figure = drawn(plot.contour_map(a_map(values)), tmp_path)
+        figure = drawn(a_map(values).figure(), tmp_path)
         said = [text.get_text() for text in figure.axes[0].texts]
         assert said == (["no point has a value"] if np.isnan(values).any() else [])
 
@@ -62,7 +61,7 @@ class TestContourMap:
         """Values in per cent are those of each configuration."""
         found = a_map(rising(), cases=("a", "b"))
         found.maps["b"] = ParameterMap(2 * X, Y, rising())
-        first, second = plot.contour_map(found).axes[:2]
+        first, second = found.figure().axes[:2]
         assert first.get_xlim() == pytest.approx((10, 1000))
         assert second.get_xlim() == pytest.approx((20, 2000))
 
@@ -84,7 +83,7 @@ def test_labels_of_maps_stay_in_the_picture(cases, limit):
     maps = {case: ParameterMap(X, Y, np.where(rising() > 7, np.nan, rising())) for case in labels}
     x, y, quantity = zip(LONG, ("N*m/rad", "N*m*s/rad", "N*m"), strict=True)
     found = MapResult("map", x, y, quantity, "largest", maps, QuantityLimit(below=limit))
-    assert _misplaced(plot.contour_map(found, title="A title of so many words that it takes two lines " * 3)) == []
+    assert _misplaced(found.figure(title="A title of so many words that it takes two lines " * 3)) == []
 
 
 def test_names_of_cases_that_take_more_lines_make_a_picture_of_maps_higher():
@@ -92,7 +91,7 @@ def test_names_of_cases_that_take_more_lines_make_a_picture_of_maps_higher():
     from torsionnet.plot.study.contour_map import LABEL_LINE
 
     names = ("a", "a b" * 25, "a b" * 50)
-    heights = [plot.contour_map(a_map(rising(), cases=(name, "other"))).get_figheight() for name in names]
+    heights = [a_map(rising(), cases=(name, "other")).figure().get_figheight() for name in names]
     assert np.diff(heights) == pytest.approx([LABEL_LINE, 2 * LABEL_LINE])
 
 
@@ -150,29 +149,29 @@ class TestLimitShares:
         assert histogram(np.arange(40.0)).distributions[0].counts.sum() == 40
 
     def test_constants_are_a_line_at_their_value_with_the_limit(self):
-        axes = plot.limit_shares(histogram([2.0, 2.0, 2.0])).axes[0]
+        axes = histogram([2.0, 2.0, 2.0]).figure().axes[0]
         value, limit = axes.lines
         assert list(value.get_xdata()) == [2.0, 2.0]
         assert list(limit.get_xdata()) == [3.0, 3.0]
         assert axes.get_xlim()[0] < 2 < 3 < axes.get_xlim()[1]
 
     def test_a_limit_far_off_is_told(self):
-        axes = plot.limit_shares(histogram([2.0, 2.1, 2.2], QuantityLimit(below=300.0))).axes[0]
+        axes = histogram([2.0, 2.1, 2.2], QuantityLimit(below=300.0)).figure().axes[0]
         assert axes.get_xlim()[1] < 3
         assert [text.get_text() for text in axes.texts] == ["limit 300 rad →"]
 
     def test_in_degrees(self):
-        axes = plot.limit_shares(histogram([2.0, 2.5, 3.5]), units=ShownUnits({"f_1": "deg"})).axes[0]
+        axes = histogram([2.0, 2.5, 3.5]).figure(units=ShownUnits({"f_1": "deg"})).axes[0]
         assert axes.lines[0].get_xdata()[0] == pytest.approx(np.degrees(3.0))
         assert "deg" in axes.get_xlabel()
 
     def test_the_largest_values_of_a_curve_have_its_unit(self):
-        axes = plot.limit_shares(histogram([[1.0, 2.0], [1.5, 2.5]]), units=ShownUnits({"f_1": "deg"})).axes[0]
+        axes = histogram([[1.0, 2.0], [1.5, 2.5]]).figure(units=ShownUnits({"f_1": "deg"})).axes[0]
         assert axes.get_xlabel() == "largest f_1 [deg]"
         assert axes.lines[0].get_xdata()[0] == pytest.approx(np.degrees(3.0))
 
     def test_no_values(self, tmp_path):
-        axes = drawn(plot.limit_shares(histogram([np.nan, np.nan])), tmp_path).axes[0]
+        axes = drawn(histogram([np.nan, np.nan]).figure(), tmp_path).axes[0]
         assert [text.get_text() for text in axes.texts] == ["no variant has a value"]
 
 
@@ -180,7 +179,7 @@ def test_bands_over_speed_are_over_revolutions_a_minute():
     speeds = np.array([600.0, 900.0, 1500.0]) / RPM
     lines = {"": np.array([[1.0, 2, 1], [2.0, 3, 2], [3.0, 4, 3]])}
     found = PercentileBandsResult("bands", "T", QuantityForm("N*m", "speed", speeds), (2.5, 50.0, 97.5), lines)
-    axes = plot.percentile_bands(found).axes[0]
+    axes = found.figure().axes[0]
     assert axes.get_xlim() == pytest.approx((600, 1500))
     assert "r/min" in axes.get_xlabel()
 
@@ -222,7 +221,7 @@ ANSWERS = {
 def test_ends_of_parallel_axes_have_four_digits():
     columns = {"k": np.array([123.456, 234.567]), "f": np.array([1.23456, 2.34567])}
     found = ParallelCoordinatesResult("lines", dict.fromkeys(columns, ""), {"": columns}, {"": np.zeros(2, bool)}, {})
-    (axes,) = plot.parallel_coordinates(found).axes
+    (axes,) = found.figure().axes
     assert [text.get_text() for text in axes.texts] == ["123.5", "234.6", "1.235", "2.346"]
 
 
@@ -242,7 +241,7 @@ def test_odd_studies_have_pictures(parameters, cases, tmp_path):
     )  # fmt: skip
     result, units = run_study(study), shown_units(study)
     for name, answer in study.answers.items():
-        figure = drawn(answer.conclude(study, result).figure(plot, units=units), tmp_path)
+        figure = drawn(answer.conclude(study, result).figure(units=units), tmp_path)
         assert figure.get_figheight() < 40, name
         assert _overlapping(figure) == [], name
 

@@ -177,7 +177,7 @@ class TestYield:
         for one, values in zip(drawn[1:3], (low, high), strict=True):
             assert values.min() <= one.edges[0] < one.edges[-1] <= values.max()
         assert sum(drawn[1].counts) == pytest.approx(len(part.kept_values("H", "stiff")), abs=2)
-        counted.figure(tn.plot).draw_without_rendering()
+        counted.figure().draw_without_rendering()
 
     @pytest.mark.slow
     def test_other_limits_than_those_that_were_counted(self, part):
@@ -317,7 +317,7 @@ class TestPart:
         wide = 1.5 * (one.high - one.low) / 2  # three standard errors
         assert (abs(one.coefficients - all_of_them.coefficients) < wide).all()
         assert one.count == len(part.kept_values("f", "stiff"))
-        ours.figure(tn.plot).draw_without_rendering()
+        ours.figure().draw_without_rendering()
 
     @pytest.mark.slow
     def test_lines_say_what_they_are_of(self, part):

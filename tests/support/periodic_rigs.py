@@ -8,6 +8,7 @@ from math import pi
 import numpy as np
 
 import torsionnet as tn
+from torsionnet.model.channels import Input
 from torsionnet.motion.periodic.branch import MotionBranch, Tracer
 from torsionnet.motion.periodic.condensed import CondensedPlant
 from torsionnet.motion.periodic.periodic_problem import PeriodicDrive, PeriodicMotion, PeriodicProblem, peak_to_peak
@@ -90,7 +91,7 @@ def problem(
     rig: tn.Drivetrain, loads: dict[str, Sequence[complex]], at: float, *, hertz: bool = True
 ) -> PeriodicProblem:
     """Problem of a rig under torques with the harmonics given by node, over Hz or else over rad/s."""
-    plant = CondensedPlant(rig, [tn.Input("torque", node) for node in loads])
+    plant = CondensedPlant(rig, [Input("torque", node) for node in loads])
     harmonics = np.array(list(loads.values()), dtype=complex).T
     factor = 2 * pi if hertz else 1.0
     return PeriodicProblem(plant, PeriodicDrive(lambda p: factor * p, lambda _: harmonics), at)

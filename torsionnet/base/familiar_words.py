@@ -175,7 +175,7 @@ PYTHON: Mapping[str, Mapping[str, str]] = {
     "torsionnet.signals": {
         "Record": "signals.Recording(signals, sampling_rate)",
         "coherence": "signals.estimate(...).coherence",
-        "csd": "signals.cross_spectra(record, ...)",
+        "csd": "signals.estimate(record, output, input).coherence",
         "frf": "signals.estimate(record, output, input)",
         "read": "signals.read_recording(path)",
         "read_csv": "signals.read_recording(path)",

@@ -31,18 +31,7 @@ from torsionnet.base.errors import (
     question,
 )
 
-__all__ = [
-    "DIMENSIONS",
-    "RPM",
-    "Dimension",
-    "Quantity",
-    "Unit",
-    "UnitError",
-    "convert",
-    "expected_unit",
-    "parse_quantity",
-    "parse_unit",
-]
+__all__ = ["UnitError", "convert"]
 
 Real = Fraction | float
 RPM = 60 / (2 * math.pi)

@@ -8,9 +8,6 @@ from torsionnet.base.packages import lazy_exports
 __all__, __getattr__, __dir__ = lazy_exports(
     __name__,
     {
-        "Catalogue": "torsionnet.model.catalogues.catalogue",
-        "MassElasticSheet": "torsionnet.model.sheets.mass_elastic_sheet",
-        "from_tors": "torsionnet.io.tors_reading",
         "iter_blocks": "torsionnet.signals.records.recording_files",
         "mass_elastic_report": "torsionnet.io.mass_elastic_sheet",
         "read_catalogue": "torsionnet.model.catalogues.catalogue_reading",
@@ -20,10 +17,8 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "read_tors": "torsionnet.io.tors_reading",
         "read_wheel_pattern": "torsionnet.io.wheel_files",
         "read_tracked_orders": "torsionnet.io.tracked_order_tables",
-        "to_mass_elastic": "torsionnet.io.mass_elastic_sheet",
         "to_matlab": "torsionnet.io.matlab",
         "to_modelica": "torsionnet.io.modelica",
-        "to_tors": "torsionnet.io.tors_writing",
         "write_fmu": "torsionnet.io.fmu",
         "write_frequency_response": "torsionnet.signals.responses.response_files",
         "write_mass_elastic": "torsionnet.io.mass_elastic_sheet",

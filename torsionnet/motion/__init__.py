@@ -5,8 +5,6 @@ from torsionnet.base.packages import lazy_exports
 __all__, __getattr__, __dir__ = lazy_exports(
     __name__,
     {
-        "EnergyBalance": "torsionnet.signals.recording",
-        "MotionEvent": "torsionnet.signals.recording",
         "MotionStart": "torsionnet.motion.contact_states",
     },
 )

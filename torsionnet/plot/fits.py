@@ -21,7 +21,8 @@ from torsionnet.plot.drawing.labels import symbol
 from torsionnet.plot.drawing.style import GivenAxes, curve_mark, fit_speeds
 
 if TYPE_CHECKING:
-    from torsionnet.identification import Compared, Fit
+    from torsionnet.identification import Fit
+    from torsionnet.identification.fit_result import Compared
 
 
 # Panels of a fit to measured orders: amplitude, phase and residuals over speed, in a colour for each order.

@@ -14,15 +14,17 @@ import torsionnet.plot.drawing.style as style
 from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.errors import UsageError
 from torsionnet.base.number_text import typeset_unit
-from torsionnet.modal import ModalEstimate, Stabilisation, cmif
+from torsionnet.modal import cmif
+from torsionnet.modal.modal_estimate import ModalEstimate
 from torsionnet.modal.operational.ambient_modes import AmbientPoles
 from torsionnet.modal.operational.decay_modes import DecayFit
 from torsionnet.modal.operational.operational_modes import OperationalModes
 from torsionnet.modal.operational.run_up_modes import SweptFit
+from torsionnet.modal.stabilisation_chart import Stabilisation
 from torsionnet.plot.drawing.style import GivenAxes
 
 if TYPE_CHECKING:
-    from torsionnet.modal import CircleFit
+    from torsionnet.modal.circle_fitting import CircleFit
 
 
 # Stabilisation diagram with poles by the order of the fit over frequency, and the responses' mode indicator.
@@ -264,7 +266,7 @@ def mac_matrix(
     Parameters
     ----------
     values : (n_first, n_second) array
-        As of :func:`torsionnet.modal.mac`, or the ``mac`` of a :class:`~torsionnet.modal.Match`.
+        As of :func:`torsionnet.modal.mac`, or the ``mac`` of a :class:`~torsionnet.modal.matching.Match`.
     rows, columns : sequence of str, optional
         Names of the modes; by default their numbers.
     row_label, column_label, title : str, optional

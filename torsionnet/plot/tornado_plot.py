@@ -14,7 +14,7 @@ from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.plot.drawing.style import Bars, GivenAxes, draw_bars, name_rows
 
 if TYPE_CHECKING:
-    from torsionnet.linear.sensitivity import ModeSensitivities
+    from torsionnet.linear.sensitivity.sensitivities_of_modes import ModeSensitivities
 
 MOST_MODES, MOST_PARAMETERS = 4, 12
 """Number of modes drawn unless others are asked for, and largest number of bars in a panel: as many as fit a page."""

@@ -11,13 +11,6 @@ from torsionnet.base.packages import lazy_exports
 __all__, __getattr__, __dir__ = lazy_exports(
     __name__,
     {
-        "Measured": "torsionnet.report.report_request",
-        "Pair": "torsionnet.report.plan",
-        "Picture": "torsionnet.report.document_tree",
-        "Report": "torsionnet.report.document_tree",
-        "ReportPlan": "torsionnet.report.plan",
-        "Revision": "torsionnet.report.plan",
-        "TitleBlock": "torsionnet.report.plan",
         "make_report": "torsionnet.report.report",
         "write_report": "torsionnet.report.report",
     },

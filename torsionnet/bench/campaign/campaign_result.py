@@ -24,8 +24,8 @@ from torsionnet.bench.campaign.estimating_responses import (
     response_rows,
 )
 from torsionnet.bench.campaign.tracking_records import RecordFinding
-from torsionnet.identification import Fit, Ranking
-from torsionnet.identification.ranking import FitAnswer, RankedCause
+from torsionnet.identification import Fit
+from torsionnet.identification.ranking import FitAnswer, RankedCause, Ranking
 from torsionnet.machinery.orders.order_comparison import AGREES, WITHIN_BOUND, compared_orders, order_comparison
 from torsionnet.machinery.orders.order_response import OrderResponse
 from torsionnet.signals.orders.tracked_orders import MeasuredOrder, TrackedOrders

@@ -24,7 +24,8 @@ from torsionnet.bench.campaign.estimating_responses import (
     response_spread,
 )
 from torsionnet.bench.campaign.tracking_records import RecordFinding, campaign_remarks, record_findings, record_orders
-from torsionnet.identification import Fit, Measurement, Ranking, Unknown, identify, rank_causes
+from torsionnet.identification import Fit, Measurement, Unknown, identify, rank_causes
+from torsionnet.identification.ranking import Ranking
 from torsionnet.io.tracked_order_tables import read_tracked_orders, write_tracked_orders
 from torsionnet.machinery.orders.order_response import OrderResponse
 from torsionnet.signals.orders.tracked_orders import TrackedOrders

@@ -28,7 +28,7 @@ from torsionnet.identification.residuals.response_block import STATED_ERROR_CERT
 from torsionnet.identification.residuals.sampled_response import Form
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
-from torsionnet.linear.sensitivity import Evaluation
+from torsionnet.linear.sensitivity.parametric import Evaluation
 from torsionnet.signals.orders.tracked_orders import TrackedOrders
 
 

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from torsionnet.base.errors import UsageError, comma_list
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
-from torsionnet.linear.sensitivity import Evaluation, ParametricResponse, parametric_response
+from torsionnet.linear.sensitivity.parametric import Evaluation, ParametricResponse, parametric_response
 from torsionnet.machinery.excitations.excitation_numbers import ExcitationNumber, excitation_number, with_number
 from torsionnet.machinery.orders.operating_groups import drivetrains_at_speeds
 from torsionnet.machinery.orders.order_comparison import SAME_ORDER_DIFFERENCE

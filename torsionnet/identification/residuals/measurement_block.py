@@ -24,7 +24,7 @@ from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.linear.between_samples import BetweenSamples, check_between, course_remark
 from torsionnet.linear.frequency_response import FrequencyResponse
-from torsionnet.linear.sensitivity import Evaluation, parametric_response
+from torsionnet.linear.sensitivity.parametric import Evaluation, parametric_response
 
 FEWEST_DELAYED_LINES = 8
 """Fewest lines whose phases tell a delay of more than half a period."""

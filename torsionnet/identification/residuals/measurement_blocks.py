@@ -28,7 +28,7 @@ from torsionnet.identification.residuals.windowed_estimate import (
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.linear.frequency_response import Channel, FrequencyResponse
-from torsionnet.linear.sensitivity import ParametricResponse, parametric_response
+from torsionnet.linear.sensitivity.parametric import ParametricResponse, parametric_response
 from torsionnet.signals.decimation import factor_for
 from torsionnet.signals.estimators import estimate
 from torsionnet.signals.recording import Recording

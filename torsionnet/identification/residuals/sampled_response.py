@@ -25,7 +25,7 @@ from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.linear.between_samples import BetweenSamples, Folding
 from torsionnet.linear.estimation import Estimation
-from torsionnet.linear.sensitivity import Evaluation, ParametricResponse
+from torsionnet.linear.sensitivity.parametric import Evaluation, ParametricResponse
 
 # Response of the model from the samples of a torque to those of a motion, as a fit compares it with measured ones.
 

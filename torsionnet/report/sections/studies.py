@@ -209,7 +209,6 @@ def _asked(subject: ReportData, result: StudyResult, units: ShownUnits) -> Table
 
 
 def _answer(subject: ReportData, study: Study, result: StudyResult, file: str, name: str, units: ShownUnits) -> Section:
-    import torsionnet.plot as plot
 
     answer, title = study.answers[name], (capital(name.replace("_", " ")),)
     try:
@@ -223,7 +222,7 @@ def _answer(subject: ReportData, study: Study, result: StudyResult, file: str, n
     blocks: list[Block] = []
     if found.sentences:
         blocks.append(Listing(tuple(_said(subject, study, text) for text in found.sentences)))
-    blocks.append(Picture(file, found.figure(plot, units=units, title=""), caption, about + "."))
+    blocks.append(Picture(file, found.figure(units=units, title=""), caption, about + "."))
     if len(numbers.rows) <= MOST_ANSWER_ROWS:
         blocks.append(_results(subject, study, numbers, about, units))
     return Section(file, title, tuple(blocks))

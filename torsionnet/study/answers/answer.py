@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, fields, is_dataclass
-from types import ModuleType
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeVar
 
 import numpy as np
@@ -14,6 +13,7 @@ from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.spec import Json
 from torsionnet.base.errors import EntryPath, Fault, UsageError, unknown_name
 from torsionnet.base.number_text import json_finite
+from torsionnet.base.packages import imported
 from torsionnet.base.registers import TypeRegister
 from torsionnet.base.table import Table
 from torsionnet.drivetrain import Drivetrain
@@ -83,7 +83,7 @@ class Conclusion(Protocol):
         """Conclusion as JSON data in full precision, numbers in SI."""
         ...
 
-    def figure(self, plot: ModuleType, **look: Any) -> Figure:
+    def figure(self, **look: Any) -> Figure:
         """Draw the conclusion as a figure by :mod:`torsionnet.plot`.
 
         ``look``: ``units`` (:func:`shown_units`), ``title``.
@@ -255,7 +255,22 @@ IN_WORDS = {"in_words": True}
 """Metadata of a conclusion's field that is left out of the JSON data, because the sentences contain it."""
 
 
-class PlainConclusion:
+class DrawnConclusion:
+    """Base class of conclusions that a function of a module of :mod:`torsionnet.plot` draws."""
+
+    drawing: ClassVar[str]
+    """Place of the function as ``module:name``, imported when the conclusion is drawn."""
+
+    def figure(self, **look: Any) -> Figure:
+        """Draw the conclusion as a figure of matplotlib.
+
+        ``look``: ``units`` (``study.shown_units()``), ``title``, ``ax``.
+        """
+        drawn: Figure = imported(self.drawing)(self, **look)
+        return drawn
+
+
+class PlainConclusion(DrawnConclusion):
     """Base class of answers' conclusions that are frozen dataclasses with all results in their fields."""
 
     @property

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from types import ModuleType
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -32,9 +31,6 @@ from torsionnet.study.answers.answer import (
 from torsionnet.study.answers.importance_sampling import FEWEST_VARIANTS, importance_sampling
 from torsionnet.study.answers.subset_sampling import CHAIN_LENGTH, RareEvent, subset_sampling
 from torsionnet.study.quantities.quantity import QuantityLimit
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 def failure_margin(case: AnswerCase, limits: dict[str, QuantityLimit]) -> OfPoints:
@@ -136,6 +132,8 @@ class FailureProbability(StudyAnswer):
 class FailureProbabilityResult(PlainConclusion):
     """Failure probability with its interval in each configuration."""
 
+    drawing: ClassVar[str] = "torsionnet.plot.study.distributions:failure_probabilities"
+
     title: str
     beyond: str
     events: Mapping[str, RareEvent]
@@ -161,6 +159,3 @@ class FailureProbabilityResult(PlainConclusion):
         )  # fmt: skip
         note = f"that {self.beyond}; intervals {100 * self.confidence:g} %"
         return Table.of(self.title, "failure probability", columns, rows, (note, *self.sentences))
-
-    def figure(self, plot: ModuleType, **look: Any) -> Figure:
-        return plot.failure_probabilities(self, **look)  # type: ignore[no-any-return]

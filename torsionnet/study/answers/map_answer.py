@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from types import ModuleType
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -29,9 +28,6 @@ from torsionnet.study.answers.answer import (
     units_of,
 )
 from torsionnet.study.quantities.quantity import QuantityLimit
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 AGGREGATES: Mapping[str, Callable[..., FloatArray]] = {
     "mean": np.mean,
@@ -179,6 +175,8 @@ class MapResult(PlainConclusion):
     ``x``, ``y`` and ``quantity`` are names with units.
     """
 
+    drawing: ClassVar[str] = "torsionnet.plot.study.contour_map:contour_map"
+
     title: str
     x: tuple[str, str]
     y: tuple[str, str]
@@ -212,6 +210,3 @@ class MapResult(PlainConclusion):
             "other parameters as in the model" if self.others == FIXED else f"{self.others} over the other parameters"
         )
         return Table.of(self.title, f"map of {self.quantity[0]}", columns, rows, (note, *self.sentences))
-
-    def figure(self, plot: ModuleType, **look: Any) -> Figure:
-        return plot.contour_map(self, **look)  # type: ignore[no-any-return]

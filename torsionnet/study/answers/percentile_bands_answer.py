@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from types import ModuleType
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import ClassVar
 
 from torsionnet.base.entries.composite import Listed
 from torsionnet.base.entries.scalars import Value
@@ -24,9 +23,6 @@ from torsionnet.study.answers.answer import (
     register_answer,
 )
 from torsionnet.study.quantities.quantity import QuantityForm
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 DEFAULT_PERCENTILES = (2.5, 25.0, 50.0, 75.0, 97.5)
 """Percentiles of a curve that are drawn unless others are asked for, the median and the middle half and 95 %."""
@@ -59,6 +55,8 @@ class PercentileBands(StudyAnswer):
 @dataclass(frozen=True, eq=False)
 class PercentileBandsResult(PlainConclusion):
     """Percentiles of a curve in SI by configuration, each (n_percentiles, n_points), rising."""
+
+    drawing: ClassVar[str] = "torsionnet.plot.study.distributions:percentile_bands"
 
     title: str
     quantity: str
@@ -94,6 +92,3 @@ class PercentileBandsResult(PlainConclusion):
             for place, point in enumerate(self.measure.points)
         )
         return Table.of(self.title, f"percentiles of {self.quantity}", columns, rows, self.sentences)
-
-    def figure(self, plot: ModuleType, **look: Any) -> Figure:
-        return plot.percentile_bands(self, **look)  # type: ignore[no-any-return]

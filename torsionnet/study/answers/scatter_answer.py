@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from types import ModuleType
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,10 +28,6 @@ from torsionnet.study.answers.answer import (
     register_answer,
     units_of,
 )
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
 
 FEWEST_RANKED = 10
 """Fewest variants of a rank correlation, as the interval of fewer covers nearly the whole range from -1 to 1."""
@@ -128,6 +123,8 @@ class ScatterResult(PlainConclusion):
     Both are of a part of all variants where ``part`` is not empty.
     """
 
+    drawing: ClassVar[str] = "torsionnet.plot.study.scatter_matrix:scatter_matrix"
+
     title: str
     parameter_units: Mapping[str, str]
     units: Mapping[str, str]
@@ -161,9 +158,6 @@ class ScatterResult(PlainConclusion):
             for n, parameter in enumerate(self.parameter_units)
         )
         return Table.of(self.title, "rank correlations", columns, rows, ("intervals 95 %", *self.sentences))
-
-    def figure(self, plot: ModuleType, **look: Any) -> Figure:
-        return plot.scatter_matrix(self, **look)  # type: ignore[no-any-return]
 
 
 # Parallel coordinates, an answer of a study, every variant a line across axes of parameters and quantities.
@@ -214,6 +208,8 @@ class ParallelCoordinatesResult(PlainConclusion):
     Where ``part`` says so, medians are of a part of all variants, and those shown were chosen from it.
     """
 
+    drawing: ClassVar[str] = "torsionnet.plot.study.scatter_matrix:parallel_coordinates"
+
     title: str
     units: Mapping[str, str]
     variants: Mapping[str, Mapping[str, FloatArray]]
@@ -236,6 +232,3 @@ class ParallelCoordinatesResult(PlainConclusion):
         )  # fmt: skip
         rows = tuple((*key, *pair, self.units[key[1]]) for key, pair in self.medians.items())
         return Table.of(self.title, "variants within and beyond limits", columns, rows, self.sentences)
-
-    def figure(self, plot: ModuleType, **look: Any) -> Figure:
-        return plot.parallel_coordinates(self, **look)  # type: ignore[no-any-return]

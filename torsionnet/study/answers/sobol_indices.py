@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from types import ModuleType
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -28,9 +27,6 @@ from torsionnet.study.answers.answer import (
     quantity_faults,
     register_answer,
 )
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 RESAMPLES = 1000
 """Bootstrap resamples of the Sobol indices, enough for the ends of a 95 % interval, as 25 lie beyond each end."""
@@ -188,6 +184,8 @@ class SobolIndices(StudyAnswer):
 class SobolResult(PlainConclusion):
     """Sobol indices of ``parameters`` with their intervals, by configuration and quantity."""
 
+    drawing: ClassVar[str] = "torsionnet.plot.study.study_tornado:sobol_indices"
+
     title: str
     parameters: tuple[str, ...]
     indices: Mapping[tuple[str, str], SobolEstimates]
@@ -223,6 +221,3 @@ class SobolResult(PlainConclusion):
         )
         note = f"estimators of Saltelli and Jansen, bootstrap intervals {100 * self.confidence:g} %"
         return Table.of(self.title, "Sobol indices", columns, rows, (note, *self.sentences))
-
-    def figure(self, plot: ModuleType, **look: Any) -> Figure:
-        return plot.sobol_indices(self, **look)  # type: ignore[no-any-return]

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from types import ModuleType
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -29,9 +28,6 @@ from torsionnet.study.answers.answer import (
     register_answer,
     units_of,
 )
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,6 +134,8 @@ class TornadoResult(PlainConclusion):
     ``spans``: low end, middle, high end by configuration and parameter.
     """
 
+    drawing: ClassVar[str] = "torsionnet.plot.study.study_tornado:study_tornado"
+
     title: str
     parameter_units: Mapping[str, str]
     units: Mapping[str, str]
@@ -167,6 +165,3 @@ class TornadoResult(PlainConclusion):
             for place, parameter in ((place, list(spans)[place]) for place in one.order)
         )  # fmt: skip
         return Table.of(self.title, "one parameter at a time", columns, rows, self.sentences)
-
-    def figure(self, plot: ModuleType, **look: Any) -> Figure:
-        return plot.study_tornado(self, **look)  # type: ignore[no-any-return]

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import product
-from types import ModuleType
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -30,10 +29,6 @@ from torsionnet.study.answers.answer import (
     units_of,
 )
 from torsionnet.study.space.space import COVERAGE
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
 
 # Global search of the largest value of a function in the unit cube, checked against random points.
 
@@ -249,6 +244,8 @@ class WorstCaseResult(PlainConclusion):
     ``correlated`` are the pairs of parameters that a study correlates.
     """
 
+    drawing: ClassVar[str] = "torsionnet.plot.study.worst_variants:worst_variants"
+
     title: str
     quantity: str
     unit: str
@@ -294,9 +291,6 @@ class WorstCaseResult(PlainConclusion):
             for one in self.variants
         )  # fmt: skip
         return Table.of(self.title, f"worst case of {self.quantity}", columns, rows, self.sentences)
-
-    def figure(self, plot: ModuleType, **look: Any) -> Figure:
-        return plot.worst_variants(self, **look)  # type: ignore[no-any-return]
 
 
 BOTH = "both"

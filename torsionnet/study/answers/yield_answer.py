@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from types import ModuleType
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,10 +31,6 @@ from torsionnet.study.answers.answer import (
 )
 from torsionnet.study.answers.subset_sampling import Share, counted_share
 from torsionnet.study.reductions.limit_counts import LimitTotals
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
 
 # Number of draws beyond limits, from the values of all variants, or from counts where a study has very many.
 
@@ -187,6 +182,8 @@ class YieldResult(PlainConclusion):
     variants that is kept where it is not empty; shares are always of all.
     """
 
+    drawing: ClassVar[str] = "torsionnet.plot.study.distributions:limit_shares"
+
     title: str
     shares: tuple[LimitShare, ...]
     confidence: float
@@ -236,9 +233,6 @@ class YieldResult(PlainConclusion):
         )  # fmt: skip
         notes = [f"intervals of Clopper and Pearson, {100 * self.confidence:g} %"] if not self.exhaustive else []
         return Table.of(self.title, "yield", columns, rows, (*notes, *self.sentences[len(self._headline) :]))
-
-    def figure(self, plot: ModuleType, **look: Any) -> Figure:
-        return plot.limit_shares(self, **look)  # type: ignore[no-any-return]
 
 
 @register_answer

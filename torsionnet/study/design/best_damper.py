@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from types import ModuleType
-from typing import TYPE_CHECKING, Any, ClassVar, cast
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -28,12 +27,15 @@ from torsionnet.machinery.design.damper_optimum import EQUAL_PEAK_DIFFERENCE, De
 from torsionnet.machinery.design.levels import Levels, OrderLevels, WorstLevels
 from torsionnet.machinery.design.minimax import smallest_maximum
 from torsionnet.model.channels import Sensor
-from torsionnet.study.answers.answer import PARAMETER, AskedStudy, StudyAnswer, VariantValues, register_answer
+from torsionnet.study.answers.answer import (
+    PARAMETER,
+    AskedStudy,
+    DrawnConclusion,
+    StudyAnswer,
+    VariantValues,
+    register_answer,
+)
 from torsionnet.study.design.design_goals import DESIGN, DesignBounds, chosen_parameters
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
 
 # Damper over several operating conditions, with which the largest level in the worst condition is smallest.
 
@@ -50,7 +52,7 @@ class DamperInCondition:
 
 
 @dataclass(frozen=True, eq=False)
-class DamperOverConditions:
+class DamperOverConditions(DrawnConclusion):
     """Damper with which the largest level in the worst of several operating conditions is smallest.
 
     Attributes
@@ -65,6 +67,8 @@ class DamperOverConditions:
     notes : tuple of str
         On tables over frequency that end before the levels do.
     """
+
+    drawing: ClassVar[str] = "torsionnet.plot.study.designs:damper_over_conditions"
 
     channel: Channel
     of: tuple[str, str]
@@ -134,10 +138,6 @@ class DamperOverConditions:
         )
         best = [f"{one.name} = {one.value:.6g} {one.unit} (given: {one.start:.6g})" for one in self.parameters]
         return Table.of(self.title, "best damper for all conditions", columns, rows, (*best, *self.sentences))
-
-    def figure(self, plot: ModuleType, **look: Any) -> Figure:
-        """Draw the levels in all operating conditions as a figure by :mod:`torsionnet.plot`."""
-        return cast("Figure", plot.damper_over_conditions(self, **look))
 
     def to_data(self) -> dict[str, Json]:
         """Best damper and its levels in SI as JSON data in full precision."""

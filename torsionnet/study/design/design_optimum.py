@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import ModuleType
-from typing import TYPE_CHECKING, Any, cast
+from typing import ClassVar
 
 import numpy as np
 
@@ -13,10 +12,8 @@ from torsionnet.base.entries.spec import Json
 from torsionnet.base.table import Column, Table
 from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.machinery.design.damper_optimum import DesignParameter
+from torsionnet.study.answers.answer import DrawnConclusion
 from torsionnet.study.design.design_goals import DesignGoals, with_unit
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 TARGET_MET = 1e-8
 """Largest relative deviation from a target that counts as met, as less would call rounding a miss."""
@@ -25,7 +22,7 @@ SAME_QUANTITY = 1e-8
 
 
 @dataclass(frozen=True, eq=False)
-class DesignOptimum:
+class DesignOptimum(DrawnConclusion):
     """Best design found by an optimisation, with its quantities before and after.
 
     Attributes
@@ -49,6 +46,8 @@ class DesignOptimum:
         Whether several searches found this design, or no design beside it is better.
     title : str
     """
+
+    drawing: ClassVar[str] = "torsionnet.plot.study.designs:design_optimum"
 
     parameters: tuple[DesignParameter, ...]
     goals: DesignGoals
@@ -180,10 +179,6 @@ class DesignOptimum:
             rows.append((name, unit, float(self.before[name].max()), float(after[top]), low, high, wanted.get(name)))
         names = ("", "unit", "as given", "optimum", "lower", "upper", "target")
         return Table.of(self.title, "optimum", tuple(map(Column, names)), tuple(rows), self.sentences)
-
-    def figure(self, plot: ModuleType, **look: Any) -> Figure:
-        """Draw the optimum as a figure by :mod:`torsionnet.plot`."""
-        return cast("Figure", plot.design_optimum(self, **look))
 
     def to_data(self) -> dict[str, Json]:
         """Optimum as JSON data in SI and full precision."""

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from importlib.util import find_spec
-from types import ModuleType
-from typing import TYPE_CHECKING, Any, ClassVar, cast
+from typing import Any, ClassVar
 
 import numpy as np
 import scipy
@@ -17,7 +16,7 @@ from torsionnet.base.registers import settle
 from torsionnet.base.table import Column, Table
 from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.machinery.design.damper_optimum import DesignParameter
-from torsionnet.study.answers.answer import AskedStudy, VariantValues, register_answer
+from torsionnet.study.answers.answer import AskedStudy, DrawnConclusion, VariantValues, register_answer
 from torsionnet.study.design.design_goals import NAMES, DesignGoals, DesignObjective, Found, OneOrSeveral, with_unit
 from torsionnet.study.design.design_optimum import SAME_QUANTITY
 from torsionnet.study.design.design_problem import FEASIBLE_EXCESS, MISSING_VALUE, DesignProblem
@@ -25,15 +24,11 @@ from torsionnet.study.design.optimise import Single, optimise
 from torsionnet.study.design.optimum import DesignAnswer
 from torsionnet.study.quantities.quantity import QuantityLimit
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-
 # Pareto front of a search with several objectives, its designs, their objectives and checks.
 
 
 @dataclass(frozen=True, eq=False)
-class ParetoFront:
+class ParetoFront(DrawnConclusion):
     """Designs of a search none of which is better in every objective than another (Pareto front).
 
     Attributes
@@ -55,6 +50,8 @@ class ParetoFront:
     units : tuple of str
         Units of the objectives, SI; empty where they are not known.
     """
+
+    drawing: ClassVar[str] = "torsionnet.plot.study.designs:pareto_front"
 
     parameters: tuple[DesignParameter, ...]
     objectives: tuple[DesignObjective, ...]
@@ -120,10 +117,6 @@ class ParetoFront:
             (*design, *values) for design, values in zip(self.designs.tolist(), self.values.tolist(), strict=True)
         )
         return Table.of(self.title, "best compromises", columns, rows, self.sentences)
-
-    def figure(self, plot: ModuleType, **look: Any) -> Figure:
-        """Draw the Pareto front as a figure by :mod:`torsionnet.plot`."""
-        return cast("Figure", plot.pareto_front(self, **look))
 
     def to_data(self) -> dict[str, Json]:
         """Pareto front as JSON data in SI and full precision."""

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from types import ModuleType
-from typing import TYPE_CHECKING, Any, ClassVar, cast
+from typing import ClassVar
 
 import numpy as np
 import scipy
@@ -15,7 +14,7 @@ from torsionnet.base.entries.spec import Count, Json, OneOf, entry
 from torsionnet.base.errors import Fault, UsageError
 from torsionnet.base.table import Column, Table
 from torsionnet.linear.assembly.rows import FloatArray
-from torsionnet.study.answers.answer import AskedStudy, VariantValues, register_answer
+from torsionnet.study.answers.answer import AskedStudy, DrawnConclusion, VariantValues, register_answer
 from torsionnet.study.design.design_goals import with_unit
 from torsionnet.study.design.design_optimum import DesignOptimum
 from torsionnet.study.design.design_problem import DesignProblem
@@ -34,10 +33,6 @@ from torsionnet.study.design.robust_problem import (
     robust_problem,
 )
 from torsionnet.study.space.space import Space
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
 
 # Search of a robust design, the best under tolerances, and its comparison with the nominal optimum.
 
@@ -83,7 +78,7 @@ class ScatteredDesign:
 
 
 @dataclass(frozen=True, eq=False)
-class RobustOptimum:
+class RobustOptimum(DrawnConclusion):
     """Best design under tolerances, with the nominal optimum for comparison.
 
     Attributes
@@ -100,6 +95,8 @@ class RobustOptimum:
         Number of samples on which the design was chosen, and their seed.
     title : str
     """
+
+    drawing: ClassVar[str] = "torsionnet.plot.study.designs:robust_optimum"
 
     robust: DesignOptimum
     nominal: DesignOptimum | None
@@ -154,10 +151,6 @@ class RobustOptimum:
         if self.limited:
             rows.append(("share that keeps all limits", "", *(one.share_kept[0] for one in self.designs)))
         return Table.of(self.title, "robust optimum", columns, tuple(rows), self.sentences)
-
-    def figure(self, plot: ModuleType, **look: Any) -> Figure:
-        """Draw the compared designs as a figure by :mod:`torsionnet.plot`."""
-        return cast("Figure", plot.robust_optimum(self, **look))
 
     def to_data(self) -> dict[str, Json]:
         """Robust design and the statistics of the designs as JSON data in SI and full precision."""

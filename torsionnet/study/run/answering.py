@@ -7,7 +7,6 @@ import os
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, fields, replace
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
@@ -141,9 +140,13 @@ class AnsweredStudy:
         for name, one in self.conclusions.items():
             said = (f"<p>{html.escape(text)}</p>" for text in self.sentences(name))
             parts += [thinned(one.table()).to_html(), *said]
-            parts.append(drawn(partial(one.figure, units=self.units)))
+            parts.append(_picture(one, self.units))
         parts += [f"<p>{html.escape(f'{name}: {error}')}</p>" for name, error in self.unanswered.items()]
         return "\n".join(parts)
+
+
+def _picture(conclusion: Conclusion, units: ShownUnits) -> str:
+    return drawn(lambda _: conclusion.figure(units=units))
 
 
 def answer_study(

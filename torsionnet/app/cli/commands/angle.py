@@ -12,6 +12,7 @@ from torsionnet.app.cli.pulse_options import PulseOptions
 from torsionnet.app.cli.record_options import RecordSpan
 from torsionnet.app.cli.terminal import print_warnings
 from torsionnet.base.notes import NoteOrText, is_warning
+from torsionnet.base.packages import imported
 from torsionnet.base.result_rows import Out
 from torsionnet.base.units import RPM
 from torsionnet.signals.recording import Recording
@@ -114,7 +115,9 @@ class AngleCommand(Command):
             csv=lambda: [("", _table(self.record, rows))],
             data=lambda: TurnedWheels(self.record, angles, rows),
             files=[(self.output_file, lambda file: write_recording(angles, file))],
-            figures=lambda plot: [("", plot.wheel_rotations(wheels, title=angles.title))],
+            figures=lambda _: [
+                ("", imported("torsionnet.plot.wheel_plots:wheel_rotations")(wheels, title=angles.title))
+            ],
         )
 
     def _turning(self) -> tuple[Recording, list[WheelRotation]]:

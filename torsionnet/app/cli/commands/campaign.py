@@ -118,10 +118,12 @@ def _screen(result: CampaignResult, conventions: Conventions) -> Iterator[Table 
 
 
 def _figures(plot: ModuleType, result: CampaignResult, conventions: Conventions) -> Iterator[tuple[str, Figure]]:
+    from torsionnet.plot.order_overlay_plot import order_overlay
+
     for name, found in result.records.items():
         if found.calculated is not None and found.tests:
             title = f"{result.campaign.title}: {name}"
-            yield name, plot.order_overlay(found.calculated, found.tests, conventions=conventions, title=title)
+            yield name, order_overlay(found.calculated, found.tests, conventions=conventions, title=title)
     for name, one in result.responses.items():
         for test, model in one.pairs():
             yield (

@@ -16,7 +16,8 @@ from torsionnet.app.cli.terminal import print_warnings
 
 if TYPE_CHECKING:
     from torsionnet.io.wheel_files import WheelOfTest
-    from torsionnet.modal import Match, OperationalModes
+    from torsionnet.modal.matching import Match
+    from torsionnet.modal.operational.operational_modes import OperationalModes
     from torsionnet.signals.recording import FloatArray, Recording
 
 KINDS = ("run-up", "decay", "ambient")
@@ -144,7 +145,7 @@ class DampingCommand(RecordCommand):
     def _tracked(self) -> OperationalModes:
         from torsionnet.base.errors import UsageError, did_you_mean
         from torsionnet.io.tracked_order_tables import read_tracked_orders
-        from torsionnet.modal import modes_from_tracked_orders
+        from torsionnet.modal.operational.run_up_modes import modes_from_tracked_orders
 
         orders = self.orders or ()
         if len(orders) > 1:

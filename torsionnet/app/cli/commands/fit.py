@@ -12,8 +12,8 @@ from torsionnet.base.errors import UsageError
 
 if TYPE_CHECKING:
     from torsionnet.base.table import Table
-    from torsionnet.identification import Ranking
     from torsionnet.identification.fit_file import FitPlan
+    from torsionnet.identification.ranking import Ranking
 
     Intervals = dict[str, tuple[float, float]]
 

@@ -14,7 +14,8 @@ from torsionnet.app.cli.terminal import print_warnings
 
 if TYPE_CHECKING:
     from torsionnet.linear.frequency_response import FrequencyResponse
-    from torsionnet.modal import Match, ModalEstimate
+    from torsionnet.modal.matching import Match
+    from torsionnet.modal.modal_estimate import ModalEstimate
 
 METHODS = ("auto", "rational", "lscf", "peaks")
 

@@ -111,7 +111,9 @@ class OrdersCommand(ModelCommand):
         One with all outputs, or one for each output.
         """
         if tests:
-            yield "", plot.order_overlay(run, tests, conventions=conventions, swept=swept)
+            from torsionnet.plot.order_overlay_plot import order_overlay
+
+            yield "", order_overlay(run, tests, conventions=conventions, swept=swept)
             return
         if self.drawn == PICTURES[0]:
             yield "", plot.order_response(run, conventions=conventions)

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from torsionnet.linear.frequency_response import FloatArray, FrequencyResponse
     from torsionnet.linear.modes.modes import Modes
     from torsionnet.linear.responses.grid import Solver
-    from torsionnet.linear.sensitivity import ModeSensitivities
+    from torsionnet.linear.sensitivity.sensitivities_of_modes import ModeSensitivities
 
 
 # Command ``torsionnet modes``, which prints natural frequencies, damping ratios and shapes.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -82,7 +82,7 @@ class StudyCommand(Command):
             data=lambda: _data(study, answered),
             csv=lambda: _tables(result, conclusions),
             files=[(self.variants_file, lambda file: _write_variants(study, result, file))],
-            figures=lambda plot: _figures(plot, study, conclusions or _usual(study, result)),
+            figures=lambda _: _figures(study, conclusions or _usual(study, result)),
             exit_code=max((error.exit_code for error in answered.unanswered.values()), default=0),
         )
 
@@ -193,11 +193,11 @@ def _usual(study: Study, result: StudyResult | None) -> Conclusions:
     return found
 
 
-def _figures(plot: Any, study: Study, conclusions: Conclusions) -> list[tuple[str, Figure]]:
+def _figures(study: Study, conclusions: Conclusions) -> list[tuple[str, Figure]]:
     from torsionnet.study.shown_units import shown_units
 
     units = shown_units(study)
-    return [(name, one.figure(plot, units=units)) for name, one in conclusions.items()]
+    return [(name, one.figure(units=units)) for name, one in conclusions.items()]
 
 
 def _write_variants(study: Study, result: StudyResult | None, file: str) -> None:

@@ -11,6 +11,7 @@ from torsionnet.app.cli.cases import ConfiguredCase, ModelCommand
 from torsionnet.app.cli.command import TABLE, Answer, result_path, separated_by_lines
 from torsionnet.app.cli.options import ANGLE, EntryOption, argument, file_option, option
 from torsionnet.app.cli.terminal import message
+from torsionnet.base.packages import imported
 
 if TYPE_CHECKING:
     from torsionnet.base.table import Table
@@ -135,8 +136,9 @@ class SimulateCommand(ModelCommand):
                 for case, record in pairs
                 if self.output_file
             ],
-            figures=lambda plot: [
-                (case.configuration, plot.scenario_motion(record, conventions=conventions, title=self._title(record)))
+            figures=lambda _: [
+                (case.configuration, draw(record, conventions=conventions, title=self._title(record)))
+                for draw in (imported("torsionnet.plot.histories:scenario_motion"),)
                 for case, record in pairs
             ],
         )
