@@ -99,7 +99,7 @@ def names_on_page(text: str) -> set[str]:
     meant = {"tn": "torsionnet", "torsionnet": "torsionnet", **_packages()}
     names: set[str] = set()
     for language, block in _FENCE.findall(text):
-        if language in ("python", "{code-block} python"):
+        if "python" in language:  # as "{code-block} python"
             names |= names_in_program(block, meant)
     for code in _CODE.findall(_FENCE.sub("", text)):
         for dotted in _DOTTED.findall(code):

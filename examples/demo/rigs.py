@@ -19,7 +19,6 @@ from torsionnet.linear.responses.grid import peaks
 from torsionnet.loading import load
 
 if TYPE_CHECKING:
-    from torsionnet import FloatArray
     from torsionnet.drivetrain import Drivetrain
     from torsionnet.linear.assembly.rows import FloatArray
     from torsionnet.linear.modes.modes import Modes
