@@ -27,6 +27,7 @@ from stubs import write_stubs
 from study_pages import study_file_page
 from validation_pages import bench_numbers_page, cases_page, paper_page
 from verification_pages import verification_page
+from words_page import words_page
 
 import torsionnet as tn
 from torsionnet.base.entries.declared import Declared
@@ -605,6 +606,7 @@ PAGES = {
     "report_texts.md": report_texts_page,
     "layers.md": layers_page,
     "faults.md": faults_page,
+    "words.md": words_page,
     "house.svg": picture,
 }
 WRITERS: dict[str, tuple[str, Callable[[Path], None]]] = {

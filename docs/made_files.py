@@ -35,7 +35,7 @@ IN_REPOSITORY = (
 """Names of what is read without a build, for which ``generate.write`` has pages and other writers."""
 FOR_PAGES = (
     *("verification.md", "tutorial pictures", "bench_numbers.md", "cases.md", "paper.md", "symbol pictures"),
-    *("element_index.md", "reference_index.md", "faults.md", "reference", "sign pictures", "law pictures"),
+    *("element_index.md", "reference_index.md", "faults.md", "words.md", "reference", "sign pictures", "law pictures"),
 )
 """Names of what only a build of the documentation needs, the dearest first."""
 OF_A_PROCESS = ("torsionnet", "library", "docs/*.py", "tests/structure", "tests/support")

@@ -25,7 +25,7 @@ file = Path(package.origin).parent / "data" / "case1.mat"
 names = {"Time_chan_1": "force", "Time_chan_2": "acceleration"}
 quantities = {"Time_chan_1": "torque", "Time_chan_2": "acceleration"}
 record = signals.read_recording(file, quantities, names)
-for fault in signals.check_recording(record, window=3.2):
+for fault in signals.check_recording(record, seconds=3.2):
     print(fault)
 
 # %%

@@ -129,7 +129,7 @@ class TestCircle:
             (Channel("y", unit),),
             (Channel("T", "N*m"),),
         )
-        fit = circle_fit(response, near=10, damping="hysteretic")
+        fit = circle_fit(response, near=10, damping_model="hysteretic")
         assert fit.natural_frequency == pytest.approx(10, rel=1e-7)
         assert 2 * fit.damping_ratio == pytest.approx(eta, rel=1e-6)
         assert fit.modal_constant == pytest.approx(2.5, rel=1e-6)
@@ -194,7 +194,7 @@ class TestCircle:
         frequencies = np.arange(5, 15, 0.02)
         response = oscillator(10, 0.02, frequencies)
         with pytest.raises(UsageError, match="viscous or hysteretic"):
-            circle_fit(response, 10, damping="viscose")
+            circle_fit(response, 10, damping_model="viscose")
         with pytest.raises(UsageError, match="5 are needed"):
             circle_fit(response, 10, band=(10, 10.05))
         with pytest.raises(SolveError, match="do not turn clockwise"):

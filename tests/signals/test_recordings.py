@@ -429,7 +429,7 @@ def test_steps_that_are_no_whole_numbers_of_the_smallest_are_not_those_of_an_enc
 
 @pytest.mark.parametrize(("windows", "said"), [(4, 0), (3.9, 1)])
 def test_how_many_windows_are_few(windows, said):
-    assert len(check_recording(one(sine()), window=5 / windows)) == said
+    assert len(check_recording(one(sine()), seconds=5 / windows)) == said
 
 
 def test_one_window_is_no_error():
@@ -446,7 +446,7 @@ def test_stamped_pulses_of_a_speed_that_changes_are_no_jitter():
     """Every sample is a step further, however few there are."""
     for count in (3, 4, 50):
         times = np.cumsum(np.linspace(1.0, 1.3, count))
-        found = check_recording(one(0.01 * np.arange(count), "angle", times), window=0.1)
+        found = check_recording(one(0.01 * np.arange(count), "angle", times), seconds=0.1)
         assert found == ()
 
 
@@ -463,11 +463,11 @@ def test_stamped_pulses_of_a_speed_that_changes_are_no_jitter():
 )
 @pytest.mark.parametrize("quantity", ["torque", "angle"])
 def test_check_finds_nothing_in_sound_signals(values, quantity):
-    assert check_recording(one(values, quantity), window=0.5) == ()
+    assert check_recording(one(values, quantity), seconds=0.5) == ()
 
 
 def test_check_with_a_range_given():
-    texts = [fault.message for fault in check_recording(one(sine()), window=0.5, ranges={"x": 0.999})]
+    texts = [fault.message for fault in check_recording(one(sine()), seconds=0.5, ranges={"x": 0.999})]
     assert len(texts) == 1
     assert texts[0].startswith("clipped: ")
 

@@ -41,6 +41,7 @@ def interface_faults() -> Iterator[Fault]:
     names = importlib.import_module("public_names")
     now = names.signatures_text().splitlines()
     yield from changed_signatures(names.SIGNATURES.read_text(encoding="utf-8").splitlines(), now)
+    yield from (Fault(*one) for one in importlib.import_module("words_page").faults())
     yield from inner_results(now, {one.last for one in names.public_names()})
     used = importlib.import_module("public_uses")
     yield from unused_names((one.name for one in names.public_names() if not one.is_result), used.uses_of_names())

@@ -94,9 +94,9 @@ class Table:
         rows = tuple(tuple(row[index] for index in indices) for row in self.rows)
         return replace(self, columns=tuple(self.columns[index] for index in indices), rows=rows)
 
-    def is_numeric(self, index: int) -> bool:
+    def is_numeric(self, column: int) -> bool:
         """Whether a table's column holds only numbers or empty cells, so that it is aligned to the right."""
-        return all(row[index] is None or isinstance(row[index], (int, float)) for row in self.rows)
+        return all(row[column] is None or isinstance(row[column], (int, float)) for row in self.rows)
 
     def cells(self) -> list[list[str]]:
         """Cells of every row of a table as text, with the digits of their columns."""

@@ -141,11 +141,11 @@ class FitResult(NotebookResult):
         k, n = len(self.values), self.degrees_of_freedom + len(self.values)
         return self.chi_squared + 2 * k + 2 * k * (k + 1) / max(n - k - 1, 1)
 
-    def table(self, level: float = 0.95, true: Mapping[str, float] | None = None) -> Table:
+    def table(self, confidence: float = 0.95, true: Mapping[str, float] | None = None) -> Table:
         """Table of fitted values with standard errors and intervals, and ``true`` values where they are known."""
-        intervals = self.intervals(level)
+        intervals = self.intervals(confidence)
         columns = [Column("parameter"), Column("value"), Column("standard error", "", 2)]
-        columns += [Column(f"{100 * level:g} % from"), Column("to"), Column("unit")]
+        columns += [Column(f"{100 * confidence:g} % from"), Column("to"), Column("unit")]
         columns += [Column("true"), Column("inside")] if true is not None else []
         rows = []
         for name, value in self.values.items():

@@ -90,7 +90,7 @@ def circle_fit(
     *,
     output: str | None = None,
     input: str | None = None,
-    damping: Literal["viscous", "hysteretic"] = "viscous",
+    damping_model: Literal["viscous", "hysteretic"] = "viscous",
     band: tuple[float, float] | None = None,
 ) -> CircleFit:
     """Mode identified by a circle through the lines of one transfer function around a resonance.
@@ -109,7 +109,7 @@ def circle_fit(
         Hz; the nearest peak is taken.
     output, input : str, optional
         Needed where there are several.
-    damping : {"viscous", "hysteretic"}
+    damping_model : {"viscous", "hysteretic"}
     band : (float, float), optional
         Hz, the lines to take; by default those around the peak that are at least half as high, up to the valley
         between it and the next peak.
@@ -133,12 +133,12 @@ def circle_fit(
     >>> round(fit.natural_frequency, 3), round(fit.damping_ratio, 4)
     (8.755, 0.2547)
     """
-    if damping not in ("viscous", "hysteretic"):
-        raise UsageError(f'damping "{damping}" is not known; choose viscous or hysteretic')
+    if damping_model not in ("viscous", "hysteretic"):
+        raise UsageError(f'damping_model "{damping_model}" is not known; choose viscous or hysteretic')
     chosen = response.select(output, input)
     if len(chosen.outputs) * len(chosen.inputs) != 1:
         raise UsageError("a circle is fitted to one transfer function; name its output= and input=")
-    return _fitted(chosen, *_points(chosen, near, damping, band), damping)
+    return _fitted(chosen, *_points(chosen, near, damping_model, band), damping_model)
 
 
 def _points(

@@ -221,14 +221,14 @@ FEWEST_WINDOWS = 4
 
 
 def check_recording(
-    recording: Recording, window: float = 2.0, ranges: Mapping[str, float] | None = None
+    recording: Recording, seconds: float = 2.0, ranges: Mapping[str, float] | None = None
 ) -> tuple[Fault, ...]:
     """Faults of a recording that make it unfit, or questionable, for estimating frequency responses.
 
     Parameters
     ----------
     recording : Recording
-    window : float
+    seconds : float
         Length of the windows of the estimate, s.
     ranges : mapping, optional
         By channel, the largest value it can measure, in SI; values that reach it are clipped.
@@ -246,7 +246,7 @@ def check_recording(
     channels: error: the record lasts 1 s, less than one window of 2 s; record longer or take a shorter window
     channels.T_T: warning: constant at 1 N*m: the sensor may be dead, or not connected
     """
-    found = [*_names(recording), *_length(recording, window), *_times(recording)]
+    found = [*_names(recording), *_length(recording, seconds), *_times(recording)]
     for signal in recording:
         found += [fault.under("channels", signal.name) for fault in _signal(signal, recording, ranges or {})]
     for channel in recording.pulses:

@@ -321,10 +321,10 @@ class Spectrogram:
     unit: str
     notes: tuple[NoteOrText, ...] = ()
 
-    def decibels(self, reference: float = 1.0) -> FloatArray:
+    def decibels(self, zero_level: float = 1.0) -> FloatArray:
         """Amplitude in dB over a reference amplitude in the signal's unit, (n_f, n_t)."""
         with np.errstate(divide="ignore"):
-            return np.asarray(20 * np.log10(self.amplitude / reference))
+            return np.asarray(20 * np.log10(self.amplitude / zero_level))
 
     @property
     def ridge(self) -> FloatArray:

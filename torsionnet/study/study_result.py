@@ -222,11 +222,11 @@ class StudyResult(NotebookResult):
             ]
         return self.summaries[key].percentiles(shares)
 
-    def model(self, index: int, configuration: str | None = None) -> Drivetrain:
-        """Drivetrain with the parameter values of variant ``index`` in one configuration."""
+    def model(self, variant: int, configuration: str | None = None) -> Drivetrain:
+        """Drivetrain with the parameter values of variant ``variant`` in one configuration."""
         case, _ = self._key(next(iter(self.study.quantities)), configuration)
         model = self.study.model_in(case)
-        values = self.study.space.at(model).values(index, index + 1)
+        values = self.study.space.at(model).values(variant, variant + 1)
         return model.configured(**{name: float(column[0]) for name, column in values.items()})
 
     def table(self) -> Table:

@@ -137,18 +137,18 @@ class ModeSensitivities(NotebookResult):
             found = self.damping_slopes * self.values / ratios
         return np.asarray(np.where(np.abs(ratios) > 0, found, 0.0))
 
-    def number(self, index: int) -> int | None:
+    def number(self, place: int) -> int | None:
         """Number of the mode at this index, counted from 1, or None for a real pole."""
-        return self.numbers[index] if self.numbers else index + 1
+        return self.numbers[place] if self.numbers else place + 1
 
-    def name(self, index: int) -> str:
+    def name(self, place: int) -> str:
         """Name of the mode at this index, such as "mode 1", or "real pole".
 
         >>> import torsionnet as tn
         >>> mode_sensitivities(tn.load("dmf_rig"), ["k_2"]).name(0)
         'mode 1'
         """
-        number = self.number(index)
+        number = self.number(place)
         return "real pole" if number is None else f"mode {number}"
 
     def words(self, most: int = 3) -> tuple[str, ...]:

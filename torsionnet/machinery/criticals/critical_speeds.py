@@ -340,7 +340,7 @@ class CriticalSpeeds(NotebookResult):
             kind="unknown-order",
         )
 
-    def mode(self, number: int) -> VibrationMode:
+    def mode(self, mode: int) -> VibrationMode:
         """Vibration mode of the drivetrain by its number, counted from 1 without rigid bodies.
 
         Raises
@@ -348,15 +348,15 @@ class CriticalSpeeds(NotebookResult):
         UsageError
             There is no mode of this number.
         """
-        for mode in self.modes:
-            if mode.number == number:
-                return mode
+        for vibration in self.modes:
+            if vibration.number == mode:
+                return vibration
         known = (
             f"there are {len(self.modes)}, counted from 1 without rigid bodies"
             if self.modes
             else "nothing vibrates here"
         )
-        raise UsageError(f"there is no mode {number}; {known}", kind="unknown-mode")
+        raise UsageError(f"there is no mode {mode}; {known}", kind="unknown-mode")
 
     def in_conditions(self, others: Sequence[CriticalSpeeds]) -> CriticalSpeeds:
         """Copy of the critical speeds, each with names of other conditions that excite its mode (``excited_in``)."""

@@ -188,7 +188,7 @@ class OrderResponse(NotebookResult):
         # One order of engines at a free angle to each other: sum of |X|, which some angle reaches.
         return np.asarray(np.abs(each).sum(axis=0))
 
-    def of_frequency(self, hertz: float, output: str | None = None, excitation: str | None = None) -> ComplexArray:
+    def of_frequency(self, frequency: float, output: str | None = None, excitation: str | None = None) -> ComplexArray:
         """Complex amplitudes of a fixed frequency in SI units of the output over speed, shape (n_speeds,).
 
         Raises
@@ -199,11 +199,11 @@ class OrderResponse(NotebookResult):
         found = [
             place
             for place, line in enumerate(self.lines)
-            if not line.order and math.isclose(line.fixed, hertz) and excitation in (None, line.excitation)
+            if not line.order and math.isclose(line.fixed, frequency) and excitation in (None, line.excitation)
         ]
         if not found:
             raise UsageError(
-                f"nothing acts at {hertz:g} Hz; there are {', '.join(map(str, self.lines))}", kind="unknown-order"
+                f"nothing acts at {frequency:g} Hz; there are {', '.join(map(str, self.lines))}", kind="unknown-order"
             )
         return np.asarray(self.values[:, found, self.output(output)].sum(axis=1))
 

@@ -145,13 +145,17 @@ more than vibration makes over a record, less than one tooth of a thousand."""
 
 
 def angle_record(
-    record: Recording, wheels: Sequence[WheelRotation], *, keep: Sequence[str] = (), sampling_rate: float | None = None
+    recording: Recording,
+    wheels: Sequence[WheelRotation],
+    *,
+    keep: Sequence[str] = (),
+    sampling_rate: float | None = None,
 ) -> Recording:
     """Recording with angle in rad, speed in rad/s and standard deviation of the angle in rad for every wheel.
 
     Parameters
     ----------
-    record : Recording
+    recording : Recording
         Record that the pulses are from.
     wheels : sequence of WheelRotation
     keep : sequence of str
@@ -177,8 +181,8 @@ def angle_record(
     if not last > first:
         spans = "; ".join(f"{one.name} from {one.times[0]:.6g} to {one.times[-1]:.6g} s" for one in wheels)
         raise UsageError(f"the pulses have no time in common: {spans}")
-    kept = record.select(keep) if keep else replace(record, signals=(), times=None)
-    notes = list(record.notes)
+    kept = recording.select(keep) if keep else replace(recording, signals=(), times=None)
+    notes = list(recording.notes)
     if keep:
         times = kept.time
         inside = (times >= first) & (times <= last)

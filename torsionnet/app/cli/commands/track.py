@@ -67,7 +67,9 @@ class TrackCommand(Command):
     )
     reading: PulseOptions
     span: RecordSpan
-    method: str = option("--method", type=click.Choice(METHODS), default=METHODS[0], show_default=True)
+    method: str = option(
+        "--method", type=click.Choice(METHODS), default=METHODS[0], show_default=True, help="How orders are tracked."
+    )
     cycles: int | None = option("--cycles", type=click.IntRange(2), help="Cycles of an average.  [default: 8]")
     step: float | None = option(
         "--speed-step", type=EntryOption("SPEED", f"{_ENTRIES}:STEP"), help="Slices of speed, each averaged, as 20rpm."
@@ -77,7 +79,9 @@ class TrackCommand(Command):
         type=EntryOption("BANDWIDTH", f"{_ENTRIES}:BANDWIDTH"),
         help="Of Vold-Kalman filters between -3 dB points: 1Hz, or 2% of the order's frequency.  [default: 1Hz]",
     )
-    poles: int | None = option("--poles", type=click.IntRange(1, 4), help="Of Vold-Kalman filters.  [default: 2]")
+    poles: int | None = option(
+        "--filter-poles", type=click.IntRange(1, 4), help="Of Vold-Kalman filters.  [default: 2]"
+    )
     cycle: int = option(
         "--cycle", type=click.IntRange(1), default=2, show_default=True, help="Turns until vibration repeats."
     )
@@ -164,7 +168,7 @@ class TrackCommand(Command):
 
     def _refuse_contradictions(self) -> None:
         if self.method == METHODS[0] and (self.bandwidth or self.poles):
-            raise click.UsageError("--bandwidth and --poles belong to --method vold-kalman")
+            raise click.UsageError("--bandwidth and --filter-poles belong to --method vold-kalman")
         if self.method == METHODS[1] and self.cycles:
             raise click.UsageError("--cycles belongs to --method average")
         if self.cycles and self.step:
