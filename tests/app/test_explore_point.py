@@ -132,7 +132,7 @@ class TestSliders:
         found = rows(answer(session, State({"configuration": "low"}, {box: -20})))
         assert found[box]["value"] == -20
         assert found[CRANK]["value"] + found[WHEEL]["value"] / RATIO == pytest.approx(20, rel=1e-9)
-        with pytest.raises(ModelError, match='no node is named "bax"'):
+        with pytest.raises(ModelError, match=r"operating_point\.torque\.bax: .*unknown-node"):
             session.model_for(State(values={"operating_point.torque.bax": 30}))
 
     def test_torques_by_parameters_follow_these(self):
@@ -276,17 +276,17 @@ class TestSettings:
     @pytest.mark.parametrize(
         ("name", "value", "message"),
         [
-            ("operating_point.torque.crnk", 1, 'no node is named "crnk"; did you mean "crank"?'),
-            (CRANK, "1 m", '"1 m" is not a value of torque; expected a unit such as N\\*m'),
-            (CRANK, "2*x", "follows x, which is no parameter of the model"),
+            ("operating_point.torque.crnk", 1, r'operating_point\.torque\.crnk: .*did you mean "crank".*unknown-node'),
+            (CRANK, "1 m", r"operating_point\.torque\.crank: .*wrong-unit"),
+            (CRANK, "2*x", r"operating_point\.torque\.crank: .*unknown-parameter"),
             (CRANK, float("nan"), "expected a finite number"),
             (
                 "operating_point.tork.crank",
                 1,
-                '"operating_point.tork.crank" is no setting; there are operating_point.tor',
+                "unknown-word",
             ),
             ("operating_point.torque.", 1, "is no setting"),
-            ("load.power", "3 kW", "load.power: the model has no load:; its torques stand under operating_point:"),
+            ("load.power", "3 kW", "missing-entry"),
             ("load.pwr", 1, 'did you mean "load.power"'),
         ],
     )
@@ -297,9 +297,9 @@ class TestSettings:
     @pytest.mark.parametrize(
         ("name", "value", "message"),
         [
-            ("load.torque", "3 kN*m", "the load of the model has no torque; its size is load.power"),
-            ("load.power", "3 N*m", '"3 N\\*m" is not a value of power'),
-            ("load.power", -3, "must be greater than 0"),
+            ("load.torque", "3 kN*m", "missing-entry"),
+            ("load.power", "3 N*m", r"load\.power: .*wrong-unit"),
+            ("load.power", -3, r"load\.power: .*out-of-range"),
         ],
     )
     def test_wrong_loads_are_refused(self, name, value, message):

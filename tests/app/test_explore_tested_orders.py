@@ -38,7 +38,7 @@ def test_measured_orders_are_drawn_with_their_own_calculated_curves(folder):
 
 
 def test_a_file_needs_an_output_over_speed(folder):
-    with pytest.raises(tn.UsageError, match="say which output they are of with --over-speed"):
+    with pytest.raises(tn.UsageError, match="missing-entry"):
         open_session(folder / "fan.json", measured=folder / "test.csv")
 
 

@@ -82,16 +82,16 @@ def test_names():
 @pytest.mark.parametrize(
     ("text", "values", "message"),
     [
-        ("1/x", {"x": 0}, 'division by zero: "x" is 0'),
+        ("1/x", {"x": 0}, "incalculable-value"),
         ("1/(x-x)", {"x": 1.5}, "division by zero"),
         ("x**-1", {"x": Fraction(0)}, "division by zero"),
         ("1/0", {}, "division by zero"),
-        ("sqrt(x)", {"x": Fraction(-2)}, '"x" is -2; a negative number has no square root'),
+        ("sqrt(x)", {"x": Fraction(-2)}, "incalculable-value"),
         ("x**0.5", {"x": -2.0}, "no square root"),
         ("x**4", {"x": Fraction(10**300)}, "too large"),
         ("x**4", {"x": 1e300}, "too large"),
         ("x*x", {"x": 1e300}, "too large"),
-        ("gerbox", {"gearbox": 1}, 'no parameter is named "gerbox"; did you mean "gearbox"'),
+        ("gerbox", {"gearbox": 1}, r'(?s)did you mean "gearbox".*unknown-parameter'),
     ],
 )
 def test_values_without_an_answer(text, values, message):
@@ -118,7 +118,7 @@ def test_values_without_an_answer(text, values, message):
         ("a**(b)", 4, "an exponent is"),
         ("(x := 3)", 3, '":" is not allowed'),
         ("lambda: 1", 6, "not allowed"),
-        ("lambda x", 0, "word of the Python language"),
+        ("lambda x", 0, "unreadable-expression"),
         ("a if b else c", 2, "operator is missing|Python language"),
         ("not a", 0, "Python language"),
         ("a and b", 2, "operator is missing|Python language"),
@@ -137,9 +137,9 @@ def test_values_without_an_answer(text, values, message):
         ("ａ", 0, "not allowed"),
         ("omega*2", 0, "reserved"),
         ("2*s", 2, "reserved"),
-        ("exp(2)", 0, "nothing else can be called"),
-        ("a(2)", 0, "nothing else can be called"),
-        ("2(a)", 0, "nothing else can be called"),
+        ("exp(2)", 0, "unreadable-expression"),
+        ("a(2)", 0, "unreadable-expression"),
+        ("2(a)", 0, "unreadable-expression"),
         ("sqrt", 0, "allowed are"),
         ("sqrt()", 0, "allowed are"),
         ("sqrt(*a)", 5, "allowed are"),
@@ -175,7 +175,7 @@ def test_refused_at_its_place(text, offset, message):
     [
         ("", "1 to 200 characters"),
         ("  ", "1 to 200 characters"),
-        ("a" * 201, "1 to 200 characters, not 201"),
+        ("a" * 201, r"(?s)200.*201.*unreadable-expression"),
         ("+".join("a" * 40), "more than 60 numbers"),
         ("-" * 199 + "a", "more than 20 levels"),
         ("-" * 30 + "a", "more than 20 levels"),
@@ -355,7 +355,7 @@ def test_different_dimensions_do_not_add(text):
 
 
 def test_both_dimensions_are_named():
-    with pytest.raises(ExpressionError, match=r'"k - J" would subtract N\*m and kg\*m\^2'):
+    with pytest.raises(ExpressionError, match="wrong-unit"):
         parse_expression("k - J").dimension(UNITS)
     with pytest.raises(ExpressionError, match="no parameter"):
         parse_expression("z").dimension(UNITS)
@@ -406,7 +406,7 @@ def test_expressions(text):
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        (True, "expected a number, got true"),
+        (True, "not-a-number"),
         (np.True_, "expected a number"),
         (None, "expected a number"),
         (1j, "expected a number"),
@@ -415,10 +415,10 @@ def test_expressions(text):
         (math.inf, "finite"),
         (-math.inf, "finite"),
         (10**400, "too large"),
-        ("2 k_1", r'"k_1" is not a known unit; if it is a parameter, write 2\*k_1'),
+        ("2 k_1", "unknown-unit"),
         ("2k_1", r"write 2\*k_1"),
         ("13,3 kNm/rad", r"decimal comma; write 13\.3"),
-        ("3:1", r'expected a number, got "3:1"; write the ratio as a number \(3\.0\) or give teeth: \[z1, z2\]'),
+        ("3:1", r"(?s)3\.0.*not-a-number"),
         ("1e400", "too large"),
         ("017", "octal"),
         ("nan", "no finite number"),

@@ -71,16 +71,16 @@ def test_an_estimate_keeps_its_averaging_but_not_its_record(tmp_path):
 
 def test_wrong_files_are_told(tmp_path):
     rig = tn.load("dmf_rig")
-    with pytest.raises(tn.UsageError, match=r"holds results of the class Modes, not what FrequencyResponse.to_json"):
+    with pytest.raises(tn.UsageError, match="wrong-file"):
         tn.FrequencyResponse.from_json(rig.modes().to_json())
-    with pytest.raises(tn.UsageError, match="the text holds no saved result"):
+    with pytest.raises(tn.UsageError, match="wrong-file"):
         tn.Modes.from_json("{}")
-    with pytest.raises(tn.UsageError, match="the text is no JSON text"):
+    with pytest.raises(tn.UsageError, match="wrong-file"):
         tn.Modes.from_json("{modes")
-    with pytest.raises(tn.UsageError, match=r"none.json cannot be read: No such file"):
+    with pytest.raises(tn.UsageError, match="unreadable-file"):
         tn.Modes.from_json(tmp_path / "none.json")
     data = json.loads(rig.modes().to_json())
-    with pytest.raises(tn.UsageError, match=r"is not as Modes.to_json has written it"):
+    with pytest.raises(tn.UsageError, match="wrong-file"):
         tn.Modes.from_json(json.dumps({key: one for key, one in data.items() if key != "eigenvalues"}))
 
 

@@ -125,8 +125,8 @@ def test_a_bare_number_has_no_dimension(text, value):
     ("text", "message"),
     [
         ("13,3 kN*m/rad", r"decimal comma; write 13\.3"),
-        ("1,300.5 Nm", r"thousands separators; write 1300\.5$"),
-        ("1.300,5 Nm", r"thousands separators; write 1300\.5$"),
+        ("1,300.5 Nm", r"(?m)thousands separators; write 1300\.5$"),
+        ("1.300,5 Nm", r"(?m)thousands separators; write 1300\.5$"),
         ("13 300 Nm", "thousands separators; write 13300"),
         ("1'000 Nm", "thousands separators; write 1000"),
         ("1_000 Nm", "thousands separators; write 1000"),
@@ -134,31 +134,31 @@ def test_a_bare_number_has_no_dimension(text, value):
         ("1.2.3 Nm", "digits stand together"),
         ("017", "octal"),
         ("00.5 Nm", "octal"),
-        ("3:1", r'expected a number, got "3:1"; write the ratio as a number \(3\.0\) or give teeth: \[z1, z2\]'),
+        ("3:1", r"(?s)3\.0.*not-a-number"),
         ("nan", "finite"),
         ("-.inf", "finite"),
         ("Infinity Nm", "expected a number"),
         ("", "expected a number"),
         ("Nm", "expected a number"),
         ("١ Nm", "expected a number"),
-        ("1e999999", "too large or too small"),
-        ("1e-999999999999999999", "too large or too small"),
-        ("1e400 Nm", "too large or too small"),
-        ("1e300 GPa", "too large or too small"),
-        ("1e-300 um^6", "too large or too small"),
+        ("1e999999", "not-finite"),
+        ("1e-999999999999999999", "not-finite"),
+        ("1e400 Nm", "not-finite"),
+        ("1e300 GPa", "not-finite"),
+        ("1e-300 um^6", "not-finite"),
         ("9" * 101, "at most 100 characters"),
         ("1 kNn/rad", 'did you mean "kN"'),
-        ("1 knm", "is not a known unit; did you mean"),
+        ("1 knm", "unknown-unit"),
         ("1 lbin", r'did you mean "lbf\*in"'),
         ("1 kg*m2", r'did you mean "m\^2"'),
-        ("1 N-m", r'write "\*" between units, as in N\*m$'),
-        ("1 lb-in-s^2", r'write "\*" between units, as in lbf\*in\*s\^2$'),
-        ("1 oz-in-s2", r'write "\*" between units, as in ozf\*in\*s\^2$'),
-        ("1 lb-ft²", r"as in lb\*ft²$"),
-        ("1 U/min", 'did you mean "rpm" or "rev"'),
-        ("1 V/rad", '"V" is not a known unit$'),
-        ("1 Gx", '"Gx" is not a known unit$'),
-        ("1 kHz/krad", '"krad" is not a known unit'),
+        ("1 N-m", r'(?m)write "\*" between units, as in N\*m$'),
+        ("1 lb-in-s^2", r'(?m)write "\*" between units, as in lbf\*in\*s\^2$'),
+        ("1 oz-in-s2", r'(?m)write "\*" between units, as in ozf\*in\*s\^2$'),
+        ("1 lb-ft²", r"(?m)as in lb\*ft²$"),
+        ("1 U/min", r'(?s)did you mean "rpm".*unknown-unit'),
+        ("1 V/rad", '(?m)"V" is not a known unit$'),
+        ("1 Gx", '(?m)"Gx" is not a known unit$'),
+        ("1 kHz/krad", "unknown-unit"),
         ("1 N*", "empty part"),
         ("1 N//m", "empty part"),
         ("1 /s", "empty part"),
@@ -172,16 +172,16 @@ def test_a_bare_number_has_no_dimension(text, value):
         ("1 m^(1/0)", "exponent 1/0"),
         ("1 ((((mm^6)^6)^6)^6)^6", "one power per unit"),
         ("1 Nm^2", "one power per unit"),
-        ("1 1/s", "rad/s, rpm, rev/s or Hz"),
-        ("1500 1/min", "rad/s, rpm, rev/s or Hz"),
-        ("1 min⁻¹", "rad/s, rpm, rev/s or Hz"),
-        ("1 GD2", "after a unit of inertia"),
-        ("1 N GD2", r"write for example kg\*m\^2 GD2"),
+        ("1 1/s", "unknown-unit"),
+        ("1500 1/min", "unknown-unit"),
+        ("1 min⁻¹", "unknown-unit"),
+        ("1 GD2", "unknown-unit"),
+        ("1 N GD2", "unknown-unit"),
         ("1 kg*m^2/GD2", "at the end"),
         ("1 Ω", "cannot be read"),
         ("-274 degC", "below absolute zero"),
         ("1e309 degC", "too large"),
-        ("2 W/degC", "degC stands alone after a temperature, as in 60 degC; differences are in K"),
+        ("2 W/degC", r"(?s)60.*unknown-unit"),
         ("1 __import__('os')", "cannot be read|not a known unit"),
     ],
 )
@@ -239,14 +239,14 @@ def test_a_slash_binds_left_to_right():
 
 def test_a_cycle_is_not_an_angle():
     assert parse_unit("Hz").dimension != parse_unit("rad/s").dimension
-    with pytest.raises(UnitError, match=r"a cycle is 2\*pi rad"):
+    with pytest.raises(UnitError, match="wrong-unit"):
         convert(50, "Hz", "rad/s")
 
 
 def test_convert():
     assert convert(1500, "rpm", "rad/s") == pytest.approx(50 * math.pi, rel=1e-15)
     assert convert(1, "kNm/rad", "Nm/deg") == pytest.approx(1000 * math.pi / 180, rel=1e-15)
-    with pytest.raises(UnitError, match=r"\(m\) cannot be converted to .*\(kg\)$"):
+    with pytest.raises(UnitError, match=r"(?m)\(m\) cannot be converted to .*\(kg\)$"):
         convert(1, "mm", "kg")
 
 

@@ -252,7 +252,7 @@ class TestInTime:
         assert record["velocity(a)"].values == pytest.approx(expected, abs=1e-10)
 
     def test_a_delay_has_no_state_space(self):
-        with pytest.raises(tn.UsageError, match="governor: a delay has no finite number of states"):
+        with pytest.raises(tn.UsageError, match="no-state-space"):
             state_space(governed(-3, delay=0.1))
 
 
@@ -304,11 +304,11 @@ class TestRefused:
     def test_a_stiffness_that_varies_is_named(self):
         table = tn.TabulatedSpring("s", nodes=("a", "ground"), table=[[1, 300, 2], [9, 500, 1]])
         rig = governed(-3)
-        with pytest.raises(tn.UsageError, match=r"stiffness varies with frequency: s.*type: shaft with segments"):
+        with pytest.raises(tn.UsageError, match="unsupported-law"):
             tn.Drivetrain("x", [*rig.elements.values(), table]).modes()
 
     def test_laws_that_nothing_real_has_in_time(self):
-        with pytest.raises(tn.UsageError, match="governor: its law grows quicker with frequency than the acceleration"):
+        with pytest.raises(tn.UsageError, match="no-state-space"):
             governed({"d": -3}, quantity="acceleration").modes()
-        with pytest.raises(tn.UsageError, match="infinitely many fast poles; give it a filter"):
+        with pytest.raises(tn.UsageError, match="no-state-space"):
             governed(-1, delay=0.1, quantity="acceleration").modes()

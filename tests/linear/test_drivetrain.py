@@ -49,7 +49,7 @@ class TestParameters:
         assert rig.parameters["p8"] == pytest.approx(math.exp(4**8 * math.log(1.0001)), rel=1e-9)
 
     def test_bounds_have_the_unit_of_the_parameter(self):
-        with pytest.raises(tn.ModelError, match="this bound has the dimension of") as caught:
+        with pytest.raises(tn.ModelError, match=r":2:46: .*wrong-unit") as caught:
             tn.loads(
                 "torsionnet: 1\n"
                 "parameters: {k: {value: 1 kN*m/rad, bounds: [100 kg, 2 kN*m/rad]}}\n"
@@ -64,7 +64,7 @@ class TestParameters:
         rig = tn.load("amt_rig")
         with pytest.raises(tn.UsageError, match='did you mean "c_O"'):
             rig.configured(c_o=3)
-        with pytest.raises(tn.ModelError, match="must not be less than 0"):
+        with pytest.raises(tn.ModelError, match=r"elements\.oil\.damping: .*out-of-range"):
             rig.configured(c_O=-3)
         with pytest.raises(tn.ModelError, match="expected stiffness"):
             rig.configured("V", k_1="3 kg")
@@ -158,7 +158,7 @@ class TestConfigurations:
     def test_wrong_choices_list_what_there_is(self):
         car = self.model()
         for text, words in (
-            ("gear=2", 'axis "gear" has no "2"'),
+            ("gear=2", "unknown-word"),
             ("gaer=1", 'did you mean "gear"'),
             ("gear=1,gear=5", "chooses twice"),
             ("neutral", "no configuration"),
@@ -185,7 +185,7 @@ class TestOperatingPoint:
 
     def test_contradicting_speeds_are_refused(self):
         rig = geared_line()
-        with pytest.raises(tn.ModelError, match="do not fit the ratios"):
+        with pytest.raises(tn.ModelError, match=r"operating_point\.speed: .*contradicting-speeds"):
             tn.Drivetrain("x", rig.elements.values(), rig.parameters, operating_point={"speed": {"m": 10, "o": 5}})
 
     def test_total_ratio(self):
@@ -261,7 +261,7 @@ class TestChecks:
         for words in (
             '"k_1"; did you mean "k1"',
             "loop",
-            "must not be less than 0",
+            r"elements\.oil\.damping: .*out-of-range",
             'no element is named "x"',
             'no node is named "q"',
         ):
@@ -343,14 +343,14 @@ class TestChecks:
         assert given == pytest.approx(expected, rel=1e-12)
         held = locked.frequency_response("angle", "T", [3.0]).values[0, 0, 0]
         assert held == pytest.approx(1 / (1e3 - omega**2), rel=1e-12)
-        with pytest.raises(tn.UsageError, match='input driven does nothing: "b" is locked in this configuration'):
+        with pytest.raises(tn.UsageError, match="no-effect"):
             locked.frequency_response("angle", "driven", [3.0])
-        with pytest.raises(tn.UsageError, match='speed reads zero: "b" is locked in this configuration'):
+        with pytest.raises(tn.UsageError, match="zero-reading"):
             locked.frequency_response("speed", "T", [3.0])
         assert locked.frequency_response("b", "T", [3.0]).values[0, 0, 0] == 0  # a node asked for by name is zero
 
     def test_a_channel_that_no_configuration_sets_free_is_an_error(self):
-        with pytest.raises(tn.ModelError, match='input T does nothing: "a" is locked'):
+        with pytest.raises(tn.ModelError, match=r"inputs\.T\.torque: .*no-effect"):
             tn.Drivetrain(
                 "x",
                 [WHEEL, tn.Lock("l", node="a")],
@@ -464,7 +464,7 @@ class TestChecks:
             tn.Drivetrain("x", elements)
 
     def test_sizes_beyond_all_drivetrains(self):
-        with pytest.raises(tn.ModelError, match=r"elements.j.inertia: error: 1e-200 is far outside the sizes"):
+        with pytest.raises(tn.ModelError, match=r"elements\.j\.inertia: .*200.*implausible-size"):
             tn.Inertia("j", node="a", inertia="1e-200")
         beyond = faults_of(tn.Inertia("j", node="a", inertia="J**2"), HELD, parameters={"J": 1e-30})
         assert "far outside the sizes" in beyond[0]

@@ -159,7 +159,7 @@ def test_nothing_acting_is_still_refused():
         Rows.of(np.hstack([system.rows, np.zeros((len(system.rows), 1))])),
         *(np.array(part) for part in (system.inertia, system.damping, system.stiffness)),
     )
-    with pytest.raises(SolveError, match="neither inertia nor spring nor damper"):
+    with pytest.raises(SolveError, match="indeterminate-motion"):
         complex_modes(loose, 5)
 
 

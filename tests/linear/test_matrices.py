@@ -41,9 +41,7 @@ def test_stiffness_over_frequency_needs_one():
     rig = geared_line()
     rubber = tn.HystereticSpring("rubber", nodes=("m", "g"), stiffness=900, loss_factor=0.1)
     soft = tn.Drivetrain("h", [*rig.elements.values(), rubber], rig.parameters, rig.inputs, rig.sensors)
-    with pytest.raises(
-        tn.UsageError, match=r'rubber depends on frequency; say at which one, as matrices\(at="12 Hz"\)'
-    ):
+    with pytest.raises(tn.UsageError, match=r"(?s)12.*missing-entry"):
         soft.matrices()
     with_rubber, without = soft.matrices(at="12 Hz"), rig.matrices(at=12)
     assert (with_rubber.frequency, without.frequency) == (12, 12)
@@ -84,12 +82,12 @@ def test_controllers_without_states_have_a_place_in_them():
 
 
 def test_what_has_no_matrices_says_so():
-    with pytest.raises(tn.UsageError, match="governor acts with a delay"):
+    with pytest.raises(tn.UsageError, match="no-state-space"):
         controlled(law=-7, delay=0.01).matrices()
-    with pytest.raises(tn.UsageError, match=r"governor has states of its own.*to_control\(\)"):
+    with pytest.raises(tn.UsageError, match="no-state-space"):
         controlled(law={"p": -7, "i": -3, "d": 2, "filter": 0.1}).matrices()
     turned = tn.Drivetrain("turned", [tn.Inertia("J", node="a", inertia=2)], inputs={"phi": {"angle": "a"}})
-    with pytest.raises(tn.UsageError, match="the angle imposed by phi is no coordinate"):
+    with pytest.raises(tn.UsageError, match="no-state-space"):
         turned.matrices()
     with pytest.raises(AttributeError, match=r"model.matrices\(\)"):
         _ = controlled(law=1).M

@@ -67,7 +67,7 @@ def test_every_kind_of_measured_input(seed):
             if abs(H[1] / H[0]) < 5:
                 agrees(model, output, measured, driven_by="T_a")
                 continue
-            with pytest.raises(tn.UsageError, match="contains the rate of change of the measured input"):
+            with pytest.raises(tn.UsageError, match="no-state-space"):
                 model.to_control(output, measured, driven_by="T_a")
 
 
@@ -123,5 +123,5 @@ def test_requests_that_have_no_state_space():
     model = branched(2)
     with pytest.raises(tn.UsageError, match="name output and input"):
         model.to_control("phi")
-    with pytest.raises(tn.UsageError, match="acc/phi contains the rate of change of the measured input"):
+    with pytest.raises(tn.UsageError, match="no-state-space"):
         model.to_control("acc", "phi", driven_by="T_a")

@@ -349,5 +349,5 @@ class TestWithoutVibrations:
 
     def test_a_mode_that_is_asked_for_is_refused_with_the_reason(self):
         for ask in (lambda rig: rig.holzer_table(mode=1), lambda rig: rig.critical_speeds().mode(1)):
-            with pytest.raises(UsageError, match="there is no mode 1; nothing vibrates here"):
+            with pytest.raises(UsageError, match="unknown-mode"):
                 ask(self.model("rigid"))

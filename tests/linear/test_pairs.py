@@ -435,11 +435,11 @@ sensors: {rel: {angle: [a, b]}, slip: {velocity: [b, a]}}
 
     def test_names_that_mean_nothing(self):
         rig = plant(ENGINE)
-        for name, message in (("crank-blok", 'no node is named "blok"'), ("crank-crank", "both nodes")):
+        for name, message in (("crank-blok", "unknown-node"), ("crank-crank", "both nodes")):
             with pytest.raises(UsageError, match=message):
                 rig.frequency_response("load", name, F)
         rigid = plant(elements=[tn.RigidCoupling("stuck", nodes=("crank", "block"))])
-        with pytest.raises(UsageError, match='a torque on "crank" against "block" moves nothing'):
+        with pytest.raises(UsageError, match="no-effect"):
             rigid.frequency_response("load", "crank-block", F)
         with pytest.raises(UsageError, match="imposed by phi"):
             plant({"phi": {"angle": ["crank", "block"]}}).frequency_response("load", "crank-block", F)
@@ -447,11 +447,11 @@ sensors: {rel: {angle: [a, b]}, slip: {velocity: [b, a]}}
     def test_switched_off_in_a_configuration(self):
         rig = plant(ENGINE, configurations={"mounted": {"yes": {}, "no": {"off": ["stage", "block_J", "mount"]}}})
         assert any("block is switched off" in str(fault) for fault in rig.configured("no").check())
-        with pytest.raises(UsageError, match='acts on node "block", to which nothing is attached'):
+        with pytest.raises(UsageError, match="no-effect"):
             rig.configured("no").frequency_response("load", "T_E", F)
 
     def test_model_in_python_is_checked(self):
-        with pytest.raises(ModelError, match='no node is named "blok"'):
+        with pytest.raises(ModelError, match="unknown-node"):
             plant({"T": {"torque": ["crank", "blok"]}})
 
 
@@ -567,7 +567,7 @@ class TestExcitations:
 
     @pytest.mark.parametrize(
         ("reaction", "message"),
-        [("blok", 'no node is named "blok"'), ("crank", "takes the opposite of a torque on itself")],
+        [("blok", "unknown-node"), ("crank", r"excitations\.it\.reaction: .*same-node")],
     )
     def test_faults(self, reaction, message):
         with pytest.raises(ModelError, match=message):
@@ -578,12 +578,12 @@ class TestExcitations:
             {"type": "harmonic", "node": "crank", "reaction": "block", "orders": {2: {"amplitude": "1 N*m"}}},
             elements=[tn.RigidCoupling("stuck", nodes=("crank", "block"), enabled=False)],
         )
-        with pytest.raises(UsageError, match="held rigidly in this configuration"):
+        with pytest.raises(UsageError, match="no-effect"):
             rig.switched(on=["stuck"]).order_response("T_d")
         # A shaft that does not turn has no orders: nothing says how fast its torque goes round.
         fixed = running(
             {"type": "harmonic", "node": "crank", "reaction": "block", "orders": {2: {"amplitude": "1 N*m"}}},
             elements=[tn.Lock("stop", node="crank")],
         )
-        with pytest.raises(UsageError, match="crank is locked by stop"):
+        with pytest.raises(UsageError, match="no-effect"):
             fixed.order_response("T_d")

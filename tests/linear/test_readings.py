@@ -121,7 +121,7 @@ def test_numbers_symbols_and_derivatives_read_the_same(seed):
 def test_what_is_no_sensor_cannot_be_measured(name):
     """Derivatives of poles against a node or an input: refused in the words of the poles themselves."""
     for asked in (mode_sensitivities, modes):
-        with pytest.raises(UsageError, match=f'^"{name}" is no sensor; name a sensor as measured input$'):
+        with pytest.raises(UsageError, match="unknown-channel"):
             asked(tn.load("dmf_rig"), measured_input=name)
 
 

@@ -245,9 +245,9 @@ class TestFaults:
         ("element", "message"),
         [
             (tn.Inertia("x", node="prop", inertia=1, referred_to="cranc"), 'no node is named "cranc"; did you mean "crank"?'),
-            (tn.RigidCoupling("x", nodes=("prop", "y"), referred_to="crank"), "no stiffness, damping or inertia"),
-            (tn.Lock("x", node="prop", referred_to="crank"), "no stiffness, damping or inertia"),
-            (tn.Gear("x", nodes=("prop", "y"), ratio=2, referred_to="crank"), "no stiffness, damping or inertia"),
+            (tn.RigidCoupling("x", nodes=("prop", "y"), referred_to="crank"), r"elements\.x\.referred_to: .*no-ratio"),
+            (tn.Lock("x", node="prop", referred_to="crank"), r"elements\.x\.referred_to: .*no-ratio"),
+            (tn.Gear("x", nodes=("prop", "y"), ratio=2, referred_to="crank"), r"elements\.x\.referred_to: .*no-ratio"),
             (tn.Shaft("x", nodes=("prop", "y"), outer_diameter=0.1, length=1, referred_to="crank"), "follows from its dimensions"),
             (tn.TabulatedSpring("x", nodes=("prop", "y"), table=[[1, 400, 2], [20, 500, 1]], referred_to="crank"), "table"),
         ],
@@ -271,7 +271,7 @@ class TestFaults:
             tn.Spring("shaft", nodes=("b", "c"), stiffness=3, referred_to="a"),
             tn.Inertia("c_J", node="c", inertia=1),
         ]
-        with pytest.raises(ModelError, match="two ways lead from b to a") as caught:
+        with pytest.raises(ModelError, match=r"elements\.shaft\.referred_to: .*no-ratio") as caught:
             tn.Drivetrain("loop", parts)
         (fault,) = caught.value.faults
         assert fault.path == ("elements", "shaft", "referred_to")
@@ -289,7 +289,7 @@ class TestFaults:
             tn.Gear("second", nodes=("r", "b"), ratio=3),
             tn.Inertia("b_J", node="b", inertia=1, referred_to="a"),
         ]
-        with pytest.raises(ModelError, match=r"a turns 2\.41176 or 6 times as fast as b by them"):
+        with pytest.raises(ModelError, match=r"elements\.b_J\.referred_to: .*2\.41176.*no-ratio"):
             tn.Drivetrain("loop", parts)
 
     def test_loops_that_leave_one_ratio(self):
@@ -317,12 +317,12 @@ class TestFaults:
             tn.RigidCoupling("clutch", nodes=("a", "b")),
             tn.Inertia("b_J", node="b", inertia=1, referred_to="a"),
         ]
-        with pytest.raises(ModelError, match="no ratio leads from b to a"):
+        with pytest.raises(ModelError, match=r"elements\.b_J\.referred_to: .*no-ratio"):
             tn.Drivetrain("clutch", elements, configurations={"clutch": {"closed": {}, "open": {"off": ["clutch"]}}})
-        with pytest.raises(ModelError, match="no ratio leads from b to a"):
+        with pytest.raises(ModelError, match=r"elements\.b_J\.referred_to: .*no-ratio"):
             tn.Drivetrain("clutch", elements).switched(off=["clutch"])
         damped = [elements[0], tn.Damper("slip", nodes=("a", "b"), damping=1), elements[2]]
-        with pytest.raises(ModelError, match="no ratio leads from b to a"):
+        with pytest.raises(ModelError, match=r"elements\.b_J\.referred_to: .*no-ratio"):
             tn.Drivetrain("slipping", damped)
 
     def test_a_free_planetary_set(self):
@@ -332,7 +332,7 @@ class TestFaults:
             tn.Inertia("r_J", node="r", inertia=1, referred_to="s"),
             tn.Inertia("c_J", node="c", inertia=1),
         ]
-        with pytest.raises(ModelError, match="no ratio leads from r to s"):
+        with pytest.raises(ModelError, match=r"elements\.r_J\.referred_to: .*no-ratio"):
             tn.Drivetrain("set", elements)
 
     def test_place_in_a_file(self):
@@ -422,12 +422,12 @@ class TestReadings:
         assert run[..., 1] == pytest.approx(run[..., 0] / TAU, rel=1e-10)
 
     def test_faults(self):
-        with pytest.raises(ModelError, match='no node is named "cranc"'):
+        with pytest.raises(ModelError, match=r"sensors\.x\.referred_to: .*unknown-node"):
             line(sensors={"x": {"torque": "shaft", "referred_to": "cranc"}})
-        with pytest.raises(UsageError, match="a stress is that of its own shaft"):
+        with pytest.raises(UsageError, match="unfit-channel"):
             Sensor("stress", "shaft", referred_to="crank")
         loose = line(elements=[tn.Inertia("y_J", node="y", inertia=1), tn.Damper("d", nodes=("y", "prop"), damping=1)])
-        with pytest.raises(UsageError, match="no ratio leads from y to crank"):
+        with pytest.raises(UsageError, match="no-ratio"):
             loose.frequency_response("y referred to crank", "T", F)
 
     def test_shapes(self):

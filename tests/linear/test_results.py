@@ -66,7 +66,7 @@ class TestModes:
         assert table.columns[-1].name == "phase 1"
         assert table.rows == (("a", 1, 0, 1, 0, 0.5, 90), ("b", 1, 0, 0.25, 180, 1, 180))
         np.testing.assert_array_equal(self.MODES.shape_at("b"), [1, -0.25, -1])
-        with pytest.raises(UsageError, match='no node is named "B"; did you mean "b"'):
+        with pytest.raises(UsageError, match=r'(?s)did you mean "b".*unknown-node'):
             self.MODES.shape_at("B")
 
     def test_energies(self):
@@ -104,9 +104,9 @@ class TestFrequencyResponse:
     @pytest.mark.parametrize(
         ("frequencies", "values", "words"),
         [
-            ([1.0, 2.0], [1j, 2, 3], r"values have the shape \(3,\); expected \(n_f, n_out, n_in\) = \(2, 1, 1\)"),
-            ([1.0, 2.0], [[1j, 2]], r"values have the shape \(1, 2\)"),
-            ([[1.0], [2.0]], [1j, 2], r"frequencies have the shape \(2, 1\); expected \(n_f,\) = \(2,\)"),
+            ([1.0, 2.0], [1j, 2, 3], "wrong-count"),
+            ([1.0, 2.0], [[1j, 2]], "wrong-count"),
+            ([[1.0], [2.0]], [1j, 2], "wrong-count"),
         ],
     )
     def test_arrays_that_do_not_fit_are_refused(self, frequencies, values, words):
@@ -145,7 +145,7 @@ class TestFrequencyResponse:
         part = response(coherence=np.arange(6.0).reshape(3, 2, 1)).select("omega")
         assert part.coherence[:, 0, 0].tolist() == [1, 3, 5]
         assert (part.outputs, part.inputs) == (OUTPUTS[1:], INPUTS)
-        with pytest.raises(UsageError, match='no input is named "t"; did you mean "T"\\?; there is T'):
+        with pytest.raises(UsageError, match=r'(?s)did you mean "T".*unknown-channel'):
             response().select(input="t")
 
     def test_orders_of_unlike_outputs(self):
@@ -154,7 +154,7 @@ class TestFrequencyResponse:
         np.testing.assert_allclose(receptance.values[:, 0, 0], response().values[:, 0, 0])
         np.testing.assert_allclose(receptance.values[:, 1, 0], response().values[:, 1, 0] / s)
         assert {channel.unit for channel in receptance.outputs} == {"rad"}
-        with pytest.raises(UsageError, match="T is not an angle"):
+        with pytest.raises(UsageError, match="unfit-channel"):
             replace(response(), outputs=(OUTPUTS[0], INPUTS[0])).mobility()
 
     @pytest.mark.parametrize(
@@ -189,7 +189,7 @@ class TestFrequencyResponse:
     def test_no_inverse_of_what_is_not_finite(self):
         square = response().select("phi")
         broken = replace(square, values=np.where(square.frequencies[:, None, None] == 2, np.inf, square.values))
-        with pytest.raises(UsageError, match="not finite at some frequency"):
+        with pytest.raises(UsageError, match="not-finite"):
             broken.dynamic_stiffness()
 
 
@@ -259,5 +259,5 @@ def test_conventions():
     assert Conventions(angle="deg").unit("rad/s") == "deg/s"
     assert Conventions(angle="deg").scale("N*m") == 1
     for reference in (np.inf, np.nan, 0.0, -1.0):
-        with pytest.raises(UsageError, match="the dB reference must be a positive number"):
+        with pytest.raises(UsageError, match="out-of-range"):
             Conventions(db_reference=reference)

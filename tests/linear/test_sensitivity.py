@@ -133,10 +133,10 @@ def test_random_drivetrains_against_differences_of_the_solver(blueprint, data):
 @pytest.mark.parametrize(
     ("names", "message"),
     [
-        (["c_3"], 'no parameter is named "c_3"; did you mean'),
+        (["c_3"], "unknown-parameter"),
         (["c_2", "c_2"], "named twice"),
         (["dmf.stifness"], 'did you mean "stiffness"'),
-        (["dmf.stiffness"], "is given as k_2; vary the parameters in it"),
+        (["dmf.stiffness"], "expression-not-allowed"),
         (["flywhel.inertia"], "no parameter is named"),
     ],
 )
@@ -149,7 +149,7 @@ def test_zero_frequency_is_refused_and_infinite_values_are_told():
     rig = tn.load("dmf_rig")
     with pytest.raises(UsageError, match="above 0"):
         parametric_response(rig, "theta_1", "T_T", [0.0, 1.0], ["c_2"])
-    with pytest.raises(SolveError, match="not finite at k_2 = nan"):
+    with pytest.raises(SolveError, match="not-finite"):
         parametric_response(rig, "theta_1", "T_T", [1.0], ["k_2"]).at([np.nan])
 
 
@@ -327,17 +327,15 @@ def test_what_poles_are_not_derived_for():
             tn.TabulatedSpring(f"mount_{n}", nodes=("h", n), table=TABLE),
             tn.Inertia(f"rotor_{n}", node=n, inertia="J"),
         ]
-    with pytest.raises(
-        UsageError, match=r"modes with equal frequencies .* tabulated over frequency \(mount_a, mount_b, mount_c\)"
-    ):
+    with pytest.raises(UsageError, match="unsupported-law"):
         mode_sensitivities(tn.Drivetrain("star", star, parameters={"J": 0.2}))
-    with pytest.raises(UsageError, match="given by its name, got 3"):
+    with pytest.raises(UsageError, match="wrong-form"):
         mode_sensitivities(one_mass(J=1, k=1, c=1), [3])
 
 
 def test_values_at_which_the_drivetrain_cannot_be_calculated():
     response = parametric_response(one_mass(J=1, k=1, c=1), "a", "a", [1.0], ["q"])
-    with pytest.raises(SolveError, match="cannot be calculated at q = 0"):
+    with pytest.raises(SolveError, match="no-solution"):
         response.at([0.0])
 
 

@@ -75,7 +75,7 @@ def test_no_derivative_at_the_breakdown_torque():
         "motor", node="a", synchronous_speed=100, breakdown_torque=400, breakdown_slip=0.1, inertia=0.4
     )
     drive = tn.Drivetrain("m", [machine], parameters={"T": 400}, operating_point={"torque": {"a": "-T"}})
-    with pytest.raises(UsageError, match=r"slopes of motor .* no derivative to T .* take another operating point"):
+    with pytest.raises(UsageError, match="unsupported-law"):
         mode_sensitivities(drive, ["T"])
 
 

@@ -236,7 +236,7 @@ def test_model_of_the_library_with_both_methods(sensor):
 
 
 def test_unknown_method_is_refused():
-    with pytest.raises(tn.UsageError, match='no method is named "lu"; choose auto, graph, compiled, dense'):
+    with pytest.raises(tn.UsageError, match="unknown-word"):
         tn.load("dmf_rig").frequency_response("theta_1", "T_M", [1.0], method="lu")
 
 
@@ -475,7 +475,7 @@ def test_adaptive_frequencies_resolve_poles_of_a_measured_input():
 
 
 def test_impossible_range_is_refused():
-    with pytest.raises(tn.UsageError, match="0 <= start < stop"):
+    with pytest.raises(tn.UsageError, match="unordered-rows"):
         tn.Adaptive(10, 1)
 
 

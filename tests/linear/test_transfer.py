@@ -61,7 +61,7 @@ class TestTorques:
                 tn.Spring("k", nodes=("d", "ground"), stiffness=5),
             ],
         )
-        with pytest.raises(tn.UsageError, match="g1, g2, g3 form a rigid loop; give one of them a stiffness"):
+        with pytest.raises(tn.UsageError, match="indeterminate-torque"):
             model.frequency_response("torque(g2)", "a", F)
         np.testing.assert_allclose(value(model, "torque(out)", "a"), value(model, "torque(k)", "a"), rtol=1e-13)
 
@@ -75,7 +75,7 @@ class TestPorts:
                 *(tn.Inertia(f"j{node}", node=node, inertia=1) for node in ("sun", "r2", "ring")),
             ],
         )
-        with pytest.raises(tn.UsageError, match="could be two ports of p2"):
+        with pytest.raises(tn.UsageError, match="unknown-port"):
             model.frequency_response("torque(p2, ring)", "sun", F)
         assert len(value(model, "torque(p2, carrier)", "sun")) == 4
 
@@ -214,16 +214,16 @@ class TestQuestions:
         ("output", "input", "options", "words"),
         [
             ("angel", "T_M", {}, 'did you mean "angle"'),
-            ("angle", "T_N", {}, "no input, sensor or node"),
+            ("angle", "T_N", {}, "unknown-channel"),
             ("torque(sof)", "T_M", {}, 'did you mean "soft"'),
             ("torque(stage, q)", "T_M", {}, "attached to g"),
             ("velocity(q)", "T_M", {}, "no node"),
             ("angle", "T", {"driven_by": "nobody"}, "no input or node"),
             ("angle", ["T", "T_M"], {}, "T_M is an excitation"),
             ("angle", ["T", "twist(soft)"], {}, "2 measured"),
-            ("angle", "T_M", {"driven_by": "g"}, "driven_by= goes with measured inputs"),
+            ("angle", "T_M", {"driven_by": "g"}, "unmatched-excitations"),
             ([], "T_M", {}, "at least one"),
-            ("angle", "h", {}, '"h" moves nothing: it is locked'),
+            ("angle", "h", {}, "no-effect"),
         ],
     )
     def test_wrong_names_are_answered(self, output, input, options, words):
@@ -246,5 +246,5 @@ class TestQuestions:
 
     def test_switched_off_parts_are_named(self):
         rig = geared_line().switched(off=["stiff", "brake"])
-        with pytest.raises(tn.UsageError, match="switched off in this configuration"):
+        with pytest.raises(tn.UsageError, match="switched-off"):
             rig.frequency_response("torque(stiff)", "T_M", F)

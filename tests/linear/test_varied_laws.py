@@ -86,7 +86,7 @@ def test_a_batch_varies_them_at_rest(rig):
     batch = batch_plan(rig, list(values)).batch(values)
     assert batch.impossible.tolist() == [False, False, False, True]
     assert values["k_1"][:3] in batch.stiffness[:3].T.tolist()
-    with pytest.raises(tn.ModelError, match="the stages end at rising torques; this one ends at T_2 = 50 N"):
+    with pytest.raises(tn.ModelError, match=r"elements\.d\.stages\.1\.to_torque: .*50.*unordered-rows"):
         rig.configured(T_2=50)
 
 
@@ -120,7 +120,7 @@ def test_the_mean_torque_of_a_flywheel_finds_its_stage_among_varied_ones():
     for changes, stiffness in (({}, 200), ({"T": 150}, 900), ({"T_1": 80}, 900), ({"k_1": 300, "T": 20}, 300)):
         found = rig.configured(**changes).modes().eigenvalues.imag.max() if changes else rig.modes().eigenvalues.imag
         assert np.max(found) == pytest.approx(np.sqrt(stiffness * 1.5), rel=1e-12)
-    with pytest.raises(tn.ModelError, match="the last stage ends at 300 N"):
+    with pytest.raises(tn.ModelError, match=r"elements\.dmf\.torque: .*300.*contradicting-values"):
         rig.configured(T=301)
     batch = batch_plan(rig, ["T_1"]).batch({"T_1": [100.0, 80.0, 20.0]})
     assert batch.impossible.tolist() == [False, False, True]

@@ -183,9 +183,7 @@ class TestTwoMasses:
         meant = [1500 * (1 + sign * natural / 100) for sign in (-1, 1)]
         assert [one.undamped_speed / RPM for one in both.crossings] == pytest.approx(meant)
         assert both.of(1, -4, near=1800 * RPM).undamped_speed / RPM == pytest.approx(meant[1])
-        with pytest.raises(
-            tn.UsageError, match=r"mode 1 meets order -4 at 1207\.6 and 1792\.4 rpm; say which with near="
-        ):
+        with pytest.raises(tn.UsageError, match=r"(?s)1207\.6.*1792\.4.*ambiguous-name"):
             both.of(1, -4)
         assert [one.margin for one in both.crossings] == [pytest.approx(natural / (100 - 4 * 1300 / 60) - 1)] * 2
 
@@ -397,7 +395,7 @@ class TestDampers:
         assert text in str(caught.value)
 
     def test_without_a_damper(self):
-        with pytest.raises(tn.UsageError, match="no element of type viscous_damper; name the spring or damper"):
+        with pytest.raises(tn.UsageError, match="unfit-element"):
             two_mass(damping=0.0).critical_speeds(rings="free")
 
 
@@ -448,16 +446,16 @@ class TestQuestions:
         assert text in str(caught.value)
 
     def test_without_speeds_or_excitations(self):
-        with pytest.raises(tn.UsageError, match="the model has no entry speeds"):
+        with pytest.raises(tn.UsageError, match="missing-entry"):
             tn.load("dmf_rig").critical_speeds()
-        with pytest.raises(tn.UsageError, match="the model has no excitations"):
+        with pytest.raises(tn.UsageError, match="missing-entry"):
             tn.load("dmf_rig").critical_speeds(speeds=[10.0, 20.0], speed_of="motor")
 
     @pytest.mark.parametrize(
         ("mode", "order", "text"),
         [
-            (7, 2, "there is no mode 7; there are 1"),
-            (1, 3, "meets no order 3 in or near the operating range; it meets 2"),
+            (7, 2, "unknown-mode"),
+            (1, 3, "unknown-order"),
         ],
     )
     def test_unknown_mode_or_order(self, mode, order, text):

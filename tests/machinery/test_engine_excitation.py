@@ -122,17 +122,17 @@ class TestFiles:
     @pytest.mark.parametrize(
         ("degrees", "pressures", "heading", "line", "text"),
         [
-            (np.arange(700), None, None, 701, "covers 0 to 699 deg; a cycle is 720 deg"),
-            (np.arange(721), lambda at: bar(at) + at / 50, None, 722, "does not close: it begins with"),
-            (np.arange(720), lambda at: bar(at) + at / 50, None, 721, "does not close: it begins with"),
-            (np.arange(720), None, "angle [deg];pressure", 1, "the column pressure has no unit; write its heading as"),
-            (np.arange(720), None, "angle;pressure [bar]", 1, "the column angle has no unit; write its heading as angle"),
-            (np.arange(720), None, "angle [deg];pressure [Nm]", 1, '"Nm" is no unit of pressure'),
-            (np.arange(720), None, "time [s];pressure [bar]", 1, '"s" is no unit of angle'),
-            (np.arange(720), None, "angle [deg];p [Pa]", 1, r"a peak of 100 Pa \(0.001 bar\) is too low"),
-            (np.r_[0:5, 3, 6:720], None, None, 7, "the angle 3 deg follows 4 deg; angles increase"),
+            (np.arange(700), None, None, 701, r":701:1: .*699.*720.*unfit-trace"),
+            (np.arange(721), lambda at: bar(at) + at / 50, None, 722, "unfit-trace"),
+            (np.arange(720), lambda at: bar(at) + at / 50, None, 721, "unfit-trace"),
+            (np.arange(720), None, "angle [deg];pressure", 1, r":1:1: .*missing-unit"),
+            (np.arange(720), None, "angle;pressure [bar]", 1, r":1:1: .*missing-unit"),
+            (np.arange(720), None, "angle [deg];pressure [Nm]", 1, r":1:1: .*wrong-unit"),
+            (np.arange(720), None, "time [s];pressure [bar]", 1, r":1:1: .*wrong-unit"),
+            (np.arange(720), None, "angle [deg];p [Pa]", 1, r":1:1: .*100.*0\.001.*implausible-size"),
+            (np.r_[0:5, 3, 6:720], None, None, 7, r":7:1: .*unordered-rows"),
             (np.arange(720), lambda at: np.where(at == 7, np.nan, bar(at)), None, 9, "a number is missing"),
-            (np.arange(0, 720, 36), None, None, 21, "20 pressures are too few"),
+            (np.arange(0, 720, 36), None, None, 21, r":21:1: .*20.*unfit-trace"),
         ],
     )  # fmt: skip
     def test_a_fault_is_told_with_its_line(self, tmp_path, degrees, pressures, heading, line, text):
@@ -146,11 +146,11 @@ class TestFiles:
     @pytest.mark.parametrize(
         ("content", "text"),
         [
-            ("angle [deg];p [bar];T [Nm]\n" + "".join(f"{at};1;2\n" for at in range(99)), "3 columns; a pressure trace"),
-            ("".join(f"{at};1\n" for at in range(99)), "no heading; the first line says what the columns are"),
-            ("nothing here\n", "found no rows of numbers"),
-            ("", "found no rows of numbers"),
-            ("angle [deg];p [bar]\n" + "".join(f"{at};{1 if at != 40 else 'x'}\n" for at in range(99)), '"x" is not a number'),
+            ("angle [deg];p [bar];T [Nm]\n" + "".join(f"{at};1;2\n" for at in range(99)), r":1:1: .*missing-column"),
+            ("".join(f"{at};1\n" for at in range(99)), r":1:1: .*missing-column"),
+            ("nothing here\n", r":1:1: .*wrong-file"),
+            ("", r":1:1: .*wrong-file"),
+            ("angle [deg];p [bar]\n" + "".join(f"{at};{1 if at != 40 else 'x'}\n" for at in range(99)), r":42:4: .*not-a-number"),
         ],
     )  # fmt: skip
     def test_no_trace_at_all(self, tmp_path, content, text):
@@ -161,9 +161,7 @@ class TestFiles:
 
     def test_a_cycle_of_one_revolution_does_not_suit_a_four_stroke(self, tmp_path):
         path = csv(tmp_path, "p.csv", np.arange(360), bar(np.arange(360), 1).tolist())
-        with pytest.raises(
-            tn.ModelError, match=r"p\.csv covers 360 deg; the cycle of a four-stroke engine has 720 deg"
-        ):
+        with pytest.raises(tn.ModelError, match=r":1:1: .*360.*720.*unfit-trace"):
             engine(gas={"fired": path})
         assert engine(cycle=2, orders=[1, 2], gas={"fired": path}).gas.fired.revolutions == 1
 
@@ -255,7 +253,7 @@ class TestModelFiles:
 
     def test_text_has_no_folder(self, tmp_path):
         text = in_file(tmp_path, "{fired: p100.csv}").read_text()
-        with pytest.raises(tn.ModelError, match="this model is text without a folder; save it and load the file"):
+        with pytest.raises(tn.ModelError, match=r":18:18: .*missing-file"):
             tn.loads(text)
         assert tn.loads(text, folder=tmp_path) == tn.load(tmp_path / "plant.yaml")
 
@@ -271,22 +269,22 @@ class TestModelFiles:
     @pytest.mark.parametrize(
         ("old", "new", "where", "text"),
         [
-            ("GAS", "{traces: {27: p100.csv}}", (18, 20), r"27 Pa \(0.00027 bar\) is too small for a mean indicated pressure"),
-            ("GAS", "{traces: {27 bar: p100.csv, 9 bar: p50.csv}}", (18, 5), "which mean indicated pressure acts"),
-            ("GAS", "{fired: p100.csv, traces: {9 bar: p50.csv}}", (18, 28), "gas is given by fired or by traces, not both"),
-            ("GAS", "{motored: motored.csv}", (18, 5), "gas is given by fired, traces or harmonics, one of the three"),
-            ("GAS", "{harmonics: {0.7: {amplitude: 1 bar, phase: 0 deg}}}", (18, 22), "are multiples of 0.5, not 0.7"),
-            ("GAS", "{harmonics: {1: {amplitude: 1 bar, sine: 1 bar}}}", (18, 23), "amplitude and phase, or cosine and sine"),
-            ("GAS", "{fired: p100.csv, zero: tdc}", (18, 34), "expected firing_tdc, or the crank angle"),
+            ("GAS", "{traces: {27: p100.csv}}", (18, 20), r":18:20: .*27.*0\.00027.*missing-unit"),
+            ("GAS", "{traces: {27 bar: p100.csv, 9 bar: p50.csv}}", (18, 5), r":18:5: .*missing-entry"),
+            ("GAS", "{fired: p100.csv, traces: {9 bar: p50.csv}}", (18, 28), r":18:28: .*contradicting-entries"),
+            ("GAS", "{motored: motored.csv}", (18, 5), r":18:5: .*missing-entry"),
+            ("GAS", "{harmonics: {0.7: {amplitude: 1 bar, phase: 0 deg}}}", (18, 22), r":18:22: .*0\.5.*0\.7.*contradicting-values"),
+            ("GAS", "{harmonics: {1: {amplitude: 1 bar, sine: 1 bar}}}", (18, 23), r":18:23: .*missing-entry"),
+            ("GAS", "{fired: p100.csv, zero: tdc}", (18, 34), r":18:34: .*wrong-form"),
             ("GAS", "{fired: p100.csv}\n    misfire: each", (19, 5), "give gas: {motored: compression.csv}"),
             ("GAS", "{fired: p100.csv}\n    load: {power: 10 kW, rated: 900 rpm}", (19, 12), "mechanical_efficiency: 0.92"),
-            ("GAS", "{fired: p100.csv}\n    load: {mean_indicated_pressure: 9 bar}", (19, 5), "a single trace follows rated"),
+            ("GAS", "{fired: p100.csv}\n    load: {mean_indicated_pressure: 9 bar}", (19, 5), r":19:5: .*needless-entry"),
             ("GAS", "{fired: p100.csv}\n    load: {mean_indicated_pressure: 9}", (19, 37), "write 9 bar"),
-            ("GAS", "{fired: p100.csv}\n    factors: {3: 0.8}", (19, 15), "there is no cylinder 3"),
-            ("gas: GAS", "spread: 5 %", (18, 5), "spread is about gas torque"),
+            ("GAS", "{fired: p100.csv}\n    factors: {3: 0.8}", (19, 15), r":19:15: .*unknown-name"),
+            ("gas: GAS", "spread: 5 %", (18, 5), r":18:5: .*missing-entry"),
             ("gas: GAS", "banks: {A: [1], B: [2]}", (18, 5), "banks need the angle"),
             ("gas: GAS", "banks: {A: [1], B: [3]}\n    bank_angle: 90 deg", (18, 5), "banks miss cylinder 2"),
-            ("gas: GAS", "bank_angle: 90 deg", (18, 5), "a bank angle needs banks"),
+            ("gas: GAS", "bank_angle: 90 deg", (18, 5), r":18:5: .*missing-entry"),
             ("gas: GAS", "piston_rod: 100 mm", (18, 17), "fills the bore"),
         ],
     )  # fmt: skip
@@ -330,12 +328,10 @@ class TestMeanIndicatedPressure:
     def test_nothing_is_extrapolated(self, tmp_path):
         gas = "{traces: {9 bar: p100.csv, 6 bar: p50.csv}}"
         load = "\n    load: {mean_indicated_pressure: 9 bar, rated: 1200 rpm, exponent: 2}"
-        with pytest.raises(
-            tn.ModelError, match=r"2\.25 bar is asked for, gas is known for 6 to 9 bar; give what"
-        ) as caught:
+        with pytest.raises(tn.ModelError, match=r":19:11: .*2\.25.*beyond-table") as caught:
             tn.load(in_file(tmp_path, gas + load))
         assert [(fault.position.line, fault.position.column) for fault in caught.value.faults] == [(19, 11)]
-        with pytest.raises(tn.UsageError, match="10 bar is asked for, gas is known for 9 bar only"):
+        with pytest.raises(tn.UsageError, match=r"(?s)10.*beyond-table"):
             torque(engine(gas={"traces": {"9 bar": (bar(np.arange(720)) * 1e5).tolist()}},
                           load={"mean_indicated_pressure": "10 bar"}))  # fmt: skip
 
@@ -483,14 +479,13 @@ class TestBanks:
 
     def test_firing_angles_against_the_crank(self):
         angles = {1: 0, 2: "100 deg"}
-        with pytest.raises(tn.ModelError, match="cylinders 1 and 2 are on one throw, 90 deg apart by their banks: they fire "
-                                                "90 or 450 deg apart, not 100; on split pins leave out banks"):  # fmt: skip
+        with pytest.raises(tn.ModelError, match=r"firing_angles: .*90.*90.*contradicting-values"):  # fmt: skip
             engine(cylinders={1: "c1", 2: "c1"}, banks={"A": [1], "B": [2]}, bank_angle="90 deg", firing_angles=angles)
         engine(cylinders={1: "c1", 2: "c1"}, firing_angles=angles)
 
     def test_an_order_that_the_pins_do_not_allow(self):
         """The same order with the banks the other way round."""
-        with pytest.raises(tn.ModelError, match="impossible with banks that share crank pins, or possible in two ways"):
+        with pytest.raises(tn.ModelError, match=r"firing_order: .*contradicting-values"):
             self.v8(banks={"A": V8["A"], "B": V8["B"]})
 
 
@@ -639,7 +634,7 @@ class TestCompressor:
     def test_a_table_without_injection_says_nothing_of_the_lower_side(self):
         """A trace without injection has the pressure below the piston added to it, a table by order had not."""
         gas = {"fired": [9e5] * 360, "crank_end": [4e5] * 360, "motored_harmonics": {1: {"amplitude": 1e5, "phase": 0}}}
-        with pytest.raises(tn.ModelError, match="the pressure below the piston goes with motored:"):
+        with pytest.raises(tn.ModelError, match=r"gas\.motored_harmonics: .*needless-entry"):
             ReciprocatingEngine(
                 speed_of="c", cycle=2, cylinders={1: "c"}, firing_order=[1], bore=0.2, stroke=0.12, rod_length=0.3,
                 gas=gas, misfire=[1],

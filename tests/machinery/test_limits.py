@@ -137,9 +137,7 @@ class TestBarredRanges:
 
     def test_safe_navigation_at_a_speed_that_is_not_examined(self):
         """No barred range could ever hold it."""
-        with pytest.raises(
-            tn.ModelError, match="safe_speed of 180 rpm is not among the speeds examined, 20 to 104 rpm"
-        ):
+        with pytest.raises(tn.ModelError, match=r"limits\.shaft\.safe_speed: .*180.*20.*out-of-range"):
             stressed(hump(70, 88), m68(safe_speed="180 rpm"), misfire=True)
 
     def test_above_1_05_nothing_is_judged_and_that_is_said(self):
@@ -380,11 +378,11 @@ class TestOtherRules:
 
     def test_names_of_limits_are_checked(self):
         rig = two_masses({"rubber": {"rule": "coupling", "element": "rubber", "T_KW": 600, "P_KV": 100}})
-        with pytest.raises(tn.UsageError, match=r'no limit is named "ruber".*did you mean "rubber"'):
+        with pytest.raises(tn.UsageError, match=r'(?s)did you mean "rubber".*unknown-name'):
             rig.check_limits("ruber")
         with pytest.raises(tn.UsageError, match="say which criterion"):
             rig.check_limits("rubber").of("rubber")
-        with pytest.raises(tn.UsageError, match="the model has no limits"):
+        with pytest.raises(tn.UsageError, match="missing-entry"):
             two_masses({}).check_limits()
 
 
@@ -443,7 +441,7 @@ def test_wrong_limits_are_named_with_their_place(entry, message):
 
 
 def test_a_limit_without_its_rule_is_marked_at_its_name():
-    with pytest.raises(tn.ModelError, match=r"<text>:11:3: error: expected {rule: ..., ...} with one of the rules"):
+    with pytest.raises(tn.ModelError, match=r":11:3: .*missing-type"):
         tn.loads(f"{BASE}  wrong: {{element: shaft}}\n")
 
 

@@ -191,9 +191,7 @@ class TestImposedMotion:
         assert quick[1] == pytest.approx(90 * np.exp(1j))
 
     def test_a_torque_on_what_is_imposed_is_told(self):
-        with pytest.raises(
-            tn.ModelError, match='the motion of "motor" is imposed by shaker; a torque there does nothing'
-        ):
+        with pytest.raises(tn.ModelError, match=r"excitations\.fan\.node: .*no-effect"):
             geared(
                 [300],
                 shaker={"type": "harmonic", "node": "motor", "orders": {3: {"angle": 1}}},
@@ -252,7 +250,7 @@ class TestElectricMachine:
                 assert run.of_frequency(hertz, output) == pytest.approx([expected, expected], rel=1e-9)
         assert run.revolutions is None
         assert [str(line) for line in run.lines] == ["drive 287 Hz", "drive 300 Hz", "drive 600 Hz"]
-        with pytest.raises(tn.UsageError, match="nothing acts at 100 Hz"):
+        with pytest.raises(tn.UsageError, match=r"(?s)100.*unknown-order"):
             run.of_frequency(100)
 
     def test_slip_of_a_starting_synchronous_motor(self):
@@ -308,9 +306,9 @@ class TestSums:
         assert (high[0, 0], low[0, 0]) == pytest.approx((13, 8.5), rel=1e-4)
         high, _ = run.extremes(SimpleNamespace(speeds=run.speeds, values=np.array([[20.0]]), outputs=run.outputs))
         assert high[0, 0] == pytest.approx(23, rel=1e-4)
-        with pytest.raises(tn.UsageError, match="1 speeds and 1 outputs, but the mean has the shape"):
+        with pytest.raises(tn.UsageError, match="wrong-count"):
             run.extremes([1, 2])
-        with pytest.raises(tn.UsageError, match="have other speeds or outputs"):
+        with pytest.raises(tn.UsageError, match="unlike-results"):
             run.extremes(SimpleNamespace(speeds=run.speeds + 1, values=np.array([[20.0]]), outputs=run.outputs))
 
     def test_speed_and_line_are_bounded_by_the_sum_of_their_extremes(self):

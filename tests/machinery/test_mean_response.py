@@ -117,7 +117,7 @@ class TestAgainstClosedForms:
         run = rig.mean_response("torque(prop_shaft)")
         assert (run.reference, run.rpm.tolist()) == ("fly", [pytest.approx(750)])
         assert run.values[0] == pytest.approx([-188.7e3], rel=2e-4)
-        with pytest.raises(tn.UsageError, match="at the operating point only"):
+        with pytest.raises(tn.UsageError, match="missing-entry"):
             rig.mean_response("torque(prop_shaft)", [50])
 
     def test_the_operating_point_follows_the_load(self):
@@ -188,14 +188,14 @@ class TestWhatIsWrong:
     @pytest.mark.parametrize(
         ("old", "new", "what"),
         [
-            ("{fly: 1}", "{fly: 0.9}", r"18:\d+: error: the shares of the drivers \(fly 0.9\) sum to 0.9; they have to sum to 1"),
-            ("prop,", "porp,", '18:21: error: no node is named "porp"; did you mean "prop"'),
-            ("{fly: 1}", "{flu: 1}", 'no node or excitation is named "flu"; did you mean "fly"'),
-            ("3000 kW", "3000 kN*m", "18:34: error: .* is not a value of power"),
-            (", torque_exponent: 2", "", "say how the torque follows the speed"),
+            ("{fly: 1}", "{fly: 0.9}", r":18:74: .*contradicting-values"),
+            ("prop,", "porp,", r":18:21: .*unknown-node"),
+            ("{fly: 1}", "{flu: 1}", r':18:75: .*did you mean "fly".*unknown-word'),
+            ("3000 kW", "3000 kN*m", r":18:34: .*wrong-unit"),
+            (", torque_exponent: 2", "", r":18:1: .*missing-entry"),
             ("power: 3000 kW", "power: 3000 kW, torque: 1 kN*m", "here is both"),
-            (", driven_by: {fly: 1}", "", "18:1: error: say who drives"),
-            ("power: 3000 kW, torque_exponent: 2", "over_speed: {50 rpm: 1, 100 rpm: 2}", "outside the table over speed, which goes from 50 to 100 rpm"),
+            (", driven_by: {fly: 1}", "", r":18:1: .*missing-entry"),
+            ("power: 3000 kW, torque_exponent: 2", "over_speed: {50 rpm: 1, 100 rpm: 2}", r":18:1: .*50.*100.*missing-entry"),
             (", driven_by", ", absorbers: {prop: {power: 1 W, torque_exponent: 2}}, driven_by", "here is both"),
         ],
     )  # fmt: skip
@@ -210,8 +210,8 @@ class TestWhatIsWrong:
 
     @pytest.mark.parametrize(
         ("torques", "what"),
-        [("{fly: 40 kN*m}", "the load gives 38197.2 N[*]m here at this speed, the operating point 40000 N[*]m"),
-         ("{c1: 40 kN*m, prop: 188.7 kN*m}", "these torques drive with 3141.59 kW, the load takes 3000 kW")],
+        [("{fly: 40 kN*m}", r":19:56: .*38197\.2.*40000.*contradicting-entries"),
+         ("{c1: 40 kN*m, prop: 188.7 kN*m}", r":19:42: .*3141\.59.*3000.*contradicting-entries")],
     )  # fmt: skip
     def test_an_operating_point_that_contradicts(self, torques, what):
         with pytest.raises(tn.ModelError, match=what):
@@ -236,11 +236,11 @@ class TestWhatIsWrong:
             ship().mean_response(output)
 
     def test_no_torques(self):
-        with pytest.raises(tn.UsageError, match="no mean torques are given"):
+        with pytest.raises(tn.UsageError, match="missing-entry"):
             ship("").mean_response("torque(coupling)")
 
     @pytest.mark.parametrize(
-        ("key", "what"), [("load.powr", "no entry of load"), ("load.power", "not a value of power")]
+        ("key", "what"), [("load.powr", "no entry of load"), ("load.power", r":19:44: .*wrong-unit")]
     )
     def test_a_wrong_override(self, key, what):
         with pytest.raises(tn.ModelError, match=what):

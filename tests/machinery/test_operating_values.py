@@ -152,20 +152,20 @@ class TestWhatIsWrong:
         ("k_cpl", "what"),
         [
             ("{by: mean_torque, of: coupling, table: {0 kN*m: 1 MN*m/rad, 20 kN*m: 2 MN*m/rad}}",
-             r"4:3: error: the mean torque of coupling is 38197.2 N\*m with fly at 750 rpm; the table goes from 0 kN\*m to 20 kN\*m"),
+             r":4:3: .*38197\.2.*750.*out-of-range"),
             ("{by: speed, of: prop, table: {100 rpm: 1 MN*m/rad, 160 rpm: 2 MN*m/rad}}",
-             "4:3: error: the speed of prop is 80 rpm with fly at 400 rpm; the table goes from 100 rpm to 160 rpm"),
-            ("{by: speed, of: porp, table: {60 rpm: 1 MN*m/rad, 160 rpm: 2 MN*m/rad}}", '4:26: error: no node is named "porp"; did you mean "prop"'),
-            ("{by: mean_torque, of: cuopling}", 'no element is named "cuopling"; did you mean "coupling"'),
-            ("{by: mean_torque}", "by: mean_torque needs of: the name of an element"),
+             r":4:3: .*80.*400.*out-of-range"),
+            ("{by: speed, of: porp, table: {60 rpm: 1 MN*m/rad, 160 rpm: 2 MN*m/rad}}", r':4:26: .*did you mean "prop".*unknown-node'),
+            ("{by: mean_torque, of: cuopling}", r':4:32: .*did you mean "coupling".*unknown-element'),
+            ("{by: mean_torque}", r":4:3: .*missing-entry"),
             ("{by: speed, of: prop, table: {1 kN*m: 1 MN*m/rad, 2 kN*m: 2 MN*m/rad}}", "begin with a speed"),
             ("{by: speed, of: prop, table: {60 rpm: 1 MN*m/rad}}", "two rows or more"),
             ("{by: speed, of: prop, table: {60 rpm: 1 MN*m/rad, 160 rpm: 2 kg}}", "units of one kind"),
             ("{by: speed, of: prop, table: {60 rpm: 1 MN*m*s/rad, 160 rpm: 2 MN*m*s/rad}}", "stiffness"),
-            ("{by: speed, of: prop, value: 3 MN*m/rad}", "has no value of its own"),
+            ("{by: speed, of: prop, value: 3 MN*m/rad}", r":4:32: .*needless-entry"),
             ("{of: prop, value: 3 MN*m/rad}", "of needs by:"),
-            ("{by: load, of: wheel, table: {0 kN*m: 1 MN*m/rad, 200 kN*m: 2 MN*m/rad}}", "wheel neither drives nor absorbs"),
-            ("{by: mean_torque, of: prop_damp, table: {0 kN*m: 1 MN*m/rad, 200 kN*m: 2 MN*m/rad}}", "prop_damp transmits no mean torque"),
+            ("{by: load, of: wheel, table: {0 kN*m: 1 MN*m/rad, 200 kN*m: 2 MN*m/rad}}", r":4:3: .*unknown-node"),
+            ("{by: mean_torque, of: prop_damp, table: {0 kN*m: 1 MN*m/rad, 200 kN*m: 2 MN*m/rad}}", r":4:3: .*indeterminate-torque"),
         ],
     )  # fmt: skip
     def test_is_said_at_its_place(self, k_cpl, what):
@@ -175,13 +175,11 @@ class TestWhatIsWrong:
     def test_a_shared_torque_cannot_be_followed(self):
         text = SHIP.format(k_cpl=K_TABLE, c_prop=C, more="")
         text = text.replace("  mesh:", "  beside: {type: spring, nodes: [fly, pin], stiffness: 1 MN*m/rad}\n  mesh:")
-        with pytest.raises(tn.ModelError, match="coupling shares its mean torque with others by stiffness"):
+        with pytest.raises(tn.ModelError, match=r":4:3: .*indeterminate-torque"):
             tn.loads(text)
 
     def test_a_speed_outside_the_table_is_not_extrapolated(self):
-        with pytest.raises(
-            tn.UsageError, match="c_prop: the speed of prop is 20 rpm with fly at 100 rpm; the table goes from 60 rpm"
-        ):
+        with pytest.raises(tn.UsageError, match=r"(?s)20.*100.*out-of-range"):
             ship(K, C_TABLE).order_response("torque(coupling)", speeds=[100 * RPM])
 
     def test_nothing_says_the_speed(self):
@@ -242,16 +240,14 @@ class TestVibration:
         assert rig.order_response("torque(s)").half_range[:, 0] == pytest.approx(torque, rel=1e-6)
 
     def test_beyond_the_table(self):
-        with pytest.raises(
-            tn.UsageError, match=r"the vibratory torque of coupling is .* rpm; the table goes from 0 kN\*m to 1 N\*m"
-        ):
+        with pytest.raises(tn.UsageError, match=r"(?s)2497\.52.*650.*beyond-table"):
             ship(by_vibration("1 N*m")).order_response("torque(coupling)")
 
     def test_peaks_of_single_orders_are_refused(self):
         """One excitation alone makes another vibration, and so another stiffness."""
         rig = ship(by_vibration("20 kN*m", "0.2 MN*m/rad"))
         assert rig.critical_speeds().crossings
-        with pytest.raises(tn.UsageError, match="k_cpl follows the vibration of all excitations together"):
+        with pytest.raises(tn.UsageError, match="no-solution"):
             rig.critical_speeds("torque(coupling)")
 
     def test_what_does_not_settle_is_said(self):
@@ -264,7 +260,7 @@ class TestVibration:
             speeds={"of": "a", "list": [w], "rated": w},
             excitations={"e": {"type": "harmonic", "node": "a", "orders": {1: {"amplitude": 500.0}}}},
         )  # fmt: skip
-        with pytest.raises(tn.UsageError, match=r"k and the vibration do not settle .* the first 954.93 rpm"):
+        with pytest.raises(tn.UsageError, match=r"(?s)08.*954\.93.*no-solution"):
             rig.order_response("torque(s)")
 
 

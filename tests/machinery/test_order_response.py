@@ -252,7 +252,7 @@ class TestSumOverOrders:
     def test_one_order_of_two_shafts_is_not_added(self):
         """Order 4 of the engine and of the propeller are different frequencies: which is meant has to be said."""
         run = response((OrderLine("engine", 4, Fraction(1)), OrderLine("screw", 4, Fraction(1, 5))), [[1, 2]])
-        with pytest.raises(tn.UsageError, match="order 4 of engine and screw is not one frequency"):
+        with pytest.raises(tn.UsageError, match="ambiguous-name"):
             run.of_order(4)
         assert run.of_order(4, excitation="screw") == pytest.approx([2])
 
@@ -291,7 +291,7 @@ class TestGearedShafts:
             tn.Planetary("set", sun="s", ring="r", carrier="c", ratio=2),
         ]
         fan = {"type": "harmonic", "node": "r", "orders": {2: {"amplitude": 1}}}
-        with pytest.raises(tn.ModelError, match="no fixed ratio between r and s"):
+        with pytest.raises(tn.ModelError, match=r"excitations\.fan\.speed_of: .*no-ratio"):
             tn.Drivetrain("free", elements, speeds={"of": "s", "list": [100]}, excitations={"fan": fan})
 
 
@@ -329,7 +329,7 @@ class TestCommand:
         [
             (["plant.yaml", "--output", "g"], 2, 'no sensor or node is named "g"'),
             (["plant.yaml", "--output", "f", "--excitation", "fun"], 2, 'did you mean "fan"? there are motor, fan'),
-            (["dmf_rig", "--output", "theta_1"], 2, "the model has no entry speeds"),
+            (["dmf_rig", "--output", "theta_1"], 2, "missing-entry"),
             (["plant.yaml"], 2, "Missing option '--output'"),
         ],
     )
@@ -420,26 +420,26 @@ class TestFiles:
 
     def test_two_axes_may_not_change_one_entry(self):
         text = FILE.format(engine=ENGINE + "configurations: {a: {x: {engine.bore: 0.1}}, b: {y: {engine.bore: 0.2}}}\n")
-        with pytest.raises(tn.ModelError, match=r"engine\.bore is set on axis a too"):
+        with pytest.raises(tn.ModelError, match=r":19:54: .*repeated-name"):
             tn.loads(text)
 
     def test_a_section_that_configurations_do_not_change_is_called_by_its_name(self):
         text = TWO_FANS.replace("smooth: {", "smooth: {report.title: f, ")
-        with pytest.raises(tn.ModelError, match=r":11:35: error: a configuration does not change entries of report:"):
+        with pytest.raises(tn.ModelError, match=r":11:35: .*fixed-entry"):
             tn.loads(text, file="plant.yaml")
 
     def test_an_excitation_on_what_is_locked_is_refused(self):
         text = FILE.format(engine=ENGINE).replace("speeds:", "  brake: {type: lock, node: c2}\nspeeds:")
-        with pytest.raises(tn.ModelError, match=r'<text>:14:27: error: engine acts on "c2", which is locked'):
+        with pytest.raises(tn.ModelError, match=r":14:27: .*no-effect"):
             tn.loads(text)
         either = tn.loads(text + "configurations: {free: {off: [brake]}, held: {}}\n")
         assert either.configured("free").order_response("c1").values.any()
-        with pytest.raises(tn.UsageError, match='engine acts on "c2", which is locked'):
+        with pytest.raises(tn.UsageError, match="no-effect"):
             either.configured("held").order_response("c1")
 
     def test_a_trace_that_does_not_close(self):
         pressure = list(np.linspace(1e5, 9e6, 721))
-        with pytest.raises(tn.ModelError, match="the trace does not close: it begins with 100000 Pa and ends with 9e"):
+        with pytest.raises(tn.ModelError, match=r"gas\.fired: .*100000.*unfit-trace"):
             engine_of(1, [1], gas={"fired": pressure})
 
     def test_a_trace_with_both_ends_is_that_with_one(self):
@@ -453,9 +453,9 @@ class TestFiles:
 
     def test_without_excitations_or_speeds(self):
         rig = tn.load("dmf_rig")
-        with pytest.raises(tn.UsageError, match="the model has no entry speeds"):
+        with pytest.raises(tn.UsageError, match="missing-entry"):
             rig.order_response("theta_1")
-        with pytest.raises(tn.UsageError, match="the model has no excitations"):
+        with pytest.raises(tn.UsageError, match="missing-entry"):
             rig.order_response("theta_1", speeds=[10.0], speed_of="motor")
 
 

@@ -339,7 +339,7 @@ class TestWindTurbine:
     def test_a_rotor_locked_by_its_brake_has_no_orders(self, plant):
         """With the brake on, the rotor could turn with the housing alone, which stands on torque arms."""
         locked = plant.configured("locked")
-        message = "hub is locked by brake_on in this configuration: a shaft that does not turn has no orders"
+        message = "no-effect"
         with pytest.raises(tn.UsageError, match=message):
             locked.order_response("T_ms", speeds=[1.2])
         with pytest.raises(tn.UsageError, match=message):

@@ -153,7 +153,7 @@ def test_what_is_wrong_is_said(entries, words):
 
 
 def test_what_is_wrong_with_a_chain_is_said():
-    with pytest.raises(tn.ModelError, match="a count of teeth is a whole number"):
+    with pytest.raises(tn.ModelError, match=r"elements\.chain\.sprockets\.a: .*not-a-number"):
         tn.ChainDrive("chain", sprockets={"a": 20.5, "b": 30})
     with pytest.raises(tn.ModelError, match="give pitch"):
         tn.ChainDrive("chain", sprockets={"a": 20, "b": 30}, stiffness=[1e5, 1e5])

@@ -73,15 +73,15 @@ def test_any_way_round_is_the_same(eta, first, second, third):
 @pytest.mark.parametrize(
     ("arguments", "given", "message"),
     [
-        ((0.1, "zta", "eta"), {}, 'no measure of damping is named "zta"; did you mean "zeta"'),
+        ((0.1, "zta", "eta"), {}, r'(?s)did you mean "zeta".*unknown-word'),
         ((0.1, "zeta", "psy"), {}, 'did you mean "psi"'),
         ((0.1, "c", "eta"), {"frequency": 1.0}, "positive stiffness in"),
         ((0.1, "eta", "c"), {"stiffness": 1.0}, "positive frequency in Hz"),
-        ((0.1, "c", "eta"), {"stiffness": 0.0, "frequency": 1.0}, "positive stiffness in .*got 0"),
-        ((0.1, "c", "eta"), {"stiffness": 1.0, "frequency": -1.0}, "positive frequency in Hz, got -1"),
+        ((0.1, "c", "eta"), {"stiffness": 0.0, "frequency": 1.0}, "out-of-range"),
+        ((0.1, "c", "eta"), {"stiffness": 1.0, "frequency": -1.0}, "out-of-range"),
         ((0.1, "c", "eta"), {"stiffness": 1.0, "frequency": math.inf}, "got inf"),
-        ((0.0, "Q", "eta"), {}, "Q = 0 has no finite eta"),
-        ((0.0, "zeta", "Q"), {}, "zeta = 0 has no finite Q"),
+        ((0.0, "Q", "eta"), {}, "not-finite"),
+        ((0.0, "zeta", "Q"), {}, "not-finite"),
         ((1.0, "zeta", "log_decrement"), {}, "needs zeta below 1"),
         ((math.nan, "zeta", "eta"), {}, "finite"),
         ((math.inf, "Q", "eta"), {}, "finite"),
@@ -139,20 +139,20 @@ def test_c_is_passed_through():
 def test_frequency_units():
     at = DampingMeasure("eta", scalar(0.1), scalar("750 cpm"))
     assert at.viscous(K, {}, FLOAT) == pytest.approx(0.1 * K / OMEGA, rel=1e-14)
-    with pytest.raises(DampingError, match="in Hz, not in rad/s"):
+    with pytest.raises(DampingError, match="wrong-unit"):
         DampingMeasure("eta", scalar(0.1), scalar("78 rad/s"))
 
 
 def test_measures_without_an_answer():
     with pytest.raises(DampingError, match='did you mean "zeta"'):
         DampingMeasure("Zeta", scalar(1))
-    with pytest.raises(DampingError, match="add for example at: 50 Hz"):
+    with pytest.raises(DampingError, match=r"(?s)50.*missing-entry"):
         DampingMeasure("eta", scalar(1)).viscous(K, {}, FLOAT)
-    with pytest.raises(DampingError, match="c has a loss factor only"):
+    with pytest.raises(DampingError, match="missing-entry"):
         DampingMeasure("c", scalar(1)).loss_factor({}, FLOAT)
-    with pytest.raises(DampingError, match='Q = "q" is 0'):
+    with pytest.raises(DampingError, match="out-of-range"):
         DampingMeasure("Q", parse_expression("q")).loss_factor({"q": 0}, FLOAT)
-    with pytest.raises(DampingError, match='the frequency "0" where eta holds is 0'):
+    with pytest.raises(DampingError, match="out-of-range"):
         DampingMeasure("eta", scalar(1), scalar(0)).viscous(K, {}, FLOAT)
     with pytest.raises(ExpressionError, match="no parameter"):
         DampingMeasure("eta", parse_expression("e"), scalar(1)).viscous(K, {}, FLOAT)

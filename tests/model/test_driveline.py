@@ -129,7 +129,7 @@ configurations: {clutch: {closed: {}, slipping: {clutch.state: slipping%s}}}
 """
         slipping = tn.loads(text % ", clutch.slip_speed: 20 rad/s").configured("slipping")
         assert min(slipping.modes().eigenvalues.real) == pytest.approx(-1.5 * (1 / 2 + 1 / 3), rel=1e-12)
-        with pytest.raises(tn.ModelError, match=r"<text>:6:93: error: a slipping clutch has a slip_speed other than 0"):
+        with pytest.raises(tn.ModelError, match=r":6:93: .*contradicting-values"):
             tn.loads(text % ", clutch.slip_speed: 0")
 
 

@@ -106,14 +106,14 @@ class TestFriction:
 @pytest.mark.parametrize(
     ("given", "words"),
     [
-        ({}, "give stiffness or stages, one of the two"),
+        ({}, r"elements\.dmf: .*missing-entry"),
         ({"stiffness": 1, "stages": STAGES, "torque": 1}, "not both"),
-        ({"stages": STAGES[:2], "torque": 300}, r"ends at 250 N\*m; leave out its end"),
+        ({"stages": STAGES[:2], "torque": 300}, r"elements\.dmf\.torque: .*250.*contradicting-values"),
         ({"stages": [{"stiffness": 300}, {"stiffness": 400}], "torque": 1}, "give it as to:"),
         ({"stages": [{"stiffness": 300, "to": 20}], "torque": 1}, "with its unit"),
         ({"stages": [*STAGES[:2], {"stiffness": 9, "to": "240 N*m"}], "torque": 1}, "rising torques"),
         ({"stages": [{"stifness": 300}], "torque": 1}, 'did you mean "stiffness"'),
-        ({"stiffness": 1, "speed": 3, "swing": 1}, "here is no friction_coefficient and spring_mass and spring_radius"),
+        ({"stiffness": 1, "speed": 3, "swing": 1}, r"elements\.dmf: .*missing-entry"),
         ({"stiffness": 1, "blocked": 1}, "below 1"),
     ],
 )

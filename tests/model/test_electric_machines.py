@@ -143,7 +143,7 @@ class TestSynchronousMachine:
             synchronous(**changes)
 
     def test_a_load_angle_past_the_peak_has_no_stiffness(self):
-        with pytest.raises(tn.ModelError, match="negative inertia, damping or stiffness"):
+        with pytest.raises(tn.ModelError, match=r"elements\.motor: .*negative-law"):
             alone(synchronous(load_angle="120 deg", reluctance_torque=50, inertia=1))
 
 
@@ -314,5 +314,5 @@ def test_dampers_that_cancel_on_a_massless_node_are_refused():
         tn.Damper("c", nodes=("b", "ground"), damping=2),
         tn.ConstantPowerLoad("p", node="b", power=2, speed=1),
     ]
-    with pytest.raises(tn.SolveError, match="cancel on a motion without inertia"):
+    with pytest.raises(tn.SolveError, match="indeterminate-motion"):
         tn.Drivetrain("cancelled", parts).modes()

@@ -102,5 +102,5 @@ def test_what_is_wrong_is_said_where_it_stands(entry, where, words):
 
 
 def test_two_axes_do_not_change_the_same_entry():
-    with pytest.raises(tn.ModelError, match=r"stage\.ratio is set on axis gear too"):
+    with pytest.raises(tn.ModelError, match=r":15:14: .*repeated-name"):
         rig(more="  more: {a: {stage.ratio: 3}}\n")

@@ -44,20 +44,20 @@ def test_parts_that_hold_each_other_many_times():
 
 
 def test_parts_nested_deeply():
-    faults = refused(nested(500, 1), "nested more than 20 levels deep")
+    faults = refused(nested(500, 1), r":1451:21: .*20.*too-large")
     assert len(faults) == 1
     assert len(tn.loads(nested(19, 1)).elements) == 2
 
 
 def test_a_part_of_many_ports():
     ports = ", ".join(f"a{index}" for index in range(3000))
-    refused(THROW.replace("[a, b]", f"[{ports}]", 1) + LAST % "p0", 'no node is named "a0"')
+    refused(THROW.replace("[a, b]", f"[{ports}]", 1) + LAST % "p0", r":5:13: .*unknown-node")
 
 
 def test_a_gearbox_of_many_gears():
     ratios = ", ".join(f"g{index}: {index + 1}" for index in range(3000))
     box = f"elements: {{box: {{type: gearbox, input: a, output: b, engaged: neutral, ratios: {{{ratios}}}}}}}\n"
-    refused(f"torsionnet: 1\nname: box\n{box}", "3000 gears; a gearbox has at most 100")
+    refused(f"torsionnet: 1\nname: box\n{box}", r":3:80: .*3000.*100.*too-large")
 
 
 @pytest.mark.parametrize("name", ["in", "lambda", "omega"])

@@ -78,9 +78,12 @@ def test_viscous_damping_by_a_measure_at_a_frequency():
 @pytest.mark.parametrize(
     ("given", "words"),
     [
-        ({}, "give stiffness or natural_frequency, one of the two"),
+        ({}, r"elements\.d: .*missing-entry"),
         ({"stiffness": 1, "natural_frequency": 2}, "not both"),
-        ({"stiffness": 1, "loss_factor": 0.1, "damping_ratio": 0.1}, "by damping_ratio or by loss_factor, not both"),
+        (
+            {"stiffness": 1, "loss_factor": 0.1, "damping_ratio": 0.1},
+            r"elements\.d\.loss_factor: .*contradicting-entries",
+        ),
         ({"stiffness": 1, "damping": {"zeta": 0.1}}, "stated frequency"),
     ],
 )

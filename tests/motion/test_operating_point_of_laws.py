@@ -228,7 +228,7 @@ def test_torques_out_of_balance_are_refused_with_a_proposal():
 
 
 def test_a_node_that_does_not_exist_is_refused():
-    with pytest.raises(ModelError, match=r'operating_point.torque.crank: error: no node is named "crank"'):
+    with pytest.raises(ModelError, match=r"operating_point\.torque\.crank: .*unknown-node"):
         staged().at(torque={"crank": 20})
     with pytest.raises(UsageError, match="give torques or speeds"):
         staged().at()

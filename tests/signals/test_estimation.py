@@ -457,7 +457,7 @@ class TestQuestions:
         ("arguments", "message"),
         [
             (("t", "T", "H3"), 'no estimator is named "H3"; there is H1, H2, Hv, Hs'),
-            (("t", "t22"), r'^no signal is named "t22"; did you mean "t2"\?; there is T, t, t2$'),
+            (("t", "t22"), r'(?m)^no signal is named "t22"; did you mean "t2"\?; there is T, t, t2$'),
             (("t", ["T", "t2"], "H2"), "as many outputs as inputs; there are 1 and 2"),
             (("t", ["T", "t2"], "Hs"), "needs a noise ratio"),
             (("t", "T", "H1", None, 2.0), "belongs to Hs"),

@@ -37,6 +37,16 @@ def raised_faults(call: Callable[[], Any]) -> tuple[Fault, ...]:
     return ()
 
 
+def is_as_expected(fault: Fault, expected: str) -> bool:
+    """Whether a fault has the kind that a case expects, and the words that it expects behind a colon.
+
+    >>> is_as_expected(Fault("no node is named \"x\"", kind="unknown-node"), "unknown-node: x")
+    True
+    """
+    kind, _, words = expected.partition(": ")
+    return fault.kind == kind and words in fault.text
+
+
 def model_text(text: str) -> str:
     """Whole text of a model in the table, of which the elements may be those of all examples."""
     return text if "torsionnet:" in text else f"torsionnet: 1\n{text}" if "elements:" in text else RIG + text

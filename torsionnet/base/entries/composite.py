@@ -211,7 +211,7 @@ class Named(Composite[Mapping[str, Stored_co]], Plural[Mapping[str, Stored_co]])
         for name, entry in raw.items():
             reason = self.refused(str(name))
             if reason:
-                faults.append(replace(fault_of(reason), path=(name,), on_key=True))
+                faults.append(replace(fault_of(reason, "invalid-name"), path=(name,), on_key=True))
                 continue
             empty = entry is None and self.of.may_be_empty
             value, found = (self.of.absent, []) if empty else self.of.read(entry)

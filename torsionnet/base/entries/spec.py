@@ -134,6 +134,8 @@ class EntryError(ValueError):
             message = Fault(message, path, kind=kind)
         self.faults: list[Fault] = [message] if isinstance(message, Fault) else list(message)
         super().__init__(self.fault.message)
+        if self.fault.kind:
+            self.add_note(f"[{self.fault.kind}]")
 
     @property
     def fault(self) -> Fault:

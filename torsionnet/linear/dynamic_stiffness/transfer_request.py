@@ -337,7 +337,7 @@ def named_output(drivetrain: AssembledModel, entry: str | Sensor) -> Functional:
         kinematics = drivetrain.assembly.kinematics
         if on_nodes and set(sensor.nodes) <= set(drivetrain.nodes) and kinematics.holds_row(sensor.row):
             which = f'"{sensor.of}" is locked' if sensor.against is None else immobility_text(sensor)
-            raise UsageError(f"{name} reads zero: {which} in this configuration", kind="no-effect")
+            raise UsageError(f"{name} reads zero: {which} in this configuration", kind="zero-reading")
         return functional(drivetrain, sensor, name)
     known = [*drivetrain.sensors, *drivetrain.nodes]
     hint = did_you_mean(name, known)

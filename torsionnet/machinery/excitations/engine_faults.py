@@ -284,9 +284,7 @@ def _gas(engine: EngineEntries) -> Iterator[Fault]:
         return
     if gas.is_by_pressure and engine.load is None and len(gas.traces or not_none(gas.harmonics)) > 1:
         text = "which mean indicated pressure acts? give load: {mean_indicated_pressure: 27 bar}"
-        yield Fault(
-            f"gas is given by mean indicated pressure: {text}", ("gas",), on_key=True, kind="contradicting-entries"
-        )
+        yield Fault(f"gas is given by mean indicated pressure: {text}", ("gas",), on_key=True, kind="missing-entry")
     if engine.load is not None and not gas.is_by_pressure:
         text = "a load chooses between traces by mean indicated pressure; a single trace follows rated and exponent"
         yield Fault(text, ("load",), on_key=True, kind="needless-entry")

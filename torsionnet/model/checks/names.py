@@ -111,7 +111,7 @@ def _no_section(definition: Definition, name: str, path: EntryPath) -> Fault:
             f"a configuration does not change entries of {name}:; it may change parameters, and entries of elements, "
         )
         text += "excitations, scenarios, load: and speeds: (box.engaged, engine.misfire, fault.phases, load.power, "
-        return Fault(text + "speeds.range)", path, on_key=True, kind="missing-entry")
+        return Fault(text + "speeds.range)", path, on_key=True, kind="fixed-entry")
     owner, _, entry = name.partition(".")
     outer = section_of(definition, name) if entry else None
     if outer is not None:

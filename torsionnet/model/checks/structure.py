@@ -175,7 +175,7 @@ def locked_channels(definition: Definition, kinematics: Kinematics) -> list[Faul
         moves = not sensor.is_on_element and nodes.issuperset(sensor.nodes)
         if moves and kinematics.holds_row(sensor.row):
             text = phrase("sensor {} reads zero: {}", ModelName(name), _still(sensor))
-            faults.append(Fault(text, ("sensors", name, sensor.quantity), "warning", kind="no-effect"))
+            faults.append(Fault(text, ("sensors", name, sensor.quantity), "warning", kind="zero-reading"))
     return faults
 
 

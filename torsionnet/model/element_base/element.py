@@ -153,7 +153,7 @@ class Element(Declared, ArgumentHints):
             if isinstance(self.name, str)
             else f"the name of an element is a text, {got(self.name)}"
         )
-        faults = [fault_of(reason)] if reason else []
+        faults = [fault_of(reason, "invalid-name")] if reason else []
         faults += [] if self.catalogue is None else self._looked_up() or self._resized()
         faults += self.coerced()
         faults = faults or self.contradictions()
