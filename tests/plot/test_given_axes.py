@@ -1,5 +1,8 @@
 """Plots drawn into axes that a user gives: the figure stays the user's, and the curves are those of the plot alone."""
 
+import importlib
+import inspect
+import pkgutil
 import re
 
 import numpy as np
@@ -11,9 +14,13 @@ from support.every_result import NEEDED, PLOTS, response
 import torsionnet as tn
 from torsionnet import plot
 
+MODULES = [importlib.import_module(one.name) for one in pkgutil.walk_packages(plot.__path__, "torsionnet.plot.")]
+FUNCTIONS = {one.__name__: one for module in MODULES for one in vars(module).values() if inspect.isfunction(one)}
+
 
 def draw(name, **look):
-    return getattr(plot, name)(*PLOTS[name](), **NEEDED.get(name, {}), **look)
+    """The plot of a function of ``torsionnet.plot``, or of a module of it, which a result calls."""
+    return FUNCTIONS[name](*PLOTS[name](), **NEEDED.get(name, {}), **look)
 
 
 def user_figure(count):
@@ -44,7 +51,8 @@ def needed(name):
     return count
 
 
-@pytest.mark.parametrize("name", [name for name in plot.__all__ if name not in ("STYLE", "save")])
+@pytest.mark.few(12)
+@pytest.mark.parametrize("name", sorted({*PLOTS, *plot.__all__} - {"STYLE", "save"}))
 def test_a_plot_is_drawn_into_the_axes_it_is_given(name):
     figure, given, spare = user_figure(needed(name))
     size, layout = figure.get_size_inches().tolist(), figure.get_layout_engine()

@@ -233,7 +233,8 @@ def margins():
 
 @cache
 def harmonics():
-    from torsionnet.signals import Recording, Signal, sweep_harmonics
+    from torsionnet.signals import Recording, Signal
+    from torsionnet.signals.order_tracking import sweep_harmonics
 
     t = np.arange(8000) / 500
     found = Recording((Signal("T", "torque", np.cos(2 * np.pi * (5 * t + t**2 / 4))),), 500)
@@ -280,7 +281,7 @@ PLOTS = {
     "mode_shapes": lambda: (modes(), plant()),
     "nyquist": lambda: (margins(),),
     "operational_modes": lambda: (tn.modal.modes_from_decay(record(), "T", start=0),),
-    "order_map": lambda: (tn.signals.order_map(record(), "T", _speed(), highest_order=3),),
+    "order_map": lambda: (order_map(),),
     "order_overlay": lambda: (orders(), {"T_s": measured_orders()}),
     "order_response": lambda: (orders(),),
     "pareto_front": lambda: (pareto_front(),),
@@ -312,6 +313,12 @@ NEEDED = {"waveform": {"speed": 600.0 / RPM}}
 """Keywords that some of them need."""
 
 
+def order_map():
+    from torsionnet.signals.order_tracking import order_map as calculated
+
+    return calculated(record(), "T", _speed(), highest_order=3)
+
+
 def fine():
     return plant().frequency_response("theta", "T", np.linspace(0.8, 1.2, 120) * natural())
 
@@ -324,3 +331,83 @@ def measured_orders():
     from torsionnet.signals.orders.tracked_orders import MeasuredOrder
 
     return [MeasuredOrder(6, np.array([40.0, 60.0]), np.array([2e4, 3e4]))]
+
+
+@cache
+def choice():
+    from torsionnet.identification import Candidate, choose_model
+
+    return choose_model({"c": Candidate(plant(), ["c"])}, tn.Measurement(estimate(), "theta", "T"))
+
+
+@cache
+def fit_of_a_file():
+    from dataclasses import fields
+
+    from torsionnet.identification.fit_result import FitResult
+
+    return FitResult(**{one.name: getattr(fit(), one.name) for one in fields(FitResult) if one.name != "problem"})
+
+
+def ranking():
+    from torsionnet.identification.ranking import RankedCause, Ranking
+
+    return Ranking((RankedCause("gain", "theta", "gain(theta)", None, 0.8, 0.5, 0.1, explains=True),), 3.0)
+
+
+@cache
+def misfiring():
+    """The orders of a generating set with each cylinder out in turn, and the check of its limits."""
+    from dataclasses import fields
+
+    from torsionnet.machinery.verdicts.limit_conclusion import ConcludedCheck, LimitConclusion
+
+    out = tn.load("engine_generator_set").configured("misfire")
+    check = limits()
+    shown = {one.name: getattr(check, one.name) for one in fields(check)}
+    return out.order_response(next(iter(out.sensors))), ConcludedCheck(**shown, overall=LimitConclusion((check,)))
+
+
+@cache
+def vector_sums():
+    from torsionnet.machinery.phasors.vector_sums import vector_sums as sums
+
+    return sums(ship(), "engine", modes=[1, 2])
+
+
+def results():
+    """A result of every class that JSON files keep."""
+    decay = tn.modal.modes_from_decay(record(), "T", start=0)
+    estimated = tn.modal.identify_modes(response())
+    yield from (
+        response(),
+        estimate(),
+        modes(),
+        fit(),
+        fit_of_a_file(),
+        choice(),
+        ranking(),
+        orders(),
+        tracked(),
+        wheel(),
+    )
+    yield from (
+        stars()[0],
+        vector_sums(),
+        criticals(),
+        limits(),
+        margins(),
+        passage(),
+        stabilisation(),
+        decay,
+        estimated,
+    )
+    yield from (tn.modal.match(estimated, modes()), tn.sensitivity.mode_sensitivities(plant()), *misfiring())
+    yield from (
+        ship().holzer_table(1),
+        ship().mass_elastic_table(),
+        ship().static_state(),
+        ship().mean_response("T_tail"),
+    )
+    yield from (plant().dissipated_power(["shaft"]), damper_design(), damper_over_conditions(), contour_map())
+    yield from (design_optimum(), pareto_front(), robust_optimum(), *study()[2].values())

@@ -219,6 +219,11 @@ UNSAVED: Mapping[str, bool] = {"unsaved": True}
 """Metadata of a field that stays in memory and has its default when the result is read back."""
 
 
+def one_of(*places: str) -> Mapping[str, tuple[str, ...]]:
+    """Metadata of a field of a saved result that holds one of several classes, given as "module:name"."""
+    return {"one_of": places}
+
+
 class SavedResult(NotebookResult):
     """Base class of results that JSON files keep with all their numbers."""
 

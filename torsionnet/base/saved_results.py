@@ -1,7 +1,8 @@
 """Results saved as JSON with all their numbers, and read back as objects of the same class.
 
-Arrays are lists, complex ones ``{"real": ..., "imag": ...}``; numbers that JSON lacks are the texts "nan", "inf" and
-"-inf". What a class keeps in memory alone, as the record behind an estimate, its fields mark as ``UNSAVED``.
+Arrays are lists, complex ones ``{"real": ..., "imag": ...}``, empty ones their shape; fractions, and numbers that JSON
+lacks, are texts as "3/2", "nan" and "-inf"; mappings whose keys are no texts are lists of pairs. What a class keeps in
+memory alone, as the record behind an estimate, its fields mark as ``UNSAVED``.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import os
 import sys
 import types
 from collections.abc import Mapping
+from fractions import Fraction
 from pathlib import Path
 from typing import Annotated, Any, TypeVar, Union, get_args, get_origin, get_type_hints
 
@@ -81,16 +83,21 @@ def _plain(value: Any) -> Any:
     if dataclasses.is_dataclass(value):
         return {one.name: _plain(getattr(value, one.name)) for one in _saved_fields(value)}
     if hasattr(value, "tolist"):  # an array, or a number of numpy
+        if value.ndim > 1 and not value.size:  # of which lists would keep a part of the shape
+            return {"shape": list(value.shape)}
         if value.dtype.kind == "c":
             return {"real": _plain(value.real.tolist()), "imag": _plain(value.imag.tolist())}
         return _plain(value.tolist())
     if isinstance(value, complex):
         return {"real": _plain(value.real), "imag": _plain(value.imag)}
     if isinstance(value, Mapping):
-        return {key: _plain(one) for key, one in value.items()}
+        if all(isinstance(key, str) for key in value):
+            return {key: _plain(one) for key, one in value.items()}
+        return [[_plain(key), _plain(one)] for key, one in value.items()]
     if isinstance(value, list | tuple):
         return [_plain(one) for one in value]
-    return str(value) if isinstance(value, float) and not math.isfinite(value) else value
+    is_text = isinstance(value, Fraction) or (isinstance(value, float) and not math.isfinite(value))
+    return str(value) if is_text else value
 
 
 def _object(kind: Any, data: Mapping[str, Any]) -> Any:
@@ -101,7 +108,13 @@ def _object(kind: Any, data: Mapping[str, Any]) -> Any:
 
 
 def _type(kind: Any, field: dataclasses.Field[Any]) -> Any:
-    """Declared type of a field, whose module may import it for type checkers alone: then ``PARTS`` says from where."""
+    """Declared type of a field, whose module may import it for type checkers alone: then ``PARTS`` says from where.
+
+    A field that holds one of several classes, of modules that import this one, says their places by ``one_of``.
+    """
+    if "one_of" in field.metadata:
+        places = (place.split(":") for place in field.metadata["one_of"])
+        return Union[tuple(getattr(importlib.import_module(module), name) for module, name in places)]  # noqa: UP007
     home = next(base for base in kind.__mro__ if field.name in inspect.get_annotations(base))
     parts = {
         name: getattr(importlib.import_module(module), name)
@@ -121,23 +134,36 @@ def _value(kind: Any, data: Any) -> Any:
         case origin if origin is Annotated:
             return _value(arguments[0], data)
         case origin if origin in (Union, types.UnionType):
-            (inner,) = (one for one in arguments if one is not type(None))
-            return None if data is None else _value(inner, data)
+            return None if data is None else _value(_fitting(arguments, data), data)
         case origin if origin is tuple:
             kinds = arguments[:1] * len(data) if arguments[1:] == (...,) else arguments
             return tuple(_value(one, part) for one, part in zip(kinds, data, strict=True))
         case origin if isinstance(origin, type) and issubclass(origin, Mapping):
-            return {key: _value(arguments[1], one) for key, one in data.items()}
+            pairs = data.items() if isinstance(data, Mapping) else data
+            return {_value(arguments[0], key): _value(arguments[1], one) for key, one in pairs}
         case origin if getattr(origin, "__name__", "") in ("ndarray", "NDArray"):
             return _array(get_args(arguments[-1]) or arguments[-1:], data)
     if dataclasses.is_dataclass(kind):
         return _object(kind, data)
-    return kind(data) if kind in (float, complex) else data
+    if kind is complex and isinstance(data, Mapping):
+        return complex(float(data["real"]), float(data["imag"]))
+    return kind(data) if kind in (float, complex, Fraction) else data
+
+
+def _fitting(kinds: tuple[Any, ...], data: Any) -> Any:
+    """Type of several that data are of: the dataclass with these fields, or what is no dataclass."""
+    others = [one for one in kinds if one is not type(None)]
+    if isinstance(data, Mapping):
+        names = [(one, {field.name for field in _saved_fields(one)}) for one in others if dataclasses.is_dataclass(one)]
+        return next((one for one, known in names if known == set(data)), others[0])
+    return next((one for one in others if not dataclasses.is_dataclass(one)), others[0])
 
 
 def _array(dtype: tuple[Any, ...], data: Any) -> Any:
     import numpy as np  # base is read by commands that do without
 
+    if isinstance(data, Mapping) and "shape" in data:
+        return np.empty(data["shape"], dtype[0])
     if isinstance(data, Mapping):
         return np.array(data["real"], dtype=float) + 1j * np.array(data["imag"], dtype=float)
     return np.array(data, dtype=dtype[0])

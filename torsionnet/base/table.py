@@ -9,7 +9,7 @@ import json
 import os
 import shutil
 import textwrap
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import zip_longest
 from pathlib import Path
@@ -240,6 +240,16 @@ def _cell(row: object, one: OutField, conventions: Conventions) -> Any:
             return conventions.unit(value)
     scale = one.out.factor * conventions.scale_of_column(unit)
     return float(value * scale) if isinstance(value, float) or (scale != 1.0 and value is not None) else value
+
+
+def data_frame(
+    values: Any, index: tuple[str, Any], units: Mapping[str, str], title: str, notes: Iterable[object]
+) -> pandas.DataFrame:
+    """Values (n, columns) as a pandas.DataFrame over an index, its name and numbers, with units by column in SI."""
+    pandas = import_pandas()
+    frame = pandas.DataFrame(values, pandas.Index(index[1], name=index[0]), list(units))
+    frame.attrs |= {"title": title, "units": dict(units), "notes": list(map(str, notes))}
+    return frame
 
 
 def import_pandas() -> Any:

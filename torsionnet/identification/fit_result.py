@@ -23,7 +23,7 @@ from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.plain_numbers import PlainNumber, PlainNumbers
 from torsionnet.base.entries.spec import Count, Flag, Text, entry
 from torsionnet.base.errors import Fault, ModelError, UsageError
-from torsionnet.base.packages import NotebookResult
+from torsionnet.base.packages import UNSAVED, SavedResult
 from torsionnet.base.result_rows import NUMBER_ROWS, Out
 from torsionnet.base.table import Column, Table
 from torsionnet.base.units import RPM
@@ -91,7 +91,7 @@ class Compared:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class FitResult(NotebookResult):
+class FitResult(SavedResult):
     """Result of a fit as written to a file, with values and standard errors; fields as in :class:`torsionnet.Fit`."""
 
     picture: ClassVar[str] = "fit"
@@ -108,7 +108,7 @@ class FitResult(NotebookResult):
     title: str = ""
     steps: Mapping[str, tuple[tuple[float, ...], ...]] = field(default_factory=dict)
     lack_of_fit: LackOfFit | None = None
-    problem: FitProblem | None = field(default=None, repr=False)
+    problem: FitProblem | None = field(default=None, repr=False, metadata=UNSAVED)
     loss: str = "linear"
 
     def intervals(self, confidence: float = 0.95) -> dict[str, tuple[float, float]]:

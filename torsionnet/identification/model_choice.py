@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsionnet.base.errors import UsageError
-from torsionnet.base.packages import NotebookResult
+from torsionnet.base.packages import SavedResult
 from torsionnet.base.table import Column, Table
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.identification.fit import Fit
@@ -29,8 +29,8 @@ class Candidate:
     parameters: Sequence[str] | Mapping[str, Unknown | float | None]
 
 
-@dataclass(frozen=True, eq=False)
-class Choice(NotebookResult):
+@dataclass(frozen=True, eq=False, repr=False)
+class Choice(SavedResult):
     """Result of a choice between models, with a fit of each to the same data, weighed by the same noise.
 
     Attributes

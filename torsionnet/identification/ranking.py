@@ -9,7 +9,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from torsionnet.base.errors import TorsionnetError, UsageError
-from torsionnet.base.packages import NotebookResult
+from torsionnet.base.packages import SavedResult
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Column, Table
 from torsionnet.base.threads import one_thread
@@ -91,7 +91,7 @@ class RankedCause:
 
 
 @dataclass(frozen=True, repr=False)
-class Ranking(NotebookResult):
+class Ranking(SavedResult):
     """Causes of a misfit ranked by the misfit that each leaves when freed, the best first.
 
     Attributes

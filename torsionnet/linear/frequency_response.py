@@ -332,17 +332,12 @@ class FrequencyResponse(SavedResult):
         MissingExtraError
             pandas is not installed.
         """
-        from torsionnet.base.table import import_pandas
+        from torsionnet.base.table import data_frame
 
-        pandas = import_pandas()
-        names = [f"{out.name}/{into.name}" for out in self.outputs for into in self.inputs]
-        index = pandas.Index(self.frequencies, name="frequency [Hz]")
-        frame = pandas.DataFrame(self.values.reshape(len(index), len(names)), index, names)
-        units = [self.unit(o, i) for o in range(len(self.outputs)) for i in range(len(self.inputs))]
-        frame.attrs |= {
-            "title": self.title, "units": dict(zip(names, units, strict=True)), "notes": list(map(str, self.notes)),
-        }  # fmt: skip
-        return frame
+        pairs = [(o, i) for o in range(len(self.outputs)) for i in range(len(self.inputs))]
+        units = {f"{self.outputs[o].name}/{self.inputs[i].name}": self.unit(o, i) for o, i in pairs}
+        values = self.values.reshape(len(self.frequencies), len(units))
+        return data_frame(values, ("frequency [Hz]", self.frequencies), units, self.title, self.notes)
 
     def to_csv(self, path: str | Path | None = None, conventions: Conventions = SI) -> str:
         """Table of the frequency response as CSV text, also written to the file ``path`` if given."""

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from torsionnet.base.conventions import MODE_NUMBER, OSCILLATORY, REAL, SI, Conventions, mode_numbers
 from torsionnet.base.errors import UsageError, did_you_mean
 from torsionnet.base.notes import NoteOrText
-from torsionnet.base.packages import NotebookResult
+from torsionnet.base.packages import SavedResult
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Column, Table
 from torsionnet.linear.frequency_response import Channel, FrequencyResponse
@@ -174,7 +174,7 @@ class MatchedMode:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Match(NotebookResult):
+class Match(SavedResult):
     """Pairs of identified modes and modes of a model, with their poles (rad/s) and the MAC of their shapes.
 
     Attributes

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.errors import SolveError
-from torsionnet.base.packages import NotebookResult
+from torsionnet.base.packages import SavedResult
 from torsionnet.base.table import Column, Table
 from torsionnet.linear.frequency_response import FrequencyResponse
 from torsionnet.modal.matrix_fraction import damping_ratios, largest_order, natural_frequencies, poles_of_orders
@@ -55,8 +55,8 @@ class Order:
         return np.asarray(self.frequency & self.damping & self.shape)
 
 
-@dataclass(frozen=True, eq=False)
-class Stabilisation(NotebookResult):
+@dataclass(frozen=True, eq=False, repr=False)
+class Stabilisation(SavedResult):
     """Stabilisation diagram of a response, with the stable poles of a fit at every order.
 
     Attributes

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Annotated, ClassVar, TypeAlias
+from typing import TYPE_CHECKING, Annotated, ClassVar, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,9 @@ from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Column, Table
 from torsionnet.linear.between_samples import Between, BetweenSamples, check_between
 from torsionnet.signals.rotation.pulse_channel import PulseChannel
+
+if TYPE_CHECKING:
+    import pandas
 
 # Energy balance of motion over time.
 
@@ -390,6 +393,20 @@ class Recording(NotebookResult):
         size = f"{len(self)} samples at {self.sampling_rate:g} Hz, {self.duration:g} s" if self.signals else ""
         trains = ", ".join(f"{channel.name} of {len(channel)} pulses" for channel in self.pulses)
         return f"<Recording {', '.join(self.names)}: {'; '.join(filter(None, (size, trains)))}>"
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """Signals as a pandas.DataFrame in SI units, with the times in s as index; ``attrs`` has title, units, notes.
+
+        Raises
+        ------
+        MissingExtraError
+            pandas is not installed.
+        """
+        from torsionnet.base.table import data_frame
+
+        units = {signal.name: signal.unit for signal in self.signals}
+        values = np.column_stack([signal.values for signal in self.signals]) if units else np.empty((len(self), 0))
+        return data_frame(values, ("time [s]", self.time), units, self.title, self.notes)
 
     def table(self) -> Table:
         """Table of the signals of a recording with unit, mean, standard deviation and range of each.

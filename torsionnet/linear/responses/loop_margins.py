@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.base.errors import UsageError, did_you_mean
-from torsionnet.base.packages import NotebookResult
+from torsionnet.base.packages import SavedResult
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Column, Table
 from torsionnet.linear.assembly.assembled import AssembledModel
@@ -55,7 +55,7 @@ class MarginsRecord:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class LoopMargins(NotebookResult):
+class LoopMargins(SavedResult):
     """Open loop L(j omega), without unit, at a controller's torque, all other loops closed, and its stability margins.
 
     The drivetrain with the loop closed has its poles where 1 + L(s) = 0: L is the torque of the controller, with the

@@ -10,7 +10,7 @@ import numpy as np
 
 from torsionnet.base.conventions import MODE_NUMBER, RIGID, counting_notes
 from torsionnet.base.errors import UsageError
-from torsionnet.base.packages import NotebookResult
+from torsionnet.base.packages import SavedResult
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Table, result_table
 from torsionnet.linear.assembly.assembled import AssembledModel
@@ -68,7 +68,7 @@ class SensitivityRecord:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ModeSensitivities(NotebookResult):
+class ModeSensitivities(SavedResult):
     """Derivatives of poles, natural frequencies and damping ratios of a drivetrain with respect to parameters.
 
     Attributes

@@ -12,7 +12,7 @@ from torsionnet.base.conventions import COUNTING_NOTE, NO_VIBRATION
 from torsionnet.base.entries.spec import Schema
 from torsionnet.base.errors import UsageError
 from torsionnet.base.number_text import screen_text
-from torsionnet.base.packages import NotebookResult
+from torsionnet.base.packages import SavedResult
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Column, Table, result_table
 from torsionnet.base.units import RPM
@@ -247,7 +247,7 @@ class CriticalSpeed:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class CriticalSpeeds(NotebookResult):
+class CriticalSpeeds(SavedResult):
     """Critical speeds in and near an operating range (rad/s), for one condition (configuration) of a model.
 
     Attributes

@@ -8,7 +8,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from torsionnet.base.conventions import SI, Conventions
-from torsionnet.base.packages import NotebookResult
+from torsionnet.base.packages import SavedResult
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Column, Table
 from torsionnet.base.units import expected_unit
@@ -92,7 +92,7 @@ class LevelCurve:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class DamperOptimum(NotebookResult):
+class DamperOptimum(SavedResult):
     """Optimal damper, the values for which the largest vibration level is smallest.
 
     Attributes

@@ -10,7 +10,7 @@ from typing import Annotated, ClassVar
 
 from torsionnet.base.entries.scalars import Value
 from torsionnet.base.entries.spec import Schema
-from torsionnet.base.packages import NotebookResult
+from torsionnet.base.packages import SavedResult
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Column, Table
 
@@ -116,7 +116,7 @@ class HolzerBranch:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class HolzerTable(NotebookResult):
+class HolzerTable(SavedResult):
     """Holzer table of a drivetrain at one frequency in Hz, a list of branches, those that join no other branch first.
 
     Attributes

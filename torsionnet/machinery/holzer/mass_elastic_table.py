@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from torsionnet.base.packages import NotebookResult
+from torsionnet.base.packages import SavedResult
 from torsionnet.base.phrases import phrase
 from torsionnet.base.table import Column, Table
 
@@ -135,7 +135,7 @@ class MassElasticLine:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class MassElasticTable(NotebookResult):
+class MassElasticTable(SavedResult):
     """Mass-elastic table of a drivetrain in SI units, its lines of masses with the shafts between them.
 
     Main lines come first.

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from torsionnet.base.errors import UsageError, did_you_mean
-from torsionnet.base.packages import NotebookResult
+from torsionnet.base.packages import SavedResult
 from torsionnet.base.table import Column, Table
 from torsionnet.base.units import RPM
 from torsionnet.linear.assembly.assembled import AssembledModel
@@ -28,7 +28,7 @@ FORMULA = "P = sum over frequencies of Re(T conj(dgamma/dt))/2, T the whole torq
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class DissipatedPower(NotebookResult):
+class DissipatedPower(SavedResult):
     """Mean power in W that the vibration of running machinery dissipates, by speed and element.
 
     Attributes

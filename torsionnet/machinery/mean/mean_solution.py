@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.errors import UsageError, did_you_mean
-from torsionnet.base.packages import NotebookResult
+from torsionnet.base.packages import SavedResult
 from torsionnet.base.table import Column, Table
 from torsionnet.base.units import RPM
 from torsionnet.linear.assembly.assembled import AssembledModel
@@ -48,7 +48,7 @@ from torsionnet.model.speeds import mean_speeds
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class MeanResponse(NotebookResult):
+class MeanResponse(SavedResult):
     """Mean values of outputs (torques, twists, stresses) in SI units over speed, shape (n_speeds, n_out).
 
     Attributes

@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar
 
 from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.errors import UsageError
-from torsionnet.base.packages import NotebookResult
+from torsionnet.base.packages import SavedResult
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Table, result_table
 from torsionnet.base.units import RPM
@@ -61,7 +61,7 @@ class ExternalTorque:
 
 
 @dataclass(frozen=True, repr=False)
-class StaticState(NotebookResult):
+class StaticState(SavedResult):
     """Static state of a drivetrain, mean torque, twist, stress and power (SI) of every element at one speed.
 
     Attributes

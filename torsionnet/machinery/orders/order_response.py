@@ -6,14 +6,14 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import ClassVar, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.errors import UsageError, did_you_mean
-from torsionnet.base.packages import NotebookResult
+from torsionnet.base.packages import SavedResult
 from torsionnet.base.table import Column, Table
 from torsionnet.base.units import RPM
 from torsionnet.linear.frequency_response import Channel, ComplexArray, FloatArray
@@ -29,6 +29,9 @@ from torsionnet.machinery.orders.order_line import (
     sums_of_lines,
 )
 from torsionnet.machinery.orders.synthesis import common_cycle, cycle_extremes, waveforms
+
+if TYPE_CHECKING:
+    import pandas
 
 SUMS_NOTE = "sums of lines of one frequency, with their phases, are what a test measures"
 """Text of the note below tables with sums of order lines of one frequency."""
@@ -51,7 +54,7 @@ class MeanValues(Protocol):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class OrderResponse(NotebookResult):
+class OrderResponse(SavedResult):
     """Order response of a drivetrain, complex amplitudes in SI by speed, order line and output.
 
     Attributes
@@ -378,6 +381,10 @@ class OrderResponse(NotebookResult):
         sizes = summed_sizes(self)[:, number, output]
         at, shown = int(np.argmax(sizes)), abs(self.values[worst, places, output].sum())
         return (sum_name([self.lines[one] for one in places]), self.rpm[at], sizes[at] * scale, shown * scale)
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """All orders at all speeds as a pandas.DataFrame, the columns of :meth:`long_table`."""
+        return self.long_table().to_dataframe()
 
     def long_table(self) -> Table:
         """Table of real and imaginary parts of all order amplitudes in SI, a row per speed in rpm and order line.

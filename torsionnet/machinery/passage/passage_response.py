@@ -8,19 +8,22 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.errors import UsageError, did_you_mean
-from torsionnet.base.packages import NotebookResult
+from torsionnet.base.packages import SavedResult
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Column, Table, result_table
 from torsionnet.base.units import RPM
 from torsionnet.linear.frequency_response import Channel, FloatArray
 from torsionnet.machinery.verdicts.speed_spans import spans_above
+
+if TYPE_CHECKING:
+    import pandas
 
 # Half ranges of a vibration over time in windows of one cycle, and number of its cycles above a level.
 
@@ -112,7 +115,7 @@ class PassagePeak:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class PassageResponse(NotebookResult):
+class PassageResponse(SavedResult):
     """Vibration of outputs (SI) due to all orders along a speed (rad/s) over time (s), shape (n_t, n_out).
 
     The mean values are not part of it.
@@ -223,6 +226,10 @@ class PassageResponse(NotebookResult):
         peaks = [self.peak(channel.name) for channel in self.outputs]
         notes = (f"speeds of {self.reference}", *self.notes)
         return result_table(f"{self.title}: {self._words}", peaks, PassagePeak, conventions=conventions, notes=notes)
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """All values over time as a pandas.DataFrame, the columns of :meth:`long_table`."""
+        return self.long_table().to_dataframe()
 
     def long_table(self, conventions: Conventions = SI) -> Table:
         """Table of the values of all outputs with a row for each time in s, and the speed in rpm."""

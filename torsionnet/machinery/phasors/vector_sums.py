@@ -9,7 +9,7 @@ from typing import Annotated
 import numpy as np
 
 from torsionnet.base.errors import UsageError, did_you_mean
-from torsionnet.base.packages import NotebookResult
+from torsionnet.base.packages import SavedResult
 from torsionnet.base.phrases import phrase
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Column, Table
@@ -25,8 +25,8 @@ from torsionnet.machinery.orders.worst_case import Contributions, contributions,
 # Phase-vector (star) diagrams, which show how the torques of cylinders add up on a mode shape.
 
 
-@dataclass(frozen=True, eq=False)
-class StarDiagram(NotebookResult):
+@dataclass(frozen=True, eq=False, repr=False)
+class StarDiagram(SavedResult):
     """Star diagram of one order h, complex vectors ``a_i exp(-j h alpha_i)`` of relative amplitude and firing angle.
 
     Attributes
@@ -84,8 +84,8 @@ class VectorSum:
     sum: Annotated[float, Out("vector sum", digits=4)]
 
 
-@dataclass(frozen=True, eq=False)
-class VectorSums(NotebookResult):
+@dataclass(frozen=True, eq=False, repr=False)
+class VectorSums(SavedResult):
     """Relative vector sums of an engine, with the star diagram of every mode and order.
 
     Attributes

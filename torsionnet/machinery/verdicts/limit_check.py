@@ -13,7 +13,7 @@ from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.entries.spec import not_none
 from torsionnet.base.equal_remarks import grouped_remarks
 from torsionnet.base.errors import UsageError, did_you_mean
-from torsionnet.base.packages import NotebookResult
+from torsionnet.base.packages import SavedResult
 from torsionnet.base.phrases import joined, phrase
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Table, result_table
@@ -146,7 +146,7 @@ class LimitPoint:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class LimitCheck(NotebookResult):
+class LimitCheck(SavedResult):
     """Verdicts on all limits of a model in one configuration, over speeds in rad/s.
 
     Attributes

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Annotated, ClassVar
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 import torsionnet.modal.matrix_fraction as pole_numbers
 from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.notes import NoteOrText
-from torsionnet.base.packages import NotebookResult
+from torsionnet.base.packages import SavedResult, one_of
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Table, result_table
 from torsionnet.linear.frequency_response import Channel
@@ -37,7 +37,7 @@ class OperationalMode:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class OperationalModes(NotebookResult):
+class OperationalModes(SavedResult):
     """Modes found without a measured input, with natural frequencies in Hz, damping ratios and 95 % intervals.
 
     Attributes
@@ -74,7 +74,13 @@ class OperationalModes(NotebookResult):
     channel: str
     unit: str
     method: str
-    evidence: object
+    evidence: object = field(
+        metadata=one_of(
+            "torsionnet.modal.operational.run_up_modes:SweptFit",
+            "torsionnet.modal.operational.decay_modes:DecayFit",
+            "torsionnet.modal.operational.ambient_modes:AmbientPoles",
+        )
+    )
     mode_remarks: tuple[str, ...]
     title: str = ""
     notes: tuple[NoteOrText, ...] = ()

@@ -10,7 +10,7 @@ import numpy as np
 from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.errors import UsageError
 from torsionnet.base.notes import NoteOrText
-from torsionnet.base.packages import NotebookResult
+from torsionnet.base.packages import SavedResult
 from torsionnet.base.result_rows import NUMBER_ROWS, NUMBERS, Out
 from torsionnet.base.table import Column, Table
 from torsionnet.base.units import RPM
@@ -120,7 +120,7 @@ class MeasuredOrder:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class TrackedOrders(NotebookResult):
+class TrackedOrders(SavedResult):
     """Complex peak amplitudes of the orders of one measured signal in SI, shape (n_orders, n_times).
 
     The signal is Re sum_o X_o exp(j o phi) with phi the mean angle of rotation of the reference shaft, 0 where

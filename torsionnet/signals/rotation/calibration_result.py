@@ -12,7 +12,7 @@ from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.entries.scalars import Value
 from torsionnet.base.errors import comma_list
 from torsionnet.base.notes import NoteOrText
-from torsionnet.base.packages import NotebookResult
+from torsionnet.base.packages import SavedResult
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Column, Table
 from torsionnet.base.units import RPM
@@ -24,7 +24,7 @@ MOST_LISTED = 12
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class WheelCalibration(NotebookResult):
+class WheelCalibration(SavedResult):
     """Calibrated wheel with its pitch pattern in rad, and with what is known of each order.
 
     Attributes

@@ -13,7 +13,7 @@ from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.spec import Json
 from torsionnet.base.errors import EntryPath, Fault, UsageError, unknown_name
 from torsionnet.base.number_text import json_finite
-from torsionnet.base.packages import imported
+from torsionnet.base.packages import SavedResult, drawn, imported
 from torsionnet.base.registers import TypeRegister
 from torsionnet.base.table import Table
 from torsionnet.drivetrain import Drivetrain
@@ -255,7 +255,7 @@ IN_WORDS = {"in_words": True}
 """Metadata of a conclusion's field that is left out of the JSON data, because the sentences contain it."""
 
 
-class DrawnConclusion:
+class DrawnConclusion(SavedResult):
     """Base class of conclusions that a function of a module of :mod:`torsionnet.plot` draws."""
 
     drawing: ClassVar[str]
@@ -266,8 +266,11 @@ class DrawnConclusion:
 
         ``look``: ``units`` (``study.shown_units()``), ``title``, ``ax``.
         """
-        drawn: Figure = imported(self.drawing)(self, **look)
-        return drawn
+        figure: Figure = imported(self.drawing)(self, **look)
+        return figure
+
+    def _picture(self) -> str:
+        return drawn(lambda _: self.figure())
 
 
 class PlainConclusion(DrawnConclusion):

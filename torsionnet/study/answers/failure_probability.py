@@ -128,7 +128,7 @@ class FailureProbability(StudyAnswer):
         )
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class FailureProbabilityResult(PlainConclusion):
     """Failure probability with its interval in each configuration."""
 

@@ -168,7 +168,7 @@ class Map(StudyAnswer):
         return {name: drawn[name] for name in random}
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class MapResult(PlainConclusion):
     """Values of a quantity over two parameters in each configuration.
 

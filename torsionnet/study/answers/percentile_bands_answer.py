@@ -52,7 +52,7 @@ class PercentileBands(StudyAnswer):
         return PercentileBandsResult(study.title, self.quantity, measure_of(study, self.quantity), shares, lines)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class PercentileBandsResult(PlainConclusion):
     """Percentiles of a curve in SI by configuration, each (n_percentiles, n_points), rising."""
 

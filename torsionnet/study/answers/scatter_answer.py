@@ -116,7 +116,7 @@ class Scatter(StudyAnswer):
         return ScatterResult(study.title, units_of(study), units, correlations, points, part)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class ScatterResult(PlainConclusion):
     """Rank correlations by configuration and quantity, and the values in SI of variants by configuration and name.
 
@@ -201,7 +201,7 @@ def _median(values: FloatArray) -> float:
     return float(np.median(known)) if len(known) else float("nan")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class ParallelCoordinatesResult(PlainConclusion):
     """Values of the variants by configuration and axis, which are beyond a limit, and medians of both kinds.
 

@@ -180,7 +180,7 @@ class SobolIndices(StudyAnswer):
         return {name: estimates_of(values[name], self.count, self.seed, self.confidence) for name in names}
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class SobolResult(PlainConclusion):
     """Sobol indices of ``parameters`` with their intervals, by configuration and quantity."""
 

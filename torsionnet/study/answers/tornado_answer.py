@@ -127,7 +127,7 @@ class Tornado(StudyAnswer):
         return one_at_a_time(values, middle, low, high)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class TornadoResult(PlainConclusion):
     """Changes of each quantity by each parameter alone, by configuration and quantity.
 

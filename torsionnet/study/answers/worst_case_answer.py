@@ -237,7 +237,7 @@ class WorstVariant:
         return abs(self.singly - self.value) <= CONFIRMED_DIFFERENCE * abs(self.value)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class WorstCaseResult(PlainConclusion):
     """Worst variants of a quantity in all configurations, with units.
 

@@ -173,7 +173,7 @@ class LimitShare:
     share: Share
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class YieldResult(PlainConclusion):
     """Shares of the variants beyond each limit and beyond any limit, with histograms of the limited quantities.
 

@@ -51,7 +51,7 @@ class DamperInCondition:
     alone_values: dict[str, float]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class DamperOverConditions(DrawnConclusion):
     """Damper with which the largest level in the worst of several operating conditions is smallest.
 

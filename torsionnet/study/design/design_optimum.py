@@ -21,7 +21,7 @@ SAME_QUANTITY = 1e-8
 """Largest relative difference of a quantity calculated in a batch and by a single model that counts as rounding."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class DesignOptimum(DrawnConclusion):
     """Best design found by an optimisation, with its quantities before and after.
 

@@ -27,7 +27,7 @@ from torsionnet.study.quantities.quantity import QuantityLimit
 # Pareto front of a search with several objectives, its designs, their objectives and checks.
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class ParetoFront(DrawnConclusion):
     """Designs of a search none of which is better in every objective than another (Pareto front).
 

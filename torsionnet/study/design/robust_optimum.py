@@ -77,7 +77,7 @@ class ScatteredDesign:
         return self.kept / self.count, float(interval.low), float(interval.high)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class RobustOptimum(DrawnConclusion):
     """Best design under tolerances, with the nominal optimum for comparison.
 
