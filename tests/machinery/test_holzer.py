@@ -10,6 +10,7 @@ from support.running_plants import FOLDER
 from validation.build import build, read_case
 
 import torsionnet as tn
+from torsionnet.machinery.holzer.holzer import natural_frequencies
 from torsionnet.model.elements.rigid import Gear
 
 ENGINE = [  # name, J in kg m^2, k to the next one in N m/rad: the engine of docs/how_to/from_holzer.md
@@ -390,3 +391,11 @@ elements:
     note = "behind the rigid mesh of mesh the angle counts the motion of the housing"
     assert note in tn.loads(text.replace("HOUSING", ", housing: h")).holzer_table(1).notes
     assert note not in tn.loads(text.partition("  box:")[0].replace("HOUSING", "")).holzer_table(1).notes
+
+
+def test_shares_of_the_energies_of_a_mode():
+    """Two discs on one spring: J theta is the same for both, so that J theta^2 is as 1/J; all strain is in the spring."""
+    elements = [tn.Inertia("rotor", node="a", inertia=3), tn.Inertia("wheel", node="b", inertia=1),
+                tn.Spring("shaft", nodes=("a", "b"), stiffness=1e4)]  # fmt: skip
+    (one,) = natural_frequencies(tn.Drivetrain("fan", elements))
+    assert (one.strain, one.kinetic) == ("shaft 100 %", "wheel 75 %, rotor 25 %")

@@ -192,3 +192,25 @@ def test_distances_of_critical_speeds_are_complete_and_right(told, faults):
     text = CRITICALS.format(note="", maker="", speed="752.2")
     rated = f"rated speed 700 rpm\n\nDistance of the critical speeds from rated speed, 700 rpm: {told}.\n\n"
     assert len(document_faults(rated + text)) == faults
+
+
+PLAN = """**Table 1** Components at rated speed in normal operation, full, and in their worst condition
+
+| Component | Unit | At rated |
+|---|---|---:|
+| line | N/mm² | 2.085 |
+
+**Table 2** Torque by strain gauges, line; condition {condition}
+
+| Speed \\[rpm\\] | What it is | Half range \\[N/mm²\\] | Judged \\[N/mm²\\] |
+|---:|---|---:|---:|
+| 746.0 | Peak of order 7 | 2.102 | 2.1022 |
+| 750.0 | Rated | 2.051 | {judged} |
+"""
+
+
+@pytest.mark.parametrize(
+    ("condition", "judged", "faults"), [("full", "2.0846", 0), ("full", "2.0510", 1), ("half", "1.0423", 0)]
+)
+def test_two_stresses_at_rated_speed_are_noticed(condition, judged, faults):
+    assert len(document_faults(PLAN.format(condition=condition, judged=judged))) == faults

@@ -1,6 +1,7 @@
 """Sections on critical speeds and forced response: numbers of their tables against the checks of limits."""
 
 import math
+import re
 from types import SimpleNamespace
 
 import numpy as np
@@ -179,7 +180,13 @@ class TestForcedResponse:
         assert float(speed) == pytest.approx(checks[0].rpm[verdict.worst], abs=0.06)
         assert float(value) == pytest.approx(1e-3 * verdict.values[verdict.worst], rel=5e-3)
         assert float(use) == pytest.approx(100 * float(value) / float(allowed), rel=1e-2)
-        assert orders.startswith("blades 2: ")
+        # T = (K + j w C) phi, phi = M/((K + j w C) 3/2 - w^2) of the twist by M on the wheel; either end has its sign.
+        w = 2 * float(speed) * math.pi / 30
+        stiffness = 1e4 + 2j * w
+        expected = math.degrees(np.angle(stiffness * 5 / (stiffness * 1.5 - w**2)))
+        told = re.fullmatch(r"blades 2: 0\.\d+ \((−?\d+)°\); .*", orders)
+        off = float(told[1].replace("−", "-")) - expected
+        assert (off + 90) % 180 - 90 == pytest.approx(0, abs=3)  # a step of 0.1 rpm beside the top
 
     def test_peaks_in_further_conditions(self, report, checks):
         (group,) = table(report, "forced_response", "Peaks of the sum").groups

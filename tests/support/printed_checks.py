@@ -42,6 +42,7 @@ def document_faults(text: str) -> list[str]:
     found += distance_faults(text, tables)
     found += repeated_faults(tables)
     found += made_faults(tables)
+    found += rated_stress_faults(tables)
     return found
 
 
@@ -312,3 +313,19 @@ def made_faults(tables: Sequence[PrintedTable]) -> Iterator[str]:
 def _orders(row: PrintedRow) -> list[str]:
     """Orders of a row of critical speeds, each of a sum."""
     return row.text("Order").split(" + ")
+
+
+def rated_stress_faults(tables: Sequence[PrintedTable]) -> Iterator[str]:
+    """Stress judged at rated speed in the measurement plan, where it is none of the shafts' stresses at rated speed."""
+    normal = next((one for one in tables if "at rated speed in normal operation" in one.caption), None)
+    for table in tables if normal is not None else ():
+        condition = table.caption.partition("; condition ")[2]
+        if "Judged" not in table.heads or (condition and f", {condition}," not in normal.caption):
+            continue
+        known = [
+            one for row in normal.rows if (one := row.number("At rated")) is not None and row.text("Unit") == "N/mm²"
+        ]
+        for row in table.rows:
+            stress = row.number("Judged")
+            if stress is not None and "Rated" in row.text("What it is") and not any(map(stress.agrees, known)):
+                yield f"{table.caption}: stress of {stress} judged at rated speed is no component's there"

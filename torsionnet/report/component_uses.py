@@ -47,7 +47,7 @@ CRITERIA: dict[str, RuleWords] = {
     "temperature": ("temperature above ambient",),
     "twist": ("mean and vibratory twist",),
     "vibratory twist": ("vibratory twist",),
-    "angle": ("electrical angle",),
+    "electrical angle": ("electrical angle",),
 }
 """Words for what is compared, by the criterion of a limit."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Iterator, Sequence
 from itertools import groupby
@@ -36,7 +37,7 @@ MOST_ORDERS = 3
 """Number of largest orders that are named at a peak."""
 WORST = "worst"
 """Mark of the condition in which a limit is used most at a peak, of all conditions."""
-GENERAL_CRITERIA = {"continuous", "in passing", "tau_W", "angle"} | in_all_words("tau_C") | in_all_words("tau_T")
+GENERAL_CRITERIA = {"continuous", "in passing", "tau_W"} | in_all_words("tau_C") | in_all_words("tau_T")
 """Criteria that need no name beside their component, as the headings of the table say them."""
 COMMON = (
     Heading("Critical speed", "rpm", numeric=True),
@@ -64,6 +65,11 @@ SUM_NOTE = (
     "Peaks of the sum are its local maxima; the order named makes it, as its amplitude drops most beside it. Orders of "
     "several sources at one frequency are given as their sum, as measured."
 )
+PHASES = (
+    "In brackets the phase of each order in the sum, cos(h φ + phase) of order h with φ the angle of the shaft of its "
+    "excitation; 0 where the first cylinder fires."
+)
+"""Note below the table of components in the normal condition on the phases of orders."""
 
 
 def normal_criticals(subject: ReportData) -> TableBlock | Paragraph:
@@ -357,14 +363,18 @@ def normal_response(subject: ReportData) -> TableBlock | None:
             found.append(("rated speed", JudgedPoint(peaks.points, verdict, peaks.rated), ""))
         found += [("peak" if one.is_peak else "largest, no peak", one.point, maker(one)) for one in those]
         rows += [
-            (component_cell(subject, verdict, with_unit=False), place, *_response_cells(subject, point, made))
+            (
+                component_cell(subject, verdict, with_unit=False),
+                place,
+                *_response_cells(subject, point, made, phases=True),
+            )
             for place, point, made in found
         ]
     if not rows:
         return None
     where = _where(subject.normal_case)
     caption = phrase("Components in normal operation{where}", where=where)
-    return without_empty(TableBlock((caption,), columns, (Group(tuple(rows)),), ((SUM_NOTE,),)))
+    return without_empty(TableBlock((caption,), columns, (Group(tuple(rows)),), ((SUM_NOTE,), (PHASES,))))
 
 
 def further_response(subject: ReportData) -> TableBlock | None:
@@ -429,7 +439,7 @@ def _response_columns() -> tuple[Heading, ...]:
     )
 
 
-def _response_cells(subject: ReportData, point: JudgedPoint, made: str) -> tuple[Cell, ...]:
+def _response_cells(subject: ReportData, point: JudgedPoint, made: str, *, phases: bool = False) -> tuple[Cell, ...]:
     sizes = (point.value, point.continuous, point.in_passing)
     return (
         NumberText(point.rpm, 4, 1),
@@ -438,7 +448,7 @@ def _response_cells(subject: ReportData, point: JudgedPoint, made: str) -> tuple
         NumberText(100 * point.utilisation, DIGITS),
         made,
         as_words(point.case),
-        orders_cell(subject, point.check, point.verdict, point.at),
+        orders_cell(subject, point.check, point.verdict, point.at, phases=phases),
     )
 
 
@@ -449,11 +459,14 @@ def condition_cell(subject: ReportData, check: LimitCheck, case: str) -> str:
     return ": ".join(text for text in (lead, case) if text)
 
 
-def orders_cell(subject: ReportData, check: LimitCheck, verdict: LimitVerdict, at: int) -> str:
-    """Text with the largest orders at one speed in the unit of a limit, such as "engine 6: 46.3"."""
-    found = largest_orders(check, verdict, at, MOST_ORDERS)
-    numbers = ((name, limit_number(size, verdict.unit, subject.conventions)) for name, size in found)
-    return "; ".join(f"{as_words(name)}: {number}" for name, number in numbers)
+def orders_cell(subject: ReportData, check: LimitCheck, verdict: LimitVerdict, at: int, *, phases: bool = False) -> str:
+    """Text with the largest orders at one speed in the unit of a limit, such as "engine 6: 46.3", also with phases."""
+    texts = []
+    for name, size in largest_orders(check, verdict, at, MOST_ORDERS):
+        number = limit_number(abs(size), verdict.unit, subject.conventions)
+        phase = f" ({NumberText(math.degrees(cmath.phase(size)), 3, 0)}°)" if phases else ""
+        texts.append(f"{as_words(name)}: {number}{phase}")
+    return "; ".join(texts)
 
 
 def _alike_peaks(one: SumPeak, other: SumPeak) -> bool:

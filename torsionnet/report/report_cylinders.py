@@ -13,6 +13,7 @@ from torsionnet.base.errors import UsageError
 from torsionnet.base.phrases import phrase
 from torsionnet.base.table import result_table
 from torsionnet.base.units import RPM
+from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.excitations.engine_entries import EACH
 from torsionnet.machinery.excitations.reciprocating_engine import (
     CylinderHarmonic,
@@ -161,17 +162,24 @@ def _out(engine: ReciprocatingEngine) -> list[int]:
     return sorted({*silent, *engine.gas_off})
 
 
+def _out_as_in(working: ReciprocatingEngine, out: ReciprocatingEngine) -> ReciprocatingEngine:
+    """Engine with the pressures of one condition and the cylinders out as in another."""
+    return replace(working, misfire=out.misfire, gas_off=out.gas_off)
+
+
 def with_lost_torque(
-    subject: ReportData, name: str, speed: float, block: TableBlock, places: Sequence[int]
+    subject: ReportData, name: str, working: ReciprocatingEngine, speed: float, block: TableBlock, places: Sequence[int]
 ) -> TableBlock:
     """Table of a cylinder's harmonics with a column in kN m for what is lost where it is out, if a condition has it.
+
+    It is what is lost of the harmonics in the row, those of the engine as it is ``working``.
 
     ``speed`` in rad/s is that of the crankshaft, ``places`` are the indices of the orders shown.
     """
     found = engine_out(subject, name)
     if found is None:
         return block
-    case, engine = found
+    case, engine = found[0], _out_as_in(working, found[1])
     lost = lost_harmonics(engine, speed)[list(places)] * 1e-3
     (group,) = block.groups
     rows = tuple((*row, NumberText(float(one))) for row, one in zip(group.rows, lost, strict=True))
@@ -212,12 +220,12 @@ def with_sums_out(subject: ReportData, name: str, sums: VectorSums, block: Table
     )
 
 
-def pressure_notes(subject: ReportData, name: str, speed: float) -> list[str]:
+def pressure_notes(subject: ReportData, name: str, working: ReciprocatingEngine, speed: float) -> list[str]:
     """Note on the mean indicated pressure of a cylinder that is out, and the engine's torque, at a speed in rad/s."""
     found = engine_out(subject, name)
     if found is None:
         return []
-    case, engine = found
+    case, engine = found[0], _out_as_in(working, found[1])
     one = _out(engine)[0]
     alone = replace(engine, misfire=(one,)) if engine.misfire == EACH else engine
     at = np.array([speed])
@@ -237,6 +245,10 @@ MOST_MODES, MOST_MODES_DRAWN, MOST_STARS = 4, 2, 6
 """Largest number of modes with vector sums and with drawn stars, and of stars beside each other: what fits a page."""
 DECIMALS = {unit("N/mm^2"): 4, "deg": 1}
 """Decimals of tangential pressures and phases by unit, as makers list them."""
+GRID = 401
+"""Number of speeds between which the one of half load is found by straight lines."""
+LOADS = "Load: share of the indicated power at rated speed, with the mechanical efficiency of full load."
+"""Note below the mean indicated pressure on its column of the load."""
 EQUAL_PRESSURES = 1e-9
 """Relative difference up to which mean indicated pressures count as equal, no more than rounding."""
 EVEN_INTERVAL = math.radians(0.5)
@@ -265,7 +277,7 @@ def engine_blocks(subject: ReportData, case: Case, name: str, engine: Reciprocat
         )
     made = result_table("", [_shown(one) for one in kept], CylinderHarmonic, notes=notes)
     places = [number for number, one in enumerate(found) if one in largest]
-    shown = with_lost_torque(subject, name, own, results_table(made, caption), places)
+    shown = with_lost_torque(subject, name, engine, own, results_table(made, caption), places)
     blocks.append(with_decimals(shown, {**DECIMALS, **_torque_decimals(found)}))
     return [*blocks, *_vectors(subject, case, name)]
 
@@ -318,25 +330,45 @@ def _pressures(subject: ReportData, case: Case, name: str, engine: Reciprocating
     assert speeds is not None
     low, high = float(speeds.values[0]), float(speeds.values[-1])
     rated = float(speeds.rated) if speeds.rated else high
-    chosen = sorted({low, high, rated, *(rated * share for share in SPEEDS_SHOWN if low <= rated * share <= high)})
-    found = indicated_pressures(engine, np.array(chosen) * ratio)
-    if not found:
+    shown = {low, high, rated, *(rated * share for share in SPEEDS_SHOWN if low <= rated * share <= high)}
+    (full,) = indicated_pressures(engine, np.array([rated * ratio])) or (None,)
+    if full is None:
         return []
+    half = None if engine.absorbs else _speed_of_half_load(engine, np.linspace(low, rated, GRID) * ratio, full)
+    wanted = sorted([*(one * ratio for one in shown), *([half] if half else [])])
+    chosen = [one for one, before in zip(wanted, [0.0, *wanted], strict=False) if not math.isclose(one, before)]
+    found = [*indicated_pressures(engine, np.array(chosen))]
     what = "mean indicated pressure over speed"
-    if max(one.pressure for one in found) - min(one.pressure for one in found) <= EQUAL_PRESSURES * abs(
-        found[0].pressure
-    ):
-        found, what = (found[chosen.index(rated)],), "mean indicated pressure, the same at all speeds"
-    made = result_table("", found, IndicatedPressure, notes=pressure_notes(subject, name, rated * ratio))
-    block = results_table(
-        made,
-        phrase(
-            in_words_of([engine], "{name}: {pressures}, all cylinders working"),
-            name=_name(name),
-            pressures=phrase(what),
-        ),
+    if max(one.pressure for one in found) - min(one.pressure for one in found) <= EQUAL_PRESSURES * abs(full.pressure):
+        found, what = [full], "mean indicated pressure, the same at all speeds"
+        if not engine.absorbs:  # half the work of a cycle at rated speed, as a generating set has it
+            found.insert(0, replace(full, pressure=full.pressure / 2, torque=full.torque / 2))
+    notes = [*pressure_notes(subject, name, engine, full.speed), *([] if engine.absorbs else [LOADS])]
+    made = result_table("", found, IndicatedPressure, notes=notes)
+    caption = phrase(
+        in_words_of([engine], "{name}: {pressures}, all cylinders working"), name=_name(name), pressures=phrase(what)
     )
-    return [with_decimals(block, {"bar": 2, "kW": 0, "r/min": 1})]
+    block = with_decimals(results_table(made, caption), {"bar": 2, "kW": 0, "r/min": 1})
+    if engine.absorbs:
+        return [block]
+    (group,) = block.groups
+    rows = tuple(
+        (*row, NumberText(100 * one.power / full.power, 3, 1)) for row, one in zip(group.rows, found, strict=True)
+    )
+    columns = (*block.columns, Heading("Load", "%", numeric=True))
+    return [replace(block, columns=columns, groups=(replace(group, rows=rows),))]
+
+
+def _speed_of_half_load(engine: ReciprocatingEngine, speeds: FloatArray, full: IndicatedPressure) -> float | None:
+    """Speed in rad/s at which an engine has half of its indicated power, between rising speeds; None where it has not.
+
+    None as well where the pressure does not follow the speed: there half the load is half the pressure.
+    """
+    powers = np.array([one.power for one in indicated_pressures(engine, speeds)])
+    pressures = powers / speeds
+    if np.ptp(pressures) <= EQUAL_PRESSURES * abs(pressures).max() or powers[0] > full.power / 2:
+        return None
+    return float(np.interp(full.power / 2, np.maximum.accumulate(powers), speeds))
 
 
 def _name(name: str) -> str:

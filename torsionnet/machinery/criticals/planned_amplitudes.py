@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,14 +22,20 @@ SMALLEST_SHARE = 0.05
 out: it would drown in what a torsiograph resolves."""
 SAME_SPEED = 0.005
 """Relative difference up to which two speeds count as one: a tachometer shows no more."""
+ROUNDING = 1e-9
+"""Relative difference of two speeds that is no more than rounding."""
 
 
 @dataclass(frozen=True)
 class PlannedSpeed:
-    """Speed in rad/s of the reference shaft at which vibration is to be measured, and the reason as a text."""
+    """Speed in rad/s of the reference shaft at which vibration is to be measured, and the reason as a text.
+
+    One that ``is_fixed``, as the rated speed, is measured itself and not at the peak of an order near it.
+    """
 
     speed: float
     reason: str
+    is_fixed: bool = False
 
 
 @dataclass(frozen=True)
@@ -98,13 +104,17 @@ def merged_speeds(speeds: Sequence[PlannedSpeed]) -> tuple[PlannedSpeed, ...]:
 
     Examples
     --------
-    >>> merged_speeds([PlannedSpeed(2.0, "rated"), PlannedSpeed(1.0, "order 3"), PlannedSpeed(1.001, "order 4")])
-    (PlannedSpeed(speed=1.0, reason='order 3; order 4'), PlannedSpeed(speed=2.0, reason='rated'))
+    >>> peaks = [PlannedSpeed(1.0, "order 3"), PlannedSpeed(1.001, "order 4")]
+    >>> found = merged_speeds([*peaks, PlannedSpeed(1.002, "rated", True)])
+    >>> [(one.speed, one.reason) for one in found]
+    [(1.0, 'order 3; order 4'), (1.002, 'rated')]
     """
     found: list[PlannedSpeed] = []
     for one in sorted(speeds, key=lambda one: one.speed):
-        if found and math.isclose(found[-1].speed, one.speed, rel_tol=SAME_SPEED):
-            found[-1] = PlannedSpeed(found[-1].speed, _both(found[-1].reason, one.reason))
+        # The value of a narrow peak is none of the rated speed beside it.
+        within = SAME_SPEED if found and found[-1].is_fixed == one.is_fixed else ROUNDING
+        if found and math.isclose(found[-1].speed, one.speed, rel_tol=within):
+            found[-1] = replace(found[-1], reason=_both(found[-1].reason, one.reason))
         else:
             found.append(one)
     return tuple(found)

@@ -19,6 +19,7 @@ from torsionnet.linear.assembly.table_range import range_notes
 from torsionnet.linear.modes.eigen import undamped_modes
 from torsionnet.linear.modes.mode_pairs import VibrationMode, undamped_place, vibration_modes
 from torsionnet.linear.modes.mode_shapes import Links
+from torsionnet.linear.modes.modes import Modes
 from torsionnet.linear.modes.natural_modes import modes
 from torsionnet.machinery.holzer.holzer_balance import (
     HolzerBalance,
@@ -290,6 +291,9 @@ class CountedVibration:
         Elements with these nodes in words, such as "in intermediate".
     against : str
         Masses with most of the kinetic energy in either sense of rotation, as "propeller against flywheel".
+    strain, kinetic : str
+        Elements with the largest shares of the strain and of the kinetic energy of the damped mode, as "shaft 96 %";
+        empty where the mode exists without damping only.
     remark : str
         Why a frequency is missing; empty if none is.
     """
@@ -301,6 +305,8 @@ class CountedVibration:
     n_nodes: Annotated[int | None, Out("nodes")]
     nodes: tuple[str, ...]
     against: Annotated[str, Out("what swings")]
+    strain: Annotated[str, Out("strain energy")]
+    kinetic: Annotated[str, Out("kinetic energy")]
     remark: Annotated[str, Out("remark")]
 
     @property
@@ -328,6 +334,8 @@ def natural_frequency_table(title: str, rows: tuple[CountedVibration, ...], note
 LEAST_SHARE_NAMED, MOST_MASSES_NAMED = 0.15, 2
 """Share of the kinetic energy from which on a mass is named beside the largest one of its sense of rotation, and most
 masses named of one sense: more would not be read in a table."""
+LEAST_ENERGY_NAMED, MOST_SHARES = 0.05, 3
+"""Share of an energy from which on an element is named, and most elements named."""
 
 
 def natural_frequencies(drivetrain: AssembledModel) -> tuple[CountedVibration, ...]:
@@ -347,20 +355,31 @@ def natural_frequencies(drivetrain: AssembledModel) -> tuple[CountedVibration, .
     """
     links = Links.of(drivetrain.assembly)
     senses = _senses(drivetrain)
-    found = sorted(vibration_modes(drivetrain, modes(drivetrain)), key=lambda one: one.number)
-    return tuple(_row(drivetrain, links, senses, one) for one in found)
+    damped = modes(drivetrain)
+    found = sorted(vibration_modes(drivetrain, damped), key=lambda one: one.number)
+    return tuple(_row(drivetrain, links, senses, one, damped) for one in found)
 
 
 def _row(
-    drivetrain: AssembledModel, links: Links, senses: Mapping[str, float], mode: VibrationMode
+    drivetrain: AssembledModel, links: Links, senses: Mapping[str, float], mode: VibrationMode, damped: Modes
 ) -> CountedVibration:
     assembly = drivetrain.assembly
     places = [assembly.node_index[name] for name in assembly.kinematics.coordinates]
     nodes = links.vibration_nodes(np.asarray(mode.shape[places], dtype=complex))
     return CountedVibration(
         mode.number, mode.undamped_frequency, mode.natural_frequency, mode.damping_ratio,
-        None if nodes is None else len(nodes), tuple(nodes or ()), _against(drivetrain, senses, mode), mode.remark,
+        None if nodes is None else len(nodes), tuple(nodes or ()), _against(drivetrain, senses, mode),
+        _shares_of(damped, damped.strain, mode), _shares_of(damped, damped.kinetic, mode), mode.remark,
     )  # fmt: skip
+
+
+def _shares_of(damped: Modes, energy: FloatArray, mode: VibrationMode) -> str:
+    """Text with the largest shares of the elements in an energy, (n_elements, n_modes), of the mode of this number."""
+    if mode.number not in damped.numbers:
+        return ""
+    shares = dict(zip(damped.elements, energy[:, damped.numbers.index(mode.number)].tolist(), strict=True))
+    largest = sorted(shares, key=lambda name: -shares[name])[:MOST_SHARES]
+    return ", ".join(f"{name} {100 * shares[name]:.0f} %" for name in largest if shares[name] >= LEAST_ENERGY_NAMED)
 
 
 def _senses(drivetrain: AssembledModel) -> dict[str, float]:

@@ -59,4 +59,4 @@ class MachineAngleLimit(InSpeedBand):
         # Electrical angle = pole pairs times mechanical angle.
         values, orders = self.pole_pairs * evidence.size(angle), evidence.orders(angle).times(self.pole_pairs)
         allowed = constant_over_speed(self.angle, evidence)
-        yield LimitLine("angle", "electrical angle, half range", "rad", values, allowed, (), orders)
+        yield LimitLine("electrical angle", "electrical angle, half range", "rad", values, allowed, (), orders)

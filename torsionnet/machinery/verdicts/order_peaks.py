@@ -112,8 +112,8 @@ def vibratory_verdicts(check: LimitCheck) -> list[LimitVerdict]:
     return [one for one in check.verdicts if one.orders is not None and len(one.values)]
 
 
-def largest_orders(check: LimitCheck, verdict: LimitVerdict, at: int, most: int = 3) -> list[tuple[str, float]]:
-    """Pairs of name and amplitude (SI) of the largest orders behind a limit's value at a speed, given by its index.
+def largest_orders(check: LimitCheck, verdict: LimitVerdict, at: int, most: int = 3) -> list[tuple[str, complex]]:
+    """Pairs of name and complex amplitude (SI) of the largest orders behind a limit's value at a speed, by its index.
 
     They are those of the case of excitation to which the value belongs. Lines of one frequency are one order, their
     sum with their phases, as a test measures it.
@@ -121,8 +121,8 @@ def largest_orders(check: LimitCheck, verdict: LimitVerdict, at: int, most: int 
     if verdict.amplitudes is None:
         return []
     phasors = verdict.amplitudes.phasors[at]
-    sizes = [(one.name, float(abs(phasors[[*one.places]].sum()))) for one in check.summed]
-    return sorted(sizes, key=lambda pair: -pair[1])[:most]
+    sums = [(one.name, complex(phasors[[*one.places]].sum())) for one in check.summed]
+    return sorted(sums, key=lambda pair: -abs(pair[1]))[:most]
 
 
 def line_index(check: LimitCheck, found: CriticalSpeeds, critical: CriticalSpeed) -> int | None:

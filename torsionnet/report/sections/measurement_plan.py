@@ -16,7 +16,9 @@ from torsionnet.base.number_text import NumberText, aligned_numbers
 from torsionnet.base.phrases import phrase
 from torsionnet.base.units import RPM
 from torsionnet.io.tracked_order_tables import is_tracked_table, read_tracked_orders, tracked_channel
+from torsionnet.machinery.checks.limit_checks import limit_subject
 from torsionnet.machinery.criticals.planned_amplitudes import (
+    SAME_SPEED,
     PlannedAmplitude,
     PlannedSpeed,
     critical_peaks,
@@ -24,6 +26,7 @@ from torsionnet.machinery.criticals.planned_amplitudes import (
     merged_speeds,
     planned_amplitudes,
 )
+from torsionnet.machinery.limits.shaft_limit import VIBRATORY_STRESSES, ShaftLimit
 from torsionnet.machinery.orders.calculated_order import swept_comparison
 from torsionnet.machinery.orders.order_response import OrderResponse
 from torsionnet.machinery.orders.worst_response import WorstResponse
@@ -32,6 +35,7 @@ from torsionnet.machinery.verdicts.measured_range import MeasuredRange, measured
 from torsionnet.machinery.verdicts.speed_spans import whole_rpm
 from torsionnet.model.channels import Sensor
 from torsionnet.model.element_base.round_section import section_fault
+from torsionnet.report.condition_tables import SAME_VALUE
 from torsionnet.report.document_tree import Block, Cell, Heading, Paragraph, Picture, Section, TableBlock
 from torsionnet.report.measured_orders import (
     MeasuredFile,
@@ -85,6 +89,13 @@ DAMPING_NOTE = (
     "amplitude at a fixed speed changes much more than the peak itself."
 )
 """Note below tables that compare measured peaks."""
+TOLERANCE = (
+    "Tolerance of the measurement, assumed: {share:g} % of the half range and {speed:g} % of the speed, as of strain "
+    "gauges or a torsiograph with a calibrated chain; that of the instruments used counts."
+)
+"""Paragraph before the tables on how well a measurement is taken to know its values."""
+JUDGED = "Judged: the stress that the limit compares, the larger one of both ends of the shaft."
+"""Note below a table of torques on the column of the stress that a limit judges."""
 RUN_UP_NOTE = (
     "A fast run-up does not reach the peaks of steady speed. Expected amplitudes, limits and calculated half ranges "
     "are those of steady speed."
@@ -110,7 +121,8 @@ def measurement_plan_section(subject: ReportData) -> Section | None:
         blocks += found
     blocks += [] if files else _with_cylinder_out(subject, places)
     text = phrase(INTRODUCTION, reference=as_words(reference))
-    return Section("measurement_plan", ("Measurement plan",), (Paragraph((text,)), *blocks))
+    known = phrase(TOLERANCE, share=100 * SAME_VALUE, speed=100 * SAME_SPEED)
+    return Section("measurement_plan", ("Measurement plan",), (Paragraph((text,)), Paragraph((known,)), *blocks))
 
 
 def _of_condition(
@@ -239,8 +251,8 @@ def _case(run: OrderResponse, at: int, name: str) -> str:
 
 def _at(case: Case, place: MeasuringPlace, speeds: Sequence[PlannedSpeed], of: str | None = None) -> OrderResponse:
     """Response at a place, and of the stress there, at planned speeds one after the other."""
-    outputs = [place.name, *map(str, _stress(case, place))]
-    return case.drivetrain.order_response(outputs, speeds=[one.speed for one in speeds], speed_of=of)
+    outputs = dict.fromkeys([place.name, *map(str, _stress(case, place)), *map(str, _judged(case, place)[0])])
+    return case.drivetrain.order_response([*outputs], speeds=[one.speed for one in speeds], speed_of=of)
 
 
 def _run(case: Case, place: MeasuringPlace) -> OrderResponse | None:
@@ -259,13 +271,13 @@ def _largest(run: OrderResponse) -> PlannedSpeed:
 def _fixed_speeds(subject: ReportData, case: Case, run: OrderResponse) -> Iterator[PlannedSpeed]:
     """Rated speed, ends of the condition's own barred ranges and its highest speed permitted, if calculated."""
     speeds, found = subject.model.definition.speeds, subject.limit_conclusion
-    wanted = [PlannedSpeed(speeds.rated, "rated")] if speeds is not None and speeds.rated else []
+    wanted = [PlannedSpeed(speeds.rated, "rated", True)] if speeds is not None and speeds.rated else []
     for check in found.checks if found else ():
         if check.configuration == case.configuration:
             # As the operating instructions say them: outward to whole rpm.
             ends = [(low / RPM, high / RPM) for low, high in (span.rpm_outward for span in check.passed)]
             for low, high in ends:
-                wanted += [PlannedSpeed(low, "barred from"), PlannedSpeed(high, "barred to")]
+                wanted += [PlannedSpeed(low, "barred from", True), PlannedSpeed(high, "barred to", True)]
             wanted += _highest(check)
     low, high = float(run.speeds.min()), float(run.speeds.max())
     yield from (one for one in wanted if low * (1 - 1e-9) <= one.speed <= high * (1 + 1e-9))
@@ -275,7 +287,7 @@ def _highest(check: LimitCheck) -> list[PlannedSpeed]:
     """Highest speed permitted in a condition, in whole rpm as the operating instructions say it; empty for any."""
     if check.highest is None or check.highest <= check.speeds[0]:
         return []
-    return [PlannedSpeed(whole_rpm(check.highest, math.floor) / RPM, HIGHEST)]
+    return [PlannedSpeed(whole_rpm(check.highest, math.floor) / RPM, HIGHEST, True)]
 
 
 def _stress(case: Case, place: MeasuringPlace) -> list[Sensor]:
@@ -283,6 +295,24 @@ def _stress(case: Case, place: MeasuringPlace) -> list[Sensor]:
     if place.sensor.quantity != "torque" or section_fault(case.drivetrain.definition.elements[place.sensor.of]):
         return []
     return [Sensor("stress", place.sensor.of)]
+
+
+def _judged(case: Case, place: MeasuringPlace) -> tuple[list[Sensor], float]:
+    """Sensors whose largest half range the limit on the stress of a place's shaft judges, and the factor to Pa.
+
+    Nothing without such a limit.
+    """
+    if place.sensor.quantity != "torque":
+        return [], 0.0
+    view = limit_subject(case.drivetrain.definition, case.drivetrain.exact_values)
+    limits = [one for one in case.drivetrain.definition.limits.values() if isinstance(one, ShaftLimit)]
+    found = (
+        one.vibratory_sensors(criterion, view)
+        for one in limits
+        if one.element == place.sensor.of
+        for criterion in VIBRATORY_STRESSES
+    )
+    return next((one for one in found if one is not None), ([], 0.0))
 
 
 def _unit_of(run: OrderResponse, subject: ReportData) -> tuple[float, str]:
@@ -313,9 +343,15 @@ def _table(
         Heading("Deviation", "%", numeric=True),
         Heading("Half range", unit(shown), numeric=True),
         Heading("Half range", unit("N/mm^2"), numeric=True),
+        Heading("Judged", unit("N/mm^2"), numeric=True),
     ]
+    ends, factor = _judged(case, place)
     first = [number == 0 or rows[number - 1].speed != row.speed for number, row in enumerate(rows)]
-    stress = _stress_at(run, rows) if len(run.outputs) > 1 else [None] * len(rows)
+    at = [int(np.argmin(abs(run.speeds - row.speed))) for row in rows]
+    has_stress = len(_stress(case, place)) > 0
+    stress = [float(run.half_range[one, 1]) * 1e-6 if has_stress else None for one in at]
+    places = [run.output(str(sensor)) for sensor in ends]
+    judged = [float(run.half_range[one, places].max()) * factor * 1e-6 if places else None for one in at]
     cells: list[list[Cell]] = [
         _once(aligned_numbers([row.rpm for row in rows]), first),
         _once([capital(row.reason) for row in rows], first),
@@ -327,16 +363,12 @@ def _table(
         else [""] * len(rows),
         [_deviation(row, one) for row, one in zip(rows, tests, strict=True)] if measured else [""] * len(rows),
         _once(aligned_numbers([row.half_range * scale for row in rows], 3), first),
-        _once(aligned_numbers(stress, 3), first) if len(run.outputs) > 1 else [""] * len(rows),
+        _once(aligned_numbers(stress, 3), first) if has_stress else [""] * len(rows),
+        _once(aligned_numbers(judged, 4), first) if places else [""] * len(rows),
     ]
     template = CAPTIONS.get(place.sensor.quantity, f"{capital(place.means)}, {{of}}{{where}}")
     caption = phrase(template, of=as_words(place.sensor.of), where=_where(case))
-    return table(caption, columns, list(zip(*cells, strict=True)))
-
-
-def _stress_at(run: OrderResponse, rows: Sequence[PlannedAmplitude]) -> list[float | None]:
-    """Half range of the stress in N/mm2 at the speed of every row."""
-    return [float(run.half_range[int(np.argmin(abs(run.speeds - row.speed))), 1]) * 1e-6 for row in rows]
+    return table(caption, columns, list(zip(*cells, strict=True)), [JUDGED] if places else [])
 
 
 def _once(cells: Sequence[Cell], first: Sequence[bool]) -> list[Cell]:
