@@ -328,7 +328,7 @@ class TestMeanIndicatedPressure:
     def test_nothing_is_extrapolated(self, tmp_path):
         gas = "{traces: {9 bar: p100.csv, 6 bar: p50.csv}}"
         load = "\n    load: {mean_indicated_pressure: 9 bar, rated: 1200 rpm, exponent: 2}"
-        with pytest.raises(tn.ModelError, match=r":19:11: .*2\.25.*beyond-table") as caught:
+        with pytest.raises(tn.ModelError, match=r":19:11: .*2\.25.*600 rpm.*beyond-table") as caught:
             tn.load(in_file(tmp_path, gas + load))
         assert [(fault.position.line, fault.position.column) for fault in caught.value.faults] == [(19, 11)]
         with pytest.raises(tn.UsageError, match=r"(?s)10.*beyond-table"):

@@ -57,6 +57,10 @@ class TestCompressor:
             words(note) for one in of(TableBlock, blocks(report, "conclusion")) for note in one.notes
         )
 
+    def test_limits_that_nobody_states_are_named(self, compressor):
+        found = said(make_report(compressor, sections=["conclusion"], date=None), "conclusion")
+        assert "Limits whose values have no source: coupling, teeth." in found  # the crankshaft has one
+
     def test_without_a_rule_nothing_is_said_of_margins(self, compressor):
         plain = tn.loads(compressor.to_yaml().replace("rules: api684", "normal: full"))
         assert "margins" not in " ".join(said(make_report(plain, sections=["conclusion"], date=None), "conclusion"))

@@ -348,7 +348,7 @@ class EngineEntries(ReactingExcitation):
         if gas is None:
             return nothing
         try:
-            fired = gas.fired_harmonics(self.crank, MEAN, self.indicated_pressures(speeds))[:, 0].real
+            fired = gas.fired_harmonics(self.crank, MEAN, self.indicated_pressures(speeds), speeds)[:, 0].real
         except UsageError:  # a load beyond the traces, of which the torques by order say it
             return nothing
         # Order 0 of a trace is twice its mean, with injection and without: the ratio is that of the means.

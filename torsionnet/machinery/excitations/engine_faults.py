@@ -344,7 +344,7 @@ def engine_remarks(engine: EngineEntries, speeds: FloatArray | None) -> Iterator
     if speeds is not None:
         try:
             pressures = engine.indicated_pressures(speeds)
-            gas.fired_harmonics(engine.crank, engine.acting_orders[:1], pressures)
+            gas.fired_harmonics(engine.crank, engine.acting_orders[:1], pressures, speeds)
         except UsageError as error:
             yield error.fault.under("load")
         else:

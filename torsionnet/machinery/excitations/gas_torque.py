@@ -254,8 +254,13 @@ class GasPressure(Declared):
         tables = [(key, table) for key in keys for table in (getattr(self, key) or {}).values()]
         return tuple((key, float(order)) for key, table in tables for order in table)
 
-    def fired_harmonics(self, crank: Crank, orders: FloatArray, pressures: FloatArray | None) -> ComplexArray:
-        """Torque by order of a firing cylinder in N m, shape (n_pressures or 1, n_orders), at pressures in Pa."""
+    def fired_harmonics(
+        self, crank: Crank, orders: FloatArray, pressures: FloatArray | None, speeds: FloatArray | None = None
+    ) -> ComplexArray:
+        """Torque by order of a firing cylinder in N m, shape (n_pressures or 1, n_orders), at pressures in Pa.
+
+        ``speeds`` in rad/s, to which the pressures belong, are named where one is not known.
+        """
         tables: dict[float | None, ComplexArray] = {}
         if self.harmonics:
             for pressure, table in self.harmonics.items():
@@ -269,7 +274,7 @@ class GasPressure(Declared):
         values = values * corrections(self.correction, orders)
         known = [pressure for pressure in tables if pressure is not None]
         # A single trace or table holds at all pressures; several are read at the load of the engine.
-        return values if not known or pressures is None else interpolated(known, values, pressures)
+        return values if not known or pressures is None else interpolated(known, values, pressures, speeds)
 
     def motored_harmonics_at(self, crank: Crank, orders: FloatArray) -> ComplexArray:
         """Torque of a cylinder without injection in N m by order, shape (n_orders,)."""

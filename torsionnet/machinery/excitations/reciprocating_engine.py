@@ -127,7 +127,7 @@ class ReciprocatingEngine(EngineEntries):
         if self.gas is None:
             return np.zeros(shape, dtype=complex)
         try:
-            found = self.gas.fired_harmonics(self.crank, self.acting_orders, self.indicated_pressures(speeds))
+            found = self.gas.fired_harmonics(self.crank, self.acting_orders, self.indicated_pressures(speeds), speeds)
         except UsageError as error:
             raise UsageError(f"engine on {self.shaft}: {error}", kind=error.kind) from None
         return np.asarray(self.gas.factor(speeds)[:, None] * np.broadcast_to(found, shape))

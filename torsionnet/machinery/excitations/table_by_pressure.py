@@ -15,6 +15,7 @@ from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.scalars import Value, is_quantity
 from torsionnet.base.entries.spec import EntryError, Json, Schema, Spec, Stored_co, entry, not_none
 from torsionnet.base.errors import LEAVE_OUT, Fault, Remedy, UsageError, got
+from torsionnet.base.units import RPM
 from torsionnet.machinery.excitations.order_excitation import ComplexArray, FloatArray
 from torsionnet.model.load.load_section import TableOverSpeed, value_over_speed
 
@@ -90,8 +91,12 @@ def mean_pressure(raw: object) -> float:
     return pressure
 
 
-def interpolated(known: Sequence[float], values: ComplexArray, wanted: FloatArray) -> ComplexArray:
+def interpolated(
+    known: Sequence[float], values: ComplexArray, wanted: FloatArray, speeds: FloatArray | None = None
+) -> ComplexArray:
     """Rows of ``values`` at ``known`` pressures, interpolated at the ``wanted`` pressures, shape (n_wanted, n_orders).
+
+    ``speeds`` in rad/s at which these are wanted are named where one is outside.
 
     Raises
     ------
@@ -99,13 +104,14 @@ def interpolated(known: Sequence[float], values: ComplexArray, wanted: FloatArra
         A pressure outside of the table.
     """
     low, high = known[0], known[-1]
-    outside = wanted[beyond(known, wanted, HELD_RTOL)]
-    if len(outside):
-        farthest = outside[np.argmax(np.maximum(low - outside, outside - high))]
-        text = f"a mean indicated pressure of {farthest / 1e5:.4g} bar is asked for"
+    outside = beyond(known, wanted, HELD_RTOL)
+    if outside.any():
+        at = int(np.argmax(np.where(outside, np.maximum(low - wanted, wanted - high), -np.inf)))
+        text = f"a mean indicated pressure of {wanted[at] / 1e5:.4g} bar is asked for"
         there = f"{low / 1e5:.4g} to {high / 1e5:.4g} bar" if len(known) > 1 else f"{low / 1e5:.4g} bar only"
+        where = f"at {speeds[at] * RPM:.6g} rpm" if speeds is not None and np.ptp(wanted) > 0 else "there"
         raise UsageError(
-            f"{text}, gas is known for {there}; give what holds there, nothing is extrapolated", kind="beyond-table"
+            f"{text}, gas is known for {there}; give what holds {where}, nothing is extrapolated", kind="beyond-table"
         )
     if len(known) == 1:
         return np.repeat(values, len(wanted), axis=0)

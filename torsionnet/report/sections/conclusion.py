@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
     from torsionnet.identification import Fit
     from torsionnet.linear.modes.modes import Modes
+    from torsionnet.machinery.limits import Limit
 
 
 NO_LIMITS = (
@@ -182,12 +183,21 @@ def _not_covered(subject: ReportData, found: LimitConclusion) -> Iterator[Text]:
                 names=listed_names([*map(as_words, open_shafts)]),
             ),
         )
+    unnamed = [name for name, limit in definition.limits.items() if _lacks_source(limit.fitted(definition.elements))]
+    if unnamed:
+        yield (phrase("Limits whose values have no source: {names}.", names=listed_names([*map(as_words, unnamed)])),)
     of_rules: dict[str, dict[str, None]] = {}
     for check in found.checks:
         for text, names in check.texts().items():
             of_rules.setdefault(text.not_covered, {}).update(dict.fromkeys(names))
     for uncovered, limits in of_rules.items():
         yield (Strong(", ".join(map(as_words, limits))), f": {uncovered}.")
+
+
+def _lacks_source(limit: Limit) -> bool:
+    """Whether nobody is named who states the values of a limit, neither in the model nor in a catalogue."""
+    default = limit.defaults().get("source")
+    return isinstance(default, str) and getattr(limit, "source", None) == default
 
 
 # Section of a report with the results at a glance: lowest modes, peaks and verdicts.
