@@ -134,10 +134,10 @@ def circle_fit(
     (8.755, 0.2547)
     """
     if damping_model not in ("viscous", "hysteretic"):
-        raise UsageError(f'damping_model "{damping_model}" is not known; choose viscous or hysteretic')
+        raise UsageError(f'damping_model "{damping_model}" is not known; choose viscous or hysteretic', kind="unknown-word")
     chosen = response.select(output, input)
     if len(chosen.outputs) * len(chosen.inputs) != 1:
-        raise UsageError("a circle is fitted to one transfer function; name its output= and input=")
+        raise UsageError("a circle is fitted to one transfer function; name its output= and input=", kind="wrong-count")
     return _fitted(chosen, *_points(chosen, near, damping_model, band), damping_model)
 
 
@@ -154,7 +154,8 @@ def _points(
     if taken.stop - taken.start < FEWEST_POINTS:
         raise UsageError(
             f"only {taken.stop - taken.start} lines lie on the circle near {near:g} Hz and {FEWEST_POINTS} are needed; "
-            "use finer lines, or give a wider band"
+            "use finer lines, or give a wider band",
+            kind="too-short",
         )
     weights = lines.weights[:, 0, 0] * omega ** -float(steps)
     return omega[taken], points[taken], weights[taken] / weights[taken].max(), _unit(response, steps)
@@ -182,7 +183,9 @@ def _around(size: FloatArray, omega: FloatArray, near: float) -> slice:
 
     summits = find_peaks(size, prominence=0.1 * size.max())[0]
     if not len(summits):
-        raise UsageError(f"there is no peak near {near / (2 * np.pi):g} Hz; give the band= of the lines to take")
+        raise UsageError(
+            f"there is no peak near {near / (2 * np.pi):g} Hz; give the band= of the lines to take", kind="no-resonance"
+        )
     place = int(np.abs(omega[summits] - near).argmin())
     before, top, after = np.concatenate([[0], summits, [len(size)]])[place : place + 3].tolist()
     ends = []
@@ -260,7 +263,9 @@ def _resonance(omega: FloatArray, seen: FloatArray, damping: str) -> tuple[float
     sweep = seen[0] - seen[-1]
     if sweep <= 0:
         text = "the points do not turn clockwise with frequency: no resonance, or motion ~ exp(-j omega t)"
-        raise SolveError(f"{text}; give the band= of one resonance, or the conjugate of the response")
+        raise SolveError(
+            f"{text}; give the band= of one resonance, or the conjugate of the response", kind="no-resonance"
+        )
     # Points move along the circle fastest at resonance.
     fastest = int(np.argmax(-np.diff(seen) / np.diff(omega)))
     start_omega = float(np.mean(omega[fastest : fastest + 2]))
@@ -277,7 +282,8 @@ def _resonance(omega: FloatArray, seen: FloatArray, damping: str) -> tuple[float
     if not omega[1] < resonance < omega[-2]:
         raise SolveError(
             f"the resonance of the circle would be at {resonance / (2 * np.pi):.4g} Hz, at the edge of its points or "
-            "outside them; give another band="
+            "outside them; give another band=",
+            kind="no-resonance",
         )
     return float(found[0]), resonance
 

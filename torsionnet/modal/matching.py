@@ -73,7 +73,9 @@ def msf(first: ArrayLike, second: ArrayLike) -> ComplexArray:
     """
     a, b = _pair(first, second)
     if a.shape != b.shape:
-        raise UsageError(f"scale factors need as many shapes on both sides, got {a.shape[1]} and {b.shape[1]}")
+        raise UsageError(
+            f"scale factors need as many shapes on both sides, got {a.shape[1]} and {b.shape[1]}", kind="wrong-count"
+        )
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray(np.sum(a.conj() * b, axis=0) / np.sum(np.abs(a) ** 2, axis=0))
 
@@ -140,17 +142,19 @@ def _shapes(given: ArrayLike) -> ComplexArray:
     if values.ndim == 1:
         values = values[:, None]
     if values.ndim != 2 or not len(values):
-        raise UsageError(f"shapes are arrays of sensors by modes, got {values.ndim} dimensions")
+        raise UsageError(f"shapes are arrays of sensors by modes, got {values.ndim} dimensions", kind="wrong-form")
     return values
 
 
 def _pair(first: ArrayLike, second: ArrayLike) -> tuple[ComplexArray, ComplexArray]:
     a, b = _shapes(first), _shapes(second)
     if len(a) != len(b):
-        raise UsageError(f"shapes must be given at the same sensors, got {len(a)} and {len(b)}")
+        raise UsageError(f"shapes must be given at the same sensors, got {len(a)} and {len(b)}", kind="wrong-count")
     known = np.isfinite(a).all(axis=1) & np.isfinite(b).all(axis=1)
     if not known.any():
-        raise UsageError("there is no sensor at which both shapes are known; give shapes with a common sensor")
+        raise UsageError(
+            "there is no sensor at which both shapes are known; give shapes with a common sensor", kind="missing-data"
+        )
     return a[known], b[known]
 
 
@@ -346,7 +350,9 @@ def _of_model(
     rows = np.asarray(shapes, dtype=complex)
     if rows.shape != (len(estimate.outputs), len(given)):
         size = f"{len(estimate.outputs)} outputs by {len(given)} poles"
-        raise UsageError(f"the model's shapes must be {size}, got {' by '.join(str(n) for n in rows.shape)}")
+        raise UsageError(
+            f"the model's shapes must be {size}, got {' by '.join(str(n) for n in rows.shape)}", kind="wrong-count"
+        )
     order = upper_half(given)
     return given[order], (estimate.shapes, rows[:, order]) if len(rows) > 1 else None
 
@@ -357,7 +363,10 @@ def _of_modes(
     names = [channel.name for channel in estimate.outputs]
     for output in at or {}:
         if output not in names:
-            raise UsageError(f'no output is named "{output}"{did_you_mean(output, names)}; there is {", ".join(names)}')
+            raise UsageError(
+                f'no output is named "{output}"{did_you_mean(output, names)}; there is {", ".join(names)}',
+                kind="unknown-name",
+            )
     places = {**{name: name for name in names if name in model.nodes}, **(at or {})}
     flexible = model.eigenvalues != 0
     angles = [row for row, channel in enumerate(estimate.outputs) if channel.name in places and channel.unit != "N*m"]

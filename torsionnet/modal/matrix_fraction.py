@@ -67,7 +67,8 @@ def as_poles(given: ArrayLike) -> ComplexArray:
     values = without_rounding(np.atleast_1d(np.asarray(given, dtype=complex)))
     if values.ndim != 1 or not len(values) or not np.isfinite(values).all() or not values.all():
         raise UsageError(
-            "poles are a list of finite numbers in rad/s other than 0; give one or both of each conjugate pair"
+            "poles are a list of finite numbers in rad/s other than 0; give one or both of each conjugate pair",
+            kind="not-finite",
         )
     return np.asarray(values[upper_half(values)])
 

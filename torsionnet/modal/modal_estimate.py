@@ -152,7 +152,10 @@ class ModalEstimate(SavedResult):
         """Angle (or torque in N m) of all mode shapes at one sensor, complex, (n_modes,)."""
         names = [channel.name for channel in self.outputs]
         if output not in names:
-            raise UsageError(f'no output is named "{output}"{did_you_mean(output, names)}; there is {", ".join(names)}')
+            raise UsageError(
+                f'no output is named "{output}"{did_you_mean(output, names)}; there is {", ".join(names)}',
+                kind="unknown-name",
+            )
         return np.asarray(self.shapes[names.index(output)])
 
     def response(self, frequencies: FloatArray) -> FrequencyResponse:

@@ -102,11 +102,14 @@ def peak_picking(
     curve = mean_magnitude(lines)
     peaks = [_read(frequencies, curve, line) for line in _highest(curve, prominence)]
     if not peaks:
-        raise SolveError(f"no peak stands out by {prominence:g} dB; give a lower prominence, or fit the modes")
+        raise SolveError(
+            f"no peak stands out by {prominence:g} dB; give a lower prominence, or fit the modes", kind="no-resonance"
+        )
     good = [peak for peak in peaks if 0 < peak.damping_ratio < 1]
     if not good:
         raise SolveError(
-            "no peak falls to half power within the band, so that no damping can be read; fit the modes instead"
+            "no peak falls to half power within the band, so that no damping can be read; fit the modes instead",
+            kind="no-resonance",
         )
     lost = [peak for peak in peaks if peak not in good]
     notes: tuple[NoteOrText, ...] = band_notes(response, band)

@@ -151,7 +151,9 @@ def select(diagram: Stabilisation, selection: Selection) -> SelectedPoles:
         places = clusters(diagram)
         rule = f"stable over at least {diagram.settings.criteria.enough(len(diagram.orders))} orders in a row"
         if not places:
-            raise SolveError(f"no pole is {rule}; look at the stabilisation diagram and choose by hand")
+            raise SolveError(
+                f"no pole is {rule}; look at the stabilisation diagram and choose by hand", kind="no-resonance"
+            )
     elif selection == "order" or isinstance(selection, int):
         index = (
             best_order(diagram.lines, [order.residuals for order in diagram.orders])
@@ -161,10 +163,13 @@ def select(diagram: Stabilisation, selection: Selection) -> SelectedPoles:
         places = [(index, pole) for pole in range(len(diagram.orders[index].poles))]
         rule = f"all of order {index + 1}" + (", which is worth its unknowns (BIC)" if selection == "order" else "")
         if not places:
-            raise SolveError(f"order {index + 1} has no stable pole; choose another order or a narrower band")
+            raise SolveError(
+                f"order {index + 1} has no stable pole; choose another order or a narrower band", kind="no-resonance"
+            )
     elif isinstance(selection, str):
         raise UsageError(
-            f'select="{selection}" is not known; choose "order", "clusters", an order, or (order, Hz) pairs'
+            f'select="{selection}" is not known; choose "order", "clusters", an order, or (order, Hz) pairs',
+            kind="unknown-word",
         )
     else:
         places = list(dict.fromkeys(_by_hand(diagram, selection)))
@@ -263,28 +268,32 @@ def _is_same(diagram: Stabilisation, first: Place, second: Place) -> bool:
 
 def _order(diagram: Stabilisation, order: int) -> int:
     if not 1 <= order <= len(diagram.orders):
-        raise UsageError(f"there is no order {order} in the diagram; the orders are 1 to {len(diagram.orders)}")
+        raise UsageError(
+            f"there is no order {order} in the diagram; the orders are 1 to {len(diagram.orders)}", kind="out-of-range"
+        )
     return order
 
 
 def _by_hand(diagram: Stabilisation, picks: Sequence[tuple[int, float]]) -> Iterator[Place]:
     if not picks:
-        raise UsageError("no pole is chosen; give (order, Hz) pairs")
+        raise UsageError("no pole is chosen; give (order, Hz) pairs", kind="wrong-count")
     for pick in picks:
         try:
             order, frequency = int(pick[0]), float(pick[1])
         except (TypeError, ValueError, IndexError) as error:
             raise UsageError(
-                f"a pole is chosen by its order and frequency in Hz, as in (6, 8.7); got {pick!r}"
+                f"a pole is chosen by its order and frequency in Hz, as in (6, 8.7); got {pick!r}", kind="wrong-form"
             ) from error
         index = _order(diagram, order) - 1
         known = natural_frequencies(diagram.orders[index].poles)
         if not len(known):
-            raise UsageError(f"order {order} has no stable pole; choose another order")
+            raise UsageError(f"order {order} has no stable pole; choose another order", kind="no-resonance")
         nearest = int(np.abs(known - frequency).argmin())
         if abs(known[nearest] / frequency - 1) > FARTHEST_PICK:
             there = ", ".join(f"{value:.4g}" for value in known)
-            raise UsageError(f"order {order} has no pole near {frequency:g} Hz; its poles are at {there} Hz")
+            raise UsageError(
+                f"order {order} has no pole near {frequency:g} Hz; its poles are at {there} Hz", kind="no-resonance"
+            )
         yield index, nearest
 
 

@@ -46,9 +46,14 @@ class Criteria:
         for name in ("frequency", "damping", "shape"):
             value = getattr(self, name)
             if not (math.isfinite(value) and 0 < value <= 1):
-                raise UsageError(f"the criterion for {name} must be a fraction above 0 and up to 1, got {value}")
+                raise UsageError(
+                    f"the criterion for {name} must be a fraction above 0 and up to 1, got {value}", kind="out-of-range"
+                )
         if self.least_orders is not None and self.least_orders < 2:
-            raise UsageError(f"a cluster needs the poles of at least 2 orders, got least_orders={self.least_orders}")
+            raise UsageError(
+                f"a cluster needs the poles of at least 2 orders, got least_orders={self.least_orders}",
+                kind="out-of-range",
+            )
 
     def enough(self, orders: int) -> int:
         """Number of orders in a row over which a pole must stay to be a mode, in a diagram of ``orders`` orders."""
@@ -97,12 +102,15 @@ class Settings:
             if chosen not in get_args(known):
                 choices = ", ".join(get_args(known))
                 raise UsageError(
-                    f'{name} "{chosen}" is not known{did_you_mean(str(chosen), get_args(known))}; choose {choices}'
+                    f'{name} "{chosen}" is not known{did_you_mean(str(chosen), get_args(known))}; choose {choices}',
+                    kind="unknown-word",
                 )
         if self.order < 1:
-            raise UsageError(f"the highest order must be at least 1, got {self.highest_order}")
+            raise UsageError(f"the highest order must be at least 1, got {self.highest_order}", kind="out-of-range")
         if self.band is not None and not 0 <= self.band[0] < self.band[1]:
-            raise UsageError(f"the band must be from a lower to a higher frequency in Hz, got {self.band}")
+            raise UsageError(
+                f"the band must be from a lower to a higher frequency in Hz, got {self.band}", kind="unordered-rows"
+            )
 
     @property
     def order(self) -> int:
@@ -173,7 +181,10 @@ def power(output: Channel, input: Channel) -> int:
     """
     for channel in (output, input):
         if channel.unit not in (*ORDERS, "N*m"):
-            raise UsageError(f'{channel.name} is in "{channel.unit}"; modes are fitted to {", ".join(ORDERS)} and N*m')
+            raise UsageError(
+                f'{channel.name} is in "{channel.unit}"; modes are fitted to {", ".join(ORDERS)} and N*m',
+                kind="wrong-unit",
+            )
     if input.unit == "N*m":
         return ORDERS.get(output.unit, 0)
     return ORDERS.get(output.unit, 2) - ORDERS[input.unit]
@@ -194,7 +205,8 @@ def lines_of(response: FrequencyResponse, settings: Settings) -> Lines:
     """
     if not response.has_phase:
         raise UsageError(
-            "modes are fitted to complex responses; this response has magnitudes only, give its phases too"
+            "modes are fitted to complex responses; this response has magnitudes only, give its phases too",
+            kind="missing-data",
         )
     powers = powers_of(response.outputs, response.inputs)
     low, high = settings.band or (0.0, response.usable_up_to or np.inf)
@@ -204,7 +216,8 @@ def lines_of(response: FrequencyResponse, settings: Settings) -> Lines:
         where = "" if settings.band is None and np.isinf(high) else f" from {low:g} to {high:g} Hz"
         raise UsageError(
             f"a fit of modes needs at least {FEWEST_LINES} frequencies above 0{where}, there are {usable.sum()}; "
-            "use finer lines or a wider band"
+            "use finer lines or a wider band",
+            kind="too-short",
         )
     values = chosen.values[usable]
     dead = [
@@ -214,7 +227,7 @@ def lines_of(response: FrequencyResponse, settings: Settings) -> Lines:
         if not values[:, o, i].any()
     ]
     if dead:
-        raise UsageError(f"{', '.join(dead)} is zero at every frequency; leave it out")
+        raise UsageError(f"{', '.join(dead)} is zero at every frequency; leave it out", kind="needless-entry")
     coherence = None if chosen.coherence is None else chosen.coherence[usable]
     s = np.asarray(2j * np.pi * chosen.frequencies[usable], dtype=np.complex128)
     return Lines(s, values, powers, _weights(values, coherence, settings))
@@ -239,7 +252,8 @@ def _weights(values: ComplexArray, coherence: FloatArray | None, settings: Setti
         return np.asarray(relative)
     if coherence is None:
         raise UsageError(
-            'weights="coherence" need a coherence, which only an estimate from recordings has; use "uniform"'
+            'weights="coherence" need a coherence, which only an estimate from recordings has; use "uniform"',
+            kind="missing-data",
         )
     # The variance of a line is in proportion to |H|^2 (1 - coherence)/coherence.
     certain = np.clip(coherence, 0, HIGHEST_COHERENCE)

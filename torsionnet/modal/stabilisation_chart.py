@@ -117,7 +117,8 @@ def diagram(response: FrequencyResponse, settings: Settings) -> Stabilisation:
     if not any(len(order.poles) for order in orders):
         raise SolveError(
             "no order gives a stable pole: the responses look like noise, or like motion ~ exp(-j omega t); "
-            "check the sign of the phase"
+            "check the sign of the phase",
+            kind="no-resonance",
         )
     return Stabilisation(response, settings, tuple(orders), lines)
 

@@ -121,7 +121,7 @@ def bode(
     """
     given = [responses] if isinstance(responses, FrequencyResponse) else list(responses)
     if not given:
-        raise UsageError("there is no frequency response to plot")
+        raise UsageError("there is no frequency response to plot", kind="nothing-to-draw")
     chosen = [response.select(output, input) for response in given]
     unit = _common_unit(chosen, conventions)
     common, names = _labels(chosen, labels)
@@ -150,7 +150,8 @@ def _common_unit(responses: Sequence[FrequencyResponse], conventions: Convention
     }
     if len(units) != 1:
         raise UsageError(
-            f"transfer functions in {', '.join(sorted(units))} do not fit on one axis; choose with output=, input="
+            f"transfer functions in {', '.join(sorted(units))} do not fit on one axis; choose with output=, input=",
+            kind="wrong-unit",
         )
     return units.pop()
 
@@ -163,7 +164,7 @@ def _labels(responses: Sequence[FrequencyResponse], labels: Sequence[str] | None
     common = titles[0] if is_one else models.pop() if len(models) == 1 else ""
     if labels is not None:
         if len(labels) != len(responses):
-            raise UsageError(f"{len(labels)} labels were given for {len(responses)} responses")
+            raise UsageError(f"{len(labels)} labels were given for {len(responses)} responses", kind="wrong-count")
         return common, list(labels)
     if len(responses) == 1:
         return common, [""]
@@ -220,7 +221,9 @@ def _where_meant(response: FrequencyResponse, output: int) -> tuple[NDArray[np.b
 def _panels(curves: Sequence[Curve], coherence: bool | None) -> list[str]:
     available = any(curve.coherence is not None for curve in curves)
     if coherence and not available:
-        raise UsageError("none of the responses has a coherence: only estimates from recorded signals have")
+        raise UsageError(
+            "none of the responses has a coherence: only estimates from recorded signals have", kind="missing-data"
+        )
     wanted = available if coherence is None else coherence
     return ["magnitude", "phase", *(["coherence"] if wanted else [])]
 

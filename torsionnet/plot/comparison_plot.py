@@ -240,7 +240,8 @@ def coherence(
     for number, (response, name) in enumerate(zip(given, names, strict=True)):
         if response.coherence is None:
             raise UsageError(
-                f"{response.title or 'a response'} has no coherence: only estimates from recorded signals have"
+                f"{response.title or 'a response'} has no coherence: only estimates from recorded signals have",
+                kind="missing-data",
             )
         f, values = response.frequencies * conventions.frequency_scale, response.coherence[:, 0, 0]
         look = style.line_style(number)

@@ -92,13 +92,18 @@ def _panels(check: LimitCheck, names: Sequence[str] | None) -> list[list[LimitVe
     known = {one.limit for one in check.verdicts}
     for name in names or ():
         if name not in known:
-            raise UsageError(f'no limit "{name}" was checked; there are {", ".join(sorted(known))}')
+            raise UsageError(
+                f'no limit "{name}" was checked; there are {", ".join(sorted(known))}', kind="unknown-name"
+            )
     found: dict[tuple[str, str], list[LimitVerdict]] = {}
     for one in check.verdicts:
         if len(one.values) and (names is None or one.limit in names):
             found.setdefault((one.limit, one.quantity), []).append(one)
     if not found:
-        raise UsageError("nothing to draw: none of these limits could be judged; the table of limits says why")
+        raise UsageError(
+            "nothing to draw: none of these limits could be judged; the table of limits says why",
+            kind="nothing-to-draw",
+        )
     return list(found.values())
 
 
@@ -223,7 +228,10 @@ def limit_families(
     names = {limits} if isinstance(limits, str) else None if limits is None else set(limits)
     families = families_of(checks, names)
     if not families:
-        raise UsageError("nothing to draw: no limit on vibration could be judged; the table of limits says why")
+        raise UsageError(
+            "nothing to draw: no limit on vibration could be judged; the table of limits says why",
+            kind="nothing-to-draw",
+        )
     columns = min(2, len(families))
     height = 0.3 * bool(title) + (PANEL_HEIGHT if columns > 1 else 3.0) * math.ceil(len(families) / columns)
     shows = [f"{first.limit}, {first.quantity}" for first in (one.members[0][1][0] for one in families)]

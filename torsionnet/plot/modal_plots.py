@@ -286,7 +286,8 @@ def mac_matrix(
     matrix = np.asarray(values, dtype=float)
     if matrix.ndim != 2 or not matrix.size:
         raise UsageError(
-            "a MAC plot needs a matrix; a match has none if model and test have fewer than two sensors in common"
+            "a MAC plot needs a matrix; a match has none if model and test have fewer than two sensors in common",
+            kind="missing-data",
         )
     names = [
         [str(number + 1) for number in range(size)] if given is None else list(given)
@@ -294,7 +295,7 @@ def mac_matrix(
     ]
     for given, size in zip(names, matrix.shape, strict=True):
         if len(given) != size:
-            raise UsageError(f"{size} modes need as many names, got {len(given)}")
+            raise UsageError(f"{size} modes need as many names, got {len(given)}", kind="wrong-count")
     cell = 0.45
     width, height = min(style.WIDTH, 2.2 + cell * matrix.shape[1]), min(9, 1.6 + cell * matrix.shape[0])
     sheet, ((axes,),) = style.grid_panels(width, height, [""], ax)

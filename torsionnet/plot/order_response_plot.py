@@ -168,7 +168,7 @@ def waveform(
     low, high = response.speeds.min(), response.speeds.max()
     if not low * (1 - 1e-9) <= speed <= high * (1 + 1e-9):
         calculated = f"{low * RPM:g} to {high * RPM:g} r/min"
-        raise UsageError(f"{speed * RPM:g} r/min is outside the speeds calculated, {calculated}")
+        raise UsageError(f"{speed * RPM:g} r/min is outside the speeds calculated, {calculated}", kind="out-of-range")
     at = int(np.argmin(np.abs(response.speeds - speed)))
     angle, waves = response.waveform(response.outputs[place].name)
     channel = response.outputs[place]

@@ -135,11 +135,15 @@ def shape_view(
 ) -> ShapeView:
     """Axis of the nodes, and factors that refer their angles to one shaft, or factors 1 for each node's own angle."""
     if referred_to is not None and referred_to not in modes.nodes:
-        raise UsageError(f'no node is named "{referred_to}"{did_you_mean(referred_to, modes.nodes)}')
+        raise UsageError(
+            f'no node is named "{referred_to}"{did_you_mean(referred_to, modes.nodes)}', kind="unknown-node"
+        )
     ones = np.ones(len(modes.nodes))
     if drivetrain is None:
         if referred_to is not None:
-            raise UsageError("angles can be referred to a node only where the drivetrain is given too")
+            raise UsageError(
+                "angles can be referred to a node only where the drivetrain is given too", kind="missing-data"
+            )
         return ShapeView(plain_axis(modes.nodes), ones, "angle of each node [-]")
     idlers = set() if idle else idle_nodes(drivetrain)
     left_out = tuple(node for node in drivetrain.nodes if node in idlers)
@@ -348,7 +352,7 @@ def relative_amplitudes(tables: Sequence[HolzerTable]) -> Figure:
     2
     """
     if not tables:
-        raise UsageError("there is no Holzer table to draw: give those of the modes")
+        raise UsageError("there is no Holzer table to draw: give those of the modes", kind="nothing-to-draw")
     sheet, panels = style.stacked_panels(0.2 + PANEL_HEIGHT * len(tables) + NAMES_HEIGHT, [""] * len(tables))
     for panel, holzer in zip(panels, tables, strict=True):
         _draw(panel, holzer)

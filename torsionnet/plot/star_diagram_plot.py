@@ -47,7 +47,10 @@ def star_diagrams(stars: Sequence[StarDiagram], *, title: str | None = None, ax:
         There are none.
     """
     if not stars:
-        raise UsageError("there is no star diagram to draw: no order meets this mode in or near the operating range")
+        raise UsageError(
+            "there is no star diagram to draw: no order meets this mode in or near the operating range",
+            kind="nothing-to-draw",
+        )
     groups = _alike(stars)
     across = min(PANELS_PER_ROW, len(groups))
     height = 0.6 + math.ceil(len(groups) / across) * style.WIDTH / PANELS_PER_ROW * 1.16

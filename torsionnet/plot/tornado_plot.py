@@ -55,12 +55,13 @@ def tornado(
     wrong = [number for number in mode or () if number not in known]
     if wrong or not known:
         there = f"there are {', '.join(have)}" if have else "there is none that vibrates"
-        raise UsageError(f"there is no mode {wrong[0] if wrong else 1}; {there}")
+        raise UsageError(f"there is no mode {wrong[0] if wrong else 1}; {there}", kind="unknown-mode")
     chosen = [known.index(number) for number in mode] if mode else list(range(len(known)))
     chosen = [place for place in chosen if _moves(result, place)][: len(chosen) if mode else MOST_MODES]
     if not chosen:
         raise UsageError(
-            "there is nothing to draw: none of the parameters moves these modes; choose other modes or parameters"
+            "there is nothing to draw: none of the parameters moves these modes; choose other modes or parameters",
+            kind="nothing-to-draw",
         )
     size = (np.abs(result.relative_frequencies) + np.abs(result.relative_dampings))[chosen].max(axis=0)
     shown = [int(p) for p in np.argsort(-size)[:MOST_PARAMETERS] if size[p] > SHORTEST_BAR * size.max()]

@@ -44,7 +44,10 @@ def campaign_report(
     campaign = result.campaign
     places = _places(campaign) if campaign.of_orders else {}
     if not places and not campaign.of_responses:
-        raise UsageError("no channel of the campaign shows a sensor of the model: name one by sensor: for the report")
+        raise UsageError(
+            "no channel of the campaign shows a sensor of the model: name one by sensor: for the report",
+            kind="unknown-channel",
+        )
     model = campaign.model
     own = campaign.plan.report or ReportPlan()
     plan = _plan(campaign, own)

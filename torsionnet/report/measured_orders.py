@@ -97,7 +97,7 @@ def _parsed(name: str, text: str, model: Drivetrain) -> MeasuredFile:
     try:
         chosen = model.configured(configuration).configuration if configuration else model.configuration
     except (UsageError, ModelError) as error:
-        raise UsageError(f'measured orders "{text}": {error}; write {FORM}') from None
+        raise UsageError(f'measured orders "{text}": {error}; write {FORM}', kind="wrong-form") from None
     return MeasuredFile(Path(file), chosen, place)
 
 
@@ -119,7 +119,8 @@ def read_measured(
     if file.place and file.place not in names:
         raise UsageError(
             f"{file.path.name}: {file.place} is no place of the measurement plan, which has {', '.join(names)}; add it "
-            f"to report: {{measure: [{', '.join([*names, file.place])}]}}"
+            f"to report: {{measure: [{', '.join([*names, file.place])}]}}",
+            kind="unknown-name",
         )
     found, refusals = {}, []
     for place in places:
@@ -132,12 +133,14 @@ def read_measured(
         reasons = "; ".join(dict.fromkeys(refusals))
         raise UsageError(
             f"{reasons}. The plan measures {', '.join(f'{place.name} in {place.unit}' for place in places)}; give the "
-            "file another unit, or name other sensors in report: {measure: [...]}"
+            "file another unit, or name other sensors in report: {measure: [...]}",
+            kind="wrong-unit",
         )
     if len(found) > 1 and not is_written_table(file.path):
         raise UsageError(
             f"{file.path.name} may be of {' or '.join(found)}, which have the same unit; say which: "
-            f"{configuration or 'CONFIGURATION'}:{next(iter(found))}={file.path.name}"
+            f"{configuration or 'CONFIGURATION'}:{next(iter(found))}={file.path.name}",
+            kind="ambiguous-name",
         )
     return found
 

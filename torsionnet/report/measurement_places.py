@@ -48,7 +48,9 @@ def measuring_places(subject: ReportData) -> tuple[MeasuringPlace, ...]:
         sensors = [Sensor("angle", end)] if end else []
         sensors += [Sensor("torque", shaft)] if shaft else []
     if subject.request.measured and not sensors:
-        raise UsageError("the model names no place to measure at; name sensors in report: {measure: [...]}")
+        raise UsageError(
+            "the model names no place to measure at; name sensors in report: {measure: [...]}", kind="missing-entry"
+        )
     return tuple(MeasuringPlace(named.get(sensor, str(sensor)), sensor) for sensor in sensors)
 
 
@@ -77,7 +79,10 @@ def files_by_case(subject: ReportData) -> tuple[tuple[Case, tuple[MeasuredFile, 
         if not name and subject.model.configurations:
             names = ", ".join(case.configuration for case in subject.judged_cases)
             text = "a measurement is of one configuration"
-            raise UsageError(f"{file.path.name}: {text}; write CONFIGURATION={file.path.name}, there are {names}")
+            raise UsageError(
+                f"{file.path.name}: {text}; write CONFIGURATION={file.path.name}, there are {names}",
+                kind="unknown-configuration",
+            )
         found.setdefault(name, []).append(file)
     known = {case.configuration: case for case in subject.judged_cases}
     return tuple(
@@ -101,5 +106,5 @@ def within_calculated(
     except UsageError as error:
         low, high = float(run.rpm.min()), float(run.rpm.max())
         text = f"the file has to have orders and speeds of {run.reference} from {low:.6g} to {high:.6g} rpm"
-        raise UsageError(f"{file.path.name}: {error}; {text}") from None
+        raise UsageError(f"{file.path.name}: {error}; {text}", kind=error.kind) from None
     return orders

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from torsionnet.base.entries.declared import files_recorded
-from torsionnet.base.errors import ModelError, UsageError, comma_list, did_you_mean
+from torsionnet.base.errors import ModelError, UsageError, comma_list, did_you_mean, fault_of
 from torsionnet.base.version import __version__
 from torsionnet.loading import load
 from torsionnet.model.files.reader import find_model
@@ -155,7 +155,7 @@ def writer_for(path: str | os.PathLike[str]) -> Callable[[Report, Path], tuple[P
     """
     ending = Path(path).suffix.lower()
     if ending not in WRITERS:
-        raise UsageError(f'cannot write "{path}": a report ends in {", ".join(WRITERS)}')
+        raise UsageError(f'cannot write "{path}": a report ends in {", ".join(WRITERS)}', kind="wrong-file")
     writer = importlib.import_module(f"torsionnet.report.writers.{WRITERS[ending]}")
     if ending in REQUIRED:
         getattr(writer, REQUIRED[ending])()  # before minutes of calculation, not after them
@@ -247,7 +247,8 @@ def make_report(
     for what, chosen, known in (("kind", kind, tuple(KINDS)), ("language", language, LANGUAGES)):
         if chosen is not None and chosen not in known:
             raise UsageError(
-                f'expected {" or ".join(known)} as the {what} of a report, got "{chosen}"{did_you_mean(chosen, known)}'
+                f'expected {" or ".join(known)} as the {what} of a report, got "{chosen}"{did_you_mean(chosen, known)}',
+                kind="unknown-word",
             )
     drivetrain, file, data, inputs = _read(model)
     if settings:
@@ -308,10 +309,14 @@ def _require_plan(request: ReportRequest, model: Drivetrain) -> None:
         return
     names = ", ".join(one.path.name for one in request.measured)
     if model.definition.speeds is None or not model.definition.excitations:
-        raise UsageError(f"measured orders ({names}) need the entries speeds: and excitations: of the model")
+        raise UsageError(
+            f"measured orders ({names}) need the entries speeds: and excitations: of the model", kind="missing-entry"
+        )
     if not request.wants("measurement_plan"):
         text = "the report has no section measurement_plan"
-        raise UsageError(f"measured orders ({names}): {text}; add --section measurement_plan, or leave them out")
+        raise UsageError(
+            f"measured orders ({names}): {text}; add --section measurement_plan, or leave them out", kind="switched-off"
+        )
 
 
 def _measured_inputs(request: ReportRequest) -> tuple[tuple[str, str], ...]:
@@ -370,7 +375,7 @@ def _band(raw: tuple[float, float] | str) -> tuple[float, float]:
     try:
         return parse_band(raw)
     except ValueError as error:
-        raise UsageError(str(error)) from None
+        raise UsageError(fault_of(error, "wrong-form")) from None
 
 
 def _tests(raw: Any) -> tuple[Measured, ...]:

@@ -416,7 +416,7 @@ class ReportData:
 
     def for_pair(self, pair: Pair) -> ReportData:
         """Copy of the data with only the configurations that have the output and input of a transfer function."""
-        kept = tuple(case for case in self.cases if self.refusal(case, pair) is None)
+        kept = tuple(case for case in self.cases if self.why_left_out(case, pair) is None)
         if len(kept) in (0, len(self.cases)):
             return self
         names = tuple(case.configuration for case in kept)
@@ -426,7 +426,7 @@ class ReportData:
     def _parts(self) -> dict[tuple[str, ...], ReportData]:
         return {}
 
-    def refusal(self, case: Case, pair: Pair) -> UsageError | None:
+    def why_left_out(self, case: Case, pair: Pair) -> UsageError | None:
         """Error that says why a configuration lacks the transfer function; None where it has."""
         try:
             self.solver(case, pair)(Adaptive(1, 2, 2, 1).frequencies())
@@ -584,7 +584,7 @@ def require_answers(subject: ReportData) -> None:
     """
     found = []
     for pair in subject.pairs:
-        refusals = [subject.refusal(case, pair) for case in subject.cases]
+        refusals = [subject.why_left_out(case, pair) for case in subject.cases]
         if all(refusals):
             found.append(f"{pair}: {refusals[0]}")
     if found:

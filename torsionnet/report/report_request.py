@@ -103,4 +103,6 @@ def read_date(raw: str | dt.date | None) -> dt.date | None:
     try:
         return dt.date.fromisoformat(raw.strip())
     except ValueError:
-        raise UsageError(f'a date is written 2025-03-31 (year-month-day), or none; got "{raw}"') from None
+        raise UsageError(
+            f'a date is written 2025-03-31 (year-month-day), or none; got "{raw}"', kind="wrong-form"
+        ) from None

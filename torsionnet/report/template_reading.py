@@ -81,7 +81,7 @@ def page_faults(template: TemplateFolder, name: str) -> list[Fault]:
         tag = _unknown_tag(environment, template.texts[name], error.lineno)
         text = f'no tag is named "{tag}"{suggestion_or(tag, _TAGS, "known: " + ", ".join(_TAGS))}' if tag else ""
         found = [(error.lineno, text or (error.message or "this is no template").rstrip("."))]
-    return [Fault(text, position=template.position(name, line)) for line, text in found]
+    return [Fault(text, position=template.position(name, line), kind="unknown-name") for line, text in found]
 
 
 def _unknown_tag(environment: Environment, text: str, line: int) -> str:
@@ -163,7 +163,9 @@ def read_template(path: str | os.PathLike[str]) -> TemplateFolder:
         except ModelError as error:
             faults += error.faults
         except OSError as error:
-            raise UsageError(f"{folder / name} cannot be read: {error.strerror or error}") from None
+            raise UsageError(
+                f"{folder / name} cannot be read: {error.strerror or error}", kind="unreadable-file"
+            ) from None
     words, found = _words(texts.pop(WORDS, ""), str(folder / WORDS))
     faults += found
     read = TemplateFolder(folder, texts, images, Wording(words.texts or {}), words.language)
@@ -179,11 +181,15 @@ def _names(folder: Path) -> list[str]:
     try:
         found = sorted(entry.name for entry in folder.iterdir())
     except NotADirectoryError:
-        raise UsageError(f"{folder} is no folder; --template takes the folder that holds page.html") from None
+        raise UsageError(
+            f"{folder} is no folder; --template takes the folder that holds page.html", kind="missing-file"
+        ) from None
     except OSError as error:
         beside = folder.parent.iterdir() if folder.parent.is_dir() else ()
         hint = did_you_mean(folder.name, [entry.name for entry in beside if entry.is_dir()])
-        raise UsageError(f"the template folder {folder} cannot be read: {error.strerror or error}{hint}") from None
+        raise UsageError(
+            f"the template folder {folder} cannot be read: {error.strerror or error}{hint}", kind="unreadable-file"
+        ) from None
     return [name for name in found if not name.startswith((".", "README"))]
 
 
@@ -192,20 +198,20 @@ def _no_part(folder: Path, name: str, names: Iterable[str]) -> Fault | None:
     path, known = folder / name, (*PAGES, STYLE, WORDS)
 
     def fault(text: str) -> Fault:
-        return Fault(text, position=Position(str(path), 1, 1, 2), about=name)
+        return Fault(text, position=Position(str(path), 1, 1, 2), about=name, kind="missing-file")
 
     if not path.resolve().is_relative_to(folder.resolve()):
-        return fault("this link leads out of the template folder; put a copy of the file there")
+        return fault("this link leads out of the template folder; put a copy of the file there", kind="forbidden-file")
     if name not in known and Path(name).suffix.lower() not in IMAGES:
         rest = f"it may hold {', '.join(known)} and images ({', '.join(IMAGES)})"
         missing = [one for one in known if one not in names]
-        return fault(f"this is no part of a template{suggestion_or(name, missing, rest)}")
+        return fault(f"this is no part of a template{suggestion_or(name, missing, rest)}", kind="unknown-name")
     if not path.is_file():
-        return fault("a file is expected, not a folder or a device")
+        return fault("a file is expected, not a folder or a device", kind="wrong-file")
     if path.stat().st_size > MOST_BYTES:
-        return fault(f"the file is too large: more than {MOST_BYTES // 1_000_000} MB")
+        return fault(f"the file is too large: more than {MOST_BYTES // 1_000_000} MB", kind="too-large")
     if name not in known and not _IMAGE_NAME.fullmatch(name):
-        return fault("the name of an image has letters, digits, - and _, and one ending")
+        return fault("the name of an image has letters, digits, - and _, and one ending", kind="invalid-name")
     return None
 
 
@@ -228,7 +234,9 @@ def _from_elsewhere(template: TemplateFolder, name: str) -> Iterator[Fault]:
             line = text.count("\n", 0, found.start()) + 1
             column = found.start() - text.rfind("\n", 0, found.start())
             about = found[1] if found.re.groups else ""
-            yield Fault(advice.format(about), position=template.position(name, line, column))
+            yield Fault(advice.format(about), position=template.position(name, line, column), kind="wrong-form")
     if name == STYLE and "</" in text:
         line = text.count("\n", 0, text.index("</")) + 1
-        yield Fault("a style sheet cannot hold tags; delete them", position=template.position(name, line))
+        yield Fault(
+            "a style sheet cannot hold tags; delete them", position=template.position(name, line), kind="wrong-form"
+        )

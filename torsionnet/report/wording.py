@@ -120,7 +120,7 @@ class Language(Text):
     def coerce(self, raw: object) -> str:
         text = super().coerce(raw)
         if not re.fullmatch(r"[A-Za-z]{2,3}(-[A-Za-z0-9]{1,8})*", text):
-            raise EntryError(f'a language is a code such as de or pt-BR, got "{text}"')
+            raise EntryError(f'a language is a code such as de or pt-BR, got "{text}"', kind="wrong-form")
         return text
 
 
@@ -139,7 +139,7 @@ class Words(Declared):
 
     def contradictions(self) -> list[Fault]:
         return [
-            Fault(fault, ("texts", text))
+            Fault(fault, ("texts", text), kind="wrong-form")
             for text, said in (self.texts or {}).items()
             if (fault := _places_fault(set(PLACEHOLDER.findall(text)), set(PLACEHOLDER.findall(said))))
         ]

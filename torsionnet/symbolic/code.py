@@ -70,7 +70,9 @@ def checked_identifier(name: str) -> str:
     'k_1'
     """
     if not IDENTIFIER.fullmatch(name) or keyword.iskeyword(name):
-        raise UsageError(f'"{name}" cannot be a name in Python code; use letters, digits and underscores')
+        raise UsageError(
+            f'"{name}" cannot be a name in Python code; use letters, digits and underscores', kind="invalid-name"
+        )
     return name
 
 

@@ -36,7 +36,8 @@ def to_latex(system: SymbolicMatrices, part: str = "") -> str:
         return column_latex([symbol_latex(name) for name in system.inputs])
     if part:
         raise UsageError(
-            f'unknown part "{part}" of the equations{did_you_mean(part, PARTS)}; choose {", ".join(PARTS)}'
+            f'unknown part "{part}" of the equations{did_you_mean(part, PARTS)}; choose {", ".join(PARTS)}',
+            kind="unknown-word",
         )
     terms = [f"{to_latex(system, key)} {angle_derivatives(system.coordinates, dots)}" for key, dots in DOTS.items()]
     rest = complex_stiffness(system)

@@ -271,7 +271,8 @@ def expanded(function: SymbolicFraction, cap: int) -> Expanded:
     if predicted > cap:
         raise UsageError(
             f"fully expanded, this transfer function has up to {predicted:,} terms, more than {cap:,}; "
-            "use .mechanical or .program, keep(...) fewer parameters, or raise cap="
+            "use .mechanical or .program, keep(...) fewer parameters, or raise cap=",
+            kind="too-large",
         )
     program, outputs = function.steps, function.outputs
     algebra = monomials_for(program.payloads(outputs))

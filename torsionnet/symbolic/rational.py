@@ -226,7 +226,10 @@ def require_readable(function: SymbolicFraction) -> None:
     nodes = [value for polynomial in polynomials for value in polynomial if isinstance(value, ProgramNode)]
     leaves = sum(nodes[0].program.run(Lengths(), nodes)) if nodes else 0
     if leaves > MOST_WRITTEN:
-        raise UsageError(f'the coefficients would be written with {leaves:,} elements and numbers; ask for "program"')
+        raise UsageError(
+            f'the coefficients would be written with {leaves:,} elements and numbers; ask for "program"',
+            kind="too-large",
+        )
 
 
 def require_short(function: SymbolicFraction, most: int) -> None:
@@ -235,7 +238,8 @@ def require_short(function: SymbolicFraction, most: int) -> None:
     if leaves > most:
         raise UsageError(
             f"with its closed loops written out, this transfer function is a fraction of {leaves:,} elements and "
-            'numbers; ask for "program"'
+            'numbers; ask for "program"',
+            kind="too-large",
         )
 
 
@@ -252,7 +256,7 @@ def evaluate(function: SymbolicFraction, frequencies: ArrayLike, given: Mapping[
     """Frequency response, values (n_f, 1, 1) in SI, of a symbolic transfer function with numbers for its parameters."""
     f = np.atleast_1d(np.asarray(frequencies, dtype=float))
     if f.ndim != 1 or not np.isfinite(f).all() or (f < 0).any():
-        raise UsageError("frequencies must be a list of finite numbers >= 0, in Hz")
+        raise UsageError("frequencies must be a list of finite numbers >= 0, in Hz", kind="not-finite")
     values = _complete(function, given)
     result = np.empty(f.shape, dtype=complex)
     moving = f > 0
@@ -279,7 +283,7 @@ def _complete(function: SymbolicFraction, given: Mapping[Any, Any]) -> dict[Any,
     values |= {name: exact(value) for name, value in given.items()}
     missing = sorted(str(name) for name in function.free_symbols - set(values))
     if missing:
-        raise UsageError(f"give values for {', '.join(missing)}")
+        raise UsageError(f"give values for {', '.join(missing)}", kind="missing-entry")
     return values
 
 
@@ -364,7 +368,8 @@ def lowest_terms_in_s(function: SymbolicFraction, coefficient: Any, vanishes: An
             return found[0], found[1]
         if limit > 4 * len(function.steps.steps) + 4:
             raise UsageError(
-                "numerator and denominator of the transfer function are both zero; choose another output or input"
+                "numerator and denominator of the transfer function are both zero; choose another output or input",
+                kind="zero-input",
             )
         limit *= 4
 

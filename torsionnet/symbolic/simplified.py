@@ -154,7 +154,9 @@ def _band(drivetrain: AssembledModel, band: tuple[float, float] | None) -> tuple
         return lowest / 20, 2 * lowest
     low, high = band
     if not 0 < low < high < math.inf:
-        raise UsageError(f"band must be two frequencies in Hz with 0 < low < high, got {low:g}, {high:g}")
+        raise UsageError(
+            f"band must be two frequencies in Hz with 0 < low < high, got {low:g}, {high:g}", kind="unordered-rows"
+        )
     return low, high
 
 
@@ -203,7 +205,9 @@ class _Reference:
         self.frequencies = np.geomspace(low, high, COMPARISON_POINTS)
         self.poles = [pole for pole in self._poles(drivetrain) if abs(pole) <= 2 * np.pi * high]
         if not self.poles:
-            raise UsageError(f"there is no mode of vibration up to {high:g} Hz to be kept; widen band=")
+            raise UsageError(
+                f"there is no mode of vibration up to {high:g} Hz to be kept; widen band=", kind="unknown-mode"
+            )
         self.magnitude = self._magnitude(drivetrain)
 
     def _poles(self, drivetrain: AssembledModel) -> list[complex]:

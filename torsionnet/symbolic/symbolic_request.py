@@ -107,7 +107,10 @@ def resolve(
         return whole
     if vanishes(seen.numerator(measured[0], load)):
         felt = f"{request.names} does not feel the {request.excitations[0]}"
-        raise UsageError(f"{felt}: the transfer function against it does not exist; choose another excitation")
+        raise UsageError(
+            f"{felt}: the transfer function against it does not exist; choose another excitation",
+            kind="unmatched-excitations",
+        )
     whole = replace(whole, measured=measured[0])
     kept = elements_beyond_cut(drivetrain, request)
     return whole if kept is None else _of_cut(drivetrain, kept, request, whole, referred_to)
@@ -370,4 +373,7 @@ def without_imposed_angles(
 def require_one_channel_each(output: object, input: object) -> None:
     """Raise an error if several outputs or inputs are given for a symbolic transfer function, which has one of each."""
     if not isinstance(output, str | Sensor) or not isinstance(input, str | Sensor | Input):
-        raise UsageError("a transfer function in symbols has one output and one input; transfer_matrix takes several")
+        raise UsageError(
+            "a transfer function in symbols has one output and one input; transfer_matrix takes several",
+            kind="wrong-count",
+        )

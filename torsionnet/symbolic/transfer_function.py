@@ -144,7 +144,8 @@ class TransferFunction(SymbolicFraction):
             if any(coefficient.has(symbol) for coefficient in table.coefficients):
                 raise UsageError(
                     f"the derivative of {function} to {symbol} has no symbols; use "
-                    "torsionnet.linear.sensitivity, which has it in numbers"
+                    "torsionnet.linear.sensitivity, which has it in numbers",
+                    kind="unsupported-law",
                 )
         algebra = Derivatives(program, symbol)
         (above, slope_above), (below, slope_below) = self.steps.run(algebra, self.outputs)
@@ -189,7 +190,9 @@ class TransferFunction(SymbolicFraction):
     def _symbol(self, name: str) -> Any:
         known = {str(symbol): symbol for symbol in {*self.values, *self.free_symbols}}
         if str(name) not in known:
-            raise UsageError(f'no parameter is named "{name}"{did_you_mean(str(name), known)}')
+            raise UsageError(
+                f'no parameter is named "{name}"{did_you_mean(str(name), known)}', kind="unknown-parameter"
+            )
         return known[str(name)]
 
     def evaluate(self, frequencies: ArrayLike, **parameters: float) -> FrequencyResponse:
@@ -238,7 +241,9 @@ class TransferFunction(SymbolicFraction):
         if form == "python":
             return self.python_code()
         known = (*FORMS, "python")
-        raise UsageError(f'unknown form "{form}"{did_you_mean(form, known)}; choose {", ".join(known)}')
+        raise UsageError(
+            f'unknown form "{form}"{did_you_mean(form, known)}; choose {", ".join(known)}', kind="unknown-word"
+        )
 
     def to_latex(self, form: str = "mechanical") -> str:
         """LaTeX of one form of the transfer function (mechanical, polynomial, normalised, program, expanded).
@@ -260,7 +265,9 @@ class TransferFunction(SymbolicFraction):
             return with_where(latex(result), table)
         if form == "expanded":
             return latex(self.expanded().expression)
-        raise UsageError(f'unknown form "{form}"{did_you_mean(form, FORMS)}; choose {", ".join(FORMS)}')
+        raise UsageError(
+            f'unknown form "{form}"{did_you_mean(form, FORMS)}; choose {", ".join(FORMS)}', kind="unknown-word"
+        )
 
     def _repr_latex_(self) -> str | None:
         form = self._short_form

@@ -102,7 +102,10 @@ def _place(key: int | str, names: Sequence[str]) -> int:
     if isinstance(key, int):
         return key
     if key not in names:
-        raise UsageError(f'no row or column is named "{key}"{did_you_mean(key, names)}; choose {", ".join(names)}')
+        raise UsageError(
+            f'no row or column is named "{key}"{did_you_mean(key, names)}; choose {", ".join(names)}',
+            kind="unknown-name",
+        )
     return names.index(key)
 
 
@@ -117,7 +120,7 @@ def measured_transfer_matrix(drivetrain: AssembledModel, request: TransferReques
         There are more than three measured inputs, or they depend on each other.
     """
     if len(request.measured) > MOST_MEASURED:
-        raise UsageError(f"in symbols at most {MOST_MEASURED} inputs are measured at a time")
+        raise UsageError(f"in symbols at most {MOST_MEASURED} inputs are measured at a time", kind="too-large")
     sensors = request.sensors
     program, mechanisms = Program(), dict[Input | None, Mechanism]()
     columns = []
@@ -146,7 +149,8 @@ def _by_cramer(
     if vanishes(whole):
         raise UsageError(
             "the measured inputs depend on each other under these excitations: there are no transfer functions; "
-            "measure elsewhere"
+            "measure elsewhere",
+            kind="dependent-inputs",
         )
     return TransferMatrix(
         tuple(

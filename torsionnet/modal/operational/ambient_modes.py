@@ -103,14 +103,16 @@ def modes_from_ambient(
     from scipy.signal import resample_poly
 
     if not channels:
-        raise UsageError("name at least one channel of the ambient record")
+        raise UsageError("name at least one channel of the ambient record", kind="wrong-count")
     if recording.times is not None:
-        raise UsageError("an ambient record is read from even samples: resample it first")
+        raise UsageError("an ambient record is read from even samples: resample it first", kind="uneven-samples")
     if not 0 < up_to < recording.sampling_rate / 2:
-        raise UsageError(f"the highest frequency must lie between 0 and {recording.sampling_rate / 2:g} Hz")
+        raise UsageError(
+            f"the highest frequency must lie between 0 and {recording.sampling_rate / 2:g} Hz", kind="out-of-range"
+        )
     rows = np.stack([recording[name].values for name in channels])
     if not np.isfinite(rows).all():
-        raise UsageError("the record has values that are no numbers; repair it first")
+        raise UsageError("the record has values that are no numbers; repair it first", kind="not-finite")
     # Thinned to some samples per cycle of the highest frequency, as the subspace spans a number of samples.
     factor = max(1, int(recording.sampling_rate / (SAMPLES_PER_CYCLE * up_to)))
     rows = rows - rows.mean(axis=1, keepdims=True)
@@ -121,7 +123,7 @@ def modes_from_ambient(
     found = _subspace(scaled, step, model_order)
     evidence, poles, errors = _stable(*found, up_to)
     if not len(poles):
-        raise SolveError("no mode is stable: record longer, or give a higher order of the model")
+        raise SolveError("no mode is stable: record longer, or give a higher order of the model", kind="no-resonance")
     told = [_remark(pole, scaled, step, tuple(orders), speeds, recording.duration) for pole in poles]
     remarks = tuple(remark for remark, _ in told)
     notes: list[NoteOrText] = [f"{recording.duration:.4g} s at {1 / step:.4g} Hz, model orders up to {model_order}"]
@@ -155,7 +157,8 @@ def _subspace(rows: FloatArray, step: float, highest: int) -> tuple[FloatArray, 
     if rows.shape[1] < SEGMENTS * 2 * BLOCK_ROWS:
         needed = SEGMENTS * 2 * BLOCK_ROWS * step
         raise SolveError(
-            f"{rows.shape[1] * step:.3g} s are too short for an ambient record: take {needed:.3g} s or more"
+            f"{rows.shape[1] * step:.3g} s are too short for an ambient record: take {needed:.3g} s or more",
+            kind="too-short",
         )
     highest = min(highest, BLOCK_ROWS * len(rows) - len(rows))
     with contextlib.redirect_stderr(io.StringIO()), np.errstate(all="ignore"):  # its bars of progress

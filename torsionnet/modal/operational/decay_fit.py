@@ -94,7 +94,9 @@ def fit_exponentials(times: FloatArray, values: FloatArray, modes: int | None) -
     pencils = pencil_poles(values, float(t[-1] / (len(t) - 1)), min(MOST_POLES, len(t) // 4))
     poles, real = _start(t, values, pencils, modes)
     if not len(poles):
-        raise SolveError("nothing in the signal vibrates and decays: give start and end of the decay")
+        raise SolveError(
+            "nothing in the signal vibrates and decays: give start and end of the decay", kind="no-resonance"
+        )
     return _refined(t, values, poles, real, tuple(pencils))
 
 

@@ -55,7 +55,10 @@ def decay_section(
     """
     for name, at in (("start", start), ("end", end)):
         if at is not None and not times[0] <= at <= times[-1]:
-            raise UsageError(f"the {name} at {at:g} s is outside the record from {times[0]:g} to {times[-1]:g} s")
+            raise UsageError(
+                f"the {name} at {at:g} s is outside the record from {times[0]:g} to {times[-1]:g} s",
+                kind="out-of-range",
+            )
     notes = []
     first, last = _limits(values)
     if start is not None:
@@ -68,7 +71,10 @@ def decay_section(
     elif last < len(times) - 1 and last > first:
         notes.append(f"and to end in noise or rest at {times[last]:.4g} s")
     if last - first < 2 * SAMPLES_PER_CYCLE:
-        raise SolveError(f"{max(last - first, 0)} samples of decay are too few: give start and end, or record longer")
+        raise SolveError(
+            f"{max(last - first, 0)} samples of decay are too few: give start and end, or record longer",
+            kind="too-short",
+        )
     part, kept = values[first : last + 1], times[first : last + 1]
     return _thinned(kept, part, highest, tuple(notes))
 
@@ -321,11 +327,11 @@ def modes_from_decay(
     """
     signal = recording[channel]
     if recording.times is not None:
-        raise UsageError("a decay is read from even samples: resample the record first")
+        raise UsageError("a decay is read from even samples: resample the record first", kind="uneven-samples")
     if not np.isfinite(signal.values).all():
-        raise UsageError(f"{channel} has values that are no numbers; repair the record first")
+        raise UsageError(f"{channel} has values that are no numbers; repair the record first", kind="not-finite")
     if mode_count is not None and mode_count < 1:
-        raise UsageError(f"at least one mode is fitted, got {mode_count}")
+        raise UsageError(f"at least one mode is fitted, got {mode_count}", kind="wrong-count")
     section = decay_section(recording.time, signal.values, start, stop, up_to)
     fit = fit_exponentials(section.times, section.values, mode_count)
     span = section.times[-1] - section.times[0]
@@ -333,7 +339,8 @@ def modes_from_decay(
     if cycles.max() < FEWEST_CYCLES:
         raise SolveError(
             f"the decay holds {cycles.max():.2g} cycles of {fit.poles[-1].imag / 2 / np.pi:.3g} Hz, too few; "
-            f"{FEWEST_CYCLES:g} or more are needed: give start and end, or record less noise"
+            f"{FEWEST_CYCLES:g} or more are needed: give start and end, or record less noise",
+            kind="too-short",
         )
     errors = _half_widths(fit)
     waves = np.real(fit.amplitudes * np.exp(np.outer(section.times - section.times[0], fit.poles)))

@@ -71,7 +71,8 @@ class PassageWindows:
         if len(inside) < FEWEST_WINDOWS:
             raise SolveError(
                 f"only {len(inside)} values of order {self.orders[0]:g} lie between {low:.4g} and {high:.4g} Hz; take "
-                "a wider band, shorter windows or a slower run-up"
+                "a wider band, shorter windows or a slower run-up",
+                kind="too-short",
             )
         rows = self.weights[inside]
         whitening = self.whitening[inside] if self.whitening.ndim == 1 else _whitening(rows)
@@ -99,7 +100,8 @@ def passage_windows(
     turned = np.asarray(np.abs(angle - angle[0]) / (2 * np.pi), dtype=np.float64)
     if (np.diff(turned) <= 0).any():
         raise UsageError(
-            "the shaft must turn in one sense all the time: its mean angle of rotation stands or turns back"
+            "the shaft must turn in one sense all the time: its mean angle of rotation stands or turns back",
+            kind="wrong-sense",
         )
     shortest = FEWEST_CYCLES / min(orders)
     if revolutions is None:
@@ -107,13 +109,15 @@ def passage_windows(
     elif revolutions < shortest * (1 - 1e-9):
         raise UsageError(
             f"windows of {revolutions:g} revolutions are shorter than {FEWEST_CYCLES:g} cycles of order "
-            f"{min(orders):g}; take {shortest:.3g} or more"
+            f"{min(orders):g}; take {shortest:.3g} or more",
+            kind="too-short",
         )
     count = int((turned[-1] - revolutions) / (revolutions / 2)) + 1
     if count < FEWEST_WINDOWS:
         raise SolveError(
             f"{turned[-1]:.3g} revolutions hold {max(count, 0)} windows of {revolutions:.3g} revolutions, too few for "
-            "a fit; record a longer or slower run-up"
+            "a fit; record a longer or slower run-up",
+            kind="too-short",
         )
     middles = revolutions / 2 * (1 + np.arange(count))
     weights = _hann(turned, middles, revolutions)
@@ -168,21 +172,26 @@ def tracked_windows(
     values = tracked.along(order)
     known = np.flatnonzero(np.isfinite(values) & np.isfinite(tracked.speeds))
     if (np.diff(tracked.times[known]) <= 0).any():
-        raise UsageError("the times of a tracked order must rise: steady points are no run-up")
+        raise UsageError("the times of a tracked order must rise: steady points are no run-up", kind="unordered-rows")
     if len(known) < 4:
-        raise SolveError(f"order {order:g} has {len(known)} values; a fit needs {FEWEST_WINDOWS} or more")
+        raise SolveError(
+            f"order {order:g} has {len(known)} values; a fit needs {FEWEST_WINDOWS} or more", kind="too-short"
+        )
     spline = CubicSpline(tracked.times[known], np.abs(tracked.speeds[known]))
     first, last = tracked.times[known[0]], tracked.times[known[-1]]
     kept = _independent(known, tracked, order, kernel)
     if len(kept) < FEWEST_WINDOWS:
         raise SolveError(
             f"order {order:g} has {len(kept)} independent values; a fit needs {FEWEST_WINDOWS} or more: track it with "
-            "shorter blocks or a larger bandwidth, or fit the signal itself"
+            "shorter blocks or a larger bandwidth, or fit the signal itself",
+            kind="too-short",
         )
     times, speeds, values = tracked.times[kept], np.abs(tracked.speeds[kept]), values[kept]
     steps = int((last - first) * order * np.abs(tracked.speeds[known]).max() * STEPS_PER_RADIAN) + 2
     if steps > MOST_STEPS:
-        raise UsageError(f"{steps} steps in time are too many: cut the run-up to the passage through the resonance")
+        raise UsageError(
+            f"{steps} steps in time are too many: cut the run-up to the passage through the resonance", kind="too-large"
+        )
     fine = np.linspace(first, last, steps)
     rows, columns, parts = [], [], []
     for row, (time, speed) in enumerate(zip(times, speeds, strict=True)):

@@ -67,7 +67,9 @@ def sweep_of(times: FloatArray, angle: FloatArray, order: float, excitation_law:
     from scipy.interpolate import CubicSpline
 
     if excitation_law not in {"constant", "inertia"}:
-        raise UsageError(f'the excitation is "constant" or "inertia" (as speed squared), got "{excitation_law}"')
+        raise UsageError(
+            f'the excitation is "constant" or "inertia" (as speed squared), got "{excitation_law}"', kind="unknown-word"
+        )
     spline = CubicSpline(times, order * angle)
     speed = np.asarray(spline(times, 1))
     amplitude = np.ones(len(times)) if excitation_law == "constant" else (speed / np.abs(speed).max()) ** 2
@@ -228,7 +230,9 @@ def fit_run_up(
     unknown = 2 * columns.shape[1] + 2 * modes - (len(windows.orders) if windows.amplitudes_only else 0)
     degrees = len(residuals) - unknown
     if degrees < 1:
-        raise SolveError(f"{len(residuals)} values do not determine {unknown} unknowns: fit fewer modes")
+        raise SolveError(
+            f"{len(residuals)} values do not determine {unknown} unknowns: fit fewer modes", kind="too-short"
+        )
     correlation, inflation = _correlated(residuals, windows)
     variance = float(residuals @ residuals) / degrees * inflation
     covariance = np.linalg.pinv(jacobian.T @ jacobian)[: 2 * modes, : 2 * modes] * variance

@@ -200,7 +200,8 @@ def _remarks(windows: PassageWindows, f: float, zeta: float, error: float) -> li
     if not low < f < high:
         raise SolveError(
             f"the fitted natural frequency of {f:.4g} Hz is outside the {low:.4g} to {high:.4g} Hz that order "
-            f"{windows.orders[0]:g} runs through: the resonance is not passed"
+            f"{windows.orders[0]:g} runs through: the resonance is not passed",
+            kind="no-resonance",
         )
     found = []
     if not low < f * (1 - zeta) < f * (1 + zeta) < high:
@@ -283,14 +284,16 @@ def modes_from_run_up(
     signal, orders = recording[channel], tuple(np.atleast_1d(np.asarray(order, dtype=float)).tolist())
     _check(orders, mode_count, background)
     if recording.times is not None:
-        raise UsageError("a run-up is read from even samples: resample the record first")
+        raise UsageError("a run-up is read from even samples: resample the record first", kind="uneven-samples")
     if not np.isfinite(signal.values).all():
-        raise UsageError(f"{channel} has values that are no numbers; repair the record first")
+        raise UsageError(f"{channel} has values that are no numbers; repair the record first", kind="not-finite")
     mean = _mean(recording, rotation)
     inside = slice(*np.searchsorted(recording.time, [mean.ends[0], np.nextafter(mean.ends[-1], np.inf)]).tolist())
     times = recording.time[inside]
     if len(times) < 2:
-        raise UsageError(f"{channel} and the rotation have no time in common: are they on one clock?")
+        raise UsageError(
+            f"{channel} and the rotation have no time in common: are they on one clock?", kind="contradicting-values"
+        )
     turned = mean.angle(times)
     values = signal.values[inside] - turned if signal.quantity == "angle" else signal.values[inside]
     windows = passage_windows(times, values, turned, orders, revolutions)
@@ -356,7 +359,10 @@ def modes_from_tracked_orders(
 def _kernel(tracked: TrackedOrders, revolutions: float | None, bandwidth: float | None) -> TrackingKernel:
     """Weights of an order tracking by what is given, or else by how the orders were tracked."""
     if revolutions is not None and bandwidth is not None:
-        raise UsageError("an order is tracked in windows of revolutions or with a bandwidth: give one of them")
+        raise UsageError(
+            "an order is tracked in windows of revolutions or with a bandwidth: give one of them",
+            kind="contradicting-entries",
+        )
     if revolutions is not None:
         return TrackingKernel(revolutions=revolutions, taper=revolutions / 2)
     return tracked.tracking if bandwidth is None else TrackingKernel(bandwidth=bandwidth)
@@ -390,7 +396,8 @@ def _band(windows: PassageWindows) -> tuple[float, float]:
         end = "highest" if at[size.argmax()] > (at.min() + at.max()) / 2 else "lowest"
         raise SolveError(
             f"order {windows.orders[0]:g} runs from {at.min():.4g} to {at.max():.4g} Hz and is largest at its {end} "
-            "frequency: the resonance is not passed. Record a wider range of speed, or take another order"
+            "frequency: the resonance is not passed. Record a wider range of speed, or take another order",
+            kind="no-resonance",
         )
     peak = at[places[found["prominences"].argmax()]]
     return max(float(at.min()), BELOW_PEAK * peak), min(float(at.max()), ABOVE_PEAK * peak)
@@ -407,7 +414,8 @@ def _section(
     if len(inside) < 2:
         raise SolveError(
             f"order {order:g} runs from {frequency.min():.4g} to {frequency.max():.4g} Hz and is never between "
-            f"{band[0]:.4g} and {band[1]:.4g} Hz"
+            f"{band[0]:.4g} and {band[1]:.4g} Hz",
+            kind="no-resonance",
         )
     part = slice(int(inside[0]), int(inside[-1]) + 1)
     times, values, angle = times[part], values[part], angle[part]

@@ -46,7 +46,7 @@ def save(figure: Figure, path: str | Path) -> None:
     """
     form = Path(path).suffix.lower().removeprefix(".")
     if form not in METADATA:
-        raise UsageError(f'cannot write "{path}": give a file ending in .svg, .png or .pdf')
+        raise UsageError(f'cannot write "{path}": give a file ending in .svg, .png or .pdf', kind="wrong-file")
     buffer = io.BytesIO()
     with mpl.rc_context(SETTINGS):
         figure.savefig(buffer, format=form, dpi=DPI, metadata=METADATA[form])

@@ -266,7 +266,9 @@ def framed(extent: Box) -> Box:
 def page_width(width: float) -> float:
     """Width in points of a drawing for a page width in mm."""
     if not width >= NARROWEST_PAGE:
-        raise UsageError(f"a schematic needs a page at least {NARROWEST_PAGE:g} mm wide; got {width:g}")
+        raise UsageError(
+            f"a schematic needs a page at least {NARROWEST_PAGE:g} mm wide; got {width:g}", kind="out-of-range"
+        )
     smallest = min(role.size for role in ROLES.values())
     return width / MILLIMETRES_PER_INCH * POINTS_PER_INCH * smallest / LEGIBLE - 2 * EDGE
 

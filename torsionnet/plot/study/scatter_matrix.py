@@ -79,7 +79,10 @@ def scatter_matrix(
     """
     cases = list(result.points) if configuration is None else [configuration]
     if not set(cases) <= set(result.points):
-        raise UsageError(f'there is no configuration "{configuration}"; there are {", ".join(result.points)}')
+        raise UsageError(
+            f'there is no configuration "{configuration}"; there are {", ".join(result.points)}',
+            kind="unknown-configuration",
+        )
     shown = _strongest(result, cases)
     si = {**result.parameter_units, **result.units}
     columns = {name: _columns(result, cases, name, units.scale(name, si[name])) for name in (*shown, *result.units)}

@@ -53,7 +53,7 @@ def _over_speed(key: str, names: tuple[str, ...], definition: Definition) -> Ite
     """Faults of outputs that are shown over speed, or measured there, in the entry ``key`` of the plan."""
     if names and (definition.speeds is None or not definition.excitations):
         text = f"{OVER_SPEED[key]} need the entries speeds: and excitations: of the model"
-        yield Fault(text, (key,), on_key=True)
+        yield Fault(text, (key,), on_key=True, kind="missing-entry")
     nodes = {node for element in definition.elements.values() for node in element.ports.values()}
     for index, name in enumerate(names):
         if name not in definition.sensors and name not in nodes and parse_sensor(name) is None:
@@ -66,7 +66,7 @@ def _idling(plan: ReportPlan, definition: Definition) -> Iterator[Fault]:
     speeds = definition.speeds
     if speeds is None:
         text = "speeds of idling are those of the shaft of the entry speeds:, which the model lacks"
-        yield from [Fault(text, ("idling",), on_key=True)] if plan.idling else []
+        yield from [Fault(text, ("idling",), on_key=True, kind="out-of-range")] if plan.idling else []
         return
     conditions = [definition, *(one for _, one in variants(definition))] if plan.idling else []
     for index, speed in enumerate(plan.idling):
@@ -76,7 +76,11 @@ def _idling(plan: ReportPlan, definition: Definition) -> Iterator[Fault]:
             text += (
                 "; let them begin at the speed of idling, or make idling a condition of its own, as configurations: "
             )
-            yield Fault(f"{text}{{running: {{}}, idling: {{speeds.range: 280..320 rpm}}}}", ("idling", index))
+            yield Fault(
+                f"{text}{{running: {{}}, idling: {{speeds.range: 280..320 rpm}}}}",
+                ("idling", index),
+                kind="out-of-range",
+            )
 
 
 def holds_speed(definition: Definition, speed: float) -> bool:

@@ -45,7 +45,7 @@ class SectionName(Spec[str]):
     def coerce(self, raw: object) -> str:
         name = ConfigurationName("").coerce(raw)
         if reason := unknown_section(name):
-            raise EntryError(reason)
+            raise EntryError(reason, kind="unknown-word")
         return name
 
     def schema(self) -> Schema:

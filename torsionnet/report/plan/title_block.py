@@ -21,7 +21,7 @@ class TitleText(Spec[str]):
     def coerce(self, raw: object) -> str:
         if isinstance(raw, bool) or not isinstance(raw, str | int):
             text = str(raw).lower() if isinstance(raw, bool) else raw
-            raise EntryError(f'expected text, {got(raw)}; put it in quotes, as in "{text}"')
+            raise EntryError(f'expected text, {got(raw)}; put it in quotes, as in "{text}"', kind="wrong-form")
         return str(raw).strip()
 
     @property
@@ -46,7 +46,7 @@ class IsoDate(TitleText):
         try:
             return dt.date.fromisoformat(text).isoformat() if text else ""
         except ValueError:
-            raise EntryError(f"expected a date as 2025-03-31 (year-month-day), {got(raw)}") from None
+            raise EntryError(f"expected a date as 2025-03-31 (year-month-day), {got(raw)}", kind="wrong-form") from None
 
     def schema(self) -> Schema:
         return {"type": ["string", "null"], "format": "date", "description": self.description}
@@ -133,7 +133,13 @@ class TitleBlock(Declared):
 
     def contradictions(self) -> list[Fault]:
         if self.hull and self.plant:
-            return [Fault("hull and plant share one field of the title block; give one of them", ("plant",))]
+            return [
+                Fault(
+                    "hull and plant share one field of the title block; give one of them",
+                    ("plant",),
+                    kind="contradicting-entries",
+                )
+            ]
         return []
 
     @property

@@ -72,7 +72,7 @@ def left_out(subject: ReportData, pair: Pair) -> Iterator[Block]:
     part = subject.for_pair(pair)
     if part is not subject:
         for case in subject.cases:
-            refusal = subject.refusal(case, pair)
+            refusal = subject.why_left_out(case, pair)
             if refusal is not None:
                 yield Paragraph(
                     sentence(
@@ -209,7 +209,7 @@ def _case(subject: ReportData, test: Measured) -> Case:
         return cases_of(subject.model, (test.configuration,))[0]
     if len(subject.cases) > 1:
         names = ", ".join(case.configuration for case in subject.cases)
-        raise UsageError(f"a test is of one configuration; choose it: {names}")
+        raise UsageError(f"a test is of one configuration; choose it: {names}", kind="unknown-configuration")
     return subject.cases[0]
 
 

@@ -225,7 +225,9 @@ def findings(subject: ReportData) -> list[Fault]:
 def warned(subject: ReportData) -> list[Fault]:
     """Warnings of the calculation of a report, each once; that a free drivetrain drifts off at 0 Hz is no news."""
     told = (one for one in subject.warning_messages if not issubclass(one.category, FreeTurningWarning))
-    return [Fault(text, severity="warning") for text in dict.fromkeys(str(one.message) for one in told)]
+    return [
+        Fault(text, severity="warning", kind="no-effect") for text in dict.fromkeys(str(one.message) for one in told)
+    ]
 
 
 def checks_section(subject: ReportData) -> Section:

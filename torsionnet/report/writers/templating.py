@@ -210,7 +210,7 @@ def _located(error: Exception, template: TemplateFolder, name: str) -> Exception
     ]
     text = re.sub(r"'([^']*)'", r'"\1"', str(error) or type(error).__name__).rstrip(".")
     place = template.position(name, (lines and lines[-1]) or 1)
-    return TemplateFolderError([Fault(text, position=place)], str(template.path))
+    return TemplateFolderError([Fault(text, position=place, kind="wrong-form")], str(template.path))
 
 
 class _Sandbox(ImmutableSandboxedEnvironment):

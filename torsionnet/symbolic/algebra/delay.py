@@ -87,7 +87,7 @@ def refuse_delays(tables: Mapping[Any, DynamicStiffness], what: str) -> None:
     if found:
         names = ", ".join(name.func.__name__.removeprefix("delay_") for name in found)
         text = f"the delay of {names} is no quotient of polynomials in s, so there is no {what}"
-        raise UsageError(f"{text}; evaluate() and modes() have the delay in them")
+        raise UsageError(f"{text}; evaluate() and modes() have the delay in them", kind="unsupported-law")
 
 
 @dataclass(frozen=True)

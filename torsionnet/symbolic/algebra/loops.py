@@ -48,7 +48,8 @@ class ExpandedBlock:
         if len(self.names) > MOST_COORDINATES:
             raise UsageError(
                 f"{len(self.names)} coordinates that closed loops or planetary sets tie together in many ways have no "
-                "short expression; use frequency_response"
+                "short expression; use frequency_response",
+                kind="too-large",
             )
 
     @cached_property

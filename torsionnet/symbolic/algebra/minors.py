@@ -50,7 +50,8 @@ def sparse_determinant(rows: Sequence[SparseRow], program: Program) -> ProgramNo
                 steps += 1
         if steps > MOST_MINORS:
             raise UsageError(
-                "the closed loops have too many terms for a symbolic formula; use frequency_response instead"
+                "the closed loops have too many terms for a symbolic formula; use frequency_response instead",
+                kind="too-large",
             )
         minors = found
     return minors.get((1 << len(rows)) - 1, program.leaf(0))
