@@ -197,8 +197,8 @@ def _no_part(folder: Path, name: str, names: Iterable[str]) -> Fault | None:
     """Fault of a file in a template folder that cannot be part of a template; None where it can."""
     path, known = folder / name, (*PAGES, STYLE, WORDS)
 
-    def fault(text: str) -> Fault:
-        return Fault(text, position=Position(str(path), 1, 1, 2), about=name, kind="missing-file")
+    def fault(text: str, *, kind: str) -> Fault:
+        return Fault(text, position=Position(str(path), 1, 1, 2), about=name, kind=kind)
 
     if not path.resolve().is_relative_to(folder.resolve()):
         return fault("this link leads out of the template folder; put a copy of the file there", kind="forbidden-file")
