@@ -134,7 +134,9 @@ def circle_fit(
     (8.755, 0.2547)
     """
     if damping_model not in ("viscous", "hysteretic"):
-        raise UsageError(f'damping_model "{damping_model}" is not known; choose viscous or hysteretic', kind="unknown-word")
+        raise UsageError(
+            f'damping_model "{damping_model}" is not known; choose viscous or hysteretic', kind="unknown-word"
+        )
     chosen = response.select(output, input)
     if len(chosen.outputs) * len(chosen.inputs) != 1:
         raise UsageError("a circle is fitted to one transfer function; name its output= and input=", kind="wrong-count")
