@@ -55,6 +55,7 @@ def difference(first: FrequencyResponse, second: FrequencyResponse) -> Differenc
     _check_comparable(first, second)
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = first.values / second.values
+        # The phase of the quotient is the difference of phases, always within half a turn.
         known = first.has_phase and second.has_phase
         degrees = np.degrees(np.angle(ratio)) if known else np.full(ratio.shape, np.nan)
         return Difference(first.frequencies, 20 * np.log10(np.abs(ratio)), degrees)
@@ -71,6 +72,7 @@ def frac(first: FrequencyResponse, second: FrequencyResponse) -> FloatArray:
         raise UsageError(
             "the assurance criterion compares complex responses, and one of these has no phase; give both with phase"
         )
+    # FRAC = |sum H1* H2|^2 / (sum |H1|^2 sum |H2|^2), over all frequencies
     common = np.abs(np.einsum("foi,foi->oi", first.values.conj(), second.values)) ** 2
     sizes = [np.einsum("foi,foi->oi", r.values.conj(), r.values).real for r in (first, second)]
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -130,6 +132,7 @@ def agreement_numbers(
         top = int(np.argmax(sizes))
         name = f"largest response of the {whose}"
         numbers.append(AgreementNumber(name, float(response.frequencies[top]), float(sizes[top] * scale), unit))
+    # A test without phase leaves magnitudes alone to be compared.
     compared = [("magnitude", decibels, "dB"), ("phase", degrees, "deg")][: 2 if test.has_phase else 1]
     for what, values, unit in compared:
         worst = int(np.abs(values).argmax())

@@ -100,6 +100,7 @@ def sweep_harmonics(
 
 def sweep_cycles(frequency: FloatArray, sampling_rate: float) -> FloatArray:
     """Number of cycles since the first sample at every sample, (n,), from the frequency in Hz at every sample."""
+    # The trapezoidal rule is exact for a frequency that is straight between samples.
     steps = 0.5 * (frequency[1:] + frequency[:-1]) / sampling_rate
     return np.concatenate([[0.0], np.cumsum(steps)])
 
@@ -114,6 +115,7 @@ def _checked(frequency: ArrayLike, count: int, points: int) -> FloatArray:
 
 
 def _centres(cycles: FloatArray, periods: float, points: int) -> list[int]:
+    # Half a window has to fit on either side of every point.
     first, last = np.searchsorted(cycles, [periods / 2, cycles[-1] - periods / 2])
     if last <= first:
         text = f"the sweep of {cycles[-1]:.3g} periods is too short for windows of {periods:g}"
@@ -126,12 +128,15 @@ def _fit(
 ) -> np.ndarray[tuple[int], np.dtype[np.complex128]]:
     """Complex amplitude c of every order, as in ``Im(c exp(j order phase))``, in the signal's unit, (n_orders,)."""
     begin, end = np.searchsorted(cycles, cycles[centre] + np.array([-0.5, 0.5]) * periods)
+    # The cosine is the root of a Hann window, so that the squares of the residuals have the window itself as weight.
     place = (cycles[begin:end] - cycles[centre]) / periods
     weight = np.cos(np.pi * place)
     angles = 2 * np.pi * np.outer(orders, cycles[begin:end])
+    # Mean and slope are fitted as well: a drift would else leak into low orders.
     basis = np.vstack([np.sin(angles), np.cos(angles), np.ones_like(place), place])
     fit = np.linalg.lstsq((basis * weight).T, values[begin:end] * weight, rcond=None)[0]
     count = len(orders)
+    # a sin + b cos = Im((a + j b) exp(j angle))
     return np.asarray(fit[:count] + 1j * fit[count : 2 * count], dtype=np.complex128)
 
 
@@ -216,6 +221,7 @@ def order_map(
     rotation = _rotation(speed, len(chosen))
     turns = sweep_cycles(rotation, chosen.sampling_rate)
     per_turn = _samples_per_turn(rotation, turns, chosen.sampling_rate, highest_order)
+    # At equal steps of angle an order is a line, whatever the speed does.
     count = int(turns[-1] * per_turn) + 1
     equal = np.arange(count) / per_turn
     length, step = revolutions * per_turn, max(1, round(revolutions * per_turn * (1 - overlap)))
@@ -226,6 +232,7 @@ def order_map(
     starts = np.arange(0, count - length + 1, step)
     orders = np.arange(int(highest_order * revolutions) + 1) / revolutions
     values = _lines(_at(times, chosen, name), starts, length, orders / per_turn)
+    # The mean speed of a window is its angle over its time.
     middles, ends = starts + length // 2, np.minimum(starts + length, count - 1)
     return OrderMap(
         orders=orders,
@@ -246,6 +253,7 @@ def _rotation(speed: ArrayLike, count: int) -> FloatArray:
 
 
 def _samples_per_turn(rotation: FloatArray, turns: FloatArray, sampling_rate: float, highest: float) -> int:
+    # As fine in angle as the samples are in time where the shaft is slowest; 2.5 of them a period of the highest order.
     per_turn = int(np.ceil(max(sampling_rate / rotation.min(), 2.5 * highest)))
     if per_turn * turns[-1] > MOST_ANGLE_SAMPLES:
         raise UsageError(

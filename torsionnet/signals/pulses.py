@@ -235,6 +235,7 @@ def repaired_pulses(times: ArrayLike, steps_per_revolution: float = 0.0) -> Puls
         if beyond < MOST_BEYOND_BAND:
             return as_they_are
         raise
+    # Repairs have to make the rotation smoother than vibration alone explains it, or the pulses stay as they are.
     if found.missing.total + len(found.spurious) and beyond < MOST_BEYOND_BAND:
         repaired = rotation_beyond_band(found.times, found.numbers, steps_per_revolution or USUAL_STEPS)
         if beyond <= repaired:
@@ -254,6 +255,7 @@ def repaired_pulses(times: ArrayLike, steps_per_revolution: float = 0.0) -> Puls
 def _beyond_band_as_they_are(times: FloatArray, steps: float) -> float:
     """RMS in steps beyond the band if no pulse is lost or double; inf where vibration does not make intervals swing."""
     intervals = np.log(np.diff(times))
+    # Vibration makes many intervals swing, single faults of pulses a few.
     swings = np.abs(np.diff(intervals)) > np.log(SWING)
     if swings.sum() <= SWING_SHARE * len(times):
         return np.inf
@@ -290,6 +292,7 @@ def _repaired(stamps: FloatArray, steps_per_revolution: float) -> Pulses:
     missing = missing_pulses(clean)
     numbers = np.ones(len(clean), dtype=np.intp)
     numbers[0] = 0
+    # Steps between neighbours, one where nothing is lost; their sum numbers the pulses.
     numbers[missing.after + 1] += missing.counts
     _check(clean, numbers[1:], kept)
     np.cumsum(numbers, out=numbers)
@@ -312,12 +315,14 @@ def check_pulses(times: ArrayLike) -> FloatArray:
 def _check(times: FloatArray, steps: NDArray[np.intp], places: NDArray[np.intp]) -> None:
     """Raise an error for intervals that neither lost nor double pulses nor a change of speed explain."""
     each = np.diff(times)
+    # Interval of one step: a lost pulse or a gap counts with the steps that it has.
     each /= steps
     if len(each) <= MEDIAN_INTERVALS:
         return
     gaps = np.flatnonzero(steps > 1)
     sides = np.array([_level_beside(each, gaps, -1), _level_beside(each, gaps, 1)])
     intervals = times[gaps + 1] - times[gaps]
+    # How many intervals of its left and of its right side a gap is long; the two have to agree on a whole number.
     of_sides = intervals / np.where(np.isnan(sides), sides[::-1], sides)
     unclear = (np.ptp(of_sides, axis=0) > 1) | (np.abs(of_sides.mean(axis=0) - steps[gaps]) > UNCLEAR_COUNT)
     for gap, interval, counts in zip(gaps[unclear], intervals[unclear], of_sides.T[unclear], strict=True):

@@ -79,6 +79,7 @@ def symbolic_values(definitions: Mapping[str, Any], values: Mapping[str, Any]) -
     found: dict[str, Any] = {}
     for name in values:
         expression = definitions[name].value
+        # A parameter that others define keeps their symbols; one with a number of its own becomes a symbol.
         derived = expression.names
         found[name] = expression.evaluate(found, record.algebra) if derived else record.parameter(name, values[name])
     return Values(found, record.algebra)
@@ -159,6 +160,7 @@ class SymbolicMatrices:
         """Symbolic dynamic stiffness M s^2 + C s + K + j H + tables, less the actions, (n_q, n_q), N m/rad."""
         passive = self.M * s**2 + self.C * s + self.K + sympy.I * self.H + self.tables
         for one in self.actions:
+            # An action drives its row by (N/E) e^(-s delay) times the row it senses: a dyad that need not be symmetric.
             passive -= one.law(s) * sympy.Matrix(one.row) * sympy.Matrix([one.sensed])
         return passive
 
@@ -172,6 +174,7 @@ class SymbolicMatrices:
 
     def _equation(self, row: int) -> str:
         terms = []
+        # One row of (M s^2 + C s + K + j H) q + kappa(omega) terms = B u, term by term.
         parts = ((self.M, "''"), (self.C, "'"), (self.K + sympy.I * self.H + self.tables, ""))
         for matrix, dashes in parts:
             for column, name in enumerate(self.coordinates):
@@ -212,11 +215,13 @@ def symbolic_matrices(drivetrain: AssembledModel, referred_to: Sequence[str] = (
     definition = drivetrain.definition
     names = [referred_to] if isinstance(referred_to, str) else list(referred_to)
     values = symbolic_values(definition.parameters, drivetrain.exact_values)
+    # The exact values choose pivots and coordinates; the symbols then take the same steps.
     kinematics = solve_kinematics(definition, Values(drivetrain.exact_values), names)
     ratios = _Ratios(kinematics, values, definition, names)
     laws = [(owner, law, ratios.reduced(law.row)) for owner, law in ratios.kinematics.laws if law.acts]
     coordinates = kinematics.coordinates
     sums = {key: _Sum(coordinates) for key in ("M", "C", "K", "H", "tables")}
+    # M, C, K, H and tables are sums of coefficient times b b^T, where b is the row of a law over the coordinates.
     for owner, law, row in laws:
         for key, coefficient in _coefficients(owner, law).items():
             sums[key].add(coefficient, row)
@@ -267,6 +272,7 @@ class _Ratios:
     def conditions(self) -> tuple[Any, ...]:
         """Expressions that are zero for the parameter values but not as symbols, from constraints that dropped out."""
         found = []
+        # A constraint that dropped out as a sum of others holds only if what is left of it vanishes.
         rows = [row for _, row in self.kinematics.constraints]
         for index in self.kinematics.reduction.redundant:
             for coefficient in _uncancelled(rows[index], self.kinematics.reduction.solved).values():
@@ -292,6 +298,7 @@ def law_parts(owner: str, law: Law) -> tuple[Any, Any, Any]:
 
 def _coefficients(owner: str, law: Law) -> dict[str, Any]:
     table = stiffness_symbol(owner, law.table) if law.table is not None else 0
+    # kappa = J s^2 + c s + k (1 + j eta) + table(omega)
     hysteretic = law.stiffness * law.loss_factor
     given = {"M": law.inertia, "C": law.damping, "K": law.stiffness, "H": hysteretic}
     symbols = {key: symbol_of(value) for key, value in given.items()}
@@ -320,6 +327,7 @@ class _Sum:
 
     def add(self, coefficient: Any, row: Row) -> None:
         used = [(self.index[name], symbol_of(factor)) for name, factor in row.items() if name in self.index]
+        # The dyad b b^T, each entry b_i b_j sorted by its ratio of symbols.
         for i, left in used:
             for j, right in used:
                 ratio, number = _ratio_and_number(left * right)

@@ -162,15 +162,17 @@ def _solved(system: RowSystem, nodes: FloatArray, given: Coefficients) -> Stacke
         lossy = given.loss.any()
         if not (lossy or directions.dissipating.size):
             # Without losses lambda = +-j omega, and these omega are the frequencies of M and K alone as well.
-            found = undamped_vibrations(directions, given)
-            rates = np.concatenate([np.zeros((given.n_variants, directions.rigid.shape[1])), found.values.imag], axis=1)
-            return _judged(directions, nodes, given, found, rates)
+            vibrations = undamped_vibrations(directions, given)
+            rates = np.concatenate(
+                [np.zeros((given.n_variants, directions.rigid.shape[1])), vibrations.values.imag], axis=1
+            )
+            return _judged(directions, nodes, given, vibrations, rates)
         # The frequencies of M and K alone are listed beside the damped modes; massless damped coordinates have none.
         springs = undamped_vibrations(alone, given.undamped())
         rates = np.concatenate([np.zeros((given.n_variants, alone.rigid.shape[1])), springs.values.imag], axis=1)
         parts, places = [], []
-        for some, found in (hysteretic_vibrations if lossy else damped_vibrations)(directions, given):
-            part = _judged(directions, nodes, given.of(some), found, rates[some])
+        for some, vibrations in (hysteretic_vibrations if lossy else damped_vibrations)(directions, given):
+            part = _judged(directions, nodes, given.of(some), vibrations, rates[some])
             # The undamped frequencies are a result too: if they need refinement, the variant is solved singly.
             part.uncertain[~_settled(springs.errors[some])] = True
             parts.append(part)
@@ -179,17 +181,21 @@ def _solved(system: RowSystem, nodes: FloatArray, given: Coefficients) -> Stacke
 
 
 def _judged(
-    directions: SharedDirections, nodes: FloatArray, given: Coefficients, found: StackedVibrations, rates: FloatArray
+    directions: SharedDirections,
+    nodes: FloatArray,
+    given: Coefficients,
+    vibrations: StackedVibrations,
+    rates: FloatArray,
 ) -> StackedModes:
     """Eigenvalues (rad/s) and shapes of variants, rigid bodies first, and mask (n,) of uncertain variants."""
     n, rigid = given.n_variants, unit_shapes(nodes @ directions.rigid)
     # The tests of the single solver (error, residual), and modes so near that rounding would choose their order.
-    sure = _settled(found.errors) & ~_close(np.abs(found.values))
-    sure &= (residuals(directions.rows, given, found) <= POLISH_ABOVE).all(axis=1)
+    sure = _settled(vibrations.errors) & ~_close(np.abs(vibrations.values))
+    sure &= (residuals(directions.rows, given, vibrations) <= POLISH_ABOVE).all(axis=1)
     # Rigid bodies come first, lambda = 0, with the same shapes in all variants: they follow from rows alone.
     return StackedModes(
-        np.concatenate([np.zeros((n, rigid.shape[1])), found.values], axis=1),
-        np.concatenate([np.broadcast_to(rigid, (n, *rigid.shape)), _scaled(nodes @ found.vectors)], axis=2),
+        np.concatenate([np.zeros((n, rigid.shape[1])), vibrations.values], axis=1),
+        np.concatenate([np.broadcast_to(rigid, (n, *rigid.shape)), _scaled(nodes @ vibrations.vectors)], axis=2),
         rates,
         ~sure,
     )
@@ -344,24 +350,24 @@ def batched_modes(batch: Batch) -> BatchedModes:
     not depend on what else is in the batch.
     """
     assembly = batch.drivetrain.assembly
-    found = _Gathered(len(batch), len(assembly.nodes))
+    gathered = _Gathered(len(batch), len(assembly.nodes))
     given = stacked_coefficients(batch)
     if given is not None:
-        _solve_together(batch, given, found)
+        _solve_together(batch, given, gathered)
     # What the stacks leave uncertain, or cannot solve at all (actions, tables over frequency), is solved singly.
-    for place in np.flatnonzero(~(found.done | batch.impossible)).tolist():
-        found.solve(place, partial(batch.model, place))
-    return found.modes(batch.drivetrain, batch.values, batch)
+    for place in np.flatnonzero(~(gathered.done | batch.impossible)).tolist():
+        gathered.solve(place, partial(batch.model, place))
+    return gathered.modes(batch.drivetrain, batch.values, batch)
 
 
 def single_modes(drivetrain: AssembledModel, values: Mapping[str, FloatArray]) -> BatchedModes:
     """Eigenvalues (n, n_modes) in rad/s and shapes of variants whose rows differ, each solved by itself."""
     n = len(next(iter(values.values())))
-    found = _Gathered(n, len(drivetrain.assembly.nodes))
+    gathered = _Gathered(n, len(drivetrain.assembly.nodes))
     for place in range(n):
         changes = {name: float(column[place]) for name, column in values.items()}
-        found.solve(place, partial(drivetrain.configured, **changes))
-    return found.modes(drivetrain, values, None)
+        gathered.solve(place, partial(drivetrain.configured, **changes))
+    return gathered.modes(drivetrain, values, None)
 
 
 def stacked_coefficients(batch: Batch) -> Coefficients | None:
@@ -382,7 +388,7 @@ def stacked_coefficients(batch: Batch) -> Coefficients | None:
     return Coefficients(batch.inertia, batch.damping, stiffness, loss)
 
 
-def _solve_together(batch: Batch, given: Coefficients, found: _Gathered) -> None:
+def _solve_together(batch: Batch, given: Coefficients, gathered: _Gathered) -> None:
     assembly, places = batch.drivetrain.assembly, batch.stacked
     system, nodes = assembly.system, assembly.node_rows.dense
     # The largest arrays of a stack are the rows scaled for each variant, n_laws n_q entries each.
@@ -391,7 +397,7 @@ def _solve_together(batch: Batch, given: Coefficients, found: _Gathered) -> None
         some = places[start : start + step]
         part = stacked_modes(system, nodes, given.of(some))
         sure = ~part.uncertain
-        found.put(some[sure], part.eigenvalues[sure], part.shapes[sure], part.undamped[sure])
+        gathered.put(some[sure], part.eigenvalues[sure], part.shapes[sure], part.undamped[sure])
 
 
 class _Gathered:
@@ -424,11 +430,11 @@ class _Gathered:
         """Solve one variant as a single drivetrain and store its modes, or a note if it is impossible."""
         try:
             model = make()
-            found, warnings = natural_modes(model)
+            solved, warnings = natural_modes(model)
         except (ModelError, TorsionnetError) as error:
             self.remarks.append((place, f"has no modes: {error}"))
             return
-        self.put([place], found.eigenvalues, found.shapes, 2 * np.pi * found.undamped_natural_frequencies)
+        self.put([place], solved.eigenvalues, solved.shapes, 2 * np.pi * solved.undamped_natural_frequencies)
         self.singles[place] = model.assembly
         self.remarks += [(place, warning) for warning in warnings]
 

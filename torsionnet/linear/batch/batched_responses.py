@@ -105,8 +105,8 @@ def batched_responses(
     # One method for the whole batch, by the number of its points, whatever blocks it is solved in.
     method = chosen_method(request.reading_problem.problem, len(batch) * len(frequencies), method)
     values = np.empty((*shape, len(request.outputs), len(request.measured)), dtype=complex)
-    found = Evaluated(values, np.empty(shape))
-    found.values[batch.impossible], found.conditioning[batch.impossible] = complex(np.nan, np.nan), np.nan
+    evaluated = Evaluated(values, np.empty(shape))
+    evaluated.values[batch.impossible], evaluated.conditioning[batch.impossible] = complex(np.nan, np.nan), np.nan
     singly = [np.flatnonzero(batch.separate & ~batch.impossible)]
     for places in _blocks(batch.stacked, len(frequencies)):
         try:
@@ -116,7 +116,7 @@ def batched_responses(
             continue
         follow = len(places) == 1 + places[-1] - places[0]
         where = slice(int(places[0]), int(places[-1]) + 1) if follow else places
-        found.values[where], found.conditioning[where] = block
+        evaluated.values[where], evaluated.conditioning[where] = block
     # Separate variants, and blocks with one that cannot be solved: single solutions tell which one that is.
     for index in np.concatenate(singly).tolist():
         model = batch.model(index)
@@ -124,9 +124,9 @@ def batched_responses(
             one = responses([model], request_for_model(model, request), frequencies, method)
         except TorsionnetError as error:
             refused(error)
-            one = Evaluated(*(np.full((1, *part.shape[1:]), np.nan) for part in found))
-        found.values[index], found.conditioning[index] = one.values[0], one.conditioning[0]
-    return found
+            one = Evaluated(*(np.full((1, *part.shape[1:]), np.nan) for part in evaluated))
+        evaluated.values[index], evaluated.conditioning[index] = one.values[0], one.conditioning[0]
+    return evaluated
 
 
 def _blocks(places: NDArray[np.intp], n_frequencies: int) -> Iterator[NDArray[np.intp]]:
@@ -139,19 +139,19 @@ def _together(batch: Batch, request: TransferRequest, f: FloatArray, method: str
     # 0 Hz stands apart: with rigid motions D(0) = K is singular.
     moving, shape = f > 0, (len(batch), len(f))
     if moving.all():
-        found = evaluate(SingleAssemblies(batch), request, f, method, batch.law_stiffness(2 * np.pi * f))
-        scale_stresses(found.values, batch, request)
-        return found
+        evaluated = evaluate(SingleAssemblies(batch), request, f, method, batch.law_stiffness(2 * np.pi * f))
+        scale_stresses(evaluated.values, batch, request)
+        return evaluated
     values = np.empty((*shape, len(request.outputs), len(request.measured)), dtype=complex)
-    found = Evaluated(values, np.ones(shape))
+    evaluated = Evaluated(values, np.ones(shape))
     if moving.any():
         kappa = batch.law_stiffness(2 * np.pi * f[moving])
         part = evaluate(SingleAssemblies(batch), request, f[moving], method, kappa)
-        found.values[:, moving], found.conditioning[:, moving] = part
+        evaluated.values[:, moving], evaluated.conditioning[:, moving] = part
     if not moving.all():
-        found.values[:, ~moving] = _static(batch, request, method)[:, None]
-    scale_stresses(found.values, batch, request)
-    return found
+        evaluated.values[:, ~moving] = _static(batch, request, method)[:, None]
+    scale_stresses(evaluated.values, batch, request)
+    return evaluated
 
 
 def _static(batch: Batch, request: TransferRequest, method: str) -> Any:
@@ -161,16 +161,16 @@ def _static(batch: Batch, request: TransferRequest, method: str) -> Any:
     """
     n_out, n_in = len(request.outputs), len(request.measured)
     # With rigid motions D(0) = K is singular, and every variant takes the limit that a single drivetrain has.
-    found = np.full((len(batch), n_out, n_in), np.inf + 0j)
+    static = np.full((len(batch), n_out, n_in), np.inf + 0j)
     single = np.ones(len(batch), dtype=bool)
     if not rigid_motions(batch.drivetrain.assembly.kinematics):
         # K resists every motion: solved directly, and only doubtful variants singly.
         kappa, evaluate = batch.law_stiffness(np.zeros(1)), evaluation(request, method)
-        found = evaluate(kappa, False)
-        single = uncertain_points(rounding_errors(evaluate, kappa, found), len(batch))
+        static = evaluate(kappa, False)
+        single = uncertain_points(rounding_errors(evaluate, kappa, static), len(batch))
     for index in np.flatnonzero(single):
-        found[index] = at_zero(batch.model(int(index)), request)
-    return found
+        static[index] = at_zero(batch.model(int(index)), request)
+    return static
 
 
 def scale_stresses(values: Any, batch: Batch, request: TransferRequest) -> None:
@@ -205,7 +205,7 @@ def responses_at_own_frequencies(
     method : str
     """
     shape = (*frequencies.shape, len(request.outputs), len(request.measured))
-    found = np.full(shape, complex(np.nan, np.nan))
+    all_values = np.full(shape, complex(np.nan, np.nan))
     size = max(1, POINTS_AT_ONCE // max(1, frequencies.shape[1]))
     for start in range(0, len(batch.stacked), size):
         places = batch.stacked[start : start + size]
@@ -213,11 +213,11 @@ def responses_at_own_frequencies(
         kappa = _law_stiffness(part, 2 * np.pi * own)
         values = evaluate(SingleAssemblies(part), request, own, method, kappa).values
         scale_stresses(values, part, request)
-        found[places] = values
+        all_values[places] = values
     for index in np.flatnonzero(batch.separate & ~batch.impossible):
         model = batch.model(int(index))
-        found[index] = responses([model], request_for_model(model, request), frequencies[index], method).values[0]
-    return found
+        all_values[index] = responses([model], request_for_model(model, request), frequencies[index], method).values[0]
+    return all_values
 
 
 def _law_stiffness(batch: Batch, omega: FloatArray) -> LawStiffness:

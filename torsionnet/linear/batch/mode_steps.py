@@ -28,31 +28,31 @@ from torsionnet.model.element_base.dynamic_stiffness import ComplexStiffness
 # Modes written as vectors of energy over the laws, and the energy that two modes have in common.
 
 
-def mode_states(found: BatchedModes, places: NDArray[np.intp]) -> ComplexArray:
+def mode_states(batched: BatchedModes, places: NDArray[np.intp]) -> ComplexArray:
     """Modes as vectors of energy over the laws, of length 1, shape (n, n_states, n_modes).
 
     They are 0 for rigid bodies and missing modes.
 
     Variants whose laws are not those of the drivetrain itself, one to one, have states of zeros.
     """
-    assembly = found.drivetrain.assembly
-    n_laws, n_modes = len(assembly.kinematics.laws), found.eigenvalues.shape[1]
+    assembly = batched.drivetrain.assembly
+    n_laws, n_modes = len(assembly.kinematics.laws), batched.eigenvalues.shape[1]
     states = np.zeros((len(places), 2 * n_laws, n_modes), dtype=complex)
     # Variants that were solved singly have laws of their own and are filled in one by one.
-    counts = np.where(np.isin(places, list(found.singles)), 0, _counts(found, places))
+    counts = np.where(np.isin(places, list(batched.singles)), 0, _counts(batched, places))
     for number in np.flatnonzero(counts == 0):
         place = int(places[number])
-        own = found.singles.get(place)
+        own = batched.singles.get(place)
         if own is not None and len(own.kinematics.laws) == n_laws:
-            count, coefficients = int(_counts(found, places[[number]])[0]), (own.system.inertia, _springs(own.system))
-            states[number, :, :count] = _states(own, *coefficients, found, places[[number]], count)[0]
-    given = None if found.batch is None else stacked_coefficients(found.batch)
+            count, coefficients = int(_counts(batched, places[[number]])[0]), (own.system.inertia, _springs(own.system))
+            states[number, :, :count] = _states(own, *coefficients, batched, places[[number]], count)[0]
+    given = None if batched.batch is None else stacked_coefficients(batched.batch)
     if given is None:
         return states
     for count in sorted(set(counts[counts > 0].tolist())):
         some = np.flatnonzero(counts == count)  # a product's bits may depend on the number of its columns
         coefficients = given.inertia[places[some]], given.stiffness[places[some]]
-        states[some, :, :count] = _states(assembly, *coefficients, found, places[some], count)
+        states[some, :, :count] = _states(assembly, *coefficients, batched, places[some], count)
     return states
 
 
@@ -65,24 +65,24 @@ def _springs(system: RowSystem) -> FloatArray:
     return stiffness
 
 
-def _counts(found: BatchedModes, places: NDArray[np.intp]) -> NDArray[np.intp]:
+def _counts(batched: BatchedModes, places: NDArray[np.intp]) -> NDArray[np.intp]:
     """Number of modes of each variant at these places, shape (n,)."""
-    return np.asarray(np.sum(~np.isnan(found.eigenvalues[places]), axis=1))
+    return np.asarray(np.sum(~np.isnan(batched.eigenvalues[places]), axis=1))
 
 
 def _states(
     assembly: Assembly,
     inertia: FloatArray,
     stiffness: FloatArray,
-    found: BatchedModes,
+    batched: BatchedModes,
     places: NDArray[np.intp],
     count: int,
 ) -> ComplexArray:
     """Modes as unit vectors of energy (n, 2 n_laws, count) of the variants that have ``count`` modes."""
-    values = found.eigenvalues[places, :count]
+    values = batched.eigenvalues[places, :count]
     nodes = [assembly.node_index[name] for name in assembly.kinematics.coordinates]
     # gamma = B q of every law, with q the angles of the nodes that are coordinates.
-    motion = assembly.system.rows @ found.shapes[places, :, :count][:, nodes]
+    motion = assembly.system.rows @ batched.shapes[places, :, :count][:, nodes]
     acting = np.flatnonzero([law.acts for _, law in assembly.kinematics.laws])
     states = np.zeros((len(places), 2, len(assembly.kinematics.laws), count), dtype=complex)
     # State (sqrt(J) lambda gamma, sqrt(k) gamma) of every law; rigid bodies have none.
@@ -134,8 +134,8 @@ def take_columns(array: NDArray[Any], columns: Columns) -> NDArray[Any]:
     """Values of an array at these columns of its last axis, NaN for columns marked as missing."""
     if not array.shape[-1]:
         return np.full((*array.shape[:-1], columns.shape[-1]), np.nan, dtype=array.dtype)
-    found = np.take_along_axis(array, np.maximum(columns, 0), axis=-1)
-    return np.asarray(np.where(columns == MISSING_MODE, np.nan, found))
+    taken = np.take_along_axis(array, np.maximum(columns, 0), axis=-1)
+    return np.asarray(np.where(columns == MISSING_MODE, np.nan, taken))
 
 
 class Successors(NamedTuple):
@@ -148,39 +148,39 @@ class Successors(NamedTuple):
     clear: NDArray[np.bool_]
 
 
-def successors(known: FollowedModes, found: FollowedModes) -> Successors:
+def successors(known: FollowedModes, further: FollowedModes) -> Successors:
     """Columns (n, m) of the modes that continue those of a neighbouring variant, where that is unambiguous.
 
     Parameters
     ----------
     known : FollowedModes
         m modes that are followed.
-    found : FollowedModes
+    further : FollowedModes
         All modes there are; NaN after the last one of a variant.
     """
-    alike = common_energy(known.states, found.states)
-    columns = _slower(known, found, alike)
+    alike = common_energy(known.states, further.states)
+    columns = _slower(known, further, alike)
     followed = ~np.isnan(known.values)
     best = np.take_along_axis(alike, columns[:, :, None], axis=2)[:, :, 0]
     # Every followed mode meets itself here; more matches are modes that claim the same successor.
     twice = (columns[:, :, None] == columns[:, None, :]) & followed[:, :, None] & followed[:, None, :]
-    values = np.take_along_axis(found.values, columns, axis=1)
+    values = np.take_along_axis(further.values, columns, axis=1)
     clear = ((best >= SAME_MODE_ENERGY) | ~followed).all(axis=1) & (twice.sum(axis=(1, 2)) == followed.sum(axis=1))
     # Modes that changed their order may have crossed or veered, which a shorter step tells.
     clear &= ~_may_have_met(known.values, values).any(axis=(1, 2))
     return Successors(np.where(followed, columns, MISSING_MODE), clear)
 
 
-def _slower(known: FollowedModes, found: FollowedModes, alike: FloatArray) -> Columns:
+def _slower(known: FollowedModes, further: FollowedModes, alike: FloatArray) -> Columns:
     """Column (n, m) of the mode whose energy is most like that of each known mode, per variant.
 
     Of two real poles into which an overdamped vibration falls it is the slower.
     """
     best = alike.max(axis=2, keepdims=True)
-    real = _is_real(found.values)[:, None, :]
+    real = _is_real(further.values)[:, None, :]
     chosen = np.argmax(alike, axis=2)
     # A vibration of which the nearest mode is a real pole has become overdamped.
-    falls = (known.values.imag > 0) & (np.take_along_axis(found.values, chosen, axis=1).imag == 0)
+    falls = (known.values.imag > 0) & (np.take_along_axis(further.values, chosen, axis=1).imag == 0)
     # Modes rise in |lambda|: the first real pole that is nearly as alike is the slower one.
     slowest = np.argmax(real & (alike >= SAME_MODE_ENERGY * best), axis=2)
     return np.asarray(np.where(falls, slowest, chosen))
@@ -207,7 +207,7 @@ def _differences(values: NDArray[Any]) -> NDArray[Any]:
     return np.asarray(values[:, :, None] - values[:, None, :])
 
 
-def assign_modes(known: FollowedModes, found: FollowedModes) -> Columns:
+def assign_modes(known: FollowedModes, further: FollowedModes) -> Columns:
     """Columns (1, m) that continue each mode of one ambiguous variant, with the most energy in common overall.
 
     Of two real poles that have become one vibration the slower one goes on.
@@ -215,7 +215,7 @@ def assign_modes(known: FollowedModes, found: FollowedModes) -> Columns:
     from scipy.optimize import linear_sum_assignment
 
     # The assignment of modes with the largest sum of common energy.
-    alike = common_energy(known.states, found.states[:, :, ~np.isnan(found.values[0])])[0]
+    alike = common_energy(known.states, further.states[:, :, ~np.isnan(further.values[0])])[0]
     alike[(alike < SUCCESSOR_ENERGY) | np.isnan(known.values[0])[:, None]] = 0.0
     columns = np.full(known.values.shape[1], MISSING_MODE)
     for mode, column in zip(*linear_sum_assignment(-alike), strict=True):
@@ -227,7 +227,7 @@ def assign_modes(known: FollowedModes, found: FollowedModes) -> Columns:
         for faster in real[columns[real] != MISSING_MODE]:
             column = columns[faster]
             sizes = np.abs(known.values[0, [slower, faster]])
-            if found.values[0, column].imag > 0 and alike[slower, column] > 0 and sizes[0] < sizes[1]:
+            if further.values[0, column].imag > 0 and alike[slower, column] > 0 and sizes[0] < sizes[1]:
                 columns[slower], columns[faster] = column, MISSING_MODE
                 break
     return columns[None]
@@ -252,14 +252,14 @@ class ModeWalk:
 
     Parameters
     ----------
-    found : BatchedModes
+    batched : BatchedModes
     home : FollowedModes
         m modes of the drivetrain itself (1, m).
     """
 
-    def __init__(self, found: BatchedModes, home: FollowedModes) -> None:
-        self._found, self._home = found, home
-        self._plan = None if found.batch is None else batch_plan(found.drivetrain, found.values)
+    def __init__(self, batched: BatchedModes, home: FollowedModes) -> None:
+        self._batched, self._home = batched, home
+        self._plan = None if batched.batch is None else batch_plan(batched.drivetrain, batched.values)
 
     def columns(self, places: NDArray[np.intp], arrived: FollowedModes) -> Columns:
         """Columns (n, m) of the variants' modes that continue those of the drivetrain.
@@ -314,11 +314,11 @@ class ModeWalk:
         return FollowedModes(values, states)
 
     def _solved(self, places: NDArray[np.intp], shares: FloatArray) -> FollowedModes:
-        drivetrain = self._found.drivetrain
-        ends = {name: column[places] for name, column in self._found.values.items()}
+        drivetrain = self._batched.drivetrain
+        ends = {name: column[places] for name, column in self._batched.values.items()}
         values = _between(drivetrain.parameters, ends, shares)
-        found = single_modes(drivetrain, values) if self._plan is None else batched_modes(self._plan.batch(values))
-        return FollowedModes(found.eigenvalues, mode_states(found, np.arange(len(found))))
+        solved = single_modes(drivetrain, values) if self._plan is None else batched_modes(self._plan.batch(values))
+        return FollowedModes(solved.eigenvalues, mode_states(solved, np.arange(len(solved))))
 
 
 def _between(home: Mapping[str, float], ends: Mapping[str, FloatArray], shares: FloatArray) -> dict[str, FloatArray]:

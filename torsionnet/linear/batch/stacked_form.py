@@ -297,19 +297,19 @@ def undamped_vibrations(directions: SharedDirections, given: Coefficients) -> St
 
 def damped_vibrations(directions: SharedDirections, given: Coefficients) -> Iterator[Some]:
     """Yield indices of variants and their damped modes (eigenvalues, shapes, errors), grouped by number of modes."""
-    found = _every(directions, given)
-    real = on_real_axis(found.values)
+    vibrations = _every(directions, given)
+    real = on_real_axis(vibrations.values)
     # One of every conjugate pair and all real poles; the others are sorted to the end.
-    kept = (found.values.imag > 0) | real
-    order = np.argsort(np.where(kept, np.abs(found.values), np.inf), axis=1, kind="stable")
-    values = _settling(found.values, given)
+    kept = (vibrations.values.imag > 0) | real
+    order = np.argsort(np.where(kept, np.abs(vibrations.values), np.inf), axis=1, kind="stable")
+    values = _settling(vibrations.values, given)
     values.imag[real] = 0.0
-    found = found._replace(values=values)
+    vibrations = vibrations._replace(values=values)
     # Beyond critical damping a vibration is two real poles, so that variants differ in their number of modes.
     counts = kept.sum(axis=1)
     for count in sorted(set(counts.tolist())):
         some = np.flatnonzero(counts == count)
-        yield some, found.columns_of(some, order[some, :count])
+        yield some, vibrations.columns_of(some, order[some, :count])
 
 
 def hysteretic_vibrations(directions: SharedDirections, given: Coefficients) -> Iterator[Some]:
@@ -321,22 +321,22 @@ def hysteretic_vibrations(directions: SharedDirections, given: Coefficients) -> 
     the real axis they are the least damped ones, since the loss moves real poles off that axis.
     """
     elastic = given.lossless()
-    found = _every(directions, given)
+    vibrations = _every(directions, given)
     # The larger Im lambda / |lambda|, the less a vibration is damped.
-    damping = np.where(found.values.imag > 0, -found.values.imag / np.abs(found.values), np.inf)
+    damping = np.where(vibrations.values.imag > 0, -vibrations.values.imag / np.abs(vibrations.values), np.inf)
     least = np.argsort(damping, axis=1, kind="stable")
     if directions.dissipating.size:
         rest = _every(directions, elastic)
         real = on_real_axis(rest.values)
     else:
-        rest, real = found, np.zeros(found.values.shape, dtype=bool)
+        rest, real = vibrations, np.zeros(vibrations.values.shape, dtype=bool)
     first_real = np.argsort(~real, axis=1, kind="stable")
     counts = real.sum(axis=1)
     # Every vibration takes two eigenvalues of the form, every real pole one.
-    total = 2 * directions.vibrations if not directions.dissipating.size else found.values.shape[1]
+    total = 2 * directions.vibrations if not directions.dissipating.size else vibrations.values.shape[1]
     for count in sorted(set(counts.tolist())):
         some = np.flatnonzero(counts == count)
-        vibrating = found.columns_of(some, least[some, : (total - count) // 2])
+        vibrating = vibrations.columns_of(some, least[some, : (total - count) // 2])
         still = rest.columns_of(some, first_real[some, :count])
         still.values.imag[:] = 0.0
         both = StackedVibrations(*(np.concatenate(pair, axis=-1) for pair in zip(vibrating, still, strict=True)))
@@ -353,7 +353,7 @@ def _settling(values: ComplexArray, given: Coefficients) -> ComplexArray:
 def _every(directions: SharedDirections, given: Coefficients) -> StackedVibrations:
     """All nonzero eigenvalues in rad/s of the first-order forms, with shapes and errors, conjugates included."""
     form = stacked_form(directions, given)
-    values, states = (np.asarray(found, dtype=complex) for found in np.linalg.eig(form.matrix))
+    values, states = (np.asarray(part, dtype=complex) for part in np.linalg.eig(form.matrix))
     # S = diag(I, -I) makes S A symmetric: S x is the left vector and cond = ||x||^2 / |x^T S x|.
     sign = np.where(np.arange(states.shape[1]) < form.coupling.shape[2], 1.0, -1.0)[:, None]
     condition = np.sum(np.abs(states) ** 2, axis=1) / np.abs(np.sum(sign * states**2, axis=1))
@@ -365,9 +365,9 @@ def _safety(directions: SharedDirections) -> float:
     return ERROR_SAFETY_MASSLESS if directions.damped.size or directions.held.size else ERROR_SAFETY
 
 
-def residuals(rows: FloatArray, given: Coefficients, found: StackedVibrations) -> FloatArray:
+def residuals(rows: FloatArray, given: Coefficients, vibrations: StackedVibrations) -> FloatArray:
     """Residual torques (n, m) of each mode's equation of motion, over the sum of the magnitudes of their terms."""
-    z, motion, sizes = found.values[:, None, :], rows @ found.vectors, np.abs(rows)
+    z, motion, sizes = vibrations.values[:, None, :], rows @ vibrations.vectors, np.abs(rows)
     J, c, elastic, loss = (part[:, :, None] for part in given)
     k: AnyArray = elastic
     if given.loss.any():  # real poles are those of elastic springs
@@ -376,5 +376,5 @@ def residuals(rows: FloatArray, given: Coefficients, found: StackedVibrations) -
     left = rows.T @ ((k + c * z + J * z**2) * motion)
     size = np.abs(z)
     # The same sum of magnitudes, in which nothing cancels.
-    terms = sizes.T @ ((np.abs(k) + np.abs(c) * size + J * size**2) * (sizes @ np.abs(found.vectors)))
+    terms = sizes.T @ ((np.abs(k) + np.abs(c) * size + J * size**2) * (sizes @ np.abs(vibrations.vectors)))
     return np.asarray(np.linalg.norm(left, axis=1) / np.linalg.norm(terms, axis=1))

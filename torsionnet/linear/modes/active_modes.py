@@ -227,11 +227,13 @@ def _led(elastic: Assembly, loss: FloatArray, pole: Pole) -> Pole | None:
 
 def _distinct_poles(poles: Sequence[Pole]) -> list[Pole]:
     """Poles without those that repeat another one together with its mode shape."""
-    found: list[Pole] = []
+    distinct: list[Pole] = []
     for pole in poles:
-        if all(abs(pole.value - other.value) > SAME_POLE * abs(pole.value) or _differ(pole, other) for other in found):
-            found.append(pole)
-    return found
+        if all(
+            abs(pole.value - other.value) > SAME_POLE * abs(pole.value) or _differ(pole, other) for other in distinct
+        ):
+            distinct.append(pole)
+    return distinct
 
 
 def _differ(one: Pole, other: Pole) -> bool:
@@ -275,11 +277,11 @@ def _count_warning(counted: int, found: int, where: str = "") -> tuple[str, ...]
 
 def _on_exact_equation(pencil: ActivePencil, pole: Pole) -> Pole | None:
     """Pole in rad/s on the exact characteristic equation near a start, or None where the iteration leaves it."""
-    found = pencil.root_near(pole.value, pole.vector)
-    if found is None or abs(found[0] - pole.value) > max(1e-3, 100 * pole.error) * abs(pole.value):
+    root = pencil.root_near(pole.value, pole.vector)
+    if root is None or abs(root[0] - pole.value) > max(1e-3, 100 * pole.error) * abs(pole.value):
         return None
-    value = complex(found[0].real, 0.0) if pole.is_real else found[0]
-    return Pole(value, found[1], min(found[2], max(pole.error, EPS)))
+    value = complex(root[0].real, 0.0) if pole.is_real else root[0]
+    return Pole(value, root[1], min(root[2], max(pole.error, EPS)))
 
 
 def _in_many_digits(assembly: Assembly, poles: Sequence[Pole]) -> list[Pole]:
@@ -293,16 +295,16 @@ def _in_many_digits(assembly: Assembly, poles: Sequence[Pole]) -> list[Pole]:
         return list(poles)
     import mpmath
 
-    found = list(poles)
+    refined = list(poles)
     with mpmath.workdps(DIGITS):
         exact = ManyDigitPencil(assembly)
         for error, place in blurred:
-            pole = found[place]
+            pole = refined[place]
             met = exact.root_near(pole.value, pole.vector)
             if met is not None and abs(met[0] - pole.value) <= max(0.1, 10 * error) * abs(pole.value):
                 value = complex(met[0].real, 0.0) if pole.is_real else met[0]
-                found[place] = Pole(value, met[1], EPS)
-    return found
+                refined[place] = Pole(value, met[1], EPS)
+    return refined
 
 
 # --- delays --------------------------------------------------------------------------------------------------------
@@ -331,12 +333,12 @@ def _delayed(pencil: ActivePencil, delay: float) -> tuple[list[Pole], tuple[str,
     radius = _between(radius, [abs(pole.value) for pole in near])
     inside = [pole for pole in near if abs(pole.value) < radius]
     counted = pencil.count_within(radius) if pencil.size <= LARGEST_COUNTED else None
-    found = pencil.zeros + sum(pole.count for pole in inside)
+    listed = pencil.zeros + sum(pole.count for pole in inside)
     below = f"{radius / (2 * np.pi):.4g} Hz"
     if counted is None:
         warned: tuple[str, ...] = (f"with the delay, the poles below {below} could not be counted",)
-    elif counted != found:
-        warned = (f"with the delay, {counted} poles lie below {below}, but {found} were found",)
+    elif counted != listed:
+        warned = (f"with the delay, {counted} poles lie below {below}, but {listed} were found",)
     else:
         warned = ()
     if pencil.size <= LARGEST_SOLVED_EXACTLY:
@@ -350,16 +352,16 @@ def _delayed(pencil: ActivePencil, delay: float) -> tuple[list[Pole], tuple[str,
 
 def _corner(pencil: ActivePencil) -> list[float]:
     """Magnitudes in rad/s of the poles that the controllers have by themselves."""
-    found = []
+    magnitudes = []
     for action in pencil.assembly.system.actions:
         roots = np.roots([float(value) for value in reversed(action.denominator)])
-        found += [float(abs(root)) for root in roots]
-    return found
+        magnitudes += [float(abs(root)) for root in roots]
+    return magnitudes
 
 
 def _distinct(pencil: ActivePencil, starts: Sequence[Pole]) -> list[Pole]:
     """Poles in rad/s with Im >= 0 to which inverse iteration leads from the starts, each once."""
-    found: list[Pole] = []
+    poles: list[Pole] = []
     for start in starts:
         met = pencil.root_near(start.value, start.vector)
         if met is None:
@@ -368,9 +370,9 @@ def _distinct(pencil: ActivePencil, starts: Sequence[Pole]) -> list[Pole]:
         if abs(value.imag) <= REAL_BELOW * abs(value):
             value = complex(value.real, 0.0)
         pole = Pole(complex(value.real, abs(value.imag)), met[1] if value.imag >= 0 else met[1].conj(), met[2])
-        if all(abs(pole.value - other.value) > SAME_POLE * abs(pole.value) for other in found):
-            found.append(pole)
-    return found
+        if all(abs(pole.value - other.value) > SAME_POLE * abs(pole.value) for other in poles):
+            poles.append(pole)
+    return poles
 
 
 def _between(radius: float, sizes: Sequence[float]) -> float:
@@ -388,8 +390,8 @@ def _beyond(pencil: ActivePencil, free: EigenSolution, radius: float) -> list[Po
         for number, value in enumerate(free.eigenvalues)
         if abs(value) >= radius
     ]
-    found = _distinct(pencil, starts)
-    return [pole for pole in found if abs(pole.value) >= radius and abs(pole.value) > 0]
+    poles = _distinct(pencil, starts)
+    return [pole for pole in poles if abs(pole.value) >= radius and abs(pole.value) > 0]
 
 
 # --- results ----------------------------------------------------------------------------------------------------
@@ -425,6 +427,6 @@ def _scaled(shapes: Any) -> Any:
     The pole of a controller that oscillates alone has such a shape.
     """
     moving = np.abs(shapes).max(axis=0, initial=0.0) > 0
-    found = np.array(shapes)
-    found[:, moving] = unit_shapes(found[:, moving])
-    return found
+    scaled = np.array(shapes)
+    scaled[:, moving] = unit_shapes(scaled[:, moving])
+    return scaled

@@ -164,12 +164,12 @@ class ActivePencil:
     @cached_property
     def static_shapes(self) -> FloatArray:
         """Basis (n_q, count) of shapes other than zero that can stand still, also under torques of actions."""
-        found, n = [], self.n_coordinates
+        motions, n = [], self.n_coordinates
         for vector in null_vectors(self.exact.coefficient_rows(0)) if self.columns else ():
             basis = np.zeros(self.size)
             basis[list(vector)] = [float(value) for value in vector.values()]
-            found.append(basis[:n])
-        shapes = np.array(found).reshape(-1, n).T
+            motions.append(basis[:n])
+        shapes = np.array(motions).reshape(-1, n).T
         return np.asarray(shapes[:, np.abs(shapes).max(axis=0, initial=0.0) > 0])
 
     @np.errstate(all="ignore")  # exponentials of delays overflow far to the left
@@ -207,29 +207,29 @@ class ActivePencil:
 
     def _from_columns(self, s: complex, vector: ComplexArray) -> ComplexArray:
         """Coordinates and action torques (size,) that a vector over the columns of :meth:`at` stands for."""
-        found = np.array(vector, dtype=complex)
-        found[[column.place for column in self.columns]] = 0.0
+        motion = np.array(vector, dtype=complex)
+        motion[[column.place for column in self.columns]] = 0.0
         for column in self.columns:
-            found += vector[column.place] * column.motion_at(s)
-        return found
+            motion += vector[column.place] * column.motion_at(s)
+        return motion
 
     def _over_columns(self, s: complex, vector: ComplexArray) -> ComplexArray:
         """Vector over the columns of :meth:`at` (size,) that stands for these coordinates and torques.
 
         It is the inverse of :meth:`_from_columns`.
         """
-        found, places = np.array(vector, dtype=complex), [column.place for column in self.columns]
+        unknowns, places = np.array(vector, dtype=complex), [column.place for column in self.columns]
         if places:
             motions = np.array([column.motion_at(s) for column in self.columns]).T
             if not np.isfinite(motions).all():
-                return np.full(len(found), np.nan + 0j)
+                return np.full(len(unknowns), np.nan + 0j)
             try:
-                shares = np.linalg.solve(motions[places], found[places])
+                shares = np.linalg.solve(motions[places], unknowns[places])
             except np.linalg.LinAlgError:
-                return np.full(len(found), np.nan + 0j)
-            found = found - motions @ shares
-            found[places] = shares
-        return found
+                return np.full(len(unknowns), np.nan + 0j)
+            unknowns = unknowns - motions @ shares
+            unknowns[places] = shares
+        return unknowns
 
     # --- matrices ---------------------------------------------------------------------------------------------------
 
@@ -423,7 +423,7 @@ def state_eigenvalues(pencil: ActivePencil, points: int) -> list[Pole]:
     except np.linalg.LinAlgError:
         condition = np.full(len(values), np.inf)
     states, size = back @ right, float(np.linalg.norm(balanced))
-    found = []
+    poles = []
     for number in np.argsort(np.abs(values), kind="stable"):
         value, x = complex(values[number]), states[:, number]
         if value.imag < 0:
@@ -436,8 +436,8 @@ def state_eigenvalues(pencil: ActivePencil, points: int) -> list[Pole]:
         ]
         # |d lambda| <= eps ||A|| cond(lambda)
         error = EPS * size * float(condition[number]) / abs(value) if value else np.inf
-        found.append(Pole(value, np.concatenate([q, torques]).astype(complex), error))
-    return found
+        poles.append(Pole(value, np.concatenate([q, torques]).astype(complex), error))
+    return poles
 
 
 def slow_starts(pencil: ActivePencil, loose: list[Pole]) -> list[Pole]:

@@ -91,11 +91,11 @@ class DampedSystem:
             size = max(float(np.linalg.norm(along @ y)), 1e-300)
             bordered = np.block([[D, (along @ y)[:, None] / size], [y.conj()[None, :], np.zeros((1, 1))]])
             right = np.array([[*np.zeros(len(y)), 1.0], [*(-across @ y / size), 0.0]]).T
-            found, across_part = np.linalg.lstsq(bordered, right, rcond=1e-15)[0].T
-            further = -found[-1].imag / (across_part[-1].imag or np.inf)  # keeps the step along Re s real
-            found = found + further * across_part
-            step = complex(found[-1].real, further) / size
-            s, q = s + step, scale * found[:-1]
+            change, across_part = np.linalg.lstsq(bordered, right, rcond=1e-15)[0].T
+            further = -change[-1].imag / (across_part[-1].imag or np.inf)  # keeps the step along Re s real
+            change = change + further * across_part
+            step = complex(change[-1].real, further) / size
+            s, q = s + step, scale * change[:-1]
             moved = abs(step) / abs(s)
             if moved <= CONVERGED or (moved <= 1e-11 and moved >= previous):
                 return Mode(complex(s), q / np.abs(q).max(), float(moved), True, iteration)
@@ -135,7 +135,7 @@ def _followed(
     system: RowSystem, rates: FloatArray, shapes: FloatArray, vibrating: list[list[int]]
 ) -> tuple[list[Mode], int]:
     damped = DampedSystem(system)
-    found: list[Mode] = []
+    modes: list[Mode] = []
     lost = 0
     for place, group in enumerate(vibrating):
         beside = [rates[vibrating[other][0]] for other in (place - 1, place + 1) if 0 <= other < len(vibrating)]
@@ -146,21 +146,21 @@ def _followed(
             if mode is None or (mode.value.imag <= ON_AXIS * abs(mode.value)):
                 lost += 1
             else:
-                found.append(mode)
-    return found, lost + _without_repetitions(found)
+                modes.append(mode)
+    return modes, lost + _without_repetitions(modes)
 
 
-def _without_repetitions(found: list[Mode]) -> int:
-    """Number of modes that were found twice, after the repetitions are taken out of the list ``found``."""
+def _without_repetitions(modes: list[Mode]) -> int:
+    """Number of modes that were found twice, after the repetitions are taken out of the list ``modes``."""
     kept: list[Mode] = []
-    for mode in found:
+    for mode in modes:
         same = [one.shape for one in kept if abs(one.value - mode.value) <= SAME_FREQUENCY * abs(mode.value)]
         basis = np.array([*same, mode.shape]).T
         sizes = np.linalg.svd(basis / np.linalg.norm(basis, axis=0), compute_uv=False)
         if not same or sizes[-1] > 1e-5:
             kept.append(mode)
-    missing = len(found) - len(kept)
-    found[:] = kept
+    missing = len(modes) - len(kept)
+    modes[:] = kept
     return missing
 
 
@@ -201,7 +201,7 @@ def _real_poles(system: RowSystem, rate: float) -> list[Mode]:
     low, high = REAL_DECADES
     sizes = rate * np.logspace(low, high, REAL_GRID)
     counts = _negative_on_axis(system, sizes)
-    found: list[Mode] = []
+    modes: list[Mode] = []
     # Each real pole changes the number of negative pivots of the real D(s).
     for place in np.flatnonzero(np.diff(counts)):
         change = int(counts[place + 1] - counts[place])
@@ -210,8 +210,8 @@ def _real_poles(system: RowSystem, rate: float) -> list[Mode]:
             size = _crossing(system, sizes[place], sizes[place + 1], wanted, rising=change > 0)
             shape = _real_vector(system, size).astype(complex)
             if _is_crossed(system, size, shape):
-                found.append(Mode(complex(-size), shape))
-    return found
+                modes.append(Mode(complex(-size), shape))
+    return modes
 
 
 def _is_crossed(system: RowSystem, size: float, shape: ComplexArray) -> bool:
@@ -253,5 +253,5 @@ def _real_vector(system: RowSystem, size: float) -> FloatArray:
     D = rows.T @ (kappa[:, None] * rows)
     scale = 1 / np.sqrt(np.abs(rows.T**2 @ np.abs(kappa)) + 1e-300)
     values, vectors = np.linalg.eigh(scale[:, None] * D * scale)
-    found = scale * vectors[:, np.argmin(np.abs(values))]
-    return np.asarray(found / np.abs(found).max())
+    shape = scale * vectors[:, np.argmin(np.abs(values))]
+    return np.asarray(shape / np.abs(shape).max())

@@ -106,22 +106,22 @@ def complex_modes(system: RowSystem, lowest: int | None = None) -> EigenSolution
     if system.dynamic:
         from torsionnet.linear.modes import frozen_stiffness
 
-        rigid, found, more = frozen_stiffness.modes(system)
-        solution = _sorted_solution(rigid, found, passive=is_passive(system, found.values)).first(lowest)
+        rigid, pairs, more = frozen_stiffness.modes(system)
+        solution = _sorted_solution(rigid, pairs, passive=is_passive(system, pairs.values)).first(lowest)
         return replace(solution, more=more)
     spaces = subspaces(system, stiff, system.damping != 0)
     spectrum = refined_spectrum(solve_spectrum(system, spaces, system.stiffness, undamped=not np.any(system.damping)))
     kept, real = one_per_pair(spectrum)
-    found = Eigenpairs.all_converged(spectrum, kept, real)
-    return _sorted_solution(spaces.rigid, found, passive=dissipates(system)).first(lowest)
+    pairs = Eigenpairs.all_converged(spectrum, kept, real)
+    return _sorted_solution(spaces.rigid, pairs, passive=dissipates(system)).first(lowest)
 
 
 def _of_continuous(system: RowSystem, lowest: int | None) -> EigenSolution:
     from torsionnet.linear.modes import continuous, continuous_damped
 
     count = lowest or continuous.DEFAULT_COUNT
-    rigid, found, missing = continuous_damped.damped_modes(system, count)
-    solution = _sorted_solution(rigid, found, passive=is_passive(system, found.values)).first(count)
+    rigid, pairs, missing = continuous_damped.damped_modes(system, count)
+    solution = _sorted_solution(rigid, pairs, passive=is_passive(system, pairs.values)).first(count)
     return replace(solution, missing=missing)
 
 
@@ -135,8 +135,8 @@ def _few_modes(system: RowSystem, lowest: int) -> EigenSolution | None:
     damped = damping != 0
     motions = RigidMotions.of(system, stiffness > 0, damped, lowest)
     lossless = not (np.any(damped) or system.dynamic)
-    found = lowest_vibrations(system, motions, lowest - motions.rigid.shape[1], undamped=lossless)
-    return None if found is None else _sorted_solution(motions.rigid, found, passive=is_passive(system, found.values))
+    pairs = lowest_vibrations(system, motions, lowest - motions.rigid.shape[1], undamped=lossless)
+    return None if pairs is None else _sorted_solution(motions.rigid, pairs, passive=is_passive(system, pairs.values))
 
 
 def dissipates(system: RowSystem) -> bool:
@@ -151,21 +151,21 @@ def is_passive(system: RowSystem, eigenvalues: ComplexArray) -> bool:
     return dissipates(system) and all(bool(np.all(k.imag >= 0) and np.all(c >= 0)) for k, c in frozen)
 
 
-def _sorted_solution(rigid: FloatArray, found: Eigenpairs, *, passive: bool) -> EigenSolution:
-    order = np.argsort(np.abs(found.values), kind="stable")
-    n_rigid, real = rigid.shape[1], found.real[order]
-    values = np.where(real, found.values[order].real, found.values[order])
+def _sorted_solution(rigid: FloatArray, pairs: Eigenpairs, *, passive: bool) -> EigenSolution:
+    order = np.argsort(np.abs(pairs.values), kind="stable")
+    n_rigid, real = rigid.shape[1], pairs.real[order]
+    values = np.where(real, pairs.values[order].real, pairs.values[order])
     # Where nothing feeds energy, growth is rounding.
     if passive:
         values = np.minimum(values.real, 0.0) + 1j * values.imag
-    shapes = _real_shapes(unit_shapes(found.shapes[:, order]), found.values[order], real)
+    shapes = _real_shapes(unit_shapes(pairs.shapes[:, order]), pairs.values[order], real)
     return EigenSolution(
         eigenvalues=np.concatenate([np.zeros(n_rigid), values]).astype(complex),
         vectors=np.hstack([unit_shapes(rigid), shapes]).astype(complex),
         kinds=(RIGID,) * n_rigid + tuple(REAL if is_real else OSCILLATORY for is_real in real),
-        converged=np.concatenate([np.ones(n_rigid, dtype=bool), found.converged[order]]),
-        iterations=np.concatenate([np.zeros(n_rigid, dtype=int), found.iterations[order]]),
-        errors=np.concatenate([np.zeros(n_rigid), found.errors[order]]),
+        converged=np.concatenate([np.ones(n_rigid, dtype=bool), pairs.converged[order]]),
+        iterations=np.concatenate([np.zeros(n_rigid, dtype=int), pairs.iterations[order]]),
+        errors=np.concatenate([np.zeros(n_rigid), pairs.errors[order]]),
     )
 
 
@@ -174,12 +174,12 @@ def _real_shapes(shapes: AnyArray, values: ComplexArray, real: NDArray[np.bool_]
 
     A pair on the axis gets real and imaginary part of its shape.
     """
-    found = shapes.copy()
-    found[:, real] = shapes[:, real].real
+    made_real = shapes.copy()
+    made_real[:, real] = shapes[:, real].real
     # Two real poles that came as a pair share a complex shape, of which each takes one part.
     second = real & (values.imag < 0) & (np.abs(shapes.imag).max(axis=0, initial=0) > LEAST_IMAGINARY_PART)
-    found[:, second] = unit_shapes(shapes[:, second].imag)
-    return found
+    made_real[:, second] = unit_shapes(shapes[:, second].imag)
+    return made_real
 
 
 def with_zero_damping(values: ComplexArray, errors: FloatArray) -> ComplexArray:
@@ -247,12 +247,12 @@ def _undamped_modes(system: RowSystem, lowest: int | None) -> tuple[FloatArray, 
         return _sorted_undamped(*frozen_stiffness.modes(system, undamped=True)[:2], lowest)
     spaces = subspaces(system, stiff, undamped)
     spectrum = refined_spectrum(solve_spectrum(system, spaces, system.stiffness, undamped=True))
-    found = Eigenpairs.all_converged(spectrum, *one_per_pair(spectrum))
-    return _sorted_undamped(spaces.rigid, found, lowest)
+    pairs = Eigenpairs.all_converged(spectrum, *one_per_pair(spectrum))
+    return _sorted_undamped(spaces.rigid, pairs, lowest)
 
 
-def _sorted_undamped(rigid: FloatArray, found: Eigenpairs, lowest: int | None) -> tuple[FloatArray, FloatArray]:
-    order = np.argsort(found.values.imag, kind="stable")
-    omega = np.concatenate([np.zeros(rigid.shape[1]), found.values.imag[order]])
-    shapes = np.hstack([rigid, found.shapes[:, order].real])
+def _sorted_undamped(rigid: FloatArray, pairs: Eigenpairs, lowest: int | None) -> tuple[FloatArray, FloatArray]:
+    order = np.argsort(pairs.values.imag, kind="stable")
+    omega = np.concatenate([np.zeros(rigid.shape[1]), pairs.values.imag[order]])
+    shapes = np.hstack([rigid, pairs.shapes[:, order].real])
     return omega[:lowest], np.asarray(unit_shapes(shapes)[:, :lowest])

@@ -141,21 +141,21 @@ def _of_cut_system(
 ) -> ModesAndWarnings:
     rest = drivetrain.with_definition(cut_definition(drivetrain.definition, kept))
     try:
-        found, warned = natural_modes(rest)
+        rest_modes, warned = natural_modes(rest)
     except SolveError as error:  # the whole drivetrain resists every motion, so the cut leaves a loose end
         raise UsageError(
             f"{measured} is zero at every frequency: nothing on the other side of the transducer resists a motion",
             kind="zero-input",
         ) from error
-    shapes = np.full((len(drivetrain.nodes), len(found)), np.nan + 0j)
+    shapes = np.full((len(drivetrain.nodes), len(rest_modes)), np.nan + 0j)
     place = {node: number for number, node in enumerate(drivetrain.nodes)}
-    shapes[[place[node] for node in found.nodes]] = found.shapes
+    shapes[[place[node] for node in rest_modes.nodes]] = rest_modes.shapes
     removed = [name for name in drivetrain.elements if name not in rest.elements]
     notes = (f"poles of the drivetrain cut at {measured}, without {', '.join(removed)}",)
-    found = replace(
-        found, nodes=drivetrain.nodes, shapes=shapes, title=f"{drivetrain.title}, cut at {measured}", notes=notes
+    rest_modes = replace(
+        rest_modes, nodes=drivetrain.nodes, shapes=shapes, title=f"{drivetrain.title}, cut at {measured}", notes=notes
     )
-    return found, warned
+    return rest_modes, warned
 
 
 CONTINUOUS = "a continuous shaft has infinitely many modes, of which the lowest"
@@ -262,7 +262,7 @@ def natural_modes(
     kinetic, strain, dissipated = energies(assembly, solution, elements)
     shapes = unit_shapes(_motion(assembly.node_rows, solution.vectors)).astype(complex)
     motions = describe(assembly, solution, shapes, elements, strain, dissipated)
-    found = Modes(
+    modes = Modes(
         eigenvalues=solution.eigenvalues,
         kinds=solution.kinds,
         nodes=assembly.nodes,
@@ -278,7 +278,7 @@ def natural_modes(
         notes=(*notes, *more, *_table_notes(assembly, solution)),
         motions=motions,
     )
-    return found, (*warned, *convergence_warnings(solution), *accuracy_warnings(solution.errors))
+    return modes, (*warned, *convergence_warnings(solution), *accuracy_warnings(solution.errors))
 
 
 def _table_notes(assembly: Assembly, solution: EigenSolution) -> tuple[str, ...]:

@@ -61,7 +61,7 @@ def refine_uncertain_points(
     request: TransferRequest,
     frequencies: FloatArray,
     kappa: LawStiffness,
-    found: FrequencyPoints,
+    calculated: FrequencyPoints,
     method: str = "auto",
 ) -> FrequencyPoints:
     """Transfer functions whose uncertain points are checked, and solved in many digits where rounding shows.
@@ -75,7 +75,7 @@ def refine_uncertain_points(
         Hz.
     kappa : LawStiffness
         Of all points.
-    found : FrequencyPoints
+    calculated : FrequencyPoints
     method : str
         Solver by which uncertain points are estimated.
 
@@ -85,16 +85,16 @@ def refine_uncertain_points(
         The measured inputs depend on each other at every frequency.
     """
     again = evaluation(request, method)
-    rounding = rounding_errors(again, kappa, found.values)
+    rounding = rounding_errors(again, kappa, calculated.values)
     points = np.flatnonzero(uncertain_points(rounding, len(kappa.stiffness)))
     if not len(points):
-        return found
-    errors = expected_errors(again, kappa.at(points), found.values[points], rounding[points])
+        return calculated
+    errors = expected_errors(again, kappa.at(points), calculated.values[points], rounding[points])
     # The worst first, as many as time allows.
     worst = errors.max(axis=(1, 2), initial=0.0)
     order = [place for place in np.argsort(-worst, kind="stable").tolist() if worst[place] > ACCEPTED_ERROR]
     most = max(1, MOST_WORK // max(1, kappa.n_laws))
-    values = found.values.copy()
+    values = calculated.values.copy()
     exact = _ManyPoints(assemblies, request, frequencies)
     uncertain = [(points[place], worst[place]) for place in order[most:]]
     for place in order[:most]:
@@ -105,7 +105,7 @@ def refine_uncertain_points(
             values[points[place]] = np.where(errors[place] > ACCEPTED_ERROR, known, values[points[place]])
     if uncertain:
         _warn(uncertain, exact.frequencies.ravel())
-    return replace(found, values=values)
+    return replace(calculated, values=values)
 
 
 def evaluation(request: TransferRequest, method: str) -> Evaluate:
@@ -165,12 +165,12 @@ class _ManyPoints:
                 self.asked[variant] = ManyDigits(self.assemblies[variant], self.request)
             omega = 2 * mpmath.pi * mpmath.mpf(self.frequencies[variant, number])
             try:
-                found = self.asked[variant].transfer(mpmath.mpc(0, omega))
+                exact = self.asked[variant].transfer(mpmath.mpc(0, omega))
             except SolveError:
                 return None
-            if found is None:
+            if exact is None:
                 raise self.request.dependent_inputs_error()
-            return np.array([[complex(value) for value in row] for row in found])
+            return np.array([[complex(value) for value in row] for row in exact])
 
 
 def _warn(uncertain: Sequence[tuple[int, float]], frequencies: FloatArray) -> None:
@@ -288,12 +288,16 @@ def responses(drivetrains: Sequence[AssembledModel], request: TransferRequest, f
     if moving.all():
         return evaluate(assemblies, request, f, method)
     shape = (len(drivetrains), len(f))
-    found = Evaluated(np.empty((*shape, len(request.outputs), len(request.measured)), dtype=complex), np.ones(shape))
+    evaluated = Evaluated(
+        np.empty((*shape, len(request.outputs), len(request.measured)), dtype=complex), np.ones(shape)
+    )
     if moving.any():
-        found.values[:, moving], found.conditioning[:, moving] = evaluate(assemblies, request, f[moving], method)
+        evaluated.values[:, moving], evaluated.conditioning[:, moving] = evaluate(
+            assemblies, request, f[moving], method
+        )
     for number, drivetrain in enumerate(drivetrains):
-        found.values[number, ~moving] = _static(drivetrain, request, method)
-    return found
+        evaluated.values[number, ~moving] = _static(drivetrain, request, method)
+    return evaluated
 
 
 def _static(drivetrain: AssembledModel, request: TransferRequest, method: str) -> ComplexArray:
@@ -310,10 +314,10 @@ def _static(drivetrain: AssembledModel, request: TransferRequest, method: str) -
 
 def _resolving(drivetrain: AssembledModel, wanted: Adaptive, request: TransferRequest) -> FloatArray:
     """Frequencies (n_f,) in Hz that resolve the peaks of a drivetrain and the poles against a measured input."""
-    found = [modes_against(drivetrain, None)]
+    modes = [modes_against(drivetrain, None)]
     if request.is_measured and len(request.measured) == 1:
-        found.append(modes_against(drivetrain, request))
-    return wanted.frequencies(*found)
+        modes.append(modes_against(drivetrain, request))
+    return wanted.frequencies(*modes)
 
 
 def evaluate(
@@ -338,17 +342,19 @@ def evaluate(
     """
     if kappa is None:
         kappa = law_stiffness([assembly.system for assembly in assemblies], 2 * np.pi * frequencies)
-    found = transfer_functions(request, kappa, method)
+    calculated = transfer_functions(request, kappa, method)
     if method != "dense":
-        found = refine_uncertain_points(assemblies, request, frequencies, kappa, found, method)
+        calculated = refine_uncertain_points(assemblies, request, frequencies, kappa, calculated, method)
     shape = (len(assemblies), frequencies.shape[-1])
-    poor = np.flatnonzero(found.conditioning < VANISHING_INPUT_RATIO)
+    poor = np.flatnonzero(calculated.conditioning < VANISHING_INPUT_RATIO)
     if request.is_measured and len(poor):
         names = ", ".join(reading.name for reading in request.measured)
         first = np.broadcast_to(frequencies, shape).ravel()[poor[0]]
         text = f"{names}: the measured input all but vanishes at {len(poor)} frequencies, the first {first:.6g} Hz"
         warnings.warn(text, TorsionnetWarning, stacklevel=4)
-    return Evaluated(found.values.reshape(*shape, *found.values.shape[1:]), found.conditioning.reshape(shape))
+    return Evaluated(
+        calculated.values.reshape(*shape, *calculated.values.shape[1:]), calculated.conditioning.reshape(shape)
+    )
 
 
 def warn_infinite(values: ComplexArray, conditioning: FloatArray, f: FloatArray) -> None:

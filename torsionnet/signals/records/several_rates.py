@@ -106,9 +106,11 @@ def _placed(
     starts, doubtful = dict[int, float](), list[FileChannel]()
     for channel in unclocked:
         alike = [one for one in timed if one.channel.length == channel.length]
+        # The nearest relatives come first: those of the same group, then those of the same length, then all.
         near = [one for one in alike if group_of(one.channel) == group_of(channel)]
         beside = [one for one in near if one.channel.column not in stamped and channel.scale is None]
         begun = {own_start(one, source) for one in (beside if surely else near or alike or timed)}
+        # A start is taken over only where all of them agree.
         if len(begun) == 1:
             starts[channel.column] = begun.pop()
         else:
@@ -166,6 +168,7 @@ def _together(
     options: ReadOptions,
 ) -> RateChoice:
     first = own_start(kept[0], source)
+    # Channels of one rate may still be shifted by a part of a sample, which no cut brings together.
     between = [choice for choice in kept if not is_whole(own_start(choice, source) - first, rate)]
     if between and not options.resample:
         text = f"channels begin at times that differ by parts of a sampling interval: {listed(kept, source)}; "
@@ -263,6 +266,7 @@ def shares_time(record: Recording, samples: Sequence[OtherSamples]) -> bool:
 
 def _common_span(record: Recording, samples: Sequence[OtherSamples]) -> tuple[float, float]:
     """First and last time in s at which all channels of other rates were recorded, less a rounding error."""
+    # First the latest begin, then the earliest end of all channels.
     slack = SAME_START / record.sampling_rate
     last = min(own.start + (len(own.values) - 1) / own.rate for own in samples)
     return max(own.start for own in samples) - slack, last + slack
@@ -287,6 +291,7 @@ def with_others(
     together, others = chosen.together, chosen.others
     if not others:
         return record
+    # Interpolation wants equal steps; the rate that is lost stands in each note.
     record = resampled(record) if record.times is not None else record
     time, (first, last) = record.time, _common_span(record, samples)
     inside = (time >= first) & (time <= last)
@@ -313,6 +318,7 @@ def with_others(
     notes += [f"{choice.name}: {loss}" for choice, loss in zip(others, losses, strict=True)]
     if not inside.all():
         notes.append(f"cut to where all channels were recorded: from {times[0]:.6g} to {times[-1]:.6g} s")
+    # The signals have the order that was asked for, whichever rate they come from.
     places = {choice.channel.column: number for number, choice in enumerate(order)}
     columns = [choice.channel.column for choice in (*together, *others)]
     signals = [
