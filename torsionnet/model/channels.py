@@ -254,6 +254,7 @@ def parse_sensor(text: str) -> Sensor | None:
     match = _CALL.fullmatch(text)
     if match is None or match[1] not in SENSOR_QUANTITIES or (match[3] and match[1] == "twist"):
         return None
+    # The second name is a port of a torque, and the node that a motion is taken against.
     if match[1] in PORT_QUANTITIES or not match[3]:
         return Sensor(match[1], match[2], match[3])
     return Sensor(match[1], match[2], against=match[3])
@@ -287,6 +288,7 @@ def named_sensor(entry: str | Sensor, declared: Mapping[str, Sensor]) -> Sensor 
         return parse_sensor(entry)
     found = named_sensor(measured.strip(), declared)
     if found is None and re.fullmatch(r"[A-Za-z][\w.]*", measured.strip()):
+        # A name alone in front of "referred to" is a node, whose angle is meant.
         found = Sensor("angle", measured.strip())
     return found and replace(found, referred_to=shaft.strip())
 
@@ -303,6 +305,7 @@ class ChannelName(Text):
     def renamed(self, value: Any, names: Renaming) -> Any:
         if not value:
             return value
+        # A declared channel comes before a node of the same name, as when it is read.
         if value in names.channels:
             return names.channel(value)
         sensor = named_sensor(value, {})

@@ -128,6 +128,7 @@ class AlternativeEntry(Plural[Overlay]):
         entries: dict[str, Any] = {}
         faults: list[Fault] = []
         for key, value in raw.items():
+            # A name with a point is an entry of something else, as box.engaged; it is read where that is.
             if isinstance(key, str) and "." in key:
                 entries[key] = value
                 continue
@@ -240,6 +241,7 @@ def _is_axis(entry: Any) -> bool:
     if not isinstance(entry, Mapping):
         return False
     values = [value for key, value in entry.items() if key not in _KNOWN and "." not in str(key)]
+    # On an axis every value is an alternative itself; a single scalar makes the entry an alternative.
     return bool(values) and all(value is None or isinstance(value, (Mapping, Overlay)) for value in values)
 
 
@@ -282,6 +284,7 @@ def other_configurations(choice: Mapping[str, str], axes: Axes) -> tuple[str, ..
         label(other, axes)
         for other in combinations(axes)
         if any(
+            # An axis without a choice leaves the model as written, which an alternative without changes does, too.
             choice[axis] != name if axis in choice else not axes[axis][name].changes_nothing
             for axis, name in other.items()
         )
@@ -319,6 +322,7 @@ def _parse_part(part: str, axes: Axes) -> tuple[str, str]:
             there = comma_list(axes[axis], none="none")
             raise UsageError(unfit_word(f'axis "{axis}" has no "{name}"', name, axes[axis], rest=f"it has {there}"))
         return axis, name
+    # A name without its axis is enough where one axis alone has it.
     homes = [axis for axis, alternatives in axes.items() if part in alternatives]
     if len(homes) == 1:
         return homes[0], part

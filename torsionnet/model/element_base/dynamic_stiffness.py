@@ -92,6 +92,7 @@ class DynamicStiffness(ABC):
         """Derivatives of the complex stiffness ``at(s, omega)`` to s and to omega, in N m s/rad."""
         import numpy as np
 
+        # d/ds (k + s c) = c, d/domega (k + s c) = k' + s c'
         followed = np.array([self.frozen_rate(one) for one in omega.tolist()], dtype=complex).reshape(-1, 2)
         return self.frozen(omega)[1].astype(complex), followed[:, 0] + s * followed[:, 1]
 
@@ -140,6 +141,7 @@ class DynamicStiffness(ABC):
         import numpy as np
 
         stiffness, damping = self.frozen(np.array([abs(s.imag)]))
+        # k'' = Im k + |s| c: losses of the complex stiffness and of the damping together
         return 0.0, float(stiffness[0].real), float(stiffness[0].imag + abs(s) * damping[0])
 
     @property
@@ -184,8 +186,8 @@ class WithLoss(DynamicStiffness):
     share: float
 
     def kappa(self, omega: Floats) -> Complexes:
-        found = self.of.kappa(omega)
-        return found.real + 1j * self.share * found.imag
+        kappa = self.of.kappa(omega)
+        return kappa.real + 1j * self.share * kappa.imag
 
     def kappa_rate(self, omega: float) -> complex:
         rate = self.of.kappa_rate(omega)

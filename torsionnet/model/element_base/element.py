@@ -156,6 +156,7 @@ class Element(Declared, ArgumentHints):
         faults = [fault_of(reason, "invalid-name")] if reason else []
         faults += [] if self.catalogue is None else self._looked_up() or self._resized()
         faults += self.coerced()
+        # What contradicts each other can be said only of entries that are sound by themselves.
         faults = faults or self.contradictions()
         if faults:
             raise ModelError([fault.under("elements", str(self.name)) for fault in faults], f"element {self.name!r}")
@@ -176,6 +177,7 @@ class Element(Declared, ArgumentHints):
             return faults
         specs, defaults = dict(self.specs()), self.defaults()
         given = {name: getattr(self, name) for name in specs}
+        # An entry beside the catalogue wins over the row; a default counts as not given.
         given = {name: raw for name, raw in given.items() if raw is not None and raw is not defaults.get(name)}
         taken, faults = row_entries(row, specs, given)
         settle(self, **taken, catalogue=row)
@@ -227,6 +229,7 @@ class Element(Declared, ArgumentHints):
         found: list[Part] = []
         given = iter(states)
         for part in self.whole_parts(value):
+            # States belong to the laws of motion alone, in the order of these.
             found += part.tangent(next(given, AT_REST)) if isinstance(part, MotionLaw) else (part,)
         return tuple(found)
 
@@ -281,6 +284,7 @@ class Element(Declared, ArgumentHints):
         ]
         if self.has_motion_laws:
             laws = [part for part in self.whole_parts(value) if isinstance(part, MotionLaw)]
+            # A curve over twist ties mean positions, as a spring does; one over speed leaves the shafts to slip.
             rows += [law.row for law in laws if law.curve.over == "twist" and law.row not in rows]
         return tuple(rows)
 
@@ -400,6 +404,7 @@ class Element(Declared, ArgumentHints):
 
         specs = dict(self.specs())
         taken, _ = row_entries(self.catalogue, specs, {})
+        # What the row says anyway is left to it, so that another size brings its own values.
         same = {name for name, raw in taken.items() if name in data and specs[name].coerce(raw) == getattr(self, name)}
         return {name: value for name, value in data.items() if name not in same}
 
@@ -408,6 +413,7 @@ class Element(Declared, ArgumentHints):
         """JSON Schema of the element's entries in a model file; a catalogue may give the required ones."""
         schema: dict[str, Any] = dict(super().schema(type_key=type_key))
         from_row = [name for name in schema["required"] if name != type_key]
+        # A row of a catalogue may give any entry, so that only without one they are required.
         lone = {"not": {"required": [CATALOGUE]}}
         return {**schema, "required": [type_key] if type_key else [], "if": lone, "then": {"required": from_row}}
 
