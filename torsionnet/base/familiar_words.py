@@ -16,6 +16,7 @@ ELEMENT_TYPES: Mapping[str, str] = {
     "cylinder": "inertia",
     "crank": "crank_throw",
     "crankshaft": "crank_throw",
+    "clamp": "lock",
     "coulomb": "friction",
     "coulomb_friction": "friction",
     "dashpot": "damper",
@@ -29,6 +30,7 @@ ELEMENT_TYPES: Mapping[str, str] = {
     "dry_friction": "friction",
     "duffing": "spring",
     "elasto_backlash": "clearance",
+    "fixed": "lock",
     "flywheel": "inertia",
     "gear_element": "gear",
     "gear_pair": "gear",
@@ -45,6 +47,8 @@ ELEMENT_TYPES: Mapping[str, str] = {
     "planetary_gear": "planetary",
     "play": "clearance",
     "propeller_shaft": "shaft",
+    "rigid": "rigid_coupling",
+    "rigid_connection": "rigid_coupling",
     "rotational_damper": "damper",
     "rotational_friction": "friction",
     "rotational_hard_stop": "clearance",
@@ -98,6 +102,7 @@ KEYS: Mapping[str, tuple[str, ...]] = {
 """Entries by words of other programs, the first that the section has; keys are as written, capitals included."""
 
 ADVICE: Mapping[str, tuple[str, str]] = {
+    "node": ("nodes", "write nodes: [first, second], to the ground nodes: [first, ground]"),
     "material": ("shear_modulus", "leave it out for steel; for another material give shear_modulus and density"),
     "E": ("shear_modulus", "torsion takes the shear modulus: give shear_modulus, E/(2 (1 + nu))"),
     "youngs_modulus": ("shear_modulus", "torsion takes the shear modulus: give shear_modulus, E/(2 (1 + nu))"),
@@ -258,5 +263,5 @@ def familiar_key(key: str, known: Iterable[str]) -> tuple[str, str]:
     there = {*known}
     needed, advice = ADVICE.get(key, ("", ""))
     if needed in there:
-        return "", advice
+        return needed if needed in KEYS.get(key, ()) else "", advice
     return next((entry for entry in KEYS.get(key, ()) if entry in there), ""), ""
