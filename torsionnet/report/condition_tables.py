@@ -95,7 +95,12 @@ def normal_criticals(subject: ReportData) -> TableBlock | Paragraph:
             number=mode,
             frequency=records[0].critical.mode.undamped_frequency,
         )
-        groups.append(Group(tuple(_normal_row(subject, case, *pair) for pair in _with_sums(records)), title))
+        damping = _damping_cells(case, records)
+        rows = (
+            _normal_row(subject, one, summed, damping[one.critical.natural_speed])
+            for one, summed in _with_sums(records)
+        )
+        groups.append(Group(tuple(rows), title))
     caption = phrase("Critical speeds in normal operation{where}", where=_where(case))
     return without_empty(TableBlock((caption,), columns, tuple(groups), tuple(_notes(subject, peaks, shown))))
 
@@ -113,13 +118,21 @@ def _with_sums(records: Sequence[CriticalRecord]) -> Iterator[tuple[CriticalReco
             yield max(own, key=lambda other: other.share), summed
 
 
-def _normal_row(subject: ReportData, case: Case, one: CriticalRecord, summed: SummedOrder | None) -> tuple[Cell, ...]:
+def _damping_cells(case: Case, records: Sequence[CriticalRecord]) -> dict[float, str]:
+    """Cells with the shares in the damping of one mode, by critical speed; between two that agree all are equal."""
+    each = {one.critical.natural_speed: one.critical for one in records}
+    known = {speed: damping_cell(case, each[speed]) for speed in dict.fromkeys((min(each), max(each)))}
+    alike = known[min(each)] if known[min(each)] == known[max(each)] else None
+    return {speed: known.get(speed) or alike or damping_cell(case, one) for speed, one in each.items()}
+
+
+def _normal_row(subject: ReportData, one: CriticalRecord, summed: SummedOrder | None, damping: str) -> tuple[Cell, ...]:
     """Row of a critical speed in the normal condition, or of a sum of orders at the peak of the largest of them."""
     rated = math.nan if one.rated is None else 100 * one.rated.utilisation
     return (
         _unbroken(as_words(summed.name if summed else one.name)),
         *_common(one, summed),
-        "" if summed else damping_cell(case, one.critical),
+        "" if summed else damping,
         *_values(subject, one, summed),
         NumberText(100 * one.utilisation, DIGITS),
         NumberText(rated, DIGITS),
