@@ -109,6 +109,7 @@ class TestPassage:
         one = found[FULL]
         assert (one.from_rpm, one.to_rpm, one.action) == (low, high, "pass without stopping")
         assert one.limits == ("flange, continuous", "tail, continuous")
+        assert one.besides == "no limit in passing is given for flange"
         low, high = above(50e3, 9e3, 10e3)
         one = found["pitch=zero,firing=normal"]
         assert (one.from_rpm, one.to_rpm) == (low, high)

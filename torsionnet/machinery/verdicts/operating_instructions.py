@@ -101,6 +101,7 @@ RED, NOTICE = "tachometer red, notice at each control station", "notice at each 
 NOT_FREE = "the speed for safe navigation, {speed:.5g} rpm, does not stay free"
 BEGINS = "it begins where {limit} is exceeded"
 NOT_JUDGED = "the passage is not judged: no limit in passing is given"
+NOT_JUDGED_BY = "no limit in passing is given for {limits}"
 """Texts on a range that is barred at a speed that has to stay free, on one that begins below what decides on it, and on
 one of which no limit says what it bears."""
 PASS_QUICKLY, PASS_WITHIN, NOT_AT_ALL = range(3)
@@ -289,19 +290,34 @@ def instruction(
         max(place.verdict.tolerance for place in places), low, high, one.limit, one.criterion,
         tuple(dict.fromkeys(place.named for place in places)), float(check.rpm[at]), float(one.values[at]),
         min(steady, default=math.nan), min(passing, default=math.nan), one.unit, action, marking,
-        _elsewhere(found, checks, title), _besides(found, decisive, judged=bool(passing)),
+        _elsewhere(found, checks, title), _besides(found, decisive),
     )  # fmt: skip
 
 
-def _besides(found: PassedRange, decisive: _Place, *, judged: bool) -> str:
-    """Text of what makes a range begin, of speeds that have to stay free, and of a passage that is not ``judged``."""
+def _besides(found: PassedRange, decisive: _Place) -> str:
+    """Text of what makes a range begin, of speeds that have to stay free, and of a passage that is not judged."""
     first = min(found.places, key=lambda place: place.span.low)
     begins = found.passage == NOT_AT_ALL and first.span.low < decisive.span.low
     free = {one.not_free for one in found.verdicts if one.not_free is not None and found.span.holds(one.not_free)}
     said = [phrase(NOT_FREE, speed=speed * RPM) for speed in sorted(free)]
     said += [phrase(BEGINS, limit=first.named)] if begins and first.named != decisive.named else []
-    said += [phrase(NOT_JUDGED)] if not judged and found.passage != NOT_AT_ALL else []
+    said += _not_judged(found) if found.passage != NOT_AT_ALL else []
     return joined("; ", said) if said else ""
+
+
+def _not_judged(found: PassedRange) -> list[str]:
+    """Text of the limits of a range that say nothing of what is borne in passing; none where all of them do."""
+    limits = dict.fromkeys(place.verdict.limit for place in found.places)
+    judged = {
+        one.limit
+        for place in found.places
+        for one in found.check.verdicts
+        if one.in_passing and one.limit == place.verdict.limit and math.isfinite(one.allowed[place.at])
+    }
+    if not judged:
+        return [phrase(NOT_JUDGED)]
+    missing = [name for name in limits if name not in judged]
+    return [phrase(NOT_JUDGED_BY, limits=listed_names(missing))] if missing else []
 
 
 def _action(found: PassedRange) -> tuple[int, int | None, str, str]:
