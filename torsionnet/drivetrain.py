@@ -50,15 +50,23 @@ class Drivetrain(AssembledModel, AttributeHints):
         In the order of declaration, which fixes the order of nodes and, where nothing else is said, of coordinates.
     parameters : mapping, optional
         Name -> number in SI, text with unit, or expression of other parameters.
-    inputs, sensors : mapping, optional
-        Name -> ``{"torque": node}``, ``{"angle": node}``; ``{"angle": node}``, ``{"torque": element, "at": node}``, ...
-        A node whose angle is imposed by an input stands still wherever that input is not the excitation.
+    inputs : mapping, optional
+        What drives it: name -> ``{"torque": node}`` or an imposed motion, ``{"angle": node}``, whose node stands still
+        wherever that input is not the excitation.
+    sensors : mapping, optional
+        What is read: name -> ``{"angle": node}``, ``{"velocity": node}``, ``{"torque": element, "at": node}``, ...
     configurations : mapping, optional
         Axis -> alternative -> ``{parameter: value, "on": [...], "off": [...]}``; one axis needs no name.
     operating_point : mapping, optional
         ``{"speed": {node: value}, "torque": {node: value}}``.
-    speeds, load, excitations : mapping, optional
-        At which speeds running machinery is examined, who absorbs its power and who drives, and what excites it.
+    speeds : mapping, optional
+        At which speeds running machinery is examined: ``{"of": node, "range": "300..900 rpm"}``.
+    load : mapping, optional
+        Who absorbs its power and who drives it, on average.
+    excitations : mapping, optional
+        What excites it by order: name -> an engine, a propeller, ``{"type": "harmonic", ...}``, ...
+    limits : mapping, optional
+        Name -> what a torque, stress, angle or heat must keep to, ``{"rule": ..., ...}`` (:meth:`check_limits`).
     scenarios : mapping, optional
         Name -> what happens over time: torques on nodes, a short circuit (:meth:`simulate`).
     source, description : str, optional

@@ -283,8 +283,8 @@ class TestFaultyFiles:
             ("time,T [Nm]\n0,1\n1,2\n2,\n", "channels of different lengths: T has 2, time has 3 values"),
             ("T [Nm]\n1\n2\n", "nothing in the file tells the sampling rate"),
             ("time,T [Nm]\n0,1\n", "one sample does not tell the sampling rate"),
-            ("time,T [V]\n0,1\n1,2\n", 'its unit "V" does not tell its quantity; give one of torque, angle'),
-            ("time,T\n0,1\n1,2\n", "it has no unit; give one of torque, angle"),
+            ("time,T [V]\n0,1\n1,2\n", 'the unit "V" of T does not tell its quantity; give one of torque, angle'),
+            ("time,T\n0,1\n1,2\n", "T has no unit; give one of torque, angle"),
             ("time,M [Nm]\n0,1\n1,2\n", 'no channel is named "T"'),
         ],
     )

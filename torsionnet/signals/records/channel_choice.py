@@ -187,7 +187,7 @@ def _choice(
 
 
 def _unknown(unit: str, name: str) -> str:
-    says = f'its unit "{unit}" does not tell its quantity' if unit else "it has no unit"
+    says = f'the unit "{unit}" of {name} does not tell its quantity' if unit else f"{name} has no unit"
     example = remedy("quantities=", {name: likely_quantity(name)})
     return f"{says}; give one of {', '.join(QUANTITY_UNITS)}, for example {example}"
 
