@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     import torsionnet.machinery.verdicts.shaft_margins
     import torsionnet.model.graph
     import torsionnet.model.overview
+    import torsionnet.motion.periodic.periodic_response
     import torsionnet.motion.scenario_run
     import torsionnet.symbolic.symbolic_system
     from torsionnet.base.entries.accepted_types import NumberRows
@@ -99,6 +100,7 @@ class Drivetrain(AssembledModel, AttributeHints):
     frequency_responses = torsionnet.linear.batch.batched_responses.frequency_responses
     modes = torsionnet.linear.modes.natural_modes.modes
     simulate = torsionnet.motion.scenario_run.simulate
+    periodic_response = torsionnet.motion.periodic.periodic_response.periodic_response
     loop_margins = torsionnet.linear.responses.loop_margins.loop_margins
     symbolic = torsionnet.symbolic.symbolic_system.symbolic
     to_control = torsionnet.linear.dynamic_stiffness.state_space.to_control

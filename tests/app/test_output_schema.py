@@ -30,6 +30,7 @@ def folder(tmp_path_factory):
         Path("driven.yaml").write_text(TWO_FANS + DRIVEN, encoding="utf-8")
         Path("governed.yaml").write_text(GOVERNED, encoding="utf-8")
         Path("gap.yaml").write_text(GAP, encoding="utf-8")
+        Path("cubic.yaml").write_text(CUBIC, encoding="utf-8")
         Path("fit.yaml").write_text(FIT_OF_TWO_DISCS, encoding="utf-8")
         Path("spread.yaml").write_text(SPREAD, encoding="utf-8")
         test = FIT_OF_TWO_DISCS.replace("record: run_soft.npz", "response: test.csv").replace(
@@ -67,6 +68,13 @@ torsionnet: 1
 elements:
   rotor: {type: inertia, node: a, inertia: 2}
   governor: {type: controller, sense: {velocity: a}, act: a, law: -30, delay: 50 ms}
+"""
+CUBIC = """
+torsionnet: 1
+name: cubic spring
+elements:
+  mass: {type: inertia, node: a, inertia: 1 kg*m^2}
+  spring: {type: spring, nodes: [a, ground], stiffness: 1 N*m/rad, cubic: 0.1 N*m/rad^3, damping: 0.05 N*m*s/rad}
 """
 GAP = """
 torsionnet: 1
@@ -118,6 +126,7 @@ CALLS = {
     "estimate": ["estimate run_soft.npz --output phi --input M"],
     "compare": ["compare run_soft.npz rig.yaml -c soft --output phi --input M"],
     "simulate": ["simulate turbine_generator_ssr two_phases --sampling-rate 2kHz", "simulate gap.yaml push --check"],
+    "periodic": ["periodic cubic.yaml --output a --frequencies 0.18:0.2:0.01 --torque a=0,0.18"],
     "spectrogram": ["spectrogram run_soft.npz --channel phi"],
     "angle": ["angle pulses.csv --pulses n1=60 --tick 1us --orders 6"],
     "bench": ["bench rig.yaml -o again.npz"],

@@ -3,4 +3,5 @@ from torsionnet.motion.contact_states import MotionStart as MotionStart
 
 __all__ = [
     "MotionStart",
+    "PeriodicResponse",
 ]

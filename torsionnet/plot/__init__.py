@@ -21,6 +21,7 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "operational_modes": "torsionnet.plot.modal_plots",
         "order_response": "torsionnet.plot.order_response_plot",
         "passage_response": "torsionnet.plot.histories",
+        "periodic_response": "torsionnet.plot.periodic_plot",
         "save": "torsionnet.plot.drawing.save",
         "schematic": "torsionnet.plot.schematics.schematic",
         "spectrogram": "torsionnet.plot.time_frequency",

@@ -19,6 +19,7 @@ from torsionnet.plot.order_overlay_plot import tracked_orders as tracked_orders
 from torsionnet.plot.order_response_plot import order_response as order_response
 from torsionnet.plot.order_response_plot import waterfall as waterfall
 from torsionnet.plot.order_response_plot import waveform as waveform
+from torsionnet.plot.periodic_plot import periodic_response as periodic_response
 from torsionnet.plot.schematics.schematic import schematic as schematic
 from torsionnet.plot.shapes import mode_shapes as mode_shapes
 from torsionnet.plot.star_diagram_plot import star_diagrams as star_diagrams

@@ -142,6 +142,7 @@ GROUPS = {  # by what a user does; the texts stand here so that the list of comm
         "frf": "Frequency responses between sensors, inputs and nodes.",
         "margins": "How far a controlled drivetrain is from becoming unstable.",
         "simulate": "A scenario over time: torques, short circuits, contacts, friction.",
+        "periodic": "Every steady motion of laws that are not linear, and where a sweep jumps.",
         "static": "Mean torque, twist, stress and power of every element under the load.",
         "study": "Tolerances, conditions and choices: what varies, what is asked, what follows.",
     },

@@ -202,6 +202,7 @@ OUTPUTS: dict[str, str] = {
     "margins": "list[torsionnet.linear.responses.loop_margins:MarginsRecord]",
     "modes": "list[torsionnet.linear.modes.modes:ModesRecord]",
     "orders": "list[torsionnet.machinery.orders.orders_record:OrdersRecord]",
+    "periodic": "list[torsionnet.motion.periodic.periodic_result:PeriodicRecord]",
     "sensitivity": "list[torsionnet.linear.sensitivity.sensitivities_of_modes:SensitivityRecord]",
     "show": "list[torsionnet.app.cli.output:ShownModel]",
     "simulate": "list[torsionnet.motion.motion_summary:SimulatedMotion]",

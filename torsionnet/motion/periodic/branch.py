@@ -9,7 +9,7 @@ branch folds back.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Literal
 
@@ -17,7 +17,7 @@ import numpy as np
 
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.motion.periodic.harmonic_balance import fitted, packed, unpacked
-from torsionnet.motion.periodic.periodic_problem import PeriodicMotion, PeriodicProblem
+from torsionnet.motion.periodic.periodic_problem import LEFT_OUT, MORE, MOST_HARMONICS, PeriodicMotion, PeriodicProblem
 
 FIRST_STEP, LONGEST_STEP, SHORTEST_STEP = 0.02, 0.08, 1e-7
 """Lengths of steps along a branch, over the parameter and the size of the motion."""
@@ -27,10 +27,10 @@ MOST_ITERATIONS, FEW = 10, 3
 """Newton steps from which a step along the branch is taken back, and up to which the next one is longer."""
 CLOSE = 1e-8
 """Last Newton step of a point along the branch."""
-DIFFERENCE = 1e-6
+DIFFERENCE = 1e-7
 """Share of the parameter over which its slope is taken as a difference."""
-LOCATED = 1e-9
-"""Share of the parameter to which a fold is located."""
+LOCATED = 1e-6
+"""Length along the branch, a share of the motion, to which a fold is located: its parameter is known far better."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +76,7 @@ class Tracer:
         scale = self.scale(u, parameter)
         across = np.zeros(len(u) + 1)
         across[-1] = direction
-        J, slope = self._slopes(u, parameter)
+        _, J, slope = self._equations(u, parameter)
         return BranchPoint(parameter, u, self._tangent(J, slope, across, scale), scale)
 
     def scale(self, u: FloatArray, parameter: float) -> FloatArray:
@@ -84,14 +84,16 @@ class Tracer:
         sizes = np.maximum(np.linalg.norm(unpacked(u, self.n_laws)[1:], axis=0), self.least)
         return np.append(np.repeat(sizes, 2 * self.harmonics + 1), self.problem.parameter_scale or abs(parameter))
 
-    def _slopes(self, u: FloatArray, parameter: float) -> tuple[FloatArray, FloatArray]:
-        """Jacobian over the motion, and slope over the parameter, of the residual."""
+    def _equations(self, u: FloatArray, parameter: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Packed residual, its Jacobian over the motion, and its slope over the parameter."""
         x = unpacked(u, self.n_laws)
         balance = self.problem.balance(parameter, self.harmonics)
-        _, answers, _ = balance.residual(x)
+        left, answers, torques = balance.residual(x)
         step = DIFFERENCE * (self.problem.parameter_scale or abs(parameter))
-        ends = [self.problem.balance(parameter + way * step, self.harmonics).residual(x)[0] for way in (-1, 1)]
-        return balance.slopes(answers), packed(ends[1] - ends[0]) / (2 * step)
+        moved = self.problem.balance(parameter + step, self.harmonics)
+        known = None if any(one.needs_rate for one in self.problem.forces) else torques
+        further = moved.residual(x)[0] if known is None else moved.left(x, known)
+        return packed(left), balance.slopes(answers), packed(further - left) / step
 
     @staticmethod
     def _tangent(J: FloatArray, slope: FloatArray, along: FloatArray, scale: FloatArray) -> FloatArray:
@@ -108,15 +110,13 @@ class Tracer:
         start = np.append(point.u, point.p)
         at = start + ds * along * scale
         for number in range(MOST_ITERATIONS):
-            x = unpacked(at[:-1], self.n_laws)
-            left = self.problem.balance(at[-1], self.harmonics).residual(x)[0]
+            left, J, slope = self._equations(at[:-1], float(at[-1]))
             if not np.isfinite(left).all():
                 return None
-            J, slope = self._slopes(at[:-1], at[-1])
             whole = np.vstack([np.hstack([J, slope[:, None]]) * scale, along])
             over = float(along @ ((at - start) / scale)) - ds
             try:
-                change = np.linalg.solve(whole, np.append(packed(left), over))
+                change = np.linalg.solve(whole, np.append(left, over))
             except np.linalg.LinAlgError:
                 return None
             at = at - change * scale
@@ -192,22 +192,20 @@ class MotionBranch:
 def located_fold(problem: PeriodicProblem, before: BranchPoint, after: BranchPoint, n_laws: int) -> Fold | None:
     """Fold between two points of a branch, by secants over the length from the first."""
     kind: Literal["maximum", "minimum"] = "maximum" if before.turns > 0 else "minimum"
-    middle = problem.solve(before.p, unpacked(before.u, n_laws))
-    if middle is None:
+    beside = problem.solve(before.p, unpacked(before.u, n_laws))
+    if beside is None:
         return None
+    harmonics = beside.harmonics
     while True:
-        tracer = Tracer(problem, middle.harmonics)
-        start = tracer.first(before.p, middle.x, float(np.sign(before.turns)))
-        if start is None:
-            return None
-        point = _turning_point(tracer, start, after)
+        tracer = Tracer(problem, harmonics)
+        start = tracer.first(before.p, beside.x, float(np.sign(before.turns)))
+        point = None if start is None else _turning_point(tracer, start, after)
         if point is None:
             return None
         motion = tracer.motion(point)
-        again = problem.solve(point.p, motion.x) if motion.left_out > 1e-6 else None
-        if again is None or again.harmonics <= middle.harmonics:
+        if motion.left_out < LEFT_OUT or harmonics >= MOST_HARMONICS:
             return Fold(motion, kind)
-        middle = replace(middle, x=fitted(middle.x, again.harmonics))
+        harmonics = int(MORE * harmonics)
 
 
 def _turning_point(tracer: Tracer, start: BranchPoint, after: BranchPoint) -> BranchPoint | None:
@@ -234,14 +232,13 @@ def _turning_point(tracer: Tracer, start: BranchPoint, after: BranchPoint) -> Br
         stepped = tracer.step(start, c)
         if stepped is None:
             return None
-        before, point = point, stepped[0]
+        point = stepped[0]
         fc = point.turns
-        # At the fold the parameter stands: it is known long before the place on the branch is.
-        if abs(point.p - before.p) <= LOCATED * abs(point.p) and abs(fc) < 1e-6:
-            return point
         if fc * fb < 0:
             a, fa = b, fb
         else:
             fa /= 2
-        b, fb = c, fc
+        moved, b, fb = abs(c - b), c, fc
+        if moved <= LOCATED or fc == 0:
+            break
     return point

@@ -111,9 +111,8 @@ class CondensedPlant:
                 why = (
                     "follows the speed of another part" if one.law.sensed else "follows its curve with a time constant"
                 )
-                raise UsageError(
-                    f"{one.owner}: its torque {why}, which periodic motion does not work out; use simulate"
-                )
+                text = f"{one.owner}: its torque {why}, which periodic motion does not work out; use simulate"
+                raise UsageError(text, kind="unfit-law")
 
     def stiffness(self, s: ComplexArray) -> ComplexArray:
         """Dynamic stiffness D_0 (n, n_q, n_q) in N m/rad at the Laplace variable s (n,) in rad/s."""
@@ -171,12 +170,13 @@ class CondensedPlant:
             worst = int(np.abs(over).argmax())
             rest = float(over[worst] / np.abs(free[:, worst]).max())
             text = "the mean torques do not balance on what turns freely: {rest:.6g} N m are left; give the load"
-            raise UsageError(phrase(text, rest=rest))
+            raise UsageError(phrase(text, rest=rest), kind="unbalanced-torques")
         if np.abs(self.rows @ free).max(initial=0.0) > FREE:
             names = [
                 one.owner for one, row in zip(self.laws, self.rows @ free, strict=True) if np.abs(row).max() > FREE
             ]
-            raise UsageError(f"{', '.join(names)}: friction alone holds the mean twist here; give a spring beside it")
+            text = "friction alone holds the mean twist here; give a spring beside it"
+            raise UsageError(f"{', '.join(names)}: {text}", kind="indeterminate-motion")
 
     def spring_before(self, law: int, highest: float) -> float:
         """Stiffness in N m/rad of the spring through which a law moves what has no inertia, else 0.
@@ -205,7 +205,7 @@ class CondensedPlant:
             if term.law is not None:
                 if isinstance(self.assembly.laws[term.law], PlacedLaw):
                     text = "rigid connections hold its twist still, so that its torque is not determined"
-                    raise UsageError(f"{self.assembly.owners[term.law]}: {text}")
+                    raise UsageError(f"{self.assembly.owners[term.law]}: {text}", kind="indeterminate-torque")
                 inertia, damping, stiffness = (
                     part[term.law] for part in (system.inertia, system.damping, system.stiffness)
                 )

@@ -32,6 +32,8 @@ from torsionnet.motion.periodic.periodic_problem import PeriodicMotion, Periodic
 
 BLOCK = 16
 """Looks that are taken together."""
+ROUNDING = 1e-13
+"""Share of a state by which a period that closes may stay open."""
 NOTHING = 1e-9
 """Entry of a monodromy that is rounding."""
 FEWEST_LOOKS = 64
@@ -185,7 +187,8 @@ class ContactMarch:
                 break
             if len(stretches) > MOST_EVENTS:
                 owner = states.laws[guard // 3].owner
-                raise SolveError(f"{owner}: its torque changes its piece more than {MOST_EVENTS} times in a period")
+                text = f"{owner}: its torque changes its piece more than {MOST_EVENTS} times in a period"
+                raise SolveError(text, kind="no-period")
             following, _ = states.after(contact, guard, z / units, time)
             rows = guard_rows(form, states.laws, contact, at, states.drive.scale_of)[guard]
             entered = states.form(following)
@@ -294,18 +297,17 @@ class ContactMarch:
         monodromy = passage.monodromy[own, own]
         return multipliers_of(without_turning(monodromy, self.states.plant, at))
 
-    def closed(self, z: FloatArray, contact: Contact, most: int = 8) -> tuple[Passage, FloatArray, float]:
+    def closed(self, z: FloatArray, contact: Contact, most: int) -> tuple[Passage, FloatArray, float]:
         """Period that closes, by Newton's method from a state near it, with its first state and what is left open."""
         own = slice(0, 2 * self.at.n_q + self.at.n_c)
+        passage, turned = self.passage(z, contact), self._turned()
+        z = passage.stretches[0].z
         opening = math.inf
-        passage = self.passage(z, contact)
-        for _ in range(most):
+        for number in range(most + 1):
             gap = (passage.end - z)[own]
-            turned = self._turned()
             gap[turned] = 0.0
-            size = float(np.abs(z[own]).max()) or 1.0
-            smaller = float(np.abs(gap).max()) / size
-            if smaller < 1e-13 or smaller > 0.5 * opening:
+            smaller = float(np.abs(gap).max()) / (float(np.abs(z[own]).max()) or 1.0)
+            if smaller < ROUNDING or smaller > 0.5 * opening or number == most:
                 break
             opening = smaller
             matrix = passage.monodromy[own, own] - np.eye(len(gap))

@@ -77,10 +77,12 @@ class HarmonicBalance:
         torques = np.stack([harmonics_of(one.torque, H) for one in answers], axis=1)
         if H == 1:
             self._describe(x, torques)
-        tau = self.taus(x, torques)
-        motion = self.driven - np.einsum("klm,km->kl", self.G, tau)
-        yielding = np.array([one.yielding for one in self.forces])
-        return x - motion - torques * yielding, answers, torques
+        return self.left(x, torques), answers, torques
+
+    def left(self, x: ComplexArray, torques: ComplexArray) -> ComplexArray:
+        """Residual (H + 1, n_laws) of motions whose torques are known."""
+        motion = self.driven - (self.G @ self.taus(x, torques)[:, :, None])[:, :, 0]
+        return np.asarray(x - motion - torques * np.array([one.yielding for one in self.forces]))
 
     def _describe(self, x: ComplexArray, torques: ComplexArray) -> None:
         """Put the describing functions of laws that have one in the place of what samples give."""

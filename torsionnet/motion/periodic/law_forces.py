@@ -97,6 +97,35 @@ class PieceForce:
     def needs_rate(self) -> bool:
         return self.over_rate or bool(self.dampings.any())
 
+    def _share_corners(
+        self, followed: FloatArray, piece: NDArray[np.intp], rate: FloatArray | None,
+        answer: tuple[FloatArray, FloatArray, FloatArray | None],
+    ) -> None:  # fmt: skip
+        """Give the samples beside a corner the share of the interval in which each piece acts.
+
+        So that slopes, and torques that jump, change evenly as the corner moves from sample to sample.
+        """
+        following = np.roll(piece, -1)
+        for i in np.flatnonzero(np.abs(following - piece) == 1).tolist():
+            j, a, b = (i + 1) % len(piece), int(piece[i]), int(following[i])
+            corner = self.corners[min(a, b)]
+            # trapezium 1/2, 1/2 against the shares theta, 1 - theta
+            apart = ((corner - followed[i]) / (followed[j] - followed[i]) - 0.5) / 2
+            jump = self.torques[a] - self.torques[b]
+            if not self.over_rate:
+                jump += (self.stiffnesses[a] - self.stiffnesses[b]) * corner
+                jump += (self.dampings[a] - self.dampings[b]) * (rate[i] if rate is not None else 0.0)
+            else:
+                jump += (self.dampings[a] - self.dampings[b]) * corner
+            for values, change in zip(
+                answer,
+                (jump, self.stiffnesses[a] - self.stiffnesses[b], self.dampings[a] - self.dampings[b]),
+                strict=True,
+            ):
+                if values is not None:
+                    values[i] += apart * change
+                    values[j] += apart * change
+
     def over(self, x: FloatArray, rate: FloatArray | None) -> LawAnswer:
         followed = rate if self.over_rate and rate is not None else x
         piece = np.searchsorted(self.corners, followed, side="right")
@@ -106,6 +135,7 @@ class PieceForce:
         if rate is not None:
             rate_slope = self.dampings[piece]
             torque = torque + rate_slope * rate
+        self._share_corners(followed, piece, rate, (torque, slope, rate_slope))
         side = self.sides[piece]
         if side.any():
             # Contacts push and never pull: max(0, k d + c d').
@@ -240,7 +270,7 @@ def force_of(owner: str, law: MotionLaw, spring_before: Callable[[], float], siz
     held = max(float(one.high) for one in curve.pieces if isinstance(one, Hold))
     if len(curve.pieces) != 3 or most.damping or held != float(most.torque):
         text = "friction behind a spring that changes with the slip or sticks with more than it slips"
-        raise UsageError(f"{owner}: periodic motion does not work out {text}; use simulate")
+        raise UsageError(f"{owner}: periodic motion does not work out {text}; use simulate", kind="unfit-law")
     return SliderForce(spring, scale * float(most.torque))
 
 
@@ -263,7 +293,7 @@ def _resolved(owner: str, curve: PieceCurve, scale: float, r: float, power: int)
     x = g + torque / r
     if (np.diff(x) <= 0).any() or (np.diff(torque) < 0).any():
         text = "its torque falls with the motion where it sticks, which periodic motion does not work out"
-        raise UsageError(f"{owner}: {text}; use simulate")
+        raise UsageError(f"{owner}: {text}; use simulate", kind="unfit-law")
     before, after = (slope * r / (slope + r) for slope in (ends[0], ends[-1]))
     return ResolvedForce(x, torque, before, after, power, 1 / r)
 

@@ -29,6 +29,8 @@ NEAR = 1e-3
 """Share of a state by which the period that closes may begin elsewhere than the motion of harmonics."""
 STEPS_PER_HARMONIC, FEWEST_STEPS = 16, 512
 """Steps of Magnus's method in a period over the harmonics, and at least."""
+MOST_CLOSED = 8
+"""Most Newton steps by which a period over contact states closes."""
 ON_CIRCLE = 1e-7
 """Distance from the unit circle up to which a multiplier counts as on it."""
 
@@ -70,31 +72,31 @@ class Stability:
         return float(np.prod(1 + self.multipliers).real)
 
 
-def stability_of(problem: PeriodicProblem, motion: PeriodicMotion) -> Stability:
-    """Stability of a periodic motion."""
+def stability_of(problem: PeriodicProblem, motion: PeriodicMotion, *, turns: bool = False) -> Stability:
+    """Stability of a periodic motion; where its branch ``turns`` no period near it closes better than another."""
     try:
         split = problem.plant.in_time
     except UsageError as error:
         return Stability(np.zeros(0, dtype=complex), str(error))
     if not split.smooth:
-        return _over_contacts(problem, motion)
+        return _over_contacts(problem, motion, 0 if turns else MOST_CLOSED)
     if all(isinstance(one, CurveForce | PieceForce) for one in problem.forces):
         return _variational(problem, motion)
     return Stability(np.zeros(0, dtype=complex), "friction that sticks beside laws without straight pieces")
 
 
-def _over_contacts(problem: PeriodicProblem, motion: PeriodicMotion) -> Stability:
+def _over_contacts(problem: PeriodicProblem, motion: PeriodicMotion, most: int) -> Stability:
     try:
         march = ContactMarch(problem, motion.parameter)
         z, contact = march.start(motion)
-        passage, first, left_open = march.closed(z, contact)
+        passage, first, left_open = march.closed(z, contact, most)
     except TorsionnetError as error:
         return Stability(np.zeros(0, dtype=complex), str(error))
     own = slice(0, 2 * march.at.n_q + march.at.n_c)
     # what has no inertia may begin with any rate
     z = march.states.form(passage.stretches[0].contact).refresh @ z
     size = np.abs(z[own]).max()
-    if left_open > CLOSED or np.abs((first - z)[own]).max() > NEAR * size:
+    if left_open > (CLOSED if most else NEAR) or np.abs((first - z)[own]).max() > NEAR * size:
         return Stability(np.zeros(0, dtype=complex), "over its contact states the motion does not close")
     return Stability(march.multipliers(passage), march=march, passage=passage)
 

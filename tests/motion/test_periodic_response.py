@@ -1,0 +1,154 @@
+"""Periodic responses as users ask for them: branches, jumps, doubled motions, starts of simulations, bad questions."""
+
+from __future__ import annotations
+
+import json
+from math import pi
+
+import numpy as np
+import pytest
+from support.command_line import run
+from support.periodic_rigs import car, duffing, free_clearance, two_stage_rig
+
+import torsionnet as tn
+from torsionnet.base.errors import UsageError
+from torsionnet.motion import MotionStart, PeriodicResponse
+
+RPM = pi / 30
+
+
+def _close(found: float, wanted: float, share: float = 1e-5) -> None:
+    assert abs(found - wanted) <= share * abs(wanted), (found, wanted)
+
+
+@pytest.fixture(scope="module")
+def driven_car() -> PeriodicResponse:
+    gas = {"type": "harmonic", "node": "engine", "orders": {
+        2: {"amplitude": "300 N*m"}, 4: {"amplitude": "60 N*m", "phase": "-90 deg"}}}  # fmt: skip
+    rig = car(excitations={"gas": gas}, operating_point={"torque": {"engine": "60 N*m", "vehicle": "-60 N*m"}})
+    speeds = [rpm * RPM for rpm in (1050, 1150, 1300, 1700, 2000)]
+    return rig.periodic_response("twist(dmf)", speeds=speeds, speed_of="engine", subharmonics=2)
+
+
+def test_car_booms_only_on_the_way_down(driven_car):
+    (down, caught), (up, left) = sorted(driven_car.jumps)
+    assert (down, up) == ("run-down", "run-up")
+    _close(caught / RPM, 1102.2643)
+    _close(left / RPM, 1180.922)
+    swings = [driven_car.peak_to_peak(one) for one in driven_car.motions_at(1150 * RPM)]
+    for found, wanted in zip(sorted(swings), (0.15954798, 0.22471678, 0.25328757), strict=True):
+        _close(found, wanted)
+    assert len(driven_car.stable_at(1150 * RPM)) == 2
+
+
+def test_car_at_1700_rpm_is_met_with_order_1(driven_car):
+    (met,) = driven_car.stable_at(1700 * RPM)
+    assert met.periods == 2
+    _close(driven_car.peak_to_peak(met), 0.09489966)
+    _close(driven_car.amplitude_of_order(met, 1), 0.03709959)
+    _close(driven_car.amplitude_of_order(met, 2), 0.01857517)
+    doubles = sorted(one.at / RPM for one in driven_car.turns("doubling"))
+    _close(doubles[0], 1529.144)
+    _close(doubles[-1], 1875.612)
+    shown = driven_car.table().to_text()
+    assert "unstable: doubles" in shown
+    assert "repeats after 2 periods" in shown
+
+
+def test_result_is_read_back_with_all_its_numbers(driven_car, tmp_path):
+    driven_car.to_json(tmp_path / "car.json")
+    again = PeriodicResponse.from_json(tmp_path / "car.json")
+    assert again.table().to_text() == driven_car.table().to_text()
+    assert again.motions[0].multipliers.dtype == complex
+
+
+def test_unstable_parts_are_dashed(driven_car):
+    (axes,) = tn.plot.periodic_response(driven_car).axes
+    styles = {line.get_linestyle() for line in axes.lines}
+    assert {"-", "--"} <= styles
+    assert ":" not in styles
+
+
+def _swept(rig: tn.Drivetrain, motion, periods: float, frequency: float, samples: int) -> np.ndarray:
+    """Twist of the flywheel over so many periods from a motion, at ``samples`` points of a period."""
+    rate = samples * frequency
+    scenario = {"type": "torques", "duration": periods / frequency, "rate": rate, "torque": {
+        "motor": {"mean": 40, "amplitude": 60, "frequency": frequency}}}  # fmt: skip
+    start = MotionStart(angles=motion.angles, speeds=motion.speeds)
+    return rig.simulate(["twist(dmf)"], scenario=scenario, initial_state=start)["twist(dmf)"].values
+
+
+def test_simulation_stays_on_a_stable_motion_and_leaves_an_unstable_one_at_its_multiplier():
+    rig = two_stage_rig()
+    found = rig.periodic_response("twist(dmf)", frequencies=[11.0, 11.3], excitation={"T_M": {0: 40, 1: 60}})
+    for motion in found.motions_at(11.0):
+        if motion.is_stable:
+            twist = _swept(rig, motion, 50, 11.0, 16)
+            assert np.abs(twist[-1] - twist[0]) < 1e-7 * np.ptp(twist)
+            continue
+        nudged = {node: angle * (1 + 1e-7) for node, angle in motion.angles.items()}
+        from_it = _swept(rig, motion, 16, 11.0, 1)
+        off = _swept(rig, type(motion)(**{**vars(motion), "angles": nudged}), 16, 11.0, 1) - from_it
+        growth = off[15] / off[14]
+        assert abs(growth - 1.729186) < 1e-3
+
+
+def test_one_harmonic_says_how_far_it_is_off():
+    found = two_stage_rig().periodic_response(
+        "twist(dmf)", frequencies=[10.0, 10.1], excitation={"T_M": {0: 40, 1: 60}}, harmonics=1
+    )
+    (motion,) = found.motions_at(10.0)
+    _close(2 * abs(motion.amplitudes[1, 0]), 0.72260077, 1e-6)
+    assert any("with 1 harmonic, further ones would move" in note for note in found.notes)
+
+
+def test_means_of_the_operating_point_act_where_none_is_given():
+    rig = free_clearance()
+    loaded = tn.Drivetrain(
+        "loaded", list(rig.elements.values()), operating_point={"torque": {"a": "25 N*m", "b": "-25 N*m"}}
+    )
+    found = loaded.periodic_response("twist(gap)", frequencies=[50.0, 55.0], excitation={"a": {1: 40}})
+    (motion,) = found.motions_at(50.0)
+    _close(float(motion.highest[0]), 0.02633979)
+    _close(float(motion.lowest[0]), 0.01267718)
+
+
+@pytest.mark.parametrize(
+    ("asked", "message"),
+    [
+        ({"excitation": {"a": 1}}, "names excitations of the model"),
+        ({"frequencies": [1.0]}, "excitation= gives torques"),
+        ({"frequencies": [0.0], "excitation": {"a": 1}}, "finite numbers above 0, in Hz"),
+        ({"frequencies": [1.0], "excitation": {"a": {0: 1}}}, "no torque vibrates"),
+        ({"frequencies": [1.0], "excitation": {"a": {0: 1j, 1: 1}}}, "the mean, which is real"),
+        ({"frequencies": [1.0], "excitation": {"b": 1}}, 'no node is named "b"|named "b"'),
+        ({"frequencies": [1.0], "excitation": {"a": 1}, "harmonics": 0}, "a whole number from 1 on"),
+        ({"frequencies": [1.0], "excitation": {"a": 1}, "subharmonics": 3}, "another power of 2"),
+        ({"frequencies": [1.0], "speeds": [1.0]}, "not both"),
+    ],
+)
+def test_questions_that_make_no_sense(asked, message):
+    with pytest.raises(UsageError, match=message):
+        duffing().periodic_response("a", **asked)
+
+
+def test_linear_drivetrains_and_loose_loads_are_refused():
+    linear = tn.Drivetrain(
+        "linear", [tn.Inertia("mass", node="a", inertia=1), tn.Spring("shaft", nodes=("a", "ground"), stiffness=4)]
+    )
+    with pytest.raises(UsageError, match="no laws of motion"):
+        linear.periodic_response("a", frequencies=[1.0], excitation={"a": 1})
+    with pytest.raises(UsageError, match="do not balance"):
+        free_clearance().periodic_response("twist(gap)", frequencies=[50.0], excitation={"a": {0: 25, 1: 40}})
+
+
+def test_command_prints_every_motion(tmp_path):
+    model = tmp_path / "cubic.yaml"
+    model.write_text(duffing().to_yaml(), encoding="utf-8")
+    frequency = 1.2 / (2 * pi)
+    options = ["--output", "a", "--frequencies", f"{frequency!r},0.2", "--torque", "a=0,0.18"]
+    (record,) = json.loads(run("periodic", str(model), *options, "--json").stdout)
+    here = [one for one in record["motions"] if abs(one["at"] - frequency) < 1e-9]
+    assert [one["stability"] for one in here] == ["stable", "unstable: leaves", "stable"]
+    _close(max(one["highest"] for one in here), 2.54557670, 1e-6)
+    assert "goes with --frequencies" in run("periodic", str(model), *options[:2], *options[4:], code=2).stderr

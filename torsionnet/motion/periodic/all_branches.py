@@ -1,0 +1,158 @@
+"""Search for all branches of periodic motions over a range of a parameter, each with the way by which it was found.
+
+From rest at both ends and in the middle of the range; from starts of other sizes and phases, for branches that nothing
+joins to these; from doublings. There may be more: nothing short of a search of all starts would rule that out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import islice
+
+import numpy as np
+
+from torsionnet.linear.assembly.rows import ComplexArray
+from torsionnet.motion.periodic.branch import BranchPoint, MotionBranch, Tracer
+from torsionnet.motion.periodic.doubling import Doubling, doubled_branch, doublings
+from torsionnet.motion.periodic.harmonic_balance import fitted
+from torsionnet.motion.periodic.periodic_problem import Harmonics, PeriodicMotion, PeriodicProblem
+from torsionnet.motion.periodic.starts import from_rest
+
+TRACED = 20
+"""Harmonics with which branches are followed; motions at the parameters asked for have as many as they need."""
+MOST_POINTS = 1200
+"""Most points of a branch."""
+FEWEST_ROUND = 5
+"""Fewest points of a branch that comes back to where it began."""
+WIDER = 1e-3
+"""Share by which a branch is followed beyond the range, so that its ends are inside."""
+SAME = 1e-3
+"""Share of a motion by which another may differ and still be the same one."""
+STARTS = tuple((size, phase) for size in (0.3, 2.0, 10.0) for phase in (1.0, -1.0, 1j, -1j))
+"""Sizes and phases, over the motion from rest, of starts for branches that nothing joins to others."""
+
+
+@dataclass(frozen=True, eq=False)
+class FoundBranch:
+    """Branch with its doublings, and the doubling at which it begins, if it does."""
+
+    branch: MotionBranch
+    doublings: tuple[Doubling, ...]
+    begins: Doubling | None = None
+
+    @property
+    def problem(self) -> PeriodicProblem:
+        """Problem whose period the motions have."""
+        return self.branch.tracer.problem
+
+
+def all_branches(
+    problem: PeriodicProblem, low: float, high: float, harmonics: Harmonics = "auto", subharmonics: int = 1
+) -> list[FoundBranch]:
+    """Branches between two parameters, with motions of up to ``subharmonics`` periods of the torques."""
+    traced = TRACED if harmonics == "auto" else harmonics
+    found: list[FoundBranch] = []
+    middle = np.sqrt(low * high)
+    for at in dict.fromkeys((high, low, middle)):
+        for motion in from_rest(problem, at):
+            if not _known(found, motion):
+                found.append(_with_doublings(_both_ways(problem, motion, (low, high), traced, "from rest")))
+    for motion in _other_starts(problem, (middle, low, high), traced):
+        if not _known(found, motion):
+            way = "from a start of another size, joined to no other"
+            found.append(_with_doublings(_both_ways(problem, motion, (low, high), traced, way)))
+    place = 0
+    while place < len(found):
+        one = found[place]
+        place += 1
+        if 2 * one.problem.subharmonics > subharmonics:
+            continue
+        for doubling in one.doublings:
+            branch = _doubled(one.problem, doubling, (low, high), 2 * traced)
+            if branch is not None and not _known(found, branch.tracer.motion(branch.points[len(branch.points) // 2])):
+                found.append(replace(_with_doublings(branch), begins=doubling))
+    return found
+
+
+def _with_doublings(branch: MotionBranch) -> FoundBranch:
+    return FoundBranch(branch, tuple(doublings(branch)))
+
+
+def _known(found: list[FoundBranch], motion: PeriodicMotion) -> bool:
+    """Whether a motion lies on a branch."""
+    return any(
+        _alike(other.x, motion.x)
+        for one in found
+        if one.problem.subharmonics == motion.subharmonics
+        for other in one.branch.at(motion.parameter)
+    )
+
+
+def _alike(first: ComplexArray, second: ComplexArray) -> bool:
+    """Whether two motions are the same but for a shift by periods of the torques."""
+    count = max(len(first), len(second))
+    a, b = (np.abs(fitted(one, count - 1)) for one in (first, second))
+    return bool(np.abs(a - b).max() <= SAME * b.max())
+
+
+def _both_ways(
+    problem: PeriodicProblem, motion: PeriodicMotion, ends: tuple[float, float], harmonics: int, way: str
+) -> MotionBranch:
+    """Branch through a motion, in both directions to the ends of the range."""
+    tracer = Tracer(problem, harmonics)
+    parts: list[list[BranchPoint]] = []
+    for direction in (1.0, -1.0):
+        first = tracer.first(motion.parameter, motion.x, direction)
+        if first is None:
+            continue
+        parts.append([first, *_inside(tracer.along(first, MOST_POINTS), ends, first)])
+    if not parts:
+        return MotionBranch(tracer, (), way)
+    forth, back = parts[0], parts[-1] if len(parts) > 1 else parts[0][:1]
+    # Backwards the tangents point the other way.
+    turned = [BranchPoint(one.p, one.u, -one.tangent, one.scale) for one in reversed(back[1:])]
+    return MotionBranch(tracer, (*turned, *forth), way)
+
+
+def _inside(points: Iterator[BranchPoint], ends: tuple[float, float], first: BranchPoint) -> Iterator[BranchPoint]:
+    """Yield points until one lies beyond the range, or the branch is back where it began."""
+    low, high = ends[0] * (1 - WIDER), ends[1] * (1 + WIDER)
+    for number, point in enumerate(points):
+        yield point
+        if not low <= point.p <= high:
+            return
+        apart = (np.append(point.u, point.p) - np.append(first.u, first.p)) / first.scale
+        if (
+            number > 5
+            and np.linalg.norm(apart) < 0.5 * np.linalg.norm(first.tangent) * 0.1
+            and point.turns * first.turns > 0
+        ):
+            return
+
+
+def _other_starts(problem: PeriodicProblem, parameters: tuple[float, ...], harmonics: int) -> Iterator[PeriodicMotion]:
+    for at in parameters:
+        for size, phase in STARTS:
+            balance = problem.balance(at, harmonics)
+            start = balance.driven.copy()
+            start[1:] *= size * phase
+            motion = problem.solve(at, start, harmonics)
+            if motion is not None:
+                full = problem.solve(at, motion.x)
+                if full is not None:
+                    yield full
+
+
+def _doubled(
+    problem: PeriodicProblem, doubling: Doubling, ends: tuple[float, float], harmonics: int
+) -> MotionBranch | None:
+    tracer = Tracer(problem.with_subharmonics(2 * problem.subharmonics), harmonics)
+    traced = doubled_branch(problem, doubling, harmonics, MOST_POINTS)
+    low, high = ends[0] * (1 - WIDER), ends[1] * (1 + WIDER)
+    points: list[BranchPoint] = []
+    for point in islice(traced, MOST_POINTS):
+        points.append(point)
+        if not low <= point.p <= high:
+            break
+    return MotionBranch(tracer, tuple(points), "doubled") if len(points) > 1 else None

@@ -1,0 +1,158 @@
+"""Torques that drive a periodic motion: amplitudes over frequency, or orders of a model's excitations over speed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import lru_cache
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from torsionnet.base.errors import UsageError
+from torsionnet.linear.assembly.assembled import AssembledModel
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
+from torsionnet.linear.dynamic_stiffness.transfer_request import resolve_inputs
+from torsionnet.machinery.orders.order_line import has_unknown_angles
+from torsionnet.machinery.orders.order_solution import OrderRequest
+from torsionnet.model.channels import Input
+from torsionnet.motion.driving import acting_means
+from torsionnet.motion.periodic.periodic_problem import PeriodicDrive
+from torsionnet.motion.steady_start import nodes_of
+
+Torques: TypeAlias = Mapping[str, complex | Mapping[int, complex]]
+"""Torques by input or node: the amplitude of harmonic 1 in N m, or amplitudes by harmonic, 0 being the mean."""
+MOST_KEPT = 4096
+"""Most speeds at which the torques of excitations are kept."""
+
+
+@dataclass(frozen=True, eq=False)
+class Forcing:
+    """Periodic torques over a parameter.
+
+    Attributes
+    ----------
+    drivetrain : AssembledModel
+    inputs : tuple of Input
+    drive : PeriodicDrive
+    parameters : (n,) array
+        Frequencies in Hz or speeds in rad/s asked for.
+    reference : str
+        Node of the speeds, empty over frequency.
+    order : float
+        Order of harmonic 1 at the reference, 1 over frequency.
+    """
+
+    drivetrain: AssembledModel
+    inputs: tuple[Input, ...]
+    drive: PeriodicDrive
+    parameters: FloatArray
+    reference: str
+    order: float
+
+
+def over_frequency(drivetrain: AssembledModel, frequencies: Any, torques: Torques | None) -> Forcing:
+    """Torques with given amplitudes over frequencies in Hz.
+
+    Raises
+    ------
+    UsageError
+        No frequencies above 0, or no torques.
+    """
+    if not isinstance(torques, Mapping) or not torques:
+        text = 'over frequency excitation= gives torques, as {"T_M": 60} or {"T_M": {0: 40, 1: 60}} in N m by harmonic'
+        raise UsageError(text, kind="wrong-form")
+    parameters = _parameters(frequencies, "frequencies", "Hz")
+    given = {name: _by_harmonic(name, one) for name, one in torques.items()}
+    # Nodes without a mean of their own keep that of the operating point.
+    stated = [nodes_of(drivetrain, name) for name, one in given.items() if 0 in one]
+    means = acting_means(drivetrain, stated)
+    count = 1 + max(max(one) for one in given.values())
+    loads = np.zeros((max(count, 2), len(given) + len(means)), dtype=complex)
+    for place, one in enumerate(given.values()):
+        for harmonic, amplitude in one.items():
+            loads[harmonic, place] = amplitude
+    loads[0, len(given) :] = list(means.values())
+    if not np.abs(loads[1:]).any():
+        raise UsageError("no torque vibrates: give an amplitude at harmonic 1 or above", kind="no-effect")
+    inputs = resolve_inputs(drivetrain, [*given, *means], None).excitations
+    return Forcing(drivetrain, inputs, PeriodicDrive(lambda p: 2 * math.pi * p, lambda _: loads), parameters, "", 1.0)
+
+
+def _parameters(given: Any, what: str, unit: str) -> FloatArray:
+    try:
+        found = np.atleast_1d(np.asarray(given, dtype=float))
+    except (TypeError, ValueError):
+        found = np.array([np.nan])
+    if found.ndim != 1 or not len(found) or not np.isfinite(found).all() or (found <= 0).any():
+        raise UsageError(f"{what} are finite numbers above 0, in {unit}", kind="out-of-range")
+    return np.unique(found)
+
+
+def _by_harmonic(name: str, given: Any) -> dict[int, complex]:
+    amplitudes = given if isinstance(given, Mapping) else {1: given}
+    try:
+        found = {int(harmonic): complex(amplitude) for harmonic, amplitude in amplitudes.items()}
+    except (TypeError, ValueError):
+        found = {}
+    whole = found and all(float(one) == int(one) and int(one) >= 0 for one in amplitudes)
+    if not whole or not np.isfinite(list(found.values())).all() or found.get(0, 0j).imag:
+        text = "a periodic torque has finite amplitudes in N m by harmonic, 0 being the mean, which is real"
+        raise UsageError(f"{name}: {text}; got {given!r}", kind="wrong-form")
+    return found
+
+
+def over_speed(
+    drivetrain: AssembledModel, speeds: Any, speed_of: str | None, excitation: str | Iterable[str] | None
+) -> Forcing:
+    """Orders of a model's excitations over speeds in rad/s, with the mean torques of its operating point.
+
+    Raises
+    ------
+    UsageError
+        What :func:`.order_response` refuses; lines that do not follow the speed; imposed angles.
+    """
+    if isinstance(excitation, Mapping):
+        text = "over speed excitation= names excitations of the model; torques by name go with frequencies="
+        raise UsageError(text, kind="wrong-form")
+    request = OrderRequest.of(drivetrain, speeds, speed_of, excitation)
+    parameters = _parameters(request.speeds, "speeds", "rad/s")
+    first = request.loads(parameters[:1])
+    _require_period(first.lines, first.inputs)
+    relative = [line.relative for line in first.lines]
+    base = Fraction(math.gcd(*(one.numerator for one in relative)), math.lcm(*(one.denominator for one in relative)))
+    means = acting_means(drivetrain)
+    mean_inputs = resolve_inputs(drivetrain, list(means), None).excitations if means else ()
+    inputs = tuple(dict.fromkeys((*first.inputs, *mean_inputs)))
+    harmonics = [int(one / base) for one in relative]
+
+    @lru_cache(MOST_KEPT)
+    def loads(speed: float) -> ComplexArray:
+        found = request.loads(np.array([speed]))
+        torques = np.zeros((max(harmonics) + 1, len(inputs)), dtype=complex)
+        for line, harmonic in enumerate(harmonics):
+            backward = found.hertz[0, line] < 0
+            for place, channel in enumerate(found.inputs):
+                value = found.loads[0, line, place]
+                torques[harmonic, inputs.index(channel)] += value.conjugate() if backward else value
+        for channel, torque in zip(mean_inputs, means.values(), strict=True):
+            torques[0, inputs.index(channel)] += torque
+        return torques
+
+    drive = PeriodicDrive(lambda speed: float(base) * speed, loads)
+    return Forcing(drivetrain, inputs, drive, parameters, request.reference, float(base))
+
+
+def _require_period(lines: Sequence[Any], inputs: Sequence[Input]) -> None:
+    fixed = [str(line) for line in lines if line.fixed or not line.order]
+    if fixed:
+        text = "a line at a fixed frequency has no period in common with orders; leave it out"
+        raise UsageError(f"{', '.join(fixed)}: {text}", kind="no-period")
+    if has_unknown_angles(lines):
+        text = "engines at unknown angles to each other have no one motion; give the angles between them"
+        raise UsageError(text, kind="no-period")
+    imposed = [str(one) for one in inputs if one.quantity != "torque"]
+    if imposed:
+        raise UsageError(f"periodic motion is driven by torques; leave out {', '.join(imposed)}", kind="unfit-channel")

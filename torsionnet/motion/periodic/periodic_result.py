@@ -1,0 +1,246 @@
+"""Periodic motions found over frequency or speed, with their stability and the places where they turn."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Annotated, ClassVar, Literal
+
+import numpy as np
+
+from torsionnet.base.conventions import SI, Conventions
+from torsionnet.base.errors import UsageError, did_you_mean
+from torsionnet.base.packages import SavedResult
+from torsionnet.base.result_rows import Out
+from torsionnet.base.table import Table, result_table
+from torsionnet.base.units import RPM
+from torsionnet.linear.frequency_response import Channel, ComplexArray, FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class FoundMotion:
+    """Periodic motion at one frequency or speed.
+
+    Attributes
+    ----------
+    at : float
+        Frequency in Hz or speed in rad/s.
+    branch : int
+        Number of its branch.
+    turn : str
+        ``"fold"`` or ``"doubling"`` where the branch turns there, else empty: a place that was asked for.
+    periods : int
+        Periods of the torques after which it repeats.
+    harmonics : int
+        Harmonics of its own period that were taken.
+    left_out : float
+        What further harmonics would move, over the peak to peak of a law.
+    lowest, highest : (n_out,) arrays
+        SI units of the outputs.
+    amplitudes : (n, n_out) complex array
+        One-sided harmonics of its own period in SI units, the mean first.
+    multipliers : (m,) complex array
+        The largest first; none where they are not determined.
+    stability : str
+    angles, speeds : mapping
+        Node -> rad and rad/s at the beginning of the period, where a simulation may start.
+    """
+
+    at: float
+    branch: int
+    turn: str
+    periods: int
+    harmonics: int
+    left_out: float
+    lowest: FloatArray
+    highest: FloatArray
+    amplitudes: ComplexArray
+    multipliers: ComplexArray
+    stability: str
+    angles: Mapping[str, float] = field(default_factory=dict)
+    speeds: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def is_stable(self) -> bool | None:
+        """Whether the motion is stable; None where that is not determined."""
+        return None if self.stability.startswith("stability not") else self.stability == "stable"
+
+
+@dataclass(frozen=True, eq=False)
+class PeriodicRow:
+    """Row of the table of periodic motions."""
+
+    at: Annotated[float, Out("frequency or speed", unit_of="at_unit", digits=8)]
+    at_unit: Annotated[str, Out("in")]
+    branch: Annotated[int, Out("branch")]
+    what: Annotated[str, Out("what")]
+    output: Annotated[str, Out("output")]
+    lowest: Annotated[float, Out("lowest", unit_of="unit", digits=6)]
+    highest: Annotated[float, Out("highest", unit_of="unit", digits=6)]
+    peak_to_peak: Annotated[float, Out("peak to peak", unit_of="unit", digits=6)]
+    unit: Annotated[str, Out("unit", unit_of="unit")]
+    stability: Annotated[str, Out("stability")]
+    multiplier: Annotated[str, Out("largest multiplier")]
+    harmonics: Annotated[int, Out("harmonics")]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PeriodicResponse(SavedResult):
+    """Periodic motions of a drivetrain over frequency or speed, all that were found, with their stability.
+
+    Attributes
+    ----------
+    over : {"frequency", "speed"}
+        What ``at`` of the motions is: Hz, or rad/s of ``reference``.
+    reference : str
+        Node of the speeds, empty over frequency.
+    order : float
+        Order of harmonic 1 of the torques at the reference; 1 over frequency.
+    outputs : tuple of Channel
+    motions : tuple of FoundMotion
+        Branch by branch, each in its order, with the places where it turns.
+    ways : tuple of str
+        How each branch was found.
+    title : str
+    notes : tuple of str
+    """
+
+    picture: ClassVar[str] = "periodic_response"
+
+    over: Literal["frequency", "speed"]
+    reference: str
+    order: float
+    outputs: tuple[Channel, ...]
+    motions: tuple[FoundMotion, ...]
+    ways: tuple[str, ...]
+    title: str = ""
+    notes: tuple[str, ...] = field(default=(), kw_only=True)
+
+    def output(self, name: str | None = None) -> int:
+        """Index of an output by its name, or of the only output without one.
+
+        Raises
+        ------
+        UsageError
+            There is no such output, or there are several and none is named.
+        """
+        names = [channel.name for channel in self.outputs]
+        if name is None and len(names) == 1:
+            return 0
+        if name not in names:
+            what = f'no output is named "{name}"{did_you_mean(str(name), names)}' if name else "say which output"
+            raise UsageError(f"{what}; there are {', '.join(names)}")
+        return names.index(name)
+
+    def motions_at(self, at: float) -> tuple[FoundMotion, ...]:
+        """Motions at a frequency in Hz or speed in rad/s that was asked for."""
+        return tuple(one for one in self.motions if not one.turn and math.isclose(one.at, at, rel_tol=1e-9))
+
+    def stable_at(self, at: float) -> tuple[FoundMotion, ...]:
+        """Stable motions at a frequency in Hz or speed in rad/s that was asked for: those that can be met."""
+        return tuple(one for one in self.motions_at(at) if one.is_stable)
+
+    def turns(self, kind: str | None = None) -> tuple[FoundMotion, ...]:
+        """Motions at which branches turn, folds and doublings, or those of one kind."""
+        return tuple(one for one in self.motions if one.turn and kind in (None, one.turn))
+
+    def peak_to_peak(self, motion: FoundMotion, output: str | None = None) -> float:
+        """Highest less lowest value of an output in a motion, in SI units."""
+        place = self.output(output)
+        return float(motion.highest[place] - motion.lowest[place])
+
+    def amplitude_of_order(self, motion: FoundMotion, order: float, output: str | None = None) -> float:
+        """Amplitude in SI units of an order, over frequency of a multiple of it, in a motion; 0 where it has none."""
+        harmonic = order * motion.periods / self.order
+        number = round(harmonic)
+        if not math.isclose(harmonic, number, abs_tol=1e-6) or number >= len(motion.amplitudes):
+            return 0.0
+        return float(np.abs(motion.amplitudes[number, self.output(output)]))
+
+    @property
+    def jumps(self) -> tuple[tuple[str, float], ...]:
+        """Jumps of slow sweeps: "run-up" or "run-down", and the frequency in Hz or speed in rad/s where it jumps.
+
+        A stable motion ends at a fold: at the highest place of a branch a run-up leaves it, at the lowest a run-down.
+        """
+        found = []
+        for before, fold, after in zip(self.motions, self.motions[1:], self.motions[2:], strict=False):
+            if (
+                fold.turn == "fold"
+                and before.branch == fold.branch == after.branch
+                and (before.is_stable or after.is_stable)
+            ):
+                found.append(("run-up" if fold.at >= max(before.at, after.at) else "run-down", fold.at))
+        return tuple(found)
+
+    def shown(self, at: float) -> float:
+        """Frequency in Hz, or speed in rpm, of a place."""
+        return at * RPM if self.over == "speed" else at
+
+    @property
+    def unit(self) -> str:
+        """Unit in which places are shown."""
+        return "rpm" if self.over == "speed" else "Hz"
+
+    def table(self, conventions: Conventions = SI) -> Table:
+        """Table of all motions with extremes, stability and largest multiplier of every output."""
+        title = f"{self.title}: periodic motions"
+        return result_table(title, self.rows, PeriodicRow, conventions=conventions, notes=self.sentences)
+
+    @property
+    def rows(self) -> tuple[PeriodicRow, ...]:
+        """Rows of all motions, one for each output."""
+        return tuple(self._rows())
+
+    def _rows(self) -> Iterator[PeriodicRow]:
+        for one in self.motions:
+            periods = f"repeats after {one.periods} periods" if one.periods > 1 else ""
+            worst = _shown(complex(one.multipliers[0])) if len(one.multipliers) else ""
+            for place, channel in enumerate(self.outputs):
+                low, high = float(one.lowest[place]), float(one.highest[place])
+                what = one.turn or periods
+                at, unit = self.shown(one.at), channel.unit
+                yield PeriodicRow(
+                    at, self.unit, one.branch + 1, what, channel.name, low, high, high - low, unit, one.stability,
+                    worst, one.harmonics,
+                )  # fmt: skip
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """Notes with how each branch was found and where sweeps jump."""
+        ways = [f"branch {number + 1}: {way}" for number, way in enumerate(self.ways)]
+        jumps = [f"a {way} jumps at {self.shown(at):.8g} {self.unit}" for way, at in self.jumps]
+        return (*ways, *jumps, *self.notes)
+
+
+def _shown(value: complex) -> str:
+    if abs(value.imag) < 1e-9:
+        return f"{value.real:.6g}"
+    return f"{value.real:.6g} {'+' if value.imag > 0 else '-'} {abs(value.imag):.6g}j"
+
+
+@dataclass(frozen=True, eq=False)
+class Jump:
+    """Place at which a slow sweep jumps, in Hz or rpm: a run-up or a run-down."""
+
+    sweep: str
+    at: float
+    unit: str
+
+
+@dataclass(frozen=True, eq=False)
+class PeriodicRecord:
+    """Periodic motions of one configuration, as ``torsionnet periodic --json`` prints them."""
+
+    configuration: str
+    title: str
+    motions: tuple[PeriodicRow, ...]
+    jumps: tuple[Jump, ...]
+    notes: tuple[str, ...]
+
+    @classmethod
+    def of(cls, found: PeriodicResponse, configuration: str) -> PeriodicRecord:
+        """Record of a periodic response."""
+        jumps = tuple(Jump(way, found.shown(at), found.unit) for way, at in found.jumps)
+        return cls(configuration, found.title, found.rows, jumps, found.sentences)

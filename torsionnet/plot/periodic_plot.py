@@ -1,0 +1,83 @@
+"""Plot of periodic motions over frequency or speed, unstable parts dashed, with the places where branches turn."""
+
+from __future__ import annotations
+
+from itertools import groupby, pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+import torsionnet.plot.drawing.style as style
+from torsionnet.base.conventions import SI, Conventions
+from torsionnet.plot.drawing.labels import axis_label, axis_unit
+from torsionnet.plot.drawing.style import GivenAxes
+
+if TYPE_CHECKING:
+    from torsionnet.motion.periodic.periodic_result import FoundMotion, PeriodicResponse
+
+TURNS = {"fold": "o", "doubling": "D"}
+"""Marker of matplotlib of each kind of place at which a branch turns."""
+
+
+def periodic_response(
+    found: PeriodicResponse, *, conventions: Conventions = SI, title: str | None = None, ax: GivenAxes = None
+) -> Figure:
+    """Figure of the peak to peak of every output over frequency or speed, branch by branch; what is unstable is dashed.
+
+    Dotted parts are those whose stability is not determined. Circles are folds, diamonds doublings.
+
+    Parameters
+    ----------
+    found : PeriodicResponse
+    conventions : Conventions, optional
+        Unit of angles.
+    title : str, optional
+        By default that of the model.
+    ax : sequence of Axes, optional
+        Axes to draw into, one for each output; by default those of a new figure.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    names = [channel.name for channel in found.outputs]
+    sheet, panels = style.stacked_panels(1.2 + 2.6 * len(names), names, ax)
+    for place, (panel, channel) in enumerate(zip(panels, found.outputs, strict=True)):
+        sizes = [float(one.highest[place] - one.lowest[place]) for one in found.motions]
+        scale, unit = axis_unit(channel.unit, max(sizes, default=0.0), conventions)
+        for number, group in groupby(found.motions, key=lambda one: one.branch):
+            _draw_branch(panel, found, list(group), number, (place, scale))
+        panel.set_ylabel(axis_label(f"{channel.name}, peak to peak", unit, 40))
+        panel.set_ylim(bottom=0)
+    panels[-1].set_xlabel("speed [rpm]" if found.over == "speed" else "frequency [Hz]")
+    if len(found.ways) > 1:
+        sheet.legend(min(len(found.ways), 3))
+    return sheet.titled(f"{found.title}: periodic motions" if title is None else title)
+
+
+def _draw_branch(
+    panel: Axes, found: PeriodicResponse, motions: list[FoundMotion], number: int, shown: tuple[int, float]
+) -> None:
+    place, scale = shown
+    color = style.PALETTE[number % len(style.PALETTE)]
+    at = np.array([found.shown(one.at) for one in motions])
+    sizes = np.array([scale * float(one.highest[place] - one.lowest[place]) for one in motions])
+    label: str | None = f"branch {number + 1}: {found.ways[number]}"
+    for (i, one), (j, other) in pairwise(enumerate(motions)):
+        panel.plot(at[[i, j]], sizes[[i, j]], color=color, linewidth=1.6, linestyle=_dashes(one, other), label=label)
+        label = None
+    if len(motions) == 1:
+        panel.plot(at, sizes, ".", color=color, label=label)
+    for kind, marker in TURNS.items():
+        turns = [i for i, one in enumerate(motions) if one.turn == kind]
+        panel.plot(at[turns], sizes[turns], marker, color=color, markersize=5, fillstyle="none")
+
+
+def _dashes(one: FoundMotion, other: FoundMotion) -> str:
+    """Line style between two motions: where one lies on the edge of stability the other decides."""
+    states = [each.is_stable for each in (one, other) if not each.turn]
+    if any(state is False for state in states):
+        return "--"
+    return ":" if not states or None in states else "-"
