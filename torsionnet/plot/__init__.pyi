@@ -45,6 +45,7 @@ __all__ = [
     "operational_modes",
     "order_response",
     "passage_response",
+    "periodic_response",
     "save",
     "schematic",
     "spectrogram",

@@ -22,7 +22,7 @@ TURNS = {"fold": "o", "doubling": "D"}
 
 
 def periodic_response(
-    found: PeriodicResponse, *, conventions: Conventions = SI, title: str | None = None, ax: GivenAxes = None
+    response: PeriodicResponse, *, conventions: Conventions = SI, title: str | None = None, ax: GivenAxes = None
 ) -> Figure:
     """Figure of the peak to peak of every output over frequency or speed, branch by branch; what is unstable is dashed.
 
@@ -30,7 +30,7 @@ def periodic_response(
 
     Parameters
     ----------
-    found : PeriodicResponse
+    response : PeriodicResponse
     conventions : Conventions, optional
         Unit of angles.
     title : str, optional
@@ -42,19 +42,19 @@ def periodic_response(
     -------
     matplotlib.figure.Figure
     """
-    names = [channel.name for channel in found.outputs]
+    names = [channel.name for channel in response.outputs]
     sheet, panels = style.stacked_panels(1.2 + 2.6 * len(names), names, ax)
-    for place, (panel, channel) in enumerate(zip(panels, found.outputs, strict=True)):
-        sizes = [float(one.highest[place] - one.lowest[place]) for one in found.motions]
+    for place, (panel, channel) in enumerate(zip(panels, response.outputs, strict=True)):
+        sizes = [float(one.highest[place] - one.lowest[place]) for one in response.motions]
         scale, unit = axis_unit(channel.unit, max(sizes, default=0.0), conventions)
-        for number, group in groupby(found.motions, key=lambda one: one.branch):
-            _draw_branch(panel, found, list(group), number, (place, scale))
+        for number, group in groupby(response.motions, key=lambda one: one.branch):
+            _draw_branch(panel, response, list(group), number, (place, scale))
         panel.set_ylabel(axis_label(f"{channel.name}, peak to peak", unit, 40))
         panel.set_ylim(bottom=0)
-    panels[-1].set_xlabel("speed [rpm]" if found.over == "speed" else "frequency [Hz]")
-    if len(found.ways) > 1:
-        sheet.legend(min(len(found.ways), 3))
-    return sheet.titled(f"{found.title}: periodic motions" if title is None else title)
+    panels[-1].set_xlabel("speed [rpm]" if response.over == "speed" else "frequency [Hz]")
+    if len(response.ways) > 1:
+        sheet.legend(min(len(response.ways), 3))
+    return sheet.titled(f"{response.title}: periodic motions" if title is None else title)
 
 
 def _draw_branch(

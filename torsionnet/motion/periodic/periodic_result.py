@@ -141,7 +141,7 @@ class PeriodicResponse(SavedResult):
         """Stable motions at a frequency in Hz or speed in rad/s that was asked for: those that can be met."""
         return tuple(one for one in self.motions_at(at) if one.is_stable)
 
-    def turns(self, kind: str | None = None) -> tuple[FoundMotion, ...]:
+    def turns(self, kind: Literal["fold", "doubling"] | None = None) -> tuple[FoundMotion, ...]:
         """Motions at which branches turn, folds and doublings, or those of one kind."""
         return tuple(one for one in self.motions if one.turn and kind in (None, one.turn))
 
