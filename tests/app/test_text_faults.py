@@ -252,7 +252,7 @@ def test_the_number_of_a_share_is_not_made_one_of_damping():
 
 def test_a_shaft_that_is_given_by_its_stiffness_becomes_a_spring():
     text = BASE.replace("type: spring", "type: shaft")
-    (fault,) = [one for one in errors(text) if one.fault.kind == "unknown key"]
+    (fault,) = [one for one in errors(text) if one.fault.kind == "unknown-entry"]
     assert "a shaft of known stiffness is a spring" in fault.fault.message
     (fix,) = [fix for fix in fault.fixes if fix.title == "write type: spring"]
     assert edited(text, fix.edits) == BASE
