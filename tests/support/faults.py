@@ -1,10 +1,13 @@
 """Kinds and places of the faults that a call has, and those of the examples in the table of faults."""
 
+import os
 import re
 import shlex
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 import numpy as np
 
@@ -63,7 +66,11 @@ def example_faults(kind: FaultKind, *, mended: bool) -> list[tuple[str, str]]:
         found = [one for one in read_text(model_text(change(kind.model)), "", Path())[1] if one.severity != "note"]
     else:
         names = {"tn": tn, "np": np, "Path": Path}
-        found = [*raised_faults(lambda: exec(change(kind.python), names))]
+        pandas = sys.modules.get("pandas")
+        with patch.dict(os.environ):
+            found = [*raised_faults(lambda: exec(change(kind.python), names))]
+        if pandas is not None:
+            sys.modules["pandas"] = pandas
     return [(one.kind, one.text) for one in found]
 
 

@@ -73,7 +73,10 @@ def held_motions(rows: FloatArray, owners: Sequence[str]) -> Held:
         if np.abs(left[number, pivot]) <= DEPENDENT * np.abs(rows[number]).max():
             names = [owners[one] for one in np.flatnonzero(np.abs(made[number]) > DEPENDENT).tolist()]
             text = "stick in a loop, so that their torques do not follow from equilibrium"
-            raise UsageError(f"{' and '.join(dict.fromkeys(names))} {text}; give one of them a stiffness")
+            raise UsageError(
+                f"{' and '.join(dict.fromkeys(names))} {text}; give one of them a stiffness",
+                kind="indeterminate-torque",
+            )
         made[number] /= left[number, pivot]
         left[number] /= left[number, pivot]
         for other in range(number):
@@ -105,8 +108,8 @@ PARALLEL = 1e-9
 class LooseMotionError(UsageError):
     """Error of motions (n_q, n) without inertia that nothing fixes in a contact state."""
 
-    def __init__(self, text: str, motions: FloatArray) -> None:
-        super().__init__(text)
+    def __init__(self, text: str, motions: FloatArray, *, kind: str = "") -> None:
+        super().__init__(text, kind=kind)
         self.motions = motions
 
 
@@ -309,7 +312,7 @@ def _form(
         names = tuple(name for name, moves in zip(nodes, moving, strict=True) if moves)
         text = "have neither inertia nor anything that fixes their motion while parts beside them slip or are open"
         advice = "give them an inertia, or the parts a damping"
-        raise LooseMotionError(f"{', '.join(names)} {text}; {advice}", motions) from None
+        raise LooseMotionError(f"{', '.join(names)} {text}; {advice}", motions, kind="indeterminate-motion") from None
     n_act = len(plant.actions)
     # q = Z y + Y c, in which c are the inputs before those of the actions.
     U = held.Z @ reduced.U

@@ -79,7 +79,7 @@ def start_state(plant: MotionPlant, at: Layout, start: MotionStart) -> FloatArra
     assembly = plant.assembly
     for name in (*start.angles, *start.speeds):
         if name not in assembly.node_index:
-            raise UsageError(f'no node is named "{name}"{did_you_mean(name, assembly.nodes)}')
+            raise UsageError(f'no node is named "{name}"{did_you_mean(name, assembly.nodes)}', kind="unknown-node")
     z = np.zeros(at.size)
     z[at.one] = 1.0
     for place, given in ((at.q, start.angles), (at.v, start.speeds)):
@@ -92,14 +92,20 @@ def start_state(plant: MotionPlant, at: Layout, start: MotionStart) -> FloatArra
         found = np.linalg.lstsq(rows, wanted, rcond=None)[0]
         if np.abs(rows @ found - wanted).max() > 1e-9 * np.abs(wanted).max(initial=1e-300):
             names = ", ".join(given)
-            raise UsageError(f"{names} cannot start with these angles or speeds: rigid connections tie them")
+            raise UsageError(
+                f"{names} cannot start with these angles or speeds: rigid connections tie them",
+                kind="contradicting-values",
+            )
         z[place] = found
     return z
 
 
 def _number(name: str, value: float) -> float:
     if not (isinstance(value, int | float | np.number) and np.isfinite(value)):
-        raise UsageError(f"a motion starts with finite angles in rad and speeds in rad/s; that of {name} is {value}")
+        raise UsageError(
+            f"a motion starts with finite angles in rad and speeds in rad/s; that of {name} is {value}",
+            kind="not-finite",
+        )
     return float(value)
 
 
@@ -334,7 +340,9 @@ class ContactStates:
             what, unit = ("rate", "rad/s") if law.over_rate else ("twist", "rad")
             end = phase.lower if step < 0 else phase.upper
             text = f"at {time:.6g} s its {what} passes {end:.6g} {unit}, where its rows end"
-            raise SolveError(f"{law.owner}: {text}; give rows for the motion beyond, or a smaller torque")
+            raise SolveError(
+                f"{law.owner}: {text}; give rows for the motion beyond, or a smaller torque", kind="beyond-table"
+            )
         target = law.phases[law.of_piece(place)]
         if target.kind == "hold" and phase.kind != "hold":
             return self._at_hold(contact, number, target, step, z), False

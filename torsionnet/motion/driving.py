@@ -159,14 +159,16 @@ def require_request(inputs: Mapping[str, Torque], rate: float, duration: float |
         No rate or duration, too many samples, or lists of another length.
     """
     if not (isinstance(rate, int | float | np.number) and is_rate(float(rate))):
-        raise UsageError(f"the sampling rate must be a positive number of Hz, got {rate}")
+        raise UsageError(f"the sampling rate must be a positive number of Hz, got {rate}", kind="out-of-range")
     if duration is None:
         return
     if not (isinstance(duration, int | float | np.number) and math.isfinite(duration) and duration >= 0):
-        raise UsageError(f"the duration must be a number of seconds that is not below zero, got {duration}")
+        raise UsageError(
+            f"the duration must be a number of seconds that is not below zero, got {duration}", kind="out-of-range"
+        )
     if duration * rate > MOST_SAMPLES:
         text = f"{duration:g} s at {rate:g} Hz are more than {MOST_SAMPLES} samples"
-        raise UsageError(f"{text}; give a lower rate or a shorter duration")
+        raise UsageError(f"{text}; give a lower rate or a shorter duration", kind="too-large")
     listed = [one.values if isinstance(one, Signal) else one for one in inputs.values()]
     lengths = {len(np.atleast_1d(one)) for one in listed if not isinstance(one, TimeHistory)}
     _one_length({*lengths, sample_count(duration, rate)})
@@ -197,16 +199,18 @@ def driving_of(
     driving = Driving((*entries, *scales.values()), rate, n)
     torques = np.array([one.samples(rate, n) if isinstance(one, TimeHistory) else one for one in entries])
     if not np.isfinite(torques).all():
-        raise UsageError("the torques of a simulation are finite numbers in N m")
+        raise UsageError("the torques of a simulation are finite numbers in N m", kind="not-finite")
     return driving, torques
 
 
 def _one_length(lengths: set[int]) -> int:
     if not lengths:
-        raise UsageError("torques as histories have no end: give the duration in s")
+        raise UsageError("torques as histories have no end: give the duration in s", kind="missing-entry")
     if len(lengths) > 1:
         text = " and ".join(map(str, sorted(lengths)))
-        raise UsageError(f"the torques have {text} samples; give lists of one length, that of the duration")
+        raise UsageError(
+            f"the torques have {text} samples; give lists of one length, that of the duration", kind="wrong-count"
+        )
     (n,) = lengths
     return n
 

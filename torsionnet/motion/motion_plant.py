@@ -182,11 +182,14 @@ def _refuse(assembly: Assembly) -> None:
         names = ", ".join(sorted(over_frequency))
         text = "depends on frequency and cannot move in time beside laws of motion, nor from a given start"
         advice = "give a stiffness and a damping, or use at() for small motion about an operating point"
-        raise UsageError(f"{names}: {text}; {advice}")
+        raise UsageError(f"{names}: {text}; {advice}", kind="unsupported-law")
     if delayed:
         names = ", ".join(sorted(delayed))
         text = "a delay cannot act in time beside laws of motion, nor from a given start"
-        raise UsageError(f"{names}: {text}; leave it out, or use at() for small motion about an operating point")
+        raise UsageError(
+            f"{names}: {text}; leave it out, or use at() for small motion about an operating point",
+            kind="unsupported-law",
+        )
 
 
 # Places of the parts of the state z of a motion, and what drives a plant from outside.
@@ -328,7 +331,7 @@ def law_phases(owner: str, law: MotionLaw, *, scaled: bool = False) -> LawPhases
     """
     curve = law.curve
     if not isinstance(curve, PieceCurve):
-        raise UsageError(f"{owner}: its torque does not follow straight pieces")
+        raise UsageError(f"{owner}: its torque does not follow straight pieces", kind="unsupported-law")
     scale = 1.0 if scaled else float(law.scale)
     phases: list[Phase] = []
     for place, piece in enumerate(curve.pieces):
@@ -340,7 +343,9 @@ def law_phases(owner: str, law: MotionLaw, *, scaled: bool = False) -> LawPhases
         else:
             phases += _of_slope(place, piece, scale)
     if scaled and any(one.stiffness or one.damping for one in phases):
-        raise UsageError(f"{owner}: a law whose torque grows with its motion cannot be scaled over time here")
+        raise UsageError(
+            f"{owner}: a law whose torque grows with its motion cannot be scaled over time here", kind="unsupported-law"
+        )
     return LawPhases(owner, curve.over == "rate", tuple(phases))
 
 

@@ -77,7 +77,10 @@ def _term(plant: MotionPlant, term: Term, places: Mapping[int, int]) -> tuple[Fl
     if number >= 0 and isinstance(plant.assembly.laws[number], PlacedLaw):
         if number not in places:
             owner = plant.assembly.owners[number]
-            raise UsageError(f"{owner}: rigid connections hold its twist still, so that its torque is not determined")
+            raise UsageError(
+                f"{owner}: rigid connections hold its twist still, so that its torque is not determined",
+                kind="indeterminate-torque",
+            )
         return None, np.array([float(term.factor)]), places[number]
     factors = [float(term.factor) * float(value) for value in powers_of_s(plant.assembly, term)]
     return term.row, np.array(factors), -1

@@ -185,7 +185,8 @@ class PieceMotion:
         time = self.begins + (i + f) * states.h
         text = f"{most}: at {time:.6g} s its torque changes its piece more than {rate:.3g} times a second"
         raise SolveError(
-            f"{text}, without an end to be seen; give the contact or the friction a stiffness or a damping"
+            f"{text}, without an end to be seen; give the contact or the friction a stiffness or a damping",
+            kind="no-solution",
         )
 
 
@@ -244,7 +245,7 @@ def steps_of(rates: tuple[float, float], step: float, n: int, refinement: int = 
     k = refinement * max(1, math.ceil(step * turning / LONGEST_TURN), math.ceil(step * largest / most))
     if k * n > MOST_STEPS:
         text = f"the fastest motion, {largest:.3g} rad/s, needs {k * n:.2g} steps over {n * step:.3g} s"
-        raise UsageError(f"{text}; simulate a shorter time, or leave out what is so stiff")
+        raise UsageError(f"{text}; simulate a shorter time, or leave out what is so stiff", kind="too-large")
     n_sub = 4
     while n_sub * MOST_TURN < largest * step / k and n_sub < MOST_SUBSTEPS:
         n_sub *= 2

@@ -56,10 +56,14 @@ def scenario_of(model: Defined, scenario: str | Scenario | Mapping[str, Any]) ->
         known = definition.scenarios
         if scenario not in known:
             rest = f"there are {', '.join(known)}" if known else "the model has no entry scenarios:"
-            raise UsageError(f'no scenario is named "{scenario}"{did_you_mean(scenario, known)}; {rest}')
+            raise UsageError(
+                f'no scenario is named "{scenario}"{did_you_mean(scenario, known)}; {rest}', kind="unknown-name"
+            )
         return known[scenario]
     if not isinstance(scenario, Scenario | Mapping):
-        raise UsageError(f"a scenario is named, or given as an object or by its entries, got {scenario!r}")
+        raise UsageError(
+            f"a scenario is named, or given as an object or by its entries, got {scenario!r}", kind="wrong-form"
+        )
     made: tuple[Scenario | None, list[Fault]] = SCENARIOS.of.read(scenario)
     found, wrong = made
     if found is None or wrong:

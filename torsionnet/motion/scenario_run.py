@@ -149,7 +149,7 @@ def _run_scenario(
     check: bool,
 ) -> Recording:
     if sampling_rate is not None and not is_rate(sampling_rate):
-        raise UsageError(f"the sampling rate must be a positive number of Hz, got {sampling_rate}")
+        raise UsageError(f"the sampling rate must be a positive number of Hz, got {sampling_rate}", kind="out-of-range")
     one = scenario_of(drivetrain, scenario)
     if duration is not None:
         one = replace(one, duration=duration)
@@ -159,7 +159,7 @@ def _run_scenario(
     count = math.floor(one.length * rate + SAMPLE_SLACK) + 1
     if count > MOST_SAMPLES:
         text = f"{one.length:g} s at {rate:g} Hz are more than {MOST_SAMPLES} samples"
-        raise UsageError(f"{text}; give a lower rate or a shorter duration")
+        raise UsageError(f"{text}; give a lower rate or a shorter duration", kind="too-large")
     given = isinstance(driven.start, MotionStart)
     if given or driven.course.in_full or has_laws_of_motion(drivetrain):
         record = _from_event_to_event(drivetrain, driven, asked, rate, count, check=check)
@@ -178,7 +178,9 @@ def driven_places(
     course = driving_course(drivetrain, scenario)
     begins = scenario.begins if start is None else start
     if isinstance(begins, str) and begins not in STARTS:
-        raise UsageError(f'a scenario starts from {" or ".join(STARTS)}, or from a MotionStart, got "{begins}"')
+        raise UsageError(
+            f'a scenario starts from {" or ".join(STARTS)}, or from a MotionStart, got "{begins}"', kind="unknown-word"
+        )
     means: dict[str, float] = {}
     if begins == OPERATING_POINT:
         in_full = course.in_full or has_laws_of_motion(drivetrain)
@@ -203,7 +205,9 @@ def _outputs(drivetrain: AssembledModel) -> list[str]:
     reading = {name for state in states for name in active_channels(state).sensors}
     names = [name for name in drivetrain.sensors if name in reading]
     if not names:
-        raise UsageError("the model has no sensors; name outputs, as torque(shaft) or velocity(node)")
+        raise UsageError(
+            "the model has no sensors; name outputs, as torque(shaft) or velocity(node)", kind="missing-entry"
+        )
     return names
 
 
@@ -243,7 +247,10 @@ def _linear(
     system = drivetrain.assembly.system
     if system.dynamic or any(one.delay for one in system.actions):
         if offsets is None:
-            raise UsageError("with delays or laws over frequency the torques at the start must be in balance")
+            raise UsageError(
+                "with delays or laws over frequency the torques at the start must be in balance",
+                kind="unbalanced-torques",
+            )
         changes = torque_courses({name: one.samples(rate, count) for name, one in zip(names, histories, strict=True)})
         motion = response_over_time(drivetrain, request, changes, rate)
         notes += ["torques run straight between samples", *read_notes(drivetrain, rate)]

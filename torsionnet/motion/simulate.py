@@ -92,7 +92,7 @@ def delayed_response(
         text = (
             f"the shortest delay, {form.delays.min():.3g} s, needs more than {MOST_TIME_STEPS} steps over {n * h:.3g} s"
         )
-        raise UsageError(f"{text}; simulate a shorter time")
+        raise UsageError(f"{text}; simulate a shorter time", kind="too-large")
     last = _delayed_steps(form, torques, h, fineness)
     found, error = last, math.inf
     while error > ERROR_TOLERANCE and used <= MOST_TIME_STEPS:
@@ -143,7 +143,7 @@ def _sensed(law: LawStates, form: StateSpaceForm) -> tuple[FloatArray, FloatArra
     uses_rate = law.at_once[1] or law.G[:, 1].any()
     if uses_rate and np.abs(direct).max(initial=0.0) > NEGLIGIBLE_COEFFICIENT * np.abs(form.U).max(initial=0.0):
         text = "senses the rate of a motion without inertia and damper, which follows the rate of a torque"
-        raise UsageError(f"{law.action.owner} {text}; give its nodes inertia or dampers")
+        raise UsageError(f"{law.action.owner} {text}; give its nodes inertia or dampers", kind="indeterminate-motion")
     return y, direct, y @ form.A, y @ form.B
 
 
@@ -243,7 +243,9 @@ def driven_request(drivetrain: AssembledModel, outputs: Channels, inputs: Iterab
     asked = [outputs] if isinstance(outputs, str | Sensor) else list(outputs)
     request = resolve_request(drivetrain, asked, list(inputs), None)
     if request.is_measured or any(source.quantity != "torque" for source in request.excitations):
-        raise UsageError("a simulation is driven by torques: name inputs or nodes on which they act")
+        raise UsageError(
+            "a simulation is driven by torques: name inputs or nodes on which they act", kind="missing-entry"
+        )
     return request
 
 

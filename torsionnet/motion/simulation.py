@@ -86,7 +86,7 @@ def simulate_torques(
     """
     if not isinstance(start, MotionStart) and start not in (REST, OPERATING_POINT):
         text = f'a simulation starts from "{REST}", from the "{OPERATING_POINT}" or from a MotionStart'
-        raise UsageError(f'{text}, got "{start}"')
+        raise UsageError(f'{text}, got "{start}"', kind="unknown-word")
     require_request(inputs, sampling_rate, duration)
     ways: dict[str, Between] = {}
     sampled = not scales and tie is None and not any(isinstance(one, TimeHistory) for one in inputs.values())
@@ -106,7 +106,9 @@ def simulate_torques(
                    zip(ways.items(), courses.samples, strict=True) if way == "held"}  # fmt: skip
         inputs, duration = {**inputs, **stepped}, (courses.samples.shape[1] - 1) / sampling_rate
     elif between:
-        raise UsageError("between= is for torques that are lists; histories say what they are at every time")
+        raise UsageError(
+            "between= is for torques that are lists; histories say what they are at every time", kind="needless-entry"
+        )
     whole = dict(inputs)
     if start == OPERATING_POINT:  # all other nodes keep their mean torques
         means = acting_means(drivetrain, (nodes_of(drivetrain, place) for place in inputs))
@@ -256,5 +258,5 @@ def _solved(
         found = simulate_smooth(*given, settled=begun.settled) if split.smooth else simulate_pieces(*given)
     lost = np.flatnonzero(~np.isfinite(found.values).all(axis=0))
     if len(lost):
-        raise SolveError(f"after {max(int(lost[0]) - 1, 0) / driving.rate:.6g} s {BEYOND}")
+        raise SolveError(f"after {max(int(lost[0]) - 1, 0) / driving.rate:.6g} s {BEYOND}", kind="no-solution")
     return replace(found, events=tuple(sorted(found.events, key=lambda event: event.time)))

@@ -115,7 +115,9 @@ def split_plant(drivetrain: AssembledModel, plant: MotionPlant, scales: tuple[Sc
     for owner, what in scales:
         if (owner, what) not in named:
             own = ", ".join(name for element, name in sorted(named) if element == owner) or "nothing"
-            raise UsageError(f'the torque of {owner} does not follow "{what}" over time; {own} scales it')
+            raise UsageError(
+                f'the torque of {owner} does not follow "{what}" over time; {own} scales it', kind="unsupported-law"
+            )
     pieces: list[LawRow] = []
     phases: list[LawPhases] = []
     scale_of: list[int] = []
@@ -130,7 +132,7 @@ def split_plant(drivetrain: AssembledModel, plant: MotionPlant, scales: tuple[Sc
             isinstance(part, Slope) and bool(part.stiffness or part.damping) for part in law.curve.pieces
         )
         if scale >= 0 and law.curve.over == "twist":
-            raise UsageError(f"{one.owner}: a torque over the twist cannot be scaled over time")
+            raise UsageError(f"{one.owner}: a torque over the twist cannot be scaled over time", kind="unsupported-law")
         if straight and not (scale >= 0 and grows):
             pieces.append(replace(one, law=law))
             phases.append(law_phases(one.owner, law, scaled=scale >= 0))

@@ -125,7 +125,7 @@ def _state_under(drivetrain: AssembledModel, torques: Mapping[str, float]) -> Ba
     point = asked_point(drivetrain.definition, {key: Number(value) for key, value in torques.items()}, speeds)
     tangents = drivetrain.at_point(point).definition.tangents
     if tangents is None:
-        raise UsageError("an operating point leaves laws of motion out")
+        raise UsageError("an operating point leaves laws of motion out", kind="unsupported-law")
     return tangents.state
 
 

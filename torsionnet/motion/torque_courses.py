@@ -84,7 +84,7 @@ def torque_courses(
     for name in asked:
         if name not in inputs:
             hint = f"{did_you_mean(name, inputs)}; the torques are {', '.join(inputs)}"
-            raise UsageError(f'between= names "{name}", which is no torque that acts{hint}')
+            raise UsageError(f'between= names "{name}", which is no torque that acts{hint}', kind="unknown-channel")
     ways = tuple(check_between(asked.get(name) or _own_course(one)) for name, one in inputs.items())
     listed = [one.values if isinstance(one, Signal) else one for one in inputs.values()]
     try:
@@ -92,7 +92,10 @@ def torque_courses(
     except (TypeError, ValueError):
         torques = np.array(np.nan)
     if torques.ndim != 2 or not torques.size or not np.isfinite(torques).all():
-        raise UsageError("the torques of a simulation are lists of finite numbers in N m by input, all of one length")
+        raise UsageError(
+            "the torques of a simulation are lists of finite numbers in N m by input, all of one length",
+            kind="wrong-form",
+        )
     return TorqueCourses(torques, ways)
 
 
@@ -292,4 +295,7 @@ def _steady_state(A: FloatArray, push: FloatArray) -> FloatArray:
         missed = np.abs(power @ x - aim)
         if (missed <= STEADY_TOLERANCE * (np.abs(power) @ np.abs(x) + np.abs(aim)).max(initial=1e-300)).all():
             return np.asarray(x) if n else np.zeros(0)
-    raise UsageError("under the torques at its start the drivetrain has no motion without vibration; start from rest")
+    raise UsageError(
+        "under the torques at its start the drivetrain has no motion without vibration; start from rest",
+        kind="no-solution",
+    )

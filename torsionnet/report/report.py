@@ -367,7 +367,7 @@ def _sections(names: Iterable[str]) -> tuple[str, ...]:
     listed = tuple(names)
     faults = [unknown.message for name in listed if (unknown := unknown_section(name))]
     if faults:
-        raise UsageError("\n".join(faults))
+        raise UsageError("\n".join(faults), kind="unknown-word")
     return listed
 
 

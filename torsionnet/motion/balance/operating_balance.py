@@ -270,11 +270,13 @@ class OperatingBalance:
         states = [*rising, *falling] if falling else rising[:1]
         if rising:  # else nothing holds it: where the torque falls alone, it runs away
             return [(state, float(torque)) for state in states]
-        raise ModelError([Fault(_not_reached(law, float(torque)), ("elements", one.owner))], self.definition.name)
+        raise ModelError(
+            [Fault(_not_reached(law, float(torque)), ("elements", one.owner), kind="no-solution")], self.definition.name
+        )
 
     def _require_range(self, found: Mapping[PlacedMotionLaw, tuple[MotionState, float]]) -> None:
         faults = [
-            Fault(message, ("elements", one.owner))
+            Fault(message, ("elements", one.owner), kind="no-solution")
             for one, (state, _) in found.items()
             if (message := one.law.curve.left(state.twist, state.rate, *state.sensed))
         ]
@@ -299,7 +301,7 @@ class OperatingBalance:
         text = (
             f"{len(sticking)} stable operating points are in balance: {listed}; choose one with speed={{node: value}}"
         )
-        raise ModelError([Fault(text, ("operating_point", "speed"))], self.definition.name)
+        raise ModelError([Fault(text, ("operating_point", "speed"), kind="missing-entry")], self.definition.name)
 
     def _speeds_text(self, one: BalancedState) -> str:
         nodes = dict.fromkeys(node for law in self.network.over_rate for node in law.law.row)
@@ -367,18 +369,21 @@ def asked_point(
         A value that is no torque or speed.
     """
     if not torque and speed is None:
-        raise UsageError('give torques or speeds of the operating point, as at(torque={"crank": "200 N*m"})')
+        raise UsageError(
+            'give torques or speeds of the operating point, as at(torque={"crank": "200 N*m"})', kind="missing-entry"
+        )
     if speed is not None and not isinstance(speed, Mapping):
         reference = reference_node(definition) or next(iter(definition.operating_point.speed), "")
         if not reference:
             raise UsageError(
                 f"{speed} is the speed of no node in particular, as the model has neither speeds: nor load:; "
-                "give it by node, as speed={node: value}"
+                "give it by node, as speed={node: value}",
+                kind="missing-entry",
             )
         speed = {reference: speed}
     found, faults = OperatingPoint.read({"torque": dict(torque or {}), "speed": dict(speed or {})})
     if faults or found is None:
-        raise ModelError(faults or [Fault("no operating point")], "the operating point")
+        raise ModelError(faults or [Fault("no operating point", kind="no-solution")], "the operating point")
     return found
 
 

@@ -202,7 +202,9 @@ class _Motions:
             f"the mean torques ({', '.join(acting)}) leave {float(left_over[worst]):.4g} N*m over at the speed of "
             f"{name}, which nothing takes{self._advice(worst, float(left_over[worst]))}"
         )
-        raise ModelError([Fault(text, ("operating_point", "torque"), on_key=True)], self.title)
+        raise ModelError(
+            [Fault(text, ("operating_point", "torque"), on_key=True, kind="unbalanced-torques")], self.title
+        )
 
     def _advice(self, motion: int, torque: float) -> str:
         """Proposal of the torque at the node of the largest inertia that would bring a free motion into balance."""
@@ -222,7 +224,7 @@ class _Motions:
         for one in left:
             if one.law.sensed:
                 text = "its torque follows the speeds of its nodes; give these as speed={node: value, ...}"
-                raise ModelError([Fault(text, ("elements", one.owner))], self.title)
+                raise ModelError([Fault(text, ("elements", one.owner), kind="no-solution")], self.title)
         # Torques that laws could exchange; a law without a share in any has that of equilibrium alone.
         shared = null_space(rows.T)
         alone = [number for number in range(len(left)) if np.abs(shared[number]).max(initial=0.0) < ZERO_SHARE]
@@ -232,7 +234,9 @@ class _Motions:
             one, torque = left[number], float(needed[number])
             states = states_of_rate(one.law, torque)
             if not states:
-                raise ModelError([Fault(beyond_reach(one.law, torque), ("elements", one.owner))], self.title)
+                raise ModelError(
+                    [Fault(beyond_reach(one.law, torque), ("elements", one.owner), kind="no-solution")], self.title
+                )
             choices.append([{one: LawSpeed(state, torque)} for state in states])
         if others:
             some = [left[number] for number in others]
@@ -246,7 +250,7 @@ class _Motions:
             text = (
                 f"{names} have {math.prod(map(len, choices))} balances together; give speeds as speed={{node: value}}"
             )
-            raise ModelError([Fault(text, ("operating_point", "speed"))], self.title)
+            raise ModelError([Fault(text, ("operating_point", "speed"), kind="missing-entry")], self.title)
         for some_states in itertools.product(*choices):
             yield {one: speed for part in some_states for one, speed in part.items()}
 
@@ -265,7 +269,7 @@ class _Motions:
                 text = (
                     f"{names} share the mean torques at more than one speed; give these as speed={{node: value, ...}}"
                 )
-                raise ModelError([Fault(text, ("elements", laws[0].owner))], self.title)
+                raise ModelError([Fault(text, ("elements", laws[0].owner), kind="no-solution")], self.title)
             yield {one: LawSpeed(state_at(one.law, 0.0), torque) for one, torque in zip(laws, held, strict=True)}
             return
         # All laws act along one motion, so that one speed is sought.
@@ -278,7 +282,7 @@ class _Motions:
         ]
         if not found:
             text = f"the mean torques leave {wanted:.4g} N*m for {names}, which no speed of them gives"
-            raise ModelError([Fault(text, ("elements", laws[0].owner))], self.title)
+            raise ModelError([Fault(text, ("elements", laws[0].owner), kind="missing-entry")], self.title)
         yield from [states for states in found if not any(map(_is_beyond, states.items()))] or found
 
     def _against_dampers(

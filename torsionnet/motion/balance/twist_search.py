@@ -219,7 +219,7 @@ def twist_balance(network: LawNetwork, external: Mapping[str, float]) -> TwistBa
         if exact is not None:
             return exact
     names = ", ".join(dict.fromkeys(one.owner for one in network.over_twist))
-    raise SolveError(f"no balance of the mean torques was found at the laws of motion of {names}")
+    raise SolveError(f"no balance of the mean torques was found at the laws of motion of {names}", kind="no-solution")
 
 
 @dataclass(frozen=True, eq=False)

@@ -128,7 +128,8 @@ class CondensedPlant:
             found -= action.kappa(s)[:, None, None] * np.outer(driven, sensed)
         if not np.isfinite(found).all():
             raise UsageError(
-                "a controller with an integrator holds no mean motion; periodic motion needs a gain at rest"
+                "a controller with an integrator holds no mean motion; periodic motion needs a gain at rest",
+                kind="unsupported-law",
             )
         return np.asarray(found + self.rows.T @ (self.references[:, None] * self.rows))
 

@@ -130,7 +130,7 @@ class PeriodicResponse(SavedResult):
             return 0
         if name not in names:
             what = f'no output is named "{name}"{did_you_mean(str(name), names)}' if name else "say which output"
-            raise UsageError(f"{what}; there are {', '.join(names)}")
+            raise UsageError(f"{what}; there are {', '.join(names)}", kind="unknown-channel")
         return names.index(name)
 
     def motions_at(self, at: float) -> tuple[FoundMotion, ...]:

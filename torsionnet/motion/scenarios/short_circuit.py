@@ -106,7 +106,7 @@ class ShortCircuitScenario(Scenario):
         faults = []
         if (self.phases is None) == (self.angle is None):
             text = "give the phases that are short, as phases: 2, or the angle of a faulty synchronisation"
-            faults.append(Fault(text, on_key=True))
+            faults.append(Fault(text, on_key=True, kind="missing-entry"))
         if self.decay_double is not None and self.phases != 2:
             text = "only a short circuit of two phases has a torque at twice the line frequency"
             faults.append(superfluous(text, "decay_double"))
@@ -114,10 +114,10 @@ class ShortCircuitScenario(Scenario):
             text = "only the torque of a faulty synchronisation follows the pole pairs"
             faults.append(superfluous(text, "pole_pairs"))
         if isinstance(self.angle, Number) and not 0 < abs(float(self.angle.value)) <= pi * ROUNDING:
-            faults.append(Fault("the angle is from -180 deg to 180 deg, and not 0", ("angle",)))
+            faults.append(Fault("the angle is from -180 deg to 180 deg, and not 0", ("angle",), kind="out-of-range"))
         if self.duration is not None and self.duration <= self.at:
             text = f"the scenario ends after {self.duration:g} s, and the fault comes at {self.at:g} s; simulate longer"
-            faults.append(Fault(text, ("duration",)))
+            faults.append(Fault(text, ("duration",), kind="needless-entry"))
         return faults
 
     @property
@@ -166,7 +166,7 @@ class ShortCircuitScenario(Scenario):
         for name, one in model.elements.items():
             if one.kind in TIED and getattr(one, "node", None) == machine.node and one.enabled:
                 text = f"{name} is on the grid already, with its synchronising torque; put an inertia in its place"
-                return [Fault(f"{text}, and give rated_torque and frequency", ("machine",))]
+                return [Fault(f"{text}, and give rated_torque and frequency", ("machine",), kind="missing-entry")]
         if self._frequency(model, machine) is not None and self._pairs(model, machine) is None:
             text = f"{self.machine} does not say its pole pairs, nor a speed that fits the line; give pole_pairs: 1"
             return [Fault(text, on_key=True, kind="missing-entry")]
@@ -259,15 +259,17 @@ def machine_of(model: ScenarioSubject, name: str) -> FaultedMachine | Fault:
         one = model.excitations.get(name)
         if one is None or one.kind != "electric_machine":
             if name in model.nodes:
-                return Fault(f'"{name}" is a node; name the element on it that is the machine')
+                return Fault(f'"{name}" is a node; name the element on it that is the machine', kind="unknown-element")
             machines = [key for key, found in model.excitations.items() if found.kind == "electric_machine"]
             return unknown_name("machine", name, [*model.elements, *machines], ())
     node = getattr(one, "node", None)
     if not isinstance(node, str):
-        return Fault(f"{name} has no rotor on one node; name the element that is the rotor or the machine")
+        return Fault(
+            f"{name} has no rotor on one node; name the element that is the rotor or the machine", kind="unfit-element"
+        )
     if one.kind not in ROTORS:
         text = f"{name} is a {one.kind.replace('_', ' ')}, no electric machine; name one, or the inertia of its rotor"
-        return Fault(text)
+        return Fault(text, kind="unfit-element")
     stator = next((found for key in ("stator", "housing") if (found := getattr(one, key, None))), None)
     torque, frequency = _rating(one, node, model)
     pairs, speed = getattr(one, "pole_pairs", None), model.speeds.get(node)

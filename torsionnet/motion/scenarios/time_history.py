@@ -269,7 +269,9 @@ class HistoryEntry(Composite[Course]):
         if isinstance(raw, list | tuple):
             wrong = [place for place, row in enumerate(raw) if not isinstance(row, list | tuple) or len(row) != 2]
             if wrong:
-                return None, [Fault(f"a row is [time, value], {got(raw[place])}", (place,)) for place in wrong]
+                return None, [
+                    Fault(f"a row is [time, value], {got(raw[place])}", (place,), kind="wrong-form") for place in wrong
+                ]
             return self._rows([(row[0], row[1]) for row in raw], keyed=False)
         try:
             return SteadyCourse(self.of.coerce(raw)), []
@@ -278,7 +280,7 @@ class HistoryEntry(Composite[Course]):
 
     def _rows(self, raw: list[tuple[Any, Any]], *, keyed: bool) -> tuple[Course | None, list[Fault]]:
         if not raw:
-            return None, [Fault(f"expected {self.example}, got no rows")]
+            return None, [Fault(f"expected {self.example}, got no rows", kind="missing-entry")]
         faults: list[Fault] = []
         rows: list[tuple[float, Expression]] = []
         latest = -1.0
@@ -287,10 +289,18 @@ class HistoryEntry(Composite[Course]):
             try:
                 time = TIME.coerce(key)
             except EntryError as error:
-                faults.append(Fault(f"a row begins with a time, as 50 ms: {error}", at, on_key=keyed))
+                text = f"a row begins with a time, as 50 ms: {error}"
+                faults.append(Fault(text, at, on_key=keyed, kind=error.fault.kind))
                 continue
             if time < latest or (keyed and time == latest):
-                faults.append(Fault(f"{key} stands after {latest:g} s; the times of a history rise", at, on_key=keyed))
+                faults.append(
+                    Fault(
+                        f"{key} stands after {latest:g} s; the times of a history rise",
+                        at,
+                        on_key=keyed,
+                        kind="unordered-rows",
+                    )
+                )
             latest = max(latest, time)
             one, found = self.of.read(given)
             faults += [fault.under(*((key,) if keyed else (place, 1))) for fault in found]
@@ -298,7 +308,10 @@ class HistoryEntry(Composite[Course]):
                 rows.append((time, one))
         thrice = [time for time, after in zip([row[0] for row in rows], [row[0] for row in rows[2:]], strict=False)
                   if time == after]  # fmt: skip
-        faults += [Fault(f"{time:g} s stands three times; a jump has two rows") for time in dict.fromkeys(thrice)]
+        faults += [
+            Fault(f"{time:g} s stands three times; a jump has two rows", kind="unordered-rows")
+            for time in dict.fromkeys(thrice)
+        ]
         return (None, faults) if faults else (StraightCourse(tuple(rows)), [])
 
     def _sine(self, raw: Mapping[Any, Any]) -> tuple[Course | None, list[Fault]]:

@@ -93,7 +93,13 @@ class TorqueScenario(Scenario):
     def contradictions(self) -> list[Fault]:
         if self.torque or self.elements:
             return []
-        return [Fault("a scenario of torques needs torque: {crank: {0 s: 20 N*m, 50 ms: 250 N*m}}", on_key=True)]
+        return [
+            Fault(
+                "a scenario of torques needs torque: {crank: {0 s: 20 N*m, 50 ms: 250 N*m}}",
+                on_key=True,
+                kind="missing-entry",
+            )
+        ]
 
     @property
     def length(self) -> float:
@@ -136,12 +142,14 @@ class TorqueScenario(Scenario):
             if place in model.inputs:
                 if model.inputs[place].quantity != "torque":
                     text = f"{place} imposes an {model.inputs[place].quantity}; a scenario gives torques"
-                    faults.append(Fault(text, ("torque", place), on_key=True))
+                    faults.append(Fault(text, ("torque", place), on_key=True, kind="unfit-channel"))
                 continue
             named = torque_place(place).nodes
             for node in named:
                 if node == GROUND and len(named) == 1:
-                    faults.append(Fault("ground does not move; name a node", ("torque", place), on_key=True))
+                    faults.append(
+                        Fault("ground does not move; name a node", ("torque", place), on_key=True, kind="grounded-node")
+                    )
                 elif node not in model.nodes and node != GROUND:
                     known = [*model.nodes, *model.inputs]
                     faults.append(unknown_name("node", node, known, ("torque", place), on_key=True))

@@ -90,7 +90,7 @@ def smooth_form(form: ContactForm, at: Layout, laws: Sequence[SmoothLaw], places
         at_once = np.hstack([used @ over_u[:, prompt], used @ over_s[:, prompt]])
         if np.abs(at_once).max(initial=0.0) > FEEDBACK * felt:
             text = "its torque acts where nothing has inertia, so that its motion follows from a curve alone"
-            raise UsageError(f"{one.owner}: {text}; give the node an inertia")
+            raise UsageError(f"{one.owner}: {text}; give the node an inertia", kind="indeterminate-motion")
     return SmoothForm(form, rates @ over_y, rates @ over_u, rates @ over_s, over_y, over_u, over_s, take, motions)
 
 

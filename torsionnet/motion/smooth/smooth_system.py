@@ -289,11 +289,13 @@ class _SmoothMotion:
                 solver = self.method.solver(now, stretch, time, y)
                 time, now, y = self._until_event(solver, stretch, now)
             except OverflowError as error:
-                raise SolveError(f"after {time:.6g} s {BEYOND}") from error
+                raise SolveError(f"after {time:.6g} s {BEYOND}", kind="no-solution") from error
             except (ArithmeticError, ValueError) as error:
                 if isinstance(error, TorsionnetError):
                     raise
-                raise SolveError(f"at {time:.6g} s the torques of the laws have no value: {error}") from error
+                raise SolveError(
+                    f"at {time:.6g} s the torques of the laws have no value: {error}", kind="no-solution"
+                ) from error
         return now, y
 
     def _until_event(
@@ -307,12 +309,15 @@ class _SmoothMotion:
             if solver.status == "failed" or self._is_too_long(solver.t):
                 text = "the motion cannot be followed" if message else "the motion needs too many steps"
                 owner = plant.quickest(now, plant.whole(now, solver.t, solver.y, stretch))
-                raise SolveError(f"at {solver.t:.6g} s {text}; look at the torque and the motion of {owner} there")
+                raise SolveError(
+                    f"at {solver.t:.6g} s {text}; look at the torque and the motion of {owner} there",
+                    kind="no-solution",
+                )
             course, end = solver.dense_output(), solver.t
             places, weights, _ = nodes()
             Z = plant.whole_states(now, course, start + places * (end - start), stretch)
             if not np.isfinite(Z).all():
-                raise SolveError(f"after {start:.6g} s {BEYOND}")
+                raise SolveError(f"after {start:.6g} s {BEYOND}", kind="no-solution")
             self._require_range(now, Z, start, end)
             guards = now.guards @ Z
             sizes = (np.abs(now.guards) @ np.abs(Z)).max(axis=1)
@@ -357,7 +362,8 @@ class _SmoothMotion:
             rate = MOST_EVENTS / window
             text = f"{owner}: at {time:.6g} s its torque changes its piece more than {rate:.3g} times a second"
             raise SolveError(
-                f"{text}, without an end to be seen; give the contact or the friction a stiffness or a damping"
+                f"{text}, without an end to be seen; give the contact or the friction a stiffness or a damping",
+                kind="no-solution",
             )
         plant.states.h = BOUNCE_STEP / turning
         contact, _ = plant.states.after(now.contact, guard, z / in_steps(plant.at, plant.states.h), time)
@@ -388,4 +394,4 @@ class _SmoothMotion:
     def _require_range(self, now: SmoothContact, Z: FloatArray, start: float, end: float) -> None:
         owner, message = self.plant.rows_left(now, Z[:, -1])
         if message:
-            raise SolveError(f"{owner}: between {start:.6g} s and {end:.6g} s {message}")
+            raise SolveError(f"{owner}: between {start:.6g} s and {end:.6g} s {message}", kind="no-solution")

@@ -107,7 +107,7 @@ def _is_root() -> bool:
 
 def _failed(browser: str, reason: str) -> SolveError:
     return SolveError(
-        f"{browser} did not print the report: {reason}; write -o report.html and print that", kind="no-solution"
+        f"{browser} did not print the report: {reason}; write -o report.html and print that", kind="failed-program"
     )
 
 
