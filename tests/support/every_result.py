@@ -221,6 +221,13 @@ def passage():
 
 
 @cache
+def periodic():
+    spring = tn.Spring("spring", nodes=("a", "ground"), stiffness=1, cubic=0.1, damping=0.05)
+    rig = tn.Drivetrain("cubic", [tn.Inertia("mass", node="a", inertia=1), spring])
+    return rig.periodic_response("a", frequencies=[0.19, 0.2], excitation={"a": 0.1}, harmonics=3)
+
+
+@cache
 def stabilisation():
     return tn.modal.stabilisation(response())
 
@@ -286,6 +293,7 @@ PLOTS = {
     "order_response": lambda: (orders(),),
     "pareto_front": lambda: (pareto_front(),),
     "passage_response": lambda: (passage(),),
+    "periodic_response": lambda: (periodic(),),
     "robust_optimum": lambda: (robust_optimum(),),
     "scenario_motion": lambda: (record(),),
     "schematic": lambda: (plant(),),
@@ -398,6 +406,7 @@ def results():
         limits(),
         margins(),
         passage(),
+        periodic(),
         stabilisation(),
         decay,
         estimated,
