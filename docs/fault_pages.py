@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from pygments.lexers import YamlLexer
+from pygments.token import Error
+
 from torsionnet.app.text.fault_table import GROUPS, RIG, FaultKind, fault_kinds
 from torsionnet.base.errors import in_brackets
 
@@ -22,4 +25,6 @@ def _section(kind: FaultKind) -> str:
 
 
 def _block(language: str, text: str) -> str:
+    if language == "yaml" and any(token is Error for token, _ in YamlLexer().get_tokens(text)):
+        language = "text"  # no lexer colours what is no YAML
     return f"```{language}\n{text.rstrip()}\n```"
