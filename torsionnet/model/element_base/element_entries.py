@@ -88,7 +88,7 @@ class NodePair(Spec[tuple[str, str]]):
 
     def coerce(self, raw: object) -> tuple[str, str]:
         if isinstance(raw, str) or not isinstance(raw, Sequence) or len(raw) != 2:
-            one = [raw] if isinstance(raw, str) else raw
+            one: Any = [raw] if isinstance(raw, str) else raw
             alone = isinstance(one, Sequence) and len(one) == 1 and isinstance(one[0], str)
             ground = f"; to the ground: [{one[0]}, ground]" if alone else ""
             raise EntryError(Fault(f"expected two nodes [first, second], {got(raw)}{ground}", kind="not-two-nodes"))
