@@ -647,7 +647,18 @@ def test_documented_output_is_real_output(tmp_path, monkeypatch):
     blocks = documented()
     # A server does not end; what runs has pages of its own, with models of their own.
     servers = {"explore", "language-server"}
-    elsewhere = {"schema", "campaign", "clocks", "orders", "critical-speeds", "damper", "static", "limits", "margins"}
+    elsewhere = {
+        "schema",
+        "campaign",
+        "clocks",
+        "orders",
+        "critical-speeds",
+        "damper",
+        "static",
+        "limits",
+        "margins",
+        "periodic",
+    }
     assert {command.split()[0] for command, _ in blocks} == set(COMMANDS) - elsewhere - servers
     for command, output in blocks:
         # A short report is told in the same words as a long one.

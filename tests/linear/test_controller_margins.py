@@ -147,7 +147,7 @@ configurations: {mild: {}, push: {g: 20}, idle: {off: [governor]}}
         assert "in configuration push: governor makes the mode at" in line
         assert "unstable, it grows: damping ratio -" in line
         assert "strain in" in line
-        assert line.endswith("torsionnet margins MODEL shows by how much")
+        assert line.endswith("torsionnet margins MODEL shows by how much [unstable-drivetrain]")
 
     def test_in_python(self):
         rig = tn.loads(self.MODEL)

@@ -171,9 +171,10 @@ class TestSection:
             r"speeds: \{.*\}", "speeds: {of: w, list: [130 rpm, 240 rpm], rated: 240 rpm}", text(engine=engine)
         )
         report = make_report(tn.loads(plant), sections=["harmonics"], date=None)
-        (row,) = rows(of(TableBlock, blocks(report, "harmonics"))[0])
+        half, row = rows(of(TableBlock, blocks(report, "harmonics"))[0])
         torque = 1e6 * 3 * np.pi / 4 * 0.2**2 * 0.25 / (4 * np.pi)
-        assert row == ("720.0", "10.00", f"{torque / 1e3:.4g}", f"{torque * 720 * np.pi / 30 / 1e3:.0f}")
+        assert row == ("720.0", "10.00", f"{torque / 1e3:.4f}", f"{torque * 720 * np.pi / 30 / 1e3:.0f}", "100.0")
+        assert half == ("720.0", "5.00", f"{torque / 2e3:.4f}", f"{torque * 360 * np.pi / 30 / 1e3:.0f}", "50.0")
 
     def test_firing_in_words(self, section):
         text = str(of(Paragraph, section.blocks)[0].text)

@@ -1,5 +1,6 @@
 """Plots drawn into axes that a user gives: the figure stays the user's, and the curves are those of the plot alone."""
 
+import functools
 import importlib
 import inspect
 import pkgutil
@@ -7,24 +8,30 @@ import re
 
 import numpy as np
 import pytest
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from support.every_result import NEEDED, PLOTS, response
 
 import torsionnet as tn
 from torsionnet import plot
 
-MODULES = [importlib.import_module(one.name) for one in pkgutil.walk_packages(plot.__path__, "torsionnet.plot.")]
-FUNCTIONS = {one.__name__: one for module in MODULES for one in vars(module).values() if inspect.isfunction(one)}
+
+@functools.cache
+def plot_functions():
+    """Functions of all modules of ``torsionnet.plot``, by name."""
+    names = [one.name for one in pkgutil.walk_packages(plot.__path__, "torsionnet.plot.")]
+    members = [member for name in names for member in vars(importlib.import_module(name)).values()]
+    return {member.__name__: member for member in members if inspect.isfunction(member)}
 
 
 def draw(name, **look):
     """The plot of a function of ``torsionnet.plot``, or of a module of it, which a result calls."""
-    return FUNCTIONS[name](*PLOTS[name](), **NEEDED.get(name, {}), **look)
+    return plot_functions()[name](*PLOTS[name](), **NEEDED.get(name, {}), **look)
 
 
 def user_figure(count):
     """A figure with a title of its own and one axes more than is given away."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
     figure = Figure(figsize=(9, 4 * count + 4), layout="constrained")
     figure.suptitle("mine")
     FigureCanvasAgg(figure)
@@ -116,6 +123,8 @@ def test_what_is_no_axes_for_each_panel_is_refused(ax, said):
 
 
 def test_axes_that_share_theirs_with_others_are_refused():
+    from matplotlib.figure import Figure
+
     panels = Figure().subplots(2, 2, sharex="row")
     with pytest.raises(tn.UsageError, match="already share it with others"):
         plot.bode(response(), ax=panels[:, 1])

@@ -167,7 +167,7 @@ class TestMassElastic:
         assert f"{found.total_inertia:.5g}" in lines[-1]
         notes = " ".join(str(note) for note in shown.notes)
         assert "k of rubber: 20 kN·m/rad in warm." in notes
-        assert "Without pump in off." in notes
+        assert "Without pump in pump off." in notes
 
     def test_values_of_another_condition_are_one_note(self):
         """Behind a smaller wheel three masses turn 20/40 as fast, which is one sentence with the other loss factor."""
@@ -274,7 +274,7 @@ class TestConditions:
             ("cold", "Rubber: stiffness 26 kN·m/rad instead of 20 kN·m/rad (+30 %)"),
             ("warm", "As the model is written"),
             ("clutched", "As the model is written"),
-            ("off", "Pump switched off"),
+            ("pump off", "Pump switched off"),
         ]
 
     def test_a_measure_of_damping_is_called_what_it_is(self):
@@ -312,7 +312,7 @@ class TestConditions:
         plant = tn.loads(PLANT)
         for name in plant.configurations:
             verdict = plant.configured(name).check_limits().verdict
-            title = ", ".join(part.partition("=")[2] for part in name.split(","))
+            title = ", ".join(part.partition("=")[2] for part in name.split(",")).replace("off", "pump off")
             (row,) = [one for one in found if one[0] == title.capitalize()]
             assert row[1].startswith(verdict)
 

@@ -354,7 +354,7 @@ class TestWhatIsNoColumnOfNumbers:
         assert said in {f"left out, as no column of numbers: {names}" for names in ("T, table", "table, T")}
         with pytest.raises(ModelError) as caught:
             read_recording(path, names=["T"])
-        assert 'no channel is named "T"; the file has w\n' in str(caught.value)
+        assert 'no channel is named "T"; the file has w [unknown-channel]\n' in str(caught.value)
         assert f"note: {said}\n1 error in" in str(caught.value)
 
     def test_in_mat_files(self, tmp_path):

@@ -43,7 +43,7 @@ def raised_faults(call: Callable[[], Any]) -> tuple[Fault, ...]:
 def is_as_expected(fault: Fault, expected: str) -> bool:
     """Whether a fault has the kind that a case expects, and the words that it expects behind a colon.
 
-    >>> is_as_expected(Fault("no node is named \"x\"", kind="unknown-node"), "unknown-node: x")
+    >>> is_as_expected(Fault('no node is named "x"', kind="unknown-node"), "unknown-node: x")
     True
     """
     kind, _, words = expected.partition(": ")

@@ -290,9 +290,11 @@ def parse_unit(text: str) -> Unit:
 
     >>> parse_unit("lbf·in·s²").dimension == parse_unit("kg*m^2").dimension
     True
-    >>> parse_unit("kNn/rad")
-    Traceback (most recent call last):
-    torsionnet.base.units.UnitError: "kNn" is not a known unit; did you mean "kN"?
+    >>> try:
+    ...     parse_unit("kNn/rad")
+    ... except UnitError as error:
+    ...     print(error)
+    "kNn" is not a known unit; did you mean "kN"?
     """
     if not text.strip() or len(text) > _MAX_LENGTH:
         raise UnitError(
@@ -361,9 +363,11 @@ def parse_quantity(text: str) -> Quantity:
 
     >>> parse_quantity("0.078 kgm²").value
     Fraction(39, 500)
-    >>> parse_quantity("13,3 kN*m/rad")
-    Traceback (most recent call last):
-    torsionnet.base.units.UnitError: "13,3 kN*m/rad" has a decimal comma; write 13.3 kN*m/rad
+    >>> try:
+    ...     parse_quantity("13,3 kN*m/rad")
+    ... except UnitError as error:
+    ...     print(error)
+    "13,3 kN*m/rad" has a decimal comma; write 13.3 kN*m/rad
     """
     if len(text) > _MAX_LENGTH:
         raise UnitError(f"a quantity has at most {_MAX_LENGTH} characters", kind="unknown-unit")

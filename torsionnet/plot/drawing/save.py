@@ -40,9 +40,12 @@ def save(figure: Figure, path: str | Path) -> None:
     --------
     >>> import torsionnet as tn
     >>> from torsionnet.plot import schematic, save
-    >>> save(schematic(tn.load("amt_rig")), "rig.jpg")
-    Traceback (most recent call last):
-    torsionnet.base.errors.UsageError: cannot write "rig.jpg": give a file ending in .svg, .png or .pdf
+    >>> from torsionnet.base.errors import UsageError
+    >>> try:
+    ...     save(schematic(tn.load("amt_rig")), "rig.jpg")
+    ... except UsageError as error:
+    ...     print(error)
+    cannot write "rig.jpg": give a file ending in .svg, .png or .pdf
     """
     form = Path(path).suffix.lower().removeprefix(".")
     if form not in METADATA:
