@@ -91,6 +91,7 @@ def saved_classes():
     return known - {"SavedResult", "DrawnConclusion", "PlainConclusion"}
 
 
+@pytest.mark.slow  # a sample of each class is calculated
 def test_every_result_is_read_back_and_has_tables_for_pandas_and_notebooks():
     """A class with ``to_json`` of which there is no sample fails, too."""
     seen = set()
