@@ -198,7 +198,7 @@ class TorsionnetError(Exception):
     """
 
     exit_code = 1
-    kind = ""
+    kind: str = ""
 
     def __init__(self, message: str, *, kind: str = "") -> None:
         super().__init__(message)
@@ -223,7 +223,7 @@ class ModelError(TorsionnetError, ValueError):
         self.faults: tuple[Fault, ...] = (Fault(faults, kind=kind),) if isinstance(faults, str) else tuple(faults)
         self.title = title
         super().__init__(self._text())
-        self.kind = self.faults[0].kind if self.faults else ""
+        self.kind: str = self.faults[0].kind if self.faults else ""
 
     def _text(self) -> str:
         count = sum(fault.severity != "note" for fault in self.faults)
@@ -246,7 +246,7 @@ class FaultyValueError(TorsionnetError, ValueError):
     """Error of a text or number that cannot be read, with the fault that it will be in a file."""
 
     def __init__(self, fault: str | Fault, *, kind: str = "") -> None:
-        self.fault = fault_of(fault, kind)
+        self.fault: Fault = fault_of(fault, kind)
         super().__init__(self.fault.message, kind=self.fault.kind)
 
 
@@ -266,7 +266,7 @@ class MissingExtraError(TorsionnetError, ImportError):
     """Error that an optional package is missing; the message names the pip command."""
 
     exit_code = 4
-    kind = "missing-package"
+    kind: str = "missing-package"
 
 
 class TorsionnetWarning(UserWarning):
