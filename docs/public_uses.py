@@ -16,11 +16,10 @@ from pathlib import Path
 
 from public_names import public_names, signature_lines
 
-import torsionnet as tn
 from torsionnet.base.packages import TABLES
 from torsionnet.model.elements import element_classes
 
-ROOT = Path(tn.__file__).parents[1]
+ROOT = Path(__file__).resolve().parents[1]
 NO_TASK = {"architecture", "benchmarks", "glossary", "reference", "releasing", "robustness", "stability"}
 """Pages about the package rather than about something to do with it."""
 _FENCE = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
