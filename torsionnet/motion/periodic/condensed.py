@@ -112,7 +112,7 @@ class CondensedPlant:
                     "follows the speed of another part" if one.law.sensed else "follows its curve with a time constant"
                 )
                 text = f"{one.owner}: its torque {why}, which periodic motion does not work out; use simulate"
-                raise UsageError(text, kind="unfit-law")
+                raise UsageError(text, kind="unsupported-law")
 
     def stiffness(self, s: ComplexArray) -> ComplexArray:
         """Dynamic stiffness D_0 (n, n_q, n_q) in N m/rad at the Laplace variable s (n,) in rad/s."""

@@ -270,7 +270,7 @@ def force_of(owner: str, law: MotionLaw, spring_before: Callable[[], float], siz
     held = max(float(one.high) for one in curve.pieces if isinstance(one, Hold))
     if len(curve.pieces) != 3 or most.damping or held != float(most.torque):
         text = "friction behind a spring that changes with the slip or sticks with more than it slips"
-        raise UsageError(f"{owner}: periodic motion does not work out {text}; use simulate", kind="unfit-law")
+        raise UsageError(f"{owner}: periodic motion does not work out {text}; use simulate", kind="unsupported-law")
     return SliderForce(spring, scale * float(most.torque))
 
 
@@ -293,7 +293,7 @@ def _resolved(owner: str, curve: PieceCurve, scale: float, r: float, power: int)
     x = g + torque / r
     if (np.diff(x) <= 0).any() or (np.diff(torque) < 0).any():
         text = "its torque falls with the motion where it sticks, which periodic motion does not work out"
-        raise UsageError(f"{owner}: {text}; use simulate", kind="unfit-law")
+        raise UsageError(f"{owner}: {text}; use simulate", kind="unsupported-law")
     before, after = (slope * r / (slope + r) for slope in (ends[0], ends[-1]))
     return ResolvedForce(x, torque, before, after, power, 1 / r)
 
