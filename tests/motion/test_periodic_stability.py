@@ -18,6 +18,7 @@ from support.periodic_rigs import (
     two_stage_rig,
 )
 
+import torsionnet as tn
 from torsionnet.linear.dynamic_stiffness.transfer_request import resolve_request
 from torsionnet.motion.periodic.branch import MotionBranch, Tracer
 from torsionnet.motion.periodic.doubling import Doubling, doubled_branch, doublings, located_doubling
@@ -218,3 +219,20 @@ def test_doubling_of_points_without_one_between_is_none():
     one = problem(gear_pair(0.06), {"x": [0.12, 0.6]}, 2.5, hertz=False)
     branch = branch_over(one, 2.5, 2.3)
     assert located_doubling(one, branch.points[0], branch.points[1], 1) is None
+
+
+def test_monodromy_is_the_derivative_of_the_passage_where_a_damped_mesh_closes():
+    """The damper of a mesh acts in contact alone, so that the torque jumps there and the slope of the path with it."""
+    elements = [
+        tn.Inertia("pinion", node="x", inertia=1),
+        tn.Inertia("wheel", node="y", inertia=3),
+        tn.Spring("hold", nodes=("y", "ground"), stiffness=0.5, damping=0.2),
+        tn.Gear("mesh", nodes=("x", "y"), ratio=1, stiffness=1, damping=0.3, backlash=1),
+    ]
+    one = problem(tn.Drivetrain("damped mesh", elements), {"x": [0.1, 0.25]}, 0.9, hertz=False)
+    stability = stability_of(one, next(iter(from_rest(one, 0.9))))
+    begin, passed = stability.passage.stretches[0], stability.march.passage
+    assert len(stability.passage.stretches) > 2
+    steps = 1e-7 * np.eye(len(begin.z))
+    slopes = [(passed(begin.z + h, begin.contact).end - passed(begin.z - h, begin.contact).end) / 2e-7 for h in steps]
+    np.testing.assert_allclose(np.transpose(slopes), stability.passage.monodromy, atol=1e-6)
