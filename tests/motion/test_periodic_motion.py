@@ -14,8 +14,8 @@ from torsionnet.base.expressions import FLOAT
 from torsionnet.linear.dynamic_stiffness.transfer_request import resolve_request
 from torsionnet.model.channels import Input
 from torsionnet.model.elements import MotionLaw, Values
+from torsionnet.model.motion_laws.describing_functions import describing_function, slider_describing_function
 from torsionnet.motion.periodic.condensed import CondensedPlant
-from torsionnet.motion.periodic.describing_functions import describing_function, slider_describing_function
 from torsionnet.motion.periodic.periodic_problem import peak_to_peak
 from torsionnet.motion.periodic.starts import from_rest
 

@@ -21,14 +21,14 @@ from numpy.typing import NDArray
 from torsionnet.base.errors import UsageError
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.model.element_base.laws import MotionLaw, MotionState
-from torsionnet.model.motion_laws.piece_curve import Hold, PieceCurve, Slope
-from torsionnet.model.motion_laws.smooth_curves import CubicCurve
-from torsionnet.motion.periodic.describing_functions import (
+from torsionnet.model.motion_laws.describing_functions import (
     Describing,
     describing_function,
     has_steps,
     slider_describing_function,
 )
+from torsionnet.model.motion_laws.piece_curve import Hold, PieceCurve, Slope
+from torsionnet.model.motion_laws.smooth_curves import CubicCurve
 
 
 @dataclass(frozen=True, eq=False)
