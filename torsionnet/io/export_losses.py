@@ -118,7 +118,8 @@ def refuse_laws_of_motion(drivetrain: Drivetrain, target: str) -> None:
     raise UsageError(
         f"{target} holds linear elements, and {', '.join(found[:MOST_NAMES])}{rest} follow laws of motion that are not "
         "linear; write the model at an operating point, which has their tangents: model.at(torque={...}), or load: or "
-        "operating_point: in its file"
+        "operating_point: in its file",
+        kind="no-counterpart",
     )
 
 

@@ -69,9 +69,11 @@ def mass_elastic_report(path: str | os.PathLike[str], *, values: str = "", facto
     source = Path(path)
     for name, value, allowed in (("values", values, SIDES), ("factors", factors, READINGS)):
         if value and value not in allowed:
-            raise UsageError(f'{name} is {" or ".join(allowed)}, not "{value}"{did_you_mean(value, allowed)}')
+            raise UsageError(
+                f'{name} is {" or ".join(allowed)}, not "{value}"{did_you_mean(value, allowed)}', kind="unknown-word"
+            )
     if not source.is_file():
-        raise UsageError(f'there is no file "{source}"')
+        raise UsageError(f'there is no file "{source}"', kind="missing-file")
     return read_sheet(source, reading=SheetReading(values, factors))
 
 
@@ -168,7 +170,10 @@ def mass_elastic_graph(drivetrain: Drivetrain, reference: str) -> MassElasticGra
             refused += [] if written else [describe_element_part(element, part)]
     if refused:
         rest = f" and {len(refused) - MOST_LISTED_PARTS} more" if len(refused) > MOST_LISTED_PARTS else ""
-        raise UsageError(f"a mass-elastic sheet has no column for {'; '.join(refused[:MOST_LISTED_PARTS])}{rest}")
+        raise UsageError(
+            f"a mass-elastic sheet has no column for {'; '.join(refused[:MOST_LISTED_PARTS])}{rest}",
+            kind="no-counterpart",
+        )
     graph.connections = list(_named(graph.connections))
     graph.ratios = _ratios(graph, reference)
     return graph
@@ -246,12 +251,14 @@ def _ratios(graph: MassElasticGraph, reference: str) -> dict[str, Any]:
             elif abs(float(ratios[there.second] / speed) - 1) > 1e-9:
                 raise UsageError(
                     f"the ratio of {one.name} is not that of the speeds of its nodes by another way through the plant; "
-                    "a sheet has one speed for each mass, so switch one of the ways off"
+                    "a sheet has one speed for each mass, so switch one of the ways off",
+                    kind="no-counterpart",
                 )
     unconnected = [node for node in graph.inertias if node not in ratios]
     if unconnected:
         raise UsageError(
-            f"nothing connects {unconnected[0]} with {reference} in this configuration; a sheet holds one plant"
+            f"nothing connects {unconnected[0]} with {reference} in this configuration; a sheet holds one plant",
+            kind="unconnected-nodes",
         )
     return ratios
 
@@ -286,7 +293,7 @@ def to_mass_elastic(drivetrain: Drivetrain, *, referred_to: str | None = None) -
     """
     if referred_to is not None and referred_to not in drivetrain.nodes:
         hint = did_you_mean(referred_to, drivetrain.nodes) or f"; there are {', '.join(drivetrain.nodes)}"
-        raise UsageError(f'no node is named "{referred_to}"{hint}')
+        raise UsageError(f'no node is named "{referred_to}"{hint}', kind="unknown-node")
     graph = mass_elastic_graph(drivetrain, referred_to or drivetrain.nodes[0])
     referred = referred_to is not None
     said = f"values are referred to {referred_to}" if referred else "all values are real"

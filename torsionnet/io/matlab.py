@@ -96,12 +96,14 @@ def _refuse(drivetrain: Drivetrain, assembly: Assembly) -> None:
     dynamic = sorted({assembly.owners[index] for index, _ in assembly.system.dynamic})
     if dynamic:
         raise UsageError(
-            f"{', '.join(dynamic)}: a stiffness that depends on frequency has no place in constant matrices"
+            f"{', '.join(dynamic)}: a stiffness that depends on frequency has no place in constant matrices",
+            kind="no-counterpart",
         )
     imposed = [name for name, channel in drivetrain.inputs.items() if channel.quantity != "torque"]
     if imposed:
         raise UsageError(
-            f"{', '.join(imposed)} imposes an angle; constant matrices have only torques as inputs: make it one"
+            f"{', '.join(imposed)} imposes an angle; constant matrices have only torques as inputs: make it one",
+            kind="no-counterpart",
         )
 
 
@@ -208,7 +210,8 @@ def write_matlab(drivetrain: Drivetrain, path: str | os.PathLike[str]) -> None:
     if ending == ".m":
         if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,62}", target.stem):
             raise UsageError(
-                f'Matlab runs no script named "{target.name}"; use letters, digits and _, beginning with a letter'
+                f'Matlab runs no script named "{target.name}"; use letters, digits and _, beginning with a letter',
+                kind="invalid-name",
             )
         if target.stem in RESERVED_WORDS | MATRIX_MEANINGS.keys() | NAME_MEANINGS.keys() | {
             "title",
@@ -217,12 +220,15 @@ def write_matlab(drivetrain: Drivetrain, path: str | os.PathLike[str]) -> None:
             "sys",
         }:
             what = "a word of Matlab's own" if target.stem in RESERVED_WORDS else "a variable that the script sets"
-            raise UsageError(f'Matlab cannot run "{target.name}": {target.stem} is {what}; e.g. {target.stem}_model.m')
+            raise UsageError(
+                f'Matlab cannot run "{target.name}": {target.stem} is {what}; e.g. {target.stem}_model.m',
+                kind="invalid-name",
+            )
         write_text(target, to_matlab(drivetrain))
     elif ending == ".mat":
         write_bytes(target, mat_bytes(_variables(drivetrain)))
     else:
-        raise UsageError(f'cannot write "{path}": give a file ending in .m or .mat')
+        raise UsageError(f'cannot write "{path}": give a file ending in .m or .mat', kind="wrong-file")
 
 
 def _variables(drivetrain: Drivetrain) -> dict[str, Any]:

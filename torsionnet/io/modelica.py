@@ -210,7 +210,9 @@ def _refuse(drivetrain: Drivetrain) -> None:
         if not has_counterpart(part)
     ]
     if without:
-        raise UsageError(f"Modelica.Mechanics.Rotational has no counterpart of {'; '.join(without)}")
+        raise UsageError(
+            f"Modelica.Mechanics.Rotational has no counterpart of {'; '.join(without)}", kind="no-counterpart"
+        )
 
 
 @dataclass
@@ -236,9 +238,15 @@ class _Model:
         meters: dict[tuple[str, int], list[str]] = {}
         for name, sensor in channels.sensors.items():
             if sensor.referred_to is not None:
-                raise UsageError(f"{name} is referred to {sensor.referred_to}, which is not written to Modelica")
+                raise UsageError(
+                    f"{name} is referred to {sensor.referred_to}, which is not written to Modelica",
+                    kind="no-counterpart",
+                )
             if sensor.quantity == "stress":
-                raise UsageError(f"{name} is a stress, which is not written to Modelica; measure torque({sensor.of})")
+                raise UsageError(
+                    f"{name} is a stress, which is not written to Modelica; measure torque({sensor.of})",
+                    kind="no-counterpart",
+                )
             if sensor.quantity == "torque":
                 element = drivetrain.elements[sensor.of]
                 meters.setdefault((sensor.of, element.place_of(sensor.at)), []).append(read[name])

@@ -39,7 +39,7 @@ class Size(PlainNumber):
 
     def coerce(self, raw: object) -> float:
         if isinstance(raw, bool) or not isinstance(raw, int | float) or not -inf < raw < inf:
-            raise EntryError(f"expected a number as {self.description}, got {raw!r}")
+            raise EntryError(f"expected a number as {self.description}, got {raw!r}", kind="not-a-number")
         return raw
 
     def read(self, raw: object) -> tuple[float | None, list[Fault]]:
@@ -47,7 +47,7 @@ class Size(PlainNumber):
         if value is None or value > 0 or (value == 0 and not self.exclusive):
             return value, faults
         bound = "be greater than" if self.exclusive else "not be less than"
-        return None, [Fault(f"{self.description} must {bound} 0, got {raw!r}")]
+        return None, [Fault(f"{self.description} must {bound} 0, got {raw!r}", kind="out-of-range")]
 
 
 class AsWritten(Spec[object]):
@@ -125,7 +125,11 @@ class ShaftContinuous(TorsElement):
 
     def contradictions(self) -> list[Fault]:
         has_wall = self.innerDiameter < self.outerDiameter
-        return [] if has_wall else [Fault("the inner diameter must be smaller than the outer one")]
+        return (
+            []
+            if has_wall
+            else [Fault("the inner diameter must be smaller than the outer one", kind="contradicting-values")]
+        )
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -140,7 +144,7 @@ class GearElement(TorsElement):
     parent: str | None = entry(Text("name of the wheel before it that it meshes with"), None)
 
     def contradictions(self) -> list[Fault]:
-        return [] if self.teeth or self.diameter else [Fault("a gear needs teeth or a diameter")]
+        return [] if self.teeth or self.diameter else [Fault("a gear needs teeth or a diameter", kind="missing-entry")]
 
     def sizes_against(self, parent: GearElement) -> tuple[float, float] | None:
         """Sizes of parent and wheel by which they mesh, in teeth or diameters, or None where they have none alike."""
@@ -179,7 +183,7 @@ class TorsComponent(TorsPart):
 
     def contradictions(self) -> list[Fault]:
         if not self.elements:
-            return [Fault("a component needs at least one element", ("elements",))]
+            return [Fault("a component needs at least one element", ("elements",), kind="missing-entry")]
         faults = _same_names(f"elements of {self.name}", "elements", self.elements)
         gears: dict[str, GearElement] = {}
         for index, wheel in enumerate(self.elements):
@@ -188,10 +192,16 @@ class TorsComponent(TorsPart):
             parent = gears.get(wheel.parent or "")
             if parent and not wheel.sizes_against(parent):
                 meshing = f"{self.name}.{parent.name} and {self.name}.{wheel.name}"
-                faults.append(Fault(f"{meshing} mesh; give both teeth, or both a diameter", ("elements", index)))
+                faults.append(
+                    Fault(
+                        f"{meshing} mesh; give both teeth, or both a diameter",
+                        ("elements", index),
+                        kind="missing-entry",
+                    )
+                )
             elif wheel.parent and not parent:
                 text = f'no gear before it in {self.name} is named "{wheel.parent}"{did_you_mean(wheel.parent, gears)}'
-                faults.append(Fault(text, ("elements", index, "parent")))
+                faults.append(Fault(text, ("elements", index, "parent"), kind="unknown-element"))
             gears[wheel.name] = wheel
         return faults
 
@@ -237,7 +247,7 @@ class TorsFile(TorsPart):
 
     def contradictions(self) -> list[Fault]:
         if not self.components:
-            return [Fault("the file holds no components", ("components",))]
+            return [Fault("the file holds no components", ("components",), kind="missing-entry")]
         faults = _same_names("components", "components", self.components)
         return faults or self._connection_faults() or self._tree_faults()
 
@@ -246,7 +256,11 @@ class TorsFile(TorsPart):
         entered: set[str] = set()
         for index, (source, target) in enumerate(self.structure):
             unknown = [
-                Fault(f'there is no element "{end}"{did_you_mean(end, self.ends)}', ("structure", index, side))
+                Fault(
+                    f'there is no element "{end}"{did_you_mean(end, self.ends)}',
+                    ("structure", index, side),
+                    kind="unknown-element",
+                )
                 for side, end in enumerate((source, target))
                 if end not in self.ends
             ]
@@ -257,10 +271,10 @@ class TorsFile(TorsPart):
             first = self.chains[name][0].name
             if element != first:
                 text = f"a component begins with its first element: connect {source} to {name}.{first}, not to {target}"
-                faults.append(Fault(text, ("structure", index, 1)))
+                faults.append(Fault(text, ("structure", index, 1), kind="no-counterpart"))
             elif name in entered:
                 text = f'component "{name}" begins at two places; connect it at one, as TORS holds no loops'
-                faults.append(Fault(text, ("structure", index, 1)))
+                faults.append(Fault(text, ("structure", index, 1), kind="no-counterpart"))
             entered.add(name)
         return faults
 
@@ -268,15 +282,23 @@ class TorsFile(TorsPart):
         if len(self.starts) != 1:
             listed = ", ".join(self.starts) or "none"
             text = f"the components must form one connected tree; without a connection into them: {listed}"
-            return [Fault(text, ("structure",))]
+            return [Fault(text, ("structure",), kind="unconnected-nodes")]
         joined = Groups(self.chains)
         for (source, _), targets in self.onward.items():
             joined.join(source, *targets)
         lost = [name for name in self.chains if name not in joined.of(self.starts[0])]
-        return [Fault(f"{', '.join(lost)} are not connected to {self.starts[0]}", ("structure",))] if lost else []
+        return (
+            [
+                Fault(
+                    f"{', '.join(lost)} are not connected to {self.starts[0]}", ("structure",), kind="unconnected-nodes"
+                )
+            ]
+            if lost
+            else []
+        )
 
 
 def _same_names(what: str, key: str, parts: Sequence[TorsComponent] | Sequence[TorsElement]) -> list[Fault]:
     names = [part.name for part in parts]
     doubles = [(index, name) for index, name in enumerate(names) if names.index(name) < index]
-    return [Fault(f'two {what} are named "{name}"', (key, index)) for index, name in doubles]
+    return [Fault(f'two {what} are named "{name}"', (key, index), kind="repeated-name") for index, name in doubles]

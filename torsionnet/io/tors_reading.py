@@ -223,18 +223,22 @@ def read_tors(path: str | os.PathLike[str]) -> Drivetrain:
     """
     source = Path(path)
     if not source.is_file():
-        raise UsageError(f'there is no file "{source}"')
+        raise UsageError(f'there is no file "{source}"', kind="missing-file")
     try:
         text = source.read_text(encoding="utf-8-sig")
         data = json.loads(text)
     except UnicodeDecodeError:
-        raise ModelError([Fault("the file is no text in UTF-8")], source.name) from None
+        raise ModelError([Fault("the file is no text in UTF-8", kind="unreadable-file")], source.name) from None
     except RecursionError:
-        raise ModelError([Fault("the entries of the file are nested too deep")], source.name) from None
+        raise ModelError(
+            [Fault("the entries of the file are nested too deep", kind="too-large")], source.name
+        ) from None
     except json.JSONDecodeError as error:
         line = [*error.doc.split("\n"), ""][error.lineno - 1]  # JSON knows no other end of a line
         place = Position(source.name, error.lineno, error.colno, error.colno + 1, line[:200])
-        raise ModelError([Fault(f"this is no JSON: {error.msg}", position=place)], source.name) from None
+        raise ModelError(
+            [Fault(f"this is no JSON: {error.msg}", position=place, kind="wrong-file")], source.name
+        ) from None
     try:
         return from_tors(data, source.name)
     except ModelError as error:
@@ -253,7 +257,7 @@ def from_tors(data: Any, file: str = "TORS data") -> Drivetrain:
     """Drivetrain of the JSON data of a TORS file, as :func:`read_tors` gives for the file itself."""
     if not isinstance(data, Mapping) or not isinstance(data.get("components"), list):
         text = 'this is no TORS file: it has no list of "components" (elements) and "structure" (connections)'
-        raise ModelError([Fault(text)], file)
+        raise ModelError([Fault(text, kind="wrong-file")], file)
     content, faults = TorsFile.read(data)
     if content is None:
         raise ModelError(faults, file)

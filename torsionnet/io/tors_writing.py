@@ -77,7 +77,8 @@ def tors_graph(drivetrain: Drivetrain) -> Graph:
         writer.write(element)
     if writer.refused:
         raise UsageError(
-            f"TORS has no counterpart of {'; '.join(writer.refused)}; it knows disks, shafts and rigid gears in a tree"
+            f"TORS has no counterpart of {'; '.join(writer.refused)}; it knows disks, shafts and rigid gears in a tree",
+            kind="no-counterpart",
         )
     _refuse_all_but_a_tree(writer.disks, writer.edges)
     return Graph(writer.disks, writer.edges)
@@ -170,13 +171,15 @@ def _refuse_all_but_a_tree(disks: Disks, edges: list[Edge]) -> None:
     for edge in edges:
         if not joined.join(edge.first, edge.second):
             raise UsageError(
-                f"{', '.join(edge.names)} closes a loop; TORS holds trees only: switch it off, or take another format"
+                f"{', '.join(edge.names)} closes a loop; TORS holds trees only: switch it off, or take another format",
+                kind="no-counterpart",
             )
     parts = [part[0] for part in joined.groups()]
     if len(parts) > 1:
         raise UsageError(
             f"nothing connects {' and '.join(parts)} in this configuration; "
-            "TORS holds one tree: leave one of the two parts out"
+            "TORS holds one tree: leave one of the two parts out",
+            kind="no-counterpart",
         )
 
 
@@ -347,7 +350,8 @@ class _Layout:
         if len(shafts) > 1:
             names = ", ".join(name for edge in shafts for name in edge.names)
             raise UsageError(
-                f"{names} lead on together from node {node}; openTorsion lets one shaft go on from a place"
+                f"{names} lead on together from node {node}; openTorsion lets one shaft go on from a place",
+                kind="no-counterpart",
             )
         return shafts, [edge for edge in onward if edge.is_gear]
 

@@ -96,16 +96,21 @@ def tracked_orders_text(orders: Sequence[TrackedOrders]) -> str:
 
 def _common(orders: Sequence[TrackedOrders]) -> TrackedOrders:
     if not orders:
-        raise UsageError("there are no tracked orders to write")
+        raise UsageError("there are no tracked orders to write", kind="missing-data")
     first, names = orders[0], [one.name for one in orders]
     for one in orders[1:]:
         if names.count(one.name) > 1:
-            raise UsageError(f"two channels are named {one.name}: a file needs a name for each")
+            raise UsageError(f"two channels are named {one.name}: a file needs a name for each", kind="repeated-name")
         alike = one.times.shape == first.times.shape and one.orders.shape == first.orders.shape
         if not (alike and np.allclose(one.times, first.times) and np.allclose(one.orders, first.orders)):
-            raise UsageError(f"{one.name} and {first.name} were tracked at other times or orders: write them apart")
+            raise UsageError(
+                f"{one.name} and {first.name} were tracked at other times or orders: write them apart",
+                kind="unlike-results",
+            )
         if (one.reference, one.undecided) != (first.reference, first.undecided):
-            raise UsageError(f"{one.name} and {first.name} have other references of phase: write them apart")
+            raise UsageError(
+                f"{one.name} and {first.name} have other references of phase: write them apart", kind="unlike-results"
+            )
     return first
 
 
@@ -157,7 +162,7 @@ def _tracking(file: Path, text: str, notes: Iterable[str]) -> TrackingKernel:
             poles = int(said.pop("poles", VOLD_KALMAN_POLES))
             return TrackingKernel(**said, poles=poles)
     except (ValueError, TypeError, AttributeError) as error:
-        raise UsageError(f"the line {_TRACKING} of {file} is damaged: {error}") from None
+        raise UsageError(f"the line {_TRACKING} of {file} is damaged: {error}", kind="unreadable-file") from None
     for note in notes:
         if found := _FILTER.search(note):
             poles, width, unit = int(found[1]), float(found[2]), found[3]
@@ -176,7 +181,7 @@ def _stored_notes(
         data = json.loads(text) if text else {}
         own = {name: tuple(map(stored_note, data[name])) for name in names if name in data}
     except (ValueError, TypeError, KeyError) as error:
-        raise UsageError(f"the line {_NOTES} of {file} is damaged: {error}") from None
+        raise UsageError(f"the line {_NOTES} of {file} is damaged: {error}", kind="unreadable-file") from None
     return {name: own.get(name, tuple(_notes(lines, name, names))) for name in names}
 
 
@@ -208,7 +213,7 @@ def _read(file: Path) -> tuple[dict[str, str], list[str], list[tuple[int, list[s
     try:
         lines = file.read_text(encoding=detect_encoding(file), errors="replace").splitlines()
     except OSError as error:
-        raise UsageError(f"cannot read {file}: {error.strerror}") from None
+        raise UsageError(f"cannot read {file}: {error.strerror}", kind="unreadable-file") from None
     heads: dict[str, str] = {}
     notes: list[str] = []
     rows: list[tuple[int, list[str]]] = []
@@ -232,10 +237,10 @@ def _misplaced(file: Path, numbers: FloatArray, lines: Sequence[int], wanted: in
         first = seen.setdefault((time, order), line)
         if first != line:
             text = f"order {order:g} at {time:g} s stands in line {first}, too: leave one of the rows out"
-            faults.append(Fault(text, position=Position(file.name, line, 1, 2)))
+            faults.append(Fault(text, position=Position(file.name, line, 1, 2), kind="repeated-entry"))
     if not faults and len(numbers) != wanted:
         text = f"{wanted - len(numbers)} of {wanted} rows are missing: each time needs a row for each order"
-        faults.append(Fault(text, position=Position(file.name, lines[-1], 1, 2)))
+        faults.append(Fault(text, position=Position(file.name, lines[-1], 1, 2), kind="wrong-count"))
     return faults[:MOST_FAULTS]
 
 
@@ -247,7 +252,8 @@ def _channels(file: Path, line: int, heading: list[str]) -> dict[str, tuple[str,
     if tuple(heading[: len(LEADING_COLUMNS)]) != LEADING_COLUMNS:
         raise UsageError(
             f"{file.name} is no file of tracked orders: its columns begin with {', '.join(LEADING_COLUMNS)}; "
-            "torsionnet track -o writes such a file"
+            "torsionnet track -o writes such a file",
+            kind="wrong-file",
         )
     for place, text in enumerate(heading):
         match = _COLUMN.fullmatch(text)
@@ -262,20 +268,22 @@ def _channels(file: Path, line: int, heading: list[str]) -> dict[str, tuple[str,
                     continue
         found.setdefault(match["name"], (quantity or "", {}))[1][match["part"]] = (place, factor)
         if match["unit"] and not quantity:
-            faults.append(_heading_fault(file, line, heading, place, f'"{match["unit"]}" is no unit of {_KNOWN}'))
+            faults.append(
+                _heading_fault(file, line, heading, place, f'"{match["unit"]}" is no unit of {_KNOWN}', "unknown-unit")
+            )
     for name, (_, parts) in (found or {"NAME": ("", {})}).items():
         if not {"real", "imag"} <= parts.keys():
             text = f"there are no columns {name} real and {name} imag, with a unit in brackets"
             first = min((place for place, _ in parts.values()), default=0)
-            faults.append(_heading_fault(file, line, heading, first, text))
+            faults.append(_heading_fault(file, line, heading, first, text, "missing-column"))
     if faults:
         raise ModelError(faults[:MOST_FAULTS], str(file))
     return found
 
 
-def _heading_fault(file: Path, line: int, heading: Sequence[str], place: int, text: str) -> Fault:
+def _heading_fault(file: Path, line: int, heading: Sequence[str], place: int, text: str, kind: str) -> Fault:
     column = len(",".join(heading[:place])) + (place > 0) + 1
-    return Fault(text, position=Position(file.name, line, column, column + len(heading[place])))
+    return Fault(text, position=Position(file.name, line, column, column + len(heading[place])), kind=kind)
 
 
 def _numbers(file: Path, heading: list[str], body: list[tuple[int, list[str]]]) -> FloatArray:
@@ -294,14 +302,18 @@ def _numbers(file: Path, heading: list[str], body: list[tuple[int, list[str]]]) 
                 column = len(",".join(cells[:place])) + (place > 0) + 1
                 said = f'"{cell}" is no number' if cell else "there is no number"
                 faults.append(
-                    Fault(f"{text}: {said}", position=Position(file.name, line, column, column + max(len(cell), 1)))
+                    Fault(
+                        f"{text}: {said}",
+                        position=Position(file.name, line, column, column + max(len(cell), 1)),
+                        kind="not-a-number",
+                    )
                 )
                 row = [*row[:place], float("nan")]
         found.append(row)
     if faults:
         raise ModelError(faults[:MOST_FAULTS], str(file))
     if not found:
-        raise UsageError(f"{file.name} has no rows below its headings")
+        raise UsageError(f"{file.name} has no rows below its headings", kind="missing-data")
     return np.array(found)
 
 
@@ -345,9 +357,15 @@ def read_orders(path: str | os.PathLike[str], output: Channel, configuration: st
         columns, numbers = read_order_table(Path(path))
         lines = measured_lines(columns, np.array(numbers))
     if not lines.speeds or lines.by_frequency:
-        raise UsageError(f"{Path(path).name} has no amplitudes by speed and order; expected {EXPECTED_COLUMNS}")
+        raise UsageError(
+            f"{Path(path).name} has no amplitudes by speed and order; expected {EXPECTED_COLUMNS}",
+            kind="missing-column",
+        )
     if LINE_UNITS[lines.quantity] != output.unit:
-        raise UsageError(f"{Path(path).name} is in {LINE_UNITS[lines.quantity]}, but {output.name} is in {output.unit}")
+        raise UsageError(
+            f"{Path(path).name} is in {LINE_UNITS[lines.quantity]}, but {output.name} is in {output.unit}",
+            kind="wrong-unit",
+        )
     return tuple(
         MeasuredOrder(
             order,
@@ -370,10 +388,11 @@ def tracked_channel(path: str | os.PathLike[str], output: Channel) -> TrackedOrd
         which = "several channels" if fitting else "no channel"
         raise UsageError(
             f"{Path(path).name} has {which} for {output.name} in {output.unit}; there are {names}: name the channel as "
-            "the output"
+            "the output",
+            kind="ambiguous-name",
         )
     if fitting[0].unit != output.unit:
-        raise UsageError(f"{Path(path).name}: {names}, but {output.name} is in {output.unit}")
+        raise UsageError(f"{Path(path).name}: {names}, but {output.name} is in {output.unit}", kind="wrong-unit")
     return fitting[0]
 
 
@@ -391,7 +410,7 @@ def _cells(path: Path) -> list[list[str]]:
     try:
         text = path.read_text(encoding=detect_encoding(path), errors="replace")
     except OSError as error:
-        raise UsageError(f"cannot read {path}: {error.strerror}") from None
+        raise UsageError(f"cannot read {path}: {error.strerror}", kind="unreadable-file") from None
     return list(csv.reader(line for line in text.splitlines() if line.strip() and line[0] != "#"))
 
 
@@ -407,19 +426,22 @@ def _of_this_package(file: str, rows: Sequence[list[str]], output: Channel, conf
             parts[match["part"]] = (place, match["unit"])
     if len(parts) < 2:
         text = f"{file} has no columns {output.name} real and {output.name} imag"
-        raise UsageError(f"{text}; write it with torsionnet orders --csv --output {output.name}")
+        raise UsageError(f"{text}; write it with torsionnet orders --csv --output {output.name}", kind="missing-column")
     if "configuration" in heading:
         of = heading.index("configuration")
         known = dict.fromkeys(cells[of] for cells in chosen)
         if len(known) > 1 and configuration not in known:
-            raise UsageError(f"{file} has the configurations {', '.join(known)}; choose one of them with -c")
+            raise UsageError(
+                f"{file} has the configurations {', '.join(known)}; choose one of them with -c", kind="missing-entry"
+            )
         chosen = [cells for cells in chosen if len(known) == 1 or cells[of] == configuration]
     places = [heading.index("speed [rpm]"), heading.index("frequency [Hz]"), parts["real"][0], parts["imag"][0]]
     try:
         numbers = np.array([[float(cells[place]) for place in places] for cells in chosen])
     except (IndexError, ValueError):
         raise UsageError(
-            f"{file} has incomplete rows or cells without a number; write it again with torsionnet orders --csv"
+            f"{file} has incomplete rows or cells without a number; write it again with torsionnet orders --csv",
+            kind="not-a-number",
         ) from None
     sums: dict[tuple[float, float], complex] = {}
     for speed, frequency, real, imag in numbers.tolist():

@@ -34,7 +34,7 @@ class AngleOfTooth(Spec[float]):
 
     def coerce(self, raw: object) -> float:
         if isinstance(raw, bool) or not isinstance(raw, int | float) or not math.isfinite(raw):
-            raise EntryError(f"expected a number, in the unit that the file names, {got(raw)}")
+            raise EntryError(f"expected a number, in the unit that the file names, {got(raw)}", kind="not-a-number")
         return float(raw)
 
     def schema(self) -> Schema:
@@ -81,17 +81,19 @@ class WheelPatternFile(Declared):
         faults = []
         if len(self.positions) != self.teeth:
             text = f"{len(self.positions)} positions are given for {self.teeth} teeth, missing ones included"
-            faults.append(Fault(text, ("positions",)))
+            faults.append(Fault(text, ("positions",), kind="wrong-count"))
         if self.missing_teeth >= self.teeth - 1:
             text = f"a wheel of {self.teeth} teeth cannot lack {self.missing_teeth}"
-            faults.append(Fault(text, ("missing_teeth",)))
+            faults.append(Fault(text, ("missing_teeth",), kind="out-of-range"))
         pitch = 2 * math.pi / self.teeth / UNITS[self.unit]
         for place, (position, half_width) in enumerate(self.positions):
             if abs(position) >= pitch / 2:
                 text = f"tooth {place} stands {position:g} {self.unit} beyond its place, half a pitch or more"
-                faults.append(Fault(f"{text}; check the unit", ("positions", place)))
+                faults.append(Fault(f"{text}; check the unit", ("positions", place), kind="wrong-unit"))
             if half_width < 0:
-                faults.append(Fault(f"the half width of tooth {place} is negative", ("positions", place, 1)))
+                faults.append(
+                    Fault(f"the half width of tooth {place} is negative", ("positions", place, 1), kind="out-of-range")
+                )
         return faults
 
 
@@ -150,12 +152,12 @@ def read_wheel_pattern(path: str | os.PathLike[str]) -> WheelPattern:
     try:
         document = compose(decode(file.read_bytes(), str(file)).removeprefix("\ufeff"), str(file))
     except OSError as error:
-        raise UsageError(f"{file} cannot be read: {error.strerror or error}") from None
+        raise UsageError(f"{file} cannot be read: {error.strerror or error}", kind="unreadable-file") from None
     except ModelError as error:
         raise ModelError(presentable_faults(error.faults), file.name) from None
     if not isinstance(document.data, dict):
         text = f"this is no wheel pattern; torsionnet calibrate-wheel writes one, with {KEY}: 1, teeth: and positions:"
-        raise ModelError([Fault(text, position=document.position())], file.name)
+        raise ModelError([Fault(text, position=document.position(), kind="wrong-file")], file.name)
     found, faults = WheelPatternFile.read(document.data)
     faults = [*document.faults, *version_faults(document.data, "wheel pattern"), *faults]
     if found is None or faults:
@@ -214,7 +216,7 @@ def read_wheels(path: str | os.PathLike[str]) -> dict[str, WheelOfTest]:
     try:
         document = compose(decode(file.read_bytes(), str(file)).removeprefix("\ufeff"), str(file))
     except OSError as error:
-        raise UsageError(f"{file} cannot be read: {error.strerror or error}") from None
+        raise UsageError(f"{file} cannot be read: {error.strerror or error}", kind="unreadable-file") from None
     except ModelError as error:
         raise ModelError(presentable_faults(error.faults), file.name) from None
     wheels, faults = WHEELS.read(document.data)
@@ -245,12 +247,12 @@ def pattern_of(wheel: WheelChannel, folder: Path) -> tuple[WheelPattern | None, 
     try:
         pattern = read_wheel_pattern(folder / wheel.pattern)
     except UsageError as error:
-        return None, [Fault(str(error), ("pattern",))]
+        return None, [error.fault.under("pattern")]
     except ModelError as error:
         count = len(error.faults)
         text = f"{wheel.pattern} has {count} error{'s' * (count > 1)}"
-        return None, [Fault(text, ("pattern",)), *error.faults]
+        return None, [Fault(text, ("pattern",), kind="unreadable-file"), *error.faults]
     if (pattern.teeth, pattern.missing) != (wheel.teeth, wheel.missing_teeth):
         text = f"{wheel.pattern} is the pattern of {pattern.teeth} teeth of which {pattern.missing} are missing"
-        return None, [Fault(text, ("pattern",))]
+        return None, [Fault(text, ("pattern",), kind="unfit-wheel")]
     return pattern, []

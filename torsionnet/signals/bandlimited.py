@@ -196,7 +196,8 @@ class Rotation:
                 return
         raise SolveError(
             f"the speed changes too fast around {doubtful:.6g} s to interpolate the angle between pulses; "
-            "cut the record there"
+            "cut the record there",
+            kind="lost-pulses",
         )
 
     def _first_turned_back(self, times: FloatArray) -> float | None:

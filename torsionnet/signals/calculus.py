@@ -92,7 +92,8 @@ def _neighbour(signal: Signal, order: int) -> str:
     if not 0 <= place < len(MOTION_QUANTITIES):
         raise UsageError(
             f"{signal.name} is {signal.quantity}, the {'first' if order < 0 else 'last'} of "
-            f"{', '.join(MOTION_QUANTITIES)}"
+            f"{', '.join(MOTION_QUANTITIES)}",
+            kind="unfit-channel",
         )
     return MOTION_QUANTITIES[place]
 
@@ -100,19 +101,25 @@ def _neighbour(signal: Signal, order: int) -> str:
 def _order(signal: Signal, quantity: str) -> int:
     if quantity not in MOTION_QUANTITIES:
         known = ", ".join(MOTION_QUANTITIES)
-        raise UsageError(f'"{quantity}" is not a motion{did_you_mean(quantity, MOTION_QUANTITIES)}; there is {known}')
+        raise UsageError(
+            f'"{quantity}" is not a motion{did_you_mean(quantity, MOTION_QUANTITIES)}; there is {known}',
+            kind="unknown-word",
+        )
     return MOTION_QUANTITIES.index(quantity) - _place(signal.quantity, signal.name)
 
 
 def _place(quantity: str, name: str) -> int:
     if quantity not in MOTION_QUANTITIES:
-        raise UsageError(f"{name} is {quantity or 'of unknown quantity'}, not one of {', '.join(MOTION_QUANTITIES)}")
+        raise UsageError(
+            f"{name} is {quantity or 'of unknown quantity'}, not one of {', '.join(MOTION_QUANTITIES)}",
+            kind="unfit-channel",
+        )
     return MOTION_QUANTITIES.index(quantity)
 
 
 def _check_ends(ends: str) -> None:
     if ends not in get_args(Ends):
-        raise UsageError(f'ends are {" or ".join(get_args(Ends))}, got "{ends}"')
+        raise UsageError(f'ends are {" or ".join(get_args(Ends))}, got "{ends}"', kind="unknown-word")
 
 
 def _changed(values: FloatArray, sign: int, rate: float, ends: Ends, lowest: float) -> FloatArray:

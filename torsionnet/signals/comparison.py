@@ -70,7 +70,8 @@ def frac(first: FrequencyResponse, second: FrequencyResponse) -> FloatArray:
     _check_comparable(first, second)
     if not (first.has_phase and second.has_phase):
         raise UsageError(
-            "the assurance criterion compares complex responses, and one of these has no phase; give both with phase"
+            "the assurance criterion compares complex responses, and one of these has no phase; give both with phase",
+            kind="missing-data",
         )
     # FRAC = |sum H1* H2|^2 / (sum |H1|^2 sum |H2|^2), over all frequencies
     common = np.abs(np.einsum("foi,foi->oi", first.values.conj(), second.values)) ** 2
@@ -83,14 +84,16 @@ def _check_comparable(first: FrequencyResponse, second: FrequencyResponse) -> No
     for what, one, other in (("output", first.outputs, second.outputs), ("input", first.inputs, second.inputs)):
         if _units(one) != _units(other):
             raise UsageError(
-                f"the {what}s differ: {_described(one)} against {_described(other)}; compare the same quantities"
+                f"the {what}s differ: {_described(one)} against {_described(other)}; compare the same quantities",
+                kind="unlike-results",
             )
     if first.frequencies.shape != second.frequencies.shape or not np.allclose(
         first.frequencies, second.frequencies, rtol=1e-9, atol=0
     ):
         raise UsageError(
             "the two responses have different frequencies, and interpolating would falsify resonances; calculate the "
-            "model at the frequencies of the test"
+            "model at the frequencies of the test",
+            kind="unlike-results",
         )
 
 

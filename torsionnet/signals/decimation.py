@@ -46,21 +46,28 @@ def stacked(recording: Recording) -> FloatArray:
 def check_processable(block: Recording) -> None:
     """Raise an error for a recording with non-uniform time stamps, or with values that are not finite."""
     if block.times is not None:
-        raise UsageError("sampling is not uniform: the recording has time stamps; resample it first")
+        raise UsageError(
+            "sampling is not uniform: the recording has time stamps; resample it first", kind="uneven-samples"
+        )
     for signal in block:
         missing = int(np.count_nonzero(~np.isfinite(signal.values)))
         if missing:
-            raise UsageError(f"{signal.name} has {missing} values that are not finite; repair or leave them out first")
+            raise UsageError(
+                f"{signal.name} has {missing} values that are not finite; repair or leave them out first",
+                kind="not-finite",
+            )
 
 
 def _check_alike(block: Recording, names: tuple[str, ...], rate: float) -> None:
     if block.names != names:
         raise UsageError(
-            f"blocks of one test must have the same signals: {', '.join(names)}; then {', '.join(block.names)}"
+            f"blocks of one test must have the same signals: {', '.join(names)}; then {', '.join(block.names)}",
+            kind="unlike-results",
         )
     if block.sampling_rate != rate:
         raise UsageError(
-            f"blocks of one test must have the same sampling rate: {rate:g} Hz, then {block.sampling_rate:g} Hz"
+            f"blocks of one test must have the same sampling rate: {rate:g} Hz, then {block.sampling_rate:g} Hz",
+            kind="unlike-results",
         )
 
 
@@ -98,7 +105,7 @@ def decimate(recording: Recording, factor: int) -> Recording:
 def decimated(recordings: Recordings, factor: int) -> Iterator[Recording]:
     """Yield the blocks of recordings decimated by a whole factor, in bounded memory, without seams between them."""
     if factor < 1 or int(factor) != factor:
-        raise UsageError(f"the decimation factor must be a whole number from 1, got {factor}")
+        raise UsageError(f"the decimation factor must be a whole number from 1, got {factor}", kind="out-of-range")
     if factor == 1:
         yield from [recordings] if isinstance(recordings, Recording) else recordings
         return
@@ -165,7 +172,8 @@ class _Stream:
         if not self.primed:
             need = self.half + 1
             raise UsageError(
-                f"{self.pending.shape[1]} samples are too few to decimate by {self.factor}; it takes {need}"
+                f"{self.pending.shape[1]} samples are too few to decimate by {self.factor}; it takes {need}",
+                kind="too-short",
             )
         tail = 2 * self.pending[:, -1:] - self.pending[:, -2 : -self.half - 2 : -1]
         self.pending = np.concatenate([self.pending, tail], axis=1)

@@ -29,7 +29,9 @@ def angle_from_counts(counts: ArrayLike, steps_per_revolution: float, bits: int 
     [398.982, 400.553, 402.124, 403.695]
     """
     if not steps_per_revolution > 0:
-        raise UsageError(f"the steps per revolution must be a positive number, got {steps_per_revolution}")
+        raise UsageError(
+            f"the steps per revolution must be a positive number, got {steps_per_revolution}", kind="out-of-range"
+        )
     steps = np.asarray(counts, dtype=float)
     whole = steps if bits is None else np.unwrap(steps, period=2.0**bits)
     return whole * (REVOLUTION / steps_per_revolution)
@@ -42,7 +44,7 @@ def unwrapped(signal: Signal, period: float = REVOLUTION) -> Signal:
     [6.0, 6.2, 6.383]
     """
     if not period > 0:
-        raise UsageError(f"the period must be a positive angle in rad, got {period}")
+        raise UsageError(f"the period must be a positive angle in rad, got {period}", kind="out-of-range")
     values = np.unwrap(signal.values, period=period)
     return replace(signal, values=values, notes=(*signal.notes, f"wrap-around of {period:.6g} rad removed"))
 
@@ -141,7 +143,8 @@ def refuse_unlikely_unit(times: FloatArray, pulses_per_turn: float) -> None:
     usual = f", in {likely} {speed / SMALLER_UNITS[likely]:.4g} rpm" if likely else ""
     raise UsageError(
         f"the times of the pulses have no unit: taken for s the shaft turns at {speed:.2g} rpm{usual}; give their "
-        f"unit, {likely or 'ms'} or s, or the tick or clock if they are counts"
+        f"unit, {likely or 'ms'} or s, or the tick or clock if they are counts",
+        kind="missing-unit",
     )
 
 
@@ -227,13 +230,15 @@ def flanks(
     if not high > low or len(found[0]) < 2:
         raise UsageError(
             "there are no pulses: the signal does not rise between two levels at least twice; it lies between "
-            f"{low:.4g} and {high:.4g}, and {level:.4g} was taken for the level"
+            f"{low:.4g} and {high:.4g}, and {level:.4g} was taken for the level",
+            kind="lost-pulses",
         )
     spacing = float(np.median(np.diff(found[0])))
     if spacing < LEAST_SAMPLES_PER_PULSE:
         raise UsageError(
             f"there are only {spacing:g} samples from pulse to pulse, {LEAST_SAMPLES_PER_PULSE:g} are needed; "
-            "sample faster"
+            "sample faster",
+            kind="beyond-sampling",
         )
     share = _share_on_cubic if inductive else _share_on_line
     rising, falling = (

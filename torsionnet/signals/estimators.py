@@ -95,7 +95,9 @@ def estimate(
     outputs, inputs, references = _listed(output), _listed(input), _listed(reference)
     if align:
         if not isinstance(measured, Recording) or len(outputs) != 1 or len(inputs) != 1:
-            raise UsageError("signals are aligned in one record in memory, an output and an input at a time")
+            raise UsageError(
+                "signals are aligned in one record in memory, an output and an input at a time", kind="wrong-form"
+            )
         moved, lag = aligned(measured.select(dict.fromkeys((*outputs, *inputs, *references))), outputs[0], inputs[0])
         found = estimate(moved, outputs, inputs, estimator, settings, noise_ratio, references, band)
         if not lag:
@@ -170,7 +172,9 @@ def _spectra(
         chosen = (block.select(wanted) for block in measured)
         return cross_spectra(watch.collecting(chosen) if watch else chosen, used), None
     if settings is not None:
-        raise UsageError("spectra are averaged already; settings can only be given for a recording")
+        raise UsageError(
+            "spectra are averaged already; settings can only be given for a recording", kind="needless-entry"
+        )
     return measured, None
 
 
@@ -195,23 +199,31 @@ def _check(
     known = get_args(Estimator)
     if estimator not in known:
         raise UsageError(
-            f'no estimator is named "{estimator}"{did_you_mean(estimator, known)}; there is {", ".join(known)}'
+            f'no estimator is named "{estimator}"{did_you_mean(estimator, known)}; there is {", ".join(known)}',
+            kind="unknown-word",
         )
     if estimator == "H2" and 1 < len(inputs) > len(outputs):
         counts = f"there are {len(outputs)} and {len(inputs)}"
-        raise UsageError(f"H2 needs as many outputs as inputs; {counts}: add outputs, or take H1")
+        raise UsageError(f"H2 needs as many outputs as inputs; {counts}: add outputs, or take H1", kind="wrong-count")
     if estimator == "Hs" and noise_ratio is None and len(inputs) > 1:
         raise UsageError(
-            "Hs of several inputs needs a noise ratio, that of output noise to input noise: noise_ratio=..."
+            "Hs of several inputs needs a noise ratio, that of output noise to input noise: noise_ratio=...",
+            kind="missing-entry",
         )
     if noise_ratio is not None and (estimator != "Hs" or not noise_ratio > 0):
-        raise UsageError(f"a noise ratio is a positive number and belongs to Hs, got {noise_ratio} for {estimator}")
+        raise UsageError(
+            f"a noise ratio is a positive number and belongs to Hs, got {noise_ratio} for {estimator}",
+            kind="out-of-range",
+        )
     if estimator == "Hr" and len(references) < len(inputs):
         raise UsageError(
-            f"Hr needs a reference for each input, such as the set-point: {len(references)} for {len(inputs)}"
+            f"Hr needs a reference for each input, such as the set-point: {len(references)} for {len(inputs)}",
+            kind="wrong-count",
         )
     if references and estimator != "Hr":
-        raise UsageError(f"a reference belongs to Hr; {estimator} has no use for {', '.join(references)}")
+        raise UsageError(
+            f"a reference belongs to Hr; {estimator} has no use for {', '.join(references)}", kind="needless-entry"
+        )
     return estimator
 
 
@@ -344,7 +356,8 @@ def _sines(recording: Recording, step: Step, settling: float) -> ComplexArray:
     periods = int((last / rate - (begin - recording.start)) * step.frequency + 1e-9)
     if periods < 1 or begin < recording.start:
         raise UsageError(
-            f"the step at {step.frequency:g} Hz has no whole period in the record after settling; hold it longer"
+            f"the step at {step.frequency:g} Hz has no whole period in the record after settling; hold it longer",
+            kind="too-short",
         )
     first = last - round(periods / step.frequency * rate)
     time = recording.time[first:last]

@@ -53,7 +53,7 @@ class Excitation(ABC, Declared):
             faults.append(f"mean must be a number, got {self.mean!r}")
         faults += self._contradictions() if not faults else []
         if faults:
-            raise UsageError(f"{self.kind}: {'; '.join(faults)}")
+            raise UsageError(f"{self.kind}: {'; '.join(faults)}", kind="out-of-range")
 
     common: ClassVar[tuple[str, ...]] = ("amplitude", "mean")
     _may_be_zero: ClassVar[tuple[str, ...]] = ("seed",)
@@ -90,7 +90,7 @@ class Excitation(ABC, Declared):
         """
         if not sampling_rate > POINTS_PER_CYCLE * self.highest_frequency:
             top = f"{self.kind} up to {self.highest_frequency:g} Hz"
-            raise UsageError(f"{top} needs more than twice that rate, not {sampling_rate:g} Hz")
+            raise UsageError(f"{top} needs more than twice that rate, not {sampling_rate:g} Hz", kind="beyond-sampling")
         return self.mean + self.amplitude * self._alternating(self.time(sampling_rate), sampling_rate)
 
 
@@ -188,7 +188,9 @@ class Frequencies(Spec[tuple[float, ...]]):
         if isinstance(raw, Mapping):
             return self._between(raw)
         if isinstance(raw, str) or not hasattr(raw, "__iter__"):
-            raise EntryError(f"expected a list of frequencies or {{from: 1 Hz, to: 40 Hz, count: 60}}, {got(raw)}")
+            raise EntryError(
+                f"expected a list of frequencies or {{from: 1 Hz, to: 40 Hz, count: 60}}, {got(raw)}", kind="wrong-form"
+            )
         return tuple(coerce_part(index, _FREQUENCY, value) for index, value in enumerate(raw))
 
     def _between(self, raw: Mapping[str, Any]) -> tuple[float, ...]:
@@ -198,12 +200,14 @@ class Frequencies(Spec[tuple[float, ...]]):
             "count": Count("", lower=2, upper=100_000),
         }
         if raw.keys() != specs.keys():
-            raise EntryError(f"expected from, to and count, got {', '.join(map(str, raw)) or 'nothing'}")
+            raise EntryError(
+                f"expected from, to and count, got {', '.join(map(str, raw)) or 'nothing'}", kind="wrong-form"
+            )
         start, stop, count = (coerce_part(key, spec, raw[key]) for key, spec in specs.items())
         try:
             return _steps_between(start, stop, int(count))
         except UsageError as error:
-            raise EntryError(str(error)) from None
+            raise EntryError(error.fault) from None
 
     def plain(self, value: Any) -> Json:
         return [plain_number(frequency) for frequency in value]
@@ -224,7 +228,10 @@ def _steps_between(start: float, stop: float, count: int) -> tuple[float, ...]:
     (1.0, 10.0, 100.0)
     """
     if not (0 < start < stop and count > 1):
-        raise UsageError(f"steps go from a frequency > 0 to a higher one, at least two: got {start}, {stop}, {count}")
+        raise UsageError(
+            f"steps go from a frequency > 0 to a higher one, at least two: got {start}, {stop}, {count}",
+            kind="out-of-range",
+        )
     return tuple(np.geomspace(start, stop, count).tolist())
 
 
@@ -344,7 +351,8 @@ class _Periodic(Excitation):
         if abs(count - self.period * sampling_rate) > WHOLE_PERIOD_TOLERANCE * count:
             raise UsageError(
                 f"{self.kind}: a period of {self.period:g} s is not a whole number of samples at {sampling_rate:g} Hz; "
-                "change one of them"
+                "change one of them",
+                kind="contradicting-values",
             )
         return count
 

@@ -108,9 +108,11 @@ def sweep_cycles(frequency: FloatArray, sampling_rate: float) -> FloatArray:
 def _checked(frequency: ArrayLike, count: int, points: int) -> FloatArray:
     values = np.asarray(frequency, dtype=np.float64)
     if values.shape != (count,) or not np.all(values > 0):
-        raise UsageError(f"the sweep's frequency must be a positive number for each of the {count} samples")
+        raise UsageError(
+            f"the sweep's frequency must be a positive number for each of the {count} samples", kind="out-of-range"
+        )
     if points < 1:
-        raise UsageError(f"at least one point along the sweep is needed, got {points}")
+        raise UsageError(f"at least one point along the sweep is needed, got {points}", kind="out-of-range")
     return values
 
 
@@ -119,7 +121,7 @@ def _centres(cycles: FloatArray, periods: float, points: int) -> list[int]:
     first, last = np.searchsorted(cycles, [periods / 2, cycles[-1] - periods / 2])
     if last <= first:
         text = f"the sweep of {cycles[-1]:.3g} periods is too short for windows of {periods:g}"
-        raise UsageError(f"{text}; take fewer periods")
+        raise UsageError(f"{text}; take fewer periods", kind="too-short")
     return [int(place) for place in np.unique(np.linspace(first, last - 1, points).round())]
 
 
@@ -227,7 +229,7 @@ def order_map(
     length, step = revolutions * per_turn, max(1, round(revolutions * per_turn * (1 - overlap)))
     if count < length:
         text = f"the record of {turns[-1]:.3g} revolutions is too short for one window of {revolutions}"
-        raise UsageError(f"{text}; take fewer revolutions")
+        raise UsageError(f"{text}; take fewer revolutions", kind="too-short")
     times = np.interp(equal, turns, chosen.time)
     starts = np.arange(0, count - length + 1, step)
     orders = np.arange(int(highest_order * revolutions) + 1) / revolutions
@@ -248,7 +250,9 @@ def order_map(
 def _rotation(speed: ArrayLike, count: int) -> FloatArray:
     values = np.asarray(speed, dtype=np.float64)
     if values.shape != (count,) or not np.all(values > 0):
-        raise UsageError(f"the speed must be a positive number of rad/s for each of the {count} samples")
+        raise UsageError(
+            f"the speed must be a positive number of rad/s for each of the {count} samples", kind="out-of-range"
+        )
     return values / (2 * np.pi)
 
 
@@ -258,7 +262,8 @@ def _samples_per_turn(rotation: FloatArray, turns: FloatArray, sampling_rate: fl
     if per_turn * turns[-1] > MOST_ANGLE_SAMPLES:
         raise UsageError(
             f"the lowest speed, {rotation.min() * 60:.3g} rpm, makes the steps of angle too fine; cut the record "
-            "where the speed is higher"
+            "where the speed is higher",
+            kind="out-of-range",
         )
     return per_turn
 

@@ -189,7 +189,7 @@ def missing_pulses(times: ArrayLike) -> MissingPulses:
     if len(intervals) < MEDIAN_INTERVALS:
         return MissingPulses(np.empty(0, np.intp), np.empty(0, np.intp))
     if not np.all(intervals > 0):
-        raise UsageError("the times of pulses must be finite and increase")
+        raise UsageError("the times of pulses must be finite and increase", kind="unordered-rows")
     # Over the median around them, which single gaps leave as it is.
     intervals /= running_median(intervals, MEDIAN_INTERVALS)
     steps = np.rint(intervals, out=intervals)
@@ -247,7 +247,8 @@ def repaired_pulses(times: ArrayLike, steps_per_revolution: float = 0.0) -> Puls
     ):
         raise UsageError(
             f"{len(found.spurious)} pulses would be too many and {lost.total} missing of {len(stamps)}: these are no "
-            f"faults of single pulses{both_flanks(stamps)}{_gaps_in_words(found)}; check the wheel and its pickup"
+            f"faults of single pulses{both_flanks(stamps)}{_gaps_in_words(found)}; check the wheel and its pickup",
+            kind="unfit-wheel",
         )
     return found
 
@@ -307,7 +308,7 @@ def check_pulses(times: ArrayLike) -> FloatArray:
     """Times of pulses in s as an array (n,), refused unless there are two or more and they increase."""
     stamps = np.asarray(times, dtype=float)
     if len(stamps) < 2 or not np.all(stamps[1:] > stamps[:-1]):
-        raise UsageError("an angle needs at least two pulses, at finite times that increase")
+        raise UsageError("an angle needs at least two pulses, at finite times that increase", kind="unordered-rows")
     return stamps
 
 
@@ -329,7 +330,8 @@ def _check(times: FloatArray, steps: NDArray[np.intp], places: NDArray[np.intp])
         where = f"the gap of {interval:.4g} s after pulse {places[gap]} at {times[gap]:.6g} s"
         raise UsageError(
             f"{where} is {counts.min():.2f} to {counts.max():.2f} times as long as those around it: how many "
-            "pulses are missing cannot be told; cut the record there"
+            "pulses are missing cannot be told; cut the record there",
+            kind="lost-pulses",
         )
     largest, at = 0.0, 0
     for begin in range(0, len(each) - 1, INTERVALS_TOGETHER):
@@ -341,7 +343,8 @@ def _check(times: FloatArray, steps: NDArray[np.intp], places: NDArray[np.intp])
         raise UsageError(
             f"the intervals on either side of pulse {places[at + 1]} at {times[at + 1]:.6g} s differ by a factor of "
             f"{largest:.2f}: neither a lost pulse nor one too many explains that{both_flanks(times)}; cut the record "
-            "there"
+            "there",
+            kind="lost-pulses",
         )
 
 
@@ -368,7 +371,8 @@ def _period(numbers: NDArray[np.intp], times: FloatArray, steps: float) -> int:
     if steps and period != steps:
         raise UsageError(
             f"pulses are missing every {period} pulses, first at {times[0]:.6g} s: a wheel with a gap, of {period} "
-            f"steps per revolution with the missing ones; give this number instead of {steps:g}"
+            f"steps per revolution with the missing ones; give this number instead of {steps:g}",
+            kind="unfit-wheel",
         )
     return period
 

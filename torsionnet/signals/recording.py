@@ -285,9 +285,11 @@ class Recording(NotebookResult):
         lengths = {len(signal.values) for signal in self.signals}
         if len(lengths) > 1:
             sizes = ", ".join(f"{signal.name} has {len(signal.values)}" for signal in self.signals)
-            raise UsageError(f"the signals of a recording must be of one length: {sizes}")
+            raise UsageError(f"the signals of a recording must be of one length: {sizes}", kind="unlike-results")
         if not is_rate(self.sampling_rate):
-            raise UsageError(f"the sampling rate must be a positive number of Hz, got {self.sampling_rate}")
+            raise UsageError(
+                f"the sampling rate must be a positive number of Hz, got {self.sampling_rate}", kind="out-of-range"
+            )
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -306,7 +308,8 @@ class Recording(NotebookResult):
             if signal.name == name:
                 return signal
         raise UsageError(
-            f'no signal is named "{name}"{did_you_mean(name, self.names)}; there is {", ".join(self.names) or "none"}'
+            f'no signal is named "{name}"{did_you_mean(name, self.names)}; there is {", ".join(self.names) or "none"}',
+            kind="unknown-channel",
         )
 
     def pulses_of(self, name: str) -> PulseChannel:
@@ -322,7 +325,7 @@ class Recording(NotebookResult):
                 return channel
         known = [channel.name for channel in self.pulses]
         text = f'no channel of pulses is named "{name}"{did_you_mean(name, known)}'
-        raise UsageError(f"{text}; there is {', '.join(known) or 'none'}")
+        raise UsageError(f"{text}; there is {', '.join(known) or 'none'}", kind="unknown-channel")
 
     @property
     def samples(self) -> int:

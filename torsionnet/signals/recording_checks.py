@@ -259,7 +259,9 @@ def check_recording(
 def _names(recording: Recording) -> Iterator[Fault]:
     for name, count in Counter(recording.names).items():
         if count > 1:
-            yield Fault(f"{count} channels are named {name}; rename all but one", ("channels", name))
+            yield Fault(
+                f"{count} channels are named {name}; rename all but one", ("channels", name), kind="repeated-name"
+            )
 
 
 def _length(recording: Recording, window: float) -> Iterator[Fault]:
@@ -268,10 +270,10 @@ def _length(recording: Recording, window: float) -> Iterator[Fault]:
     windows = recording.duration / window
     if len(recording) < round(window * recording.sampling_rate):
         text = f"the record lasts {recording.duration:.6g} s, less than one window of {window:g} s"
-        yield Fault(f"{text}; record longer or take a shorter window", ("channels",))
+        yield Fault(f"{text}; record longer or take a shorter window", ("channels",), kind="too-short")
     elif windows < FEWEST_WINDOWS:
         text = f"the record has only {windows:.2g} windows of {window:g} s: few averages, large random errors"
-        yield Fault(f"{text}; record longer", ("channels",), "warning")
+        yield Fault(f"{text}; record longer", ("channels",), "warning", kind="too-short")
 
 
 def _times(recording: Recording) -> Iterator[Fault]:
@@ -281,7 +283,7 @@ def _times(recording: Recording) -> Iterator[Fault]:
     if not np.all(np.diff(times) > 0):
         at = int(np.flatnonzero(~(np.diff(times) > 0))[0])
         text = f"time stamps do not increase: {times[at + 1]:.9g} s follows {times[at]:.9g} s"
-        yield Fault(f"{text}; cut the record there", ("time",))
+        yield Fault(f"{text}; cut the record there", ("time",), kind="unordered-rows")
         return
     if any(_counts_steps(signal) for signal in recording):
         yield from _pulses(times)
@@ -290,11 +292,11 @@ def _times(recording: Recording) -> Iterator[Fault]:
     if len(found):
         where = comma_list([f"{times[at + 1] - times[at]:.4g} s after {times[at]:.6g} s" for at in found], MOST_LISTED)
         text = f"{len(found)} gap{'s' * (len(found) > 1)} in the time stamps: {where}"
-        yield Fault(f"{text}; cut the record there", ("time",))
+        yield Fault(f"{text}; cut the record there", ("time",), kind="unordered-rows")
     spread = jitter(times)
     if spread > MOST_JITTER:
         text = f"sampling is not uniform: intervals vary by {100 * spread:.2g} % (standard deviation)"
-        yield Fault(f"{text}; {remedy('resampled()')} makes it uniform", ("time",), "warning")
+        yield Fault(f"{text}; {remedy('resampled()')} makes it uniform", ("time",), "warning", kind="uneven-samples")
 
 
 def _counts_steps(signal: Signal) -> bool:
@@ -309,24 +311,24 @@ def _pulses(times: FloatArray) -> Iterator[Fault]:
     try:
         found = repaired_pulses(times)
     except UsageError as error:
-        yield Fault(str(error), ("time",))
+        yield error.fault.under("time")
         return
     lost = found.irregular
     if lost.total:
         after = zip(found.times[lost.after], lost.counts, strict=True)
         where = comma_list([f"{count} after {time:.6g} s" for time, count in after], MOST_LISTED)
         text = f"{lost.total} encoder pulses are missing: {where}; {remedy('angle_from_pulses()')} counts them"
-        yield Fault(text, ("time",))
+        yield Fault(text, ("time",), kind="lost-pulses")
     if len(found.left_out):
         where = comma_list([f"{time:.6g} s" for time in found.left_out], MOST_LISTED)
         text = f"{len(found.left_out)} encoder pulses too many: at {where}"
-        yield Fault(f"{text}; {remedy('angle_from_pulses()')} leaves them out", ("time",))
+        yield Fault(f"{text}; {remedy('angle_from_pulses()')} leaves them out", ("time",), kind="lost-pulses")
 
 
 def _signal(signal: Signal, recording: Recording, ranges: Mapping[str, float]) -> Iterator[Fault]:
     if signal.quantity not in QUANTITY_UNITS:
         says = f'unknown quantity "{signal.quantity}"' if signal.quantity else "quantity and unit are missing"
-        yield Fault(f"{says}; give one of {', '.join(QUANTITY_UNITS)}")
+        yield Fault(f"{says}; give one of {', '.join(QUANTITY_UNITS)}", kind="missing-unit")
     if not len(signal.values):
         return
     finite = np.isfinite(signal.values)
@@ -336,7 +338,12 @@ def _signal(signal: Signal, recording: Recording, ranges: Mapping[str, float]) -
             return
     values = signal.values[finite]
     if np.ptp(values) == 0 and len(values) > 1:
-        yield Fault(f"constant at {values[0]:g} {signal.unit}: the sensor may be dead, or not connected", (), "warning")
+        yield Fault(
+            f"constant at {values[0]:g} {signal.unit}: the sensor may be dead, or not connected",
+            (),
+            "warning",
+            kind="disturbed-signal",
+        )
     else:
         yield from _limits(signal, recording, ranges.get(signal.name))
         if signal.quantity in QUANTITY_UNITS and finite.all():
@@ -350,7 +357,9 @@ def _signal(signal: Signal, recording: Recording, ranges: Mapping[str, float]) -
 def _not_finite(found: Stretches, recording: Recording) -> Fault:
     count = sum(last - first + 1 for first, last in found)
     where = comma_list([_time_span(first, last, recording) for first, last in found], MOST_LISTED)
-    return Fault(f"{count} value{'s' * (count > 1)} NaN or infinite: {where}; cut them out or mend the record")
+    return Fault(
+        f"{count} value{'s' * (count > 1)} NaN or infinite: {where}; cut them out or mend the record", kind="not-finite"
+    )
 
 
 def _limits(signal: Signal, recording: Recording, limit: float | None) -> Iterator[Fault]:
@@ -360,7 +369,10 @@ def _limits(signal: Signal, recording: Recording, limit: float | None) -> Iterat
         count = sum(last - first + 1 for first, last in found)
         where = comma_list([_time_span(first, last, recording) for first, last in found], MOST_LISTED)
         at = float(np.abs(values[found[0][0]]))
-        yield Fault(f"clipped: {count} samples at the range of {at:.6g} {signal.unit}, {where}; take a larger range")
+        yield Fault(
+            f"clipped: {count} samples at the range of {at:.6g} {signal.unit}, {where}; take a larger range",
+            kind="disturbed-signal",
+        )
 
 
 def _disturbed(signal: Signal, recording: Recording) -> Iterator[Fault]:
@@ -372,12 +384,14 @@ def _disturbed(signal: Signal, recording: Recording) -> Iterator[Fault]:
             [f"{signal.values[at]:.6g} {signal.unit} at {recording.time[at]:.6g} s" for at in found], MOST_LISTED
         )
         text = f"{len(found)} single sample{'s' * (len(found) > 1)} far from those around: {where}"
-        yield Fault(f"{text}; a disturbance, to be mended or cut out", (), "warning")
+        yield Fault(f"{text}; a disturbance, to be mended or cut out", (), "warning", kind="disturbed-signal")
     still = frozen_stretches(signal.values, recording.sampling_rate, step)
     if still:
         where = comma_list([_time_span(first, last, recording) for first, last in still], MOST_LISTED)
         text = f"stands still where it moves before and after: {where}"
-        yield Fault(f"{text}; samples may have been lost: cut it out, or record again", (), "warning")
+        yield Fault(
+            f"{text}; samples may have been lost: cut it out, or record again", (), "warning", kind="disturbed-signal"
+        )
     again = repeated_blocks(signal.values, recording.sampling_rate, step)
     if again:
         where = comma_list(
@@ -389,7 +403,9 @@ def _disturbed(signal: Signal, recording: Recording) -> Iterator[Fault]:
             MOST_LISTED,
         )
         text = f"repeats itself exactly: {where}"
-        yield Fault(f"{text}; a buffer was recorded twice: cut it out, or record again", (), "warning")
+        yield Fault(
+            f"{text}; a buffer was recorded twice: cut it out, or record again", (), "warning", kind="disturbed-signal"
+        )
 
 
 def _returning(signal: Signal, rate: float) -> Iterator[Fault]:
@@ -408,12 +424,17 @@ def _jumps(signal: Signal, recording: Recording) -> Iterator[Fault]:
         text = (
             f"the encoder wraps around: {len(jumps)} jumps of {size:.4g} rad, first at {recording.time[jumps[0]]:.6g} s"
         )
-        yield Fault(f"{text}; {remedy('unwrapped()')} removes them")
+        yield Fault(f"{text}; {remedy('unwrapped()')} removes them", kind="wrapped-count")
         return
     found = encoder_leaps(signal.values)
     if len(found):
         where = comma_list([f"{recording.time[at]:.6g} s" for at in found], MOST_LISTED)
-        yield Fault(f"the angle leaps by encoder steps at {where}: pulses are missing or too many", (), "warning")
+        yield Fault(
+            f"the angle leaps by encoder steps at {where}: pulses are missing or too many",
+            (),
+            "warning",
+            kind="lost-pulses",
+        )
 
 
 def _time_span(first: int, last: int, recording: Recording) -> str:

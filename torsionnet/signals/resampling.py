@@ -44,7 +44,7 @@ def check_count(wanted: float, given: int, what: str, remedy: str) -> None:
 give the unit of the times
     """
     if not wanted <= max(ALWAYS_ALLOWED_COUNT, MOST_MULTIPLE * given):
-        raise UsageError(f"{what} would become {wanted:.3g} numbers, more than can be kept; {remedy}")
+        raise UsageError(f"{what} would become {wanted:.3g} numbers, more than can be kept; {remedy}", kind="too-large")
 
 
 def even_times(first: float, last: float, sampling_rate: float, given: int, what: str) -> FloatArray:
@@ -267,17 +267,19 @@ def _resampled(signal: Signal, recording: Recording, even: FloatArray) -> Signal
 def _check(recording: Recording, rate: float, bridge_gaps: bool) -> None:
     if not (np.isfinite(rate) and rate >= LEAST_RATE_SHARE * recording.sampling_rate):
         raise UsageError(
-            f"cannot resample {recording.sampling_rate:g} Hz to {rate:g} Hz: decimate with a filter instead"
+            f"cannot resample {recording.sampling_rate:g} Hz to {rate:g} Hz: decimate with a filter instead",
+            kind="out-of-range",
         )
     if len(recording) < 2 or not np.all(np.diff(recording.time) > 0):
-        raise UsageError("resampling needs at least two samples, and time stamps that increase")
+        raise UsageError("resampling needs at least two samples, and time stamps that increase", kind="unordered-rows")
     broken = [signal.name for signal in recording if not np.all(np.isfinite(signal.values))]
     if broken:
         raise UsageError(
-            f"cannot resample {', '.join(broken)}: some values are not finite; cut them out or mend them first"
+            f"cannot resample {', '.join(broken)}: some values are not finite; cut them out or mend them first",
+            kind="not-finite",
         )
     found = gaps(recording.time)
     if len(found) and not bridge_gaps:
         where = ", ".join(f"{recording.time[at]:.6g} s" for at in found[:3])
         text = f"cannot resample across {len(found)} gaps (after {where}); cut the record there, or take "
-        raise UsageError(f"{text}{remedy('bridge_gaps=True')}")
+        raise UsageError(f"{text}{remedy('bridge_gaps=True')}", kind="uneven-samples")

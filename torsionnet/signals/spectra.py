@@ -66,7 +66,10 @@ class CrossSpectra:
         wanted = list(names)
         for name in wanted:
             if name not in known:
-                raise UsageError(f'no signal is named "{name}"{did_you_mean(name, known)}; there is {", ".join(known)}')
+                raise UsageError(
+                    f'no signal is named "{name}"{did_you_mean(name, known)}; there is {", ".join(known)}',
+                    kind="unknown-channel",
+                )
         return [known.index(name) for name in wanted]
 
     def between(self, first: Iterable[str], second: Iterable[str]) -> ComplexArray:
@@ -171,7 +174,7 @@ class _Total:
         if self.first is None or count == 0:
             have = self.samples / self.first.sampling_rate if self.first else 0
             text = f"the record of {have:g} s is too short for one window of {self.settings.seconds:g} s"
-            raise UsageError(f"{text}; take shorter windows (seconds)")
+            raise UsageError(f"{text}; take shorter windows (seconds)", kind="too-short")
         rate, length = self.first.sampling_rate, len(self.weights)
         # One-sided densities 2/(f_s sum w^2) a segment, without the 2 at 0 and at half the sampling rate.
         scale = np.full(len(self.sum), 2 / (rate * (self.weights @ self.weights) * count))
@@ -362,7 +365,7 @@ def spectrogram(recording: Recording, name: str, settings: Welch | None = None) 
     rate, count = chosen.sampling_rate, len(chosen)
     if count < settings.samples(rate):
         text = f"the record of {chosen.duration:g} s is too short for one window of {settings.seconds:g} s"
-        raise UsageError(f"{text}; take shorter windows (seconds)")
+        raise UsageError(f"{text}; take shorter windows (seconds)", kind="too-short")
     weights, step = settings.weights(rate), settings.step(rate)
     slices = (count - len(weights)) // step + 1
     about = f"{count} samples in windows of {settings.seconds:g} s with {100 * settings.overlap:g} % overlap"

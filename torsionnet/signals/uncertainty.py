@@ -150,7 +150,7 @@ def resolution_limit(frequencies: FloatArray, amplitude: FloatArray, step: float
     12.8
     """
     if not step > 0:
-        raise UsageError(f"an encoder's step must be a positive angle, got {step}")
+        raise UsageError(f"an encoder's step must be a positive angle, got {step}", kind="out-of-range")
     level = step * steps
     enough = amplitude >= level
     if not enough.any():
@@ -362,7 +362,7 @@ def random_error(coherence: FloatArray, averages: float) -> RandomError:
     [0.0333]
     """
     if not averages > 0:
-        raise UsageError(f"the number of averages must be positive, got {averages}")
+        raise UsageError(f"the number of averages must be positive, got {averages}", kind="out-of-range")
     bounded = np.clip(coherence, 0, 1)
     with np.errstate(divide="ignore"):
         return _of_relative(np.sqrt((1 - bounded) / (2 * averages * bounded)))
@@ -394,7 +394,8 @@ def random_errors(
     free = spectra.effective_averages - len(inputs) + 1
     if free <= 0:
         raise UsageError(
-            f"{spectra.effective_averages:.1f} effective averages cannot tell {len(inputs)} inputs from noise"
+            f"{spectra.effective_averages:.1f} effective averages cannot tell {len(inputs)} inputs from noise",
+            kind="too-short",
         )
     backward, found = np.linalg.pinv(s_rx), hr(s_rx, s_ry)
     alone = np.einsum("fir,frs,fis->fi", backward, spectra.between(references, references), backward.conj()).real

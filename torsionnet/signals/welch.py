@@ -37,7 +37,9 @@ def check_trend(trend: Trend) -> Trend:
     """Name of a trend unchanged if it is known (none, mean, linear), else an error is raised."""
     known = get_args(Trend)
     if trend not in known:
-        raise UsageError(f'no trend is named "{trend}"{did_you_mean(trend, known)}; there is {", ".join(known)}')
+        raise UsageError(
+            f'no trend is named "{trend}"{did_you_mean(trend, known)}; there is {", ".join(known)}', kind="unknown-word"
+        )
     return trend
 
 
@@ -81,10 +83,14 @@ class Welch:
     def __post_init__(self) -> None:
         check_trend(self.detrend)
         if not 0 <= self.overlap < 1:
-            raise UsageError(f"overlap is a number from 0 to below 1 (0.5 for 50 %), got {self.overlap}")
+            raise UsageError(
+                f"overlap is a number from 0 to below 1 (0.5 for 50 %), got {self.overlap}", kind="out-of-range"
+            )
         if not SHORTEST_SEGMENT <= self.seconds <= LONGEST_SEGMENT:
             raise UsageError(
-                f"a segment must have a length from {SHORTEST_SEGMENT:g} to {LONGEST_SEGMENT:g} s, got {self.seconds:g}"
+                f"a segment must have a length from {SHORTEST_SEGMENT:g} to {LONGEST_SEGMENT:g} s, "
+                f"got {self.seconds:g}",
+                kind="out-of-range",
             )
 
     def samples(self, sampling_rate: float) -> int:
@@ -92,7 +98,7 @@ class Welch:
         count = round(min(self.seconds * sampling_rate, MOST_SAMPLES))
         if count < 2:
             what = f"a segment of {self.seconds:g} s has less than two samples at {sampling_rate:g} Hz"
-            raise UsageError(f"{what}; take longer ones, or say what unit the times are in")
+            raise UsageError(f"{what}; take longer ones, or say what unit the times are in", kind="too-short")
         return count
 
     def step(self, sampling_rate: float) -> int:
@@ -108,7 +114,8 @@ class Welch:
             return np.asarray(get_window(self.window, self.samples(sampling_rate)), dtype=np.float64)
         except ValueError:
             raise UsageError(
-                f'no window is named "{self.window}"{did_you_mean(self.window, WINDOWS)}; e.g. {", ".join(WINDOWS)}'
+                f'no window is named "{self.window}"{did_you_mean(self.window, WINDOWS)}; e.g. {", ".join(WINDOWS)}',
+                kind="unknown-word",
             ) from None
 
     def __str__(self) -> str:

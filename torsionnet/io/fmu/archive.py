@@ -116,12 +116,14 @@ def write_fmu(
 
 def _refuse(path: str | os.PathLike[str], step: float | None, version: str) -> None:
     if Path(path).suffix.lower() != ".fmu":
-        raise UsageError(f'cannot write "{path}": give a file ending in .fmu')
+        raise UsageError(f'cannot write "{path}": give a file ending in .fmu', kind="wrong-file")
     if step is not None and not (isinstance(step, int | float) and math.isfinite(step) and step > 0):
-        raise UsageError(f"the communication step is a positive time in s, got {step}")
+        raise UsageError(f"the communication step is a positive time in s, got {step}", kind="out-of-range")
     if version not in VERSION_SOURCES:
         hint = did_you_mean(version, VERSION_SOURCES)
-        raise UsageError(f'there are FMUs of version {" and ".join(VERSION_SOURCES)}, not "{version}"{hint}')
+        raise UsageError(
+            f'there are FMUs of version {" and ".join(VERSION_SOURCES)}, not "{version}"{hint}', kind="unknown-word"
+        )
 
 
 def _sources(version: str) -> dict[str, str]:

@@ -284,7 +284,7 @@ def _compiled(command: list[str], platform: Platform, folder: Path) -> bytes:
             timeout=COMPILER_TIMEOUT, check=False, stdin=subprocess.DEVNULL,
         )  # fmt: skip
     except (OSError, subprocess.TimeoutExpired) as error:
-        raise CompilerError(f"the C compiler {command[0]} cannot be run: {error}") from None
+        raise CompilerError(f"the C compiler {command[0]} cannot be run: {error}", kind="failed-program") from None
     if done.returncode or not library.is_file():
         said = done.stderr.strip().splitlines()[-10:]
         raise CompilerError("\n".join([f"the C compiler failed for {platform.name}: {' '.join(call)}", *said]))

@@ -93,7 +93,7 @@ def trace_system(drivetrain: Drivetrain) -> System:
     """
     channels = active_channels(drivetrain)
     if not channels.inputs or not channels.sensors:
-        raise UsageError("an FMU needs at least one input and one sensor in the model")
+        raise UsageError("an FMU needs at least one input and one sensor in the model", kind="missing-entry")
     _refuse(drivetrain)
     motion = trace_motion(drivetrain)
     coordinates = (*motion.heavy, *motion.damped, *motion.static)
@@ -118,12 +118,14 @@ def _refuse(drivetrain: Drivetrain) -> None:
     imposed = [name for name, channel in channels.inputs.items() if channel.quantity != "torque"]
     if imposed:
         raise UsageError(
-            f"{', '.join(imposed)}: an FMU is driven by torques, not by imposed angles; leave out such inputs"
+            f"{', '.join(imposed)}: an FMU is driven by torques, not by imposed angles; leave out such inputs",
+            kind="no-counterpart",
         )
     n = assembly.system.n_coordinates
     if n > MOST_COORDINATES:
         raise UsageError(
-            f"the drivetrain has {n} coordinates; an FMU with its dense matrices takes up to {MOST_COORDINATES}"
+            f"the drivetrain has {n} coordinates; an FMU with its dense matrices takes up to {MOST_COORDINATES}",
+            kind="too-large",
         )
     state_space(drivetrain)
 

@@ -223,7 +223,10 @@ class _Kinds:
     def _require_held(self, free: tuple[str, ...], static: tuple[str, ...]) -> None:
         loose = [name for name in free if name in static]
         if loose:
-            raise UsageError(f"nothing resists the motion of {', '.join(loose)}: no inertia, no damper and no spring")
+            raise UsageError(
+                f"nothing resists the motion of {', '.join(loose)}: no inertia, no damper and no spring",
+                kind="indeterminate-motion",
+            )
 
 
 def _parameters(

@@ -78,7 +78,8 @@ def write(recording: Recording, path: Path) -> None:
     longest = max([len(recording), *map(len, recording.pulses)])
     if any(len(key) > LONGEST_NAME for key in keys) or 8 * longest >= LARGEST_VARIABLE:
         raise UsageError(
-            "a MAT v5 file takes names of 63 characters and 2 GB for each signal; write an .h5 or .npz file"
+            "a MAT v5 file takes names of 63 characters and 2 GB for each signal; write an .h5 or .npz file",
+            kind="too-large",
         )
     keys = [f"x{key}" if key.startswith("_") else key for key in keys]
     content = {column.name: column.values for column in saved_columns(recording, keys)}

@@ -140,7 +140,7 @@ def _checked_headers(archive: zipfile.ZipFile, path: Path) -> dict[str, Header]:
             text = f"{name} says that it takes {claimed} bytes, there are {entry.file_size}"
             faults.append(f"{text}; the file is damaged or ends early")
     if faults:
-        raise ModelError([Fault(text) for text in faults], path.name)
+        raise ModelError([Fault(text, kind="unreadable-file") for text in faults], path.name)
     return headers
 
 

@@ -93,9 +93,11 @@ def format_of(path: Path, what: Holding) -> Format:
     if ending not in known:
         for endings, (kind, export) in EXPORTS.items():
             if ending in endings:
-                raise UsageError(f'"{path.name}" is {kind}, which is not read here; export it there {export}')
+                raise UsageError(
+                    f'"{path.name}" is {kind}, which is not read here; export it there {export}', kind="wrong-file"
+                )
         text = f'"{path.name}" has no ending of a {what}{did_you_mean(ending, known)}; expected one of '
-        raise UsageError(text.replace("?;", "?") + ", ".join(known))
+        raise UsageError(text.replace("?;", "?") + ", ".join(known), kind="wrong-file")
     return known[ending]
 
 
@@ -112,7 +114,7 @@ def reading(path: Path, what: Holding) -> Iterator[Format]:
     """
     form = format_of(path, what)
     if not path.is_file():
-        raise UsageError(f'there is no file "{path}"')
+        raise UsageError(f'there is no file "{path}"', kind="missing-file")
     if form.label == "text":
         form = _by_signature(path) or form
     try:
@@ -122,7 +124,9 @@ def reading(path: Path, what: Holding) -> Iterator[Format]:
     # A library says of a damaged file what it likes: struct.error, zlib.error, IndexError.
     except Exception as error:
         said = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise ModelError([Fault(f"the file cannot be read as {form.label}: {said}")], path.name) from error
+        raise ModelError(
+            [Fault(f"the file cannot be read as {form.label}: {said}", kind="unreadable-file")], path.name
+        ) from error
 
 
 def _by_signature(path: Path) -> Format | None:

@@ -54,7 +54,9 @@ class CycleAverage:
 
     def __post_init__(self) -> None:
         if self.cycles < 2 or self.step < 0:
-            raise UsageError("a block has two cycles or more, and its step of speed is not negative")
+            raise UsageError(
+                "a block has two cycles or more, and its step of speed is not negative", kind="out-of-range"
+            )
 
     def blocks(self, mean: MeanRotation) -> NDArray[np.intp]:
         """Numbers of the cycles at which blocks begin, and that at which the last one ends, shape (n_blocks + 1,)."""
@@ -225,7 +227,8 @@ def whole_multiples(orders: Sequence[float] | FloatArray, cycle: int) -> FloatAr
     if len(odd):
         raise UsageError(
             f"order {odd[0]:g} is no multiple of 1/{cycle}: an average over whole cycles cannot tell it; take "
-            "--method vold-kalman, or a longer cycle"
+            "--method vold-kalman, or a longer cycle",
+            kind="unfit-order",
         )
     return wanted
 

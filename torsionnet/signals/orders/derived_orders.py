@@ -42,9 +42,12 @@ def stress_orders(torque: TrackedOrders, diameter: float) -> TrackedOrders:
     [(1000+0j)]
     """
     if torque.quantity != "torque":
-        raise UsageError(f"{torque.name} is {torque.quantity or 'of no known quantity'}: a stress needs a torque")
+        raise UsageError(
+            f"{torque.name} is {torque.quantity or 'of no known quantity'}: a stress needs a torque",
+            kind="unfit-channel",
+        )
     if not diameter > 0:
-        raise UsageError(f"the diameter of a shaft is positive, got {diameter:g} m")
+        raise UsageError(f"the diameter of a shaft is positive, got {diameter:g} m", kind="out-of-range")
     factor = 16 / (np.pi * diameter**3)
     return replace(
         torque,
@@ -85,7 +88,7 @@ def order_slices(tracked: TrackedOrders, step: float) -> TrackedOrders:
     [(2+0j), (6+0j)]
     """
     if not step > 0:
-        raise UsageError(f"the step of speed must be positive, got {step * RPM:g} rpm")
+        raise UsageError(f"the step of speed must be positive, got {step * RPM:g} rpm", kind="out-of-range")
     bins = np.floor(tracked.speeds / step).astype(np.intp)
     numbers = np.unique(bins)
     members = [np.flatnonzero(bins == number) for number in numbers]

@@ -110,7 +110,8 @@ def filtered_orders(
     if not (end - begin) * lowest > 1:
         raise UsageError(
             f"{max(end - begin, 0):.4g} s are too short for a bandwidth of {lowest:.3g} Hz, which needs more than "
-            f"{1 / lowest:.3g} s: take a larger one"
+            f"{1 / lowest:.3g} s: take a larger one",
+            kind="too-short",
         )
     # Knots as the widest filter needs them, margins as the narrowest one remembers its ends.
     step = 1 / (COEFFICIENTS_PER_BANDWIDTH * highest)
@@ -194,7 +195,9 @@ def _extreme_bandwidths(
     for mean, orders in shafts:
         kept = (mean.ends >= begin) & (mean.ends <= end)
         if not kept.any():
-            raise UsageError(f"{mean.name} does not turn while the record lasts: are both on one clock?")
+            raise UsageError(
+                f"{mean.name} does not turn while the record lasts: are both on one clock?", kind="turning-back"
+            )
         speeds = mean.speed(mean.ends[kept]) / (2 * np.pi)
         widths += [settings.bandwidths(np.outer(orders, [speeds.min(), speeds.max()]))]
     both = np.concatenate([width.ravel() for width in widths])

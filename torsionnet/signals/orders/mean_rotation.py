@@ -85,7 +85,10 @@ def _take(
     from scipy.interpolate import CubicSpline
 
     if angles[-1] <= angles[0]:
-        raise UsageError(f"{name}: the angle falls: the shaft turns backwards there; say that the wheel is reversed")
+        raise UsageError(
+            f"{name}: the angle falls: the shaft turns backwards there; say that the wheel is reversed",
+            kind="turning-back",
+        )
     ends, found, sums = into
     # Vibration may turn the angle back for a while: a cycle ends where its mark is passed for the first time.
     highest = np.maximum.accumulate(angles[:count])
@@ -203,7 +206,7 @@ def mean_rotation(
         try:
             pulses = repaired_pulses(source.times)
         except UsageError as error:
-            raise UsageError(f"{label}: {error}") from None
+            raise UsageError(f"{label}: {error}", kind=error.kind) from None
         read, remarks = iter([(pulses.times, np.asarray(2 * np.pi / per_turn * pulses.numbers, float))]), pulses.remarks
     elif isinstance(source, WheelRotation):
         read, label = _of_wheel(source), source.name
@@ -220,7 +223,8 @@ def mean_of_cycles(cycles: Cycles, cycle: int, name: str) -> MeanRotation:
     count = len(cycles.integrals)
     if count < FEWEST_CYCLES:
         raise UsageError(
-            f"{name}: {count} whole cycles of {cycle} revolutions; orders need {FEWEST_CYCLES} or more: record longer"
+            f"{name}: {count} whole cycles of {cycle} revolutions; orders need {FEWEST_CYCLES} or more: record longer",
+            kind="too-short",
         )
     degree = _odd_degree(count + 1)
     through = make_interp_spline(cycles.ends, cycles.angles, k=degree)
@@ -230,7 +234,9 @@ def mean_of_cycles(cycles: Cycles, cycle: int, name: str) -> MeanRotation:
     parts = (through, sums.derivative())
     angles = through(cycles.ends) + parts[1](cycles.ends)
     if not (np.diff(angles) > 0).all():
-        raise UsageError(f"{name}: the mean angle of rotation does not rise throughout; cut the record there")
+        raise UsageError(
+            f"{name}: the mean angle of rotation does not rise throughout; cut the record there", kind="turning-back"
+        )
     said = f"orders over the mean angle of rotation, that of {name} with its vibration taken out over {cycle} turns"
     return MeanRotation(cycle, cycles.ends, np.asarray(angles), name, (said,), parts)
 
@@ -260,7 +266,9 @@ def _of_channel(recordings: Recordings, name: str) -> Iterator[tuple[FloatArray,
     whole: Iterable[Any] = blocks_in_order(recordings)
     for number, (block, continued) in enumerate(whole):
         if number and not continued:
-            raise UsageError(f"{name}: the blocks do not follow one another: track each record by itself")
+            raise UsageError(
+                f"{name}: the blocks do not follow one another: track each record by itself", kind="unlike-results"
+            )
         signal = block[name]
         if signal.quantity == "angle":
             back = np.flatnonzero(np.diff(signal.values) < -np.pi)
@@ -268,14 +276,16 @@ def _of_channel(recordings: Recordings, name: str) -> Iterator[tuple[FloatArray,
                 raise UsageError(
                     f"{name} jumps back by {-np.degrees(np.diff(signal.values)[back[0]]):.4g} deg at "
                     f"{block.time[back[0]]:.6g} s, as an angle that begins again each turn: count it on, or name a "
-                    "channel of the speed"
+                    "channel of the speed",
+                    kind="wrapped-count",
                 )
             yield block.time, signal.values
             continue
         if signal.quantity != "velocity":
             raise UsageError(
                 f"{name} is {signal.quantity or 'of no known quantity'}, and the rotation needs an angle or a speed of "
-                f"the shaft: say --quantity {name}=velocity, with its unit, or name another channel"
+                f"the shaft: say --quantity {name}=velocity, with its unit, or name another channel",
+                kind="unfit-channel",
             )
         # Trapezoidal rule, from the last sample of the block before on.
         values = signal.values if last is None else np.concatenate([[last], signal.values])
@@ -365,7 +375,8 @@ def phase_reference(
         if offset or place:
             raise UsageError(
                 f"{mean.name} has no mark that tells its angle from turn to turn: for phases name a channel of pulses "
-                "once per turn (--phase CHANNEL) or per cycle (--cam CHANNEL), or take a wheel with a gap"
+                "once per turn (--phase CHANNEL) or per cycle (--cam CHANNEL), or take a wheel with a gap",
+                kind="ambiguous-tooth",
             )
         return PhaseReference(float(mean.angles[0]), "")
     mark, said = 0.0, f"{wheel.zero} of {mean.name}" if wheel is not None else mean.name
@@ -389,7 +400,8 @@ def phase_reference(
             if min(after, turn - after) < max(CLOSEST_CAM, 3 * spread):
                 raise UsageError(
                     f"{cam.name} comes {np.degrees(min(after, turn - after)):.2g} degrees from {said}: which of the "
-                    "two is first cannot be told; take another index, or shift one of them"
+                    "two is first cannot be told; take another index, or shift one of them",
+                    kind="ambiguous-tooth",
                 )
             mark, said = at + after, f"{said}, the first after {cam.name}"
         known = True
@@ -407,7 +419,9 @@ def _angles_at(pulses: PulseChannel, mean: MeanRotation, wheel: WheelRotation | 
         begin, end = max(begin, wheel.times[0]), min(end, wheel.times[-1])
     times = times[(times >= begin) & (times <= end)]
     if not len(times):
-        raise UsageError(f"{pulses.name} has no pulse while {mean.name} turns: are both on one clock?")
+        raise UsageError(
+            f"{pulses.name} has no pulse while {mean.name} turns: are both on one clock?", kind="lost-pulses"
+        )
     return mean.angle(times) if wheel is None else wheel.angle(times)
 
 
@@ -421,6 +435,7 @@ def _mean_angle(angles: FloatArray, period: float, name: str) -> tuple[float, fl
     if spread > LARGEST_SPREAD or not 0.9 < counted < 1.1:
         raise UsageError(
             f"{name}: its pulses come {counted:.3g} times in {np.degrees(period):.0f} degrees of the reference shaft, "
-            f"within {np.degrees(spread):.2g} degrees, and should come once: name the channel of an index or cam pulse"
+            f"within {np.degrees(spread):.2g} degrees, and should come once: name the channel of an index or cam pulse",
+            kind="unfit-wheel",
         )
     return float(np.angle(turning) * period / (2 * np.pi)), spread

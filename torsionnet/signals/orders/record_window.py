@@ -134,7 +134,7 @@ class RecordWindow:
         self._blocks: Iterator[tuple[Recording, bool]] = blocks_in_order(_selected(whole, names))
         first, _ = next(self._blocks, (None, False))
         if first is None:
-            raise UsageError("the record is empty")
+            raise UsageError("the record is empty", kind="too-short")
         self.signals: tuple[Signal, ...] = tuple(replace(one, values=np.empty(0)) for one in first)
         self.rate, self._start, self._values = first.sampling_rate, first.start, _stack(first)
         self.title = first.title
@@ -156,7 +156,9 @@ class RecordWindow:
             if block is None:
                 return False
             if not continued:
-                raise UsageError("the blocks do not follow one another: track each record by itself")
+                raise UsageError(
+                    "the blocks do not follow one another: track each record by itself", kind="unlike-results"
+                )
             fresh = _stack(block)
             tail = np.concatenate([self._tail, fresh], axis=1)
             self._search(tail, self.last + (1 - self._tail.shape[1]) / self.rate)

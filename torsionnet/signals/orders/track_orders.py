@@ -102,7 +102,9 @@ def track_orders(
             behind += [each for other in others for each in other]
         else:
             if further:
-                raise UsageError("orders of further shafts are told apart by Vold-Kalman filters only")
+                raise UsageError(
+                    "orders of further shafts are told apart by Vold-Kalman filters only", kind="unsupported-law"
+                )
             found += averaged_orders(one, mean, wanted, chosen, zero)
     return without_lost_times([*found, *behind])
 
@@ -127,7 +129,7 @@ def without_lost_times(orders: Sequence[TrackedOrders]) -> tuple[TrackedOrders, 
     for one in orders:
         kept = ~np.isin(one.times, every)
         if not kept.any():
-            raise UsageError(f"{one.name}: {'; '.join(notes)}: no value is left")
+            raise UsageError(f"{one.name}: {'; '.join(notes)}: no value is left", kind="missing-data")
         half = None if one.half_range is None else one.half_range[kept]
         values, widths = one.values[:, kept], one.half_widths[:, kept]
         found.append(replace(one, times=one.times[kept], speeds=one.speeds[kept], values=values, half_widths=widths,
@@ -171,14 +173,17 @@ def within(mean: MeanRotation, begin: float, end: float) -> MeanRotation:
     if len(kept) < 3:
         raise UsageError(
             f"{mean.name} has {max(len(kept) - 1, 0)} whole cycles between {begin:.6g} and {end:.6g} s, and an average "
-            "needs two or more: record longer, or take the rotation from the same record"
+            "needs two or more: record longer, or take the rotation from the same record",
+            kind="too-short",
         )
     return replace(mean, ends=mean.ends[kept], angles=mean.angles[kept])
 
 
 def _check_orders(orders: FloatArray, wheels: Sequence[WheelRotation]) -> None:
     if not len(orders) or orders[0] <= 0 or not np.isfinite(orders).all():
-        raise UsageError("orders are positive numbers of vibrations per revolution; give one or more")
+        raise UsageError(
+            "orders are positive numbers of vibrations per revolution; give one or more", kind="out-of-range"
+        )
     for wheel in wheels:
         wheel.check_orders(orders.tolist())
 
@@ -191,7 +196,8 @@ def _check_sampling(one: Tracked, mean: MeanRotation, order: float) -> None:
     if order * speed > np.pi * rate * (1 + 1e-6):
         raise UsageError(
             f"order {order:g} is above half the sampling rate of {rate:g} Hz at {speed * RPM:.6g} r/min, where orders "
-            f"up to {np.pi * rate / speed:.4g} can be told; leave it out, or record at a higher rate"
+            f"up to {np.pi * rate / speed:.4g} can be told; leave it out, or record at a higher rate",
+            kind="beyond-sampling",
         )
 
 

@@ -219,7 +219,10 @@ class TrackedOrders(SavedResult):
         """
         place = int(np.abs(self.orders - order).argmin())
         if abs(self.orders[place] - order) > 1e-6:
-            raise UsageError(f"order {order:g} was not tracked; there are {', '.join(f'{o:g}' for o in self.orders)}")
+            raise UsageError(
+                f"order {order:g} was not tracked; there are {', '.join(f'{o:g}' for o in self.orders)}",
+                kind="unknown-order",
+            )
         return np.asarray(self.values[place])
 
     def measured(self) -> tuple[MeasuredOrder, ...]:

@@ -107,7 +107,7 @@ def _held(window: RecordWindow, begin: float, end: float) -> tuple[FloatArray, F
     found = window.between(begin, end)
     if not window.reaches(end - 2 / window.rate):
         text = f"the channels end at {window.last:.6g} s, but the pulses go on"
-        raise UsageError(f"{text}; leave out the pulses after that, as stop: of a campaign does")
+        raise UsageError(f"{text}; leave out the pulses after that, as stop: of a campaign does", kind="too-short")
     return found
 
 

@@ -60,12 +60,14 @@ class OrderList(Spec[tuple[float, ...]]):
             elif len(ends) == 3 and ends[2] > 0 and ends[1] >= ends[0]:
                 count = int((ends[1] - ends[0]) / ends[2] * (1 + 1e-9)) + 1
                 if count > MOST_ORDERS:
-                    raise EntryError(f'"{part}" means {count} orders; take a larger step')
+                    raise EntryError(f'"{part}" means {count} orders; take a larger step', kind="too-large")
                 found += [ends[0] + ends[2] * place for place in range(count)]
             else:
-                raise EntryError(f'"{part}": orders are numbers, or first:last:step as 0.5:12:0.5')
+                raise EntryError(f'"{part}": orders are numbers, or first:last:step as 0.5:12:0.5', kind="wrong-form")
         if not found or min(found) <= 0:
-            raise EntryError(f"orders are positive numbers of vibrations per revolution, {got(raw)}")
+            raise EntryError(
+                f"orders are positive numbers of vibrations per revolution, {got(raw)}", kind="out-of-range"
+            )
         return tuple(sorted(set(found)) if self.rising else dict.fromkeys(found))
 
     @staticmethod
@@ -73,9 +75,11 @@ class OrderList(Spec[tuple[float, ...]]):
         try:
             value = float(text)
         except ValueError:
-            raise EntryError(f'"{part}": orders are numbers, or first:last:step as 0.5:12:0.5') from None
+            raise EntryError(
+                f'"{part}": orders are numbers, or first:last:step as 0.5:12:0.5', kind="wrong-form"
+            ) from None
         if not abs(value) < float("inf"):
-            raise EntryError(f'"{part}": orders are finite numbers')
+            raise EntryError(f'"{part}": orders are finite numbers', kind="not-finite")
         return value
 
     def plain(self, value: tuple[float, ...]) -> str:

@@ -66,9 +66,12 @@ class VoldKalman:
 
     def __post_init__(self) -> None:
         if self.share < 0 or (not self.share and not self.bandwidth > 0):
-            raise UsageError("the bandwidth of a Vold-Kalman filter is positive, in Hz or as share of the frequency")
+            raise UsageError(
+                "the bandwidth of a Vold-Kalman filter is positive, in Hz or as share of the frequency",
+                kind="out-of-range",
+            )
         if not 1 <= self.poles <= MOST_POLES:
-            raise UsageError(f"a Vold-Kalman filter has 1 to {MOST_POLES} poles, got {self.poles}")
+            raise UsageError(f"a Vold-Kalman filter has 1 to {MOST_POLES} poles, got {self.poles}", kind="out-of-range")
 
     @property
     def kernel(self) -> TrackingKernel:
@@ -141,7 +144,8 @@ class EnvelopeFilter:
             except np.linalg.LinAlgError:
                 raise SolveError(
                     f"{len(phases)} orders cannot be told apart from {times[0]:.6g} to {times[-1]:.6g} s: take fewer "
-                    "poles, or a larger bandwidth, or leave out an order that runs with another one"
+                    "poles, or a larger bandwidth, or leave out an order that runs with another one",
+                    kind="unfit-order",
                 ) from None
 
     @cached_property
@@ -196,7 +200,8 @@ class EnvelopeFilter:
         if factor.max() > WORST_CONDITION:
             raise UsageError(
                 "the bandwidths of the orders differ by too much for so many poles: give one bandwidth in Hz, or take "
-                "fewer poles"
+                "fewer poles",
+                kind="contradicting-values",
             )
         weights = density * factor
         # Difference of degree p: its signed binomials, multiplied in pairs, fill the bands.

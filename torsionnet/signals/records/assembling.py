@@ -54,7 +54,7 @@ def with_given_clock(source: Source, options: ReadOptions) -> tuple[Source, Read
     times = [name for name in times if not {name} & {*options.pulses, *options.readings}]
     if len(times) > 1:
         text = f"{comma_list(times, MOST_NAMED)} were given units of time, and nothing tells which channels go with "
-        raise ModelError([Fault(f"{text}which; give one, and name its channels")], source.title)
+        raise ModelError([Fault(f"{text}which; give one, and name its channels", kind="ambiguous-name")], source.title)
     for name, unit in options.units.items():
         channel = replace(every[name], unit=plain_unit(unit)) if name in every else None
         is_clock = channel is not None and (source.time is None or source.time.name == name)
@@ -89,7 +89,7 @@ def with_given_courses(source: Source, between: Mapping[str, str], file: str) ->
         try:
             courses[name] = check_between(given)
         except UsageError as error:
-            faults.append(Fault(str(error), ("channels", name)))
+            faults.append(error.fault.under("channels", name))
         if name not in names:
             faults.append(unknown_name("channel", name, names, ("channels",)))
     if faults:
@@ -121,7 +121,7 @@ def _sampled(source: Source, options: ReadOptions, file: str, seconds: float | N
     choices, faults = choose(source, options.names, options.quantities, units)
     if stamps in options.units:
         text = f'{stamps} was taken for the time stamps, and "{options.units[stamps]}" is no unit of time'
-        faults.append(Fault(text))
+        faults.append(Fault(text, kind="wrong-unit"))
     chosen = choose_rate(source, choices, options)
     every, whole, source, choices = choices, source, chosen.source, chosen.together
     # Channels of several rates differ in length: one of the two is said.
@@ -146,17 +146,17 @@ def _sampled(source: Source, options: ReadOptions, file: str, seconds: float | N
         if seconds is None or shares_time(record, others):
             yield with_others(record, chosen, every, others, file)
     if not done:
-        raise ModelError([Fault("there are no samples in the file; export the record again")], file)
+        raise ModelError([Fault("there are no samples in the file; export the record again", kind="too-short")], file)
 
 
 def _rate_faults(source: Source, options: ReadOptions, choices: Sequence[ChannelChoice]) -> list[Fault]:
     if source.time is None and not options.sampling_rate and source.rate and not is_rate(source.rate):
         text = f"the file has a sampling rate of {source.rate:g} Hz, which no recorder has"
-        return [Fault(f"{text}; give {remedy('sampling_rate=')} in Hz")]
+        return [Fault(f"{text}; give {remedy('sampling_rate=')} in Hz", kind="implausible-size")]
     if source.time is not None or options.sampling_rate or source.rate:
         return []
     advice = f"{unit_of_scale(one.channel for one in choices)}{remedy('sampling_rate=')} in Hz"
-    return [Fault(f"nothing in the file tells the sampling rate; give {advice}")]
+    return [Fault(f"nothing in the file tells the sampling rate; give {advice}", kind="missing-entry")]
 
 
 def _with_rate_note(source: Source, options: ReadOptions) -> Source:
@@ -219,7 +219,12 @@ def _clock(
     if not faults and not options.sampling_rate:
         faults = interval_fault(times, source)
     if not faults and rate is None and len(times) == 1:
-        faults = [Fault(f"one sample does not tell the sampling rate; give {remedy('sampling_rate=')} in Hz")]
+        faults = [
+            Fault(
+                f"one sample does not tell the sampling rate; give {remedy('sampling_rate=')} in Hz",
+                kind="missing-entry",
+            )
+        ]
     if faults:
         raise ModelError(faults, file)
     if not source.stamped:
@@ -249,7 +254,7 @@ def _size_faults(signal: Signal) -> list[Fault]:
     if not len(beyond):
         return []
     text = f"{signal.name} has the value {signal.values[beyond[0]]:g}, too large for a measurement; check its unit"
-    return [Fault(text, ("channels", signal.name))]
+    return [Fault(text, ("channels", signal.name), kind="implausible-size")]
 
 
 def _signal(choice: ChannelChoice, values: FloatArray) -> Signal:

@@ -101,7 +101,9 @@ def factor_to_si(unit: str, quantity: str) -> float:
     """
     read = parse_unit(plain_unit(unit))
     if read.dimension != DIMENSIONS[_DIMENSIONS.get(quantity, "pressure")]:
-        raise UnitError(f'"{unit}" is no unit of {quantity}; expected one like {QUANTITY_UNITS[quantity]}')
+        raise UnitError(
+            f'"{unit}" is no unit of {quantity}; expected one like {QUANTITY_UNITS[quantity]}', kind="wrong-unit"
+        )
     return float(read.factor)
 
 
@@ -142,15 +144,15 @@ def choose(
         if channel.over:
             whose = f"the values of {channel.name}" if channel.position else "its values"  # a place hides the path
             text = f"{whose} are over {channel.over}, no record over time; export it over time"
-            faults.append(Fault(text, ("channels", channel.name), position=channel.position))
+            faults.append(Fault(text, ("channels", channel.name), position=channel.position, kind="wrong-file"))
             continue
         try:
             choice = _choice(channel, quantities.get(channel.name), units.get(channel.name, channel.unit), names)
             choices.append(choice)
         except UnitError as error:
-            faults.append(Fault(str(error), ("channels", channel.name), position=channel.position))
+            faults.append(replace(error.fault, path=("channels", channel.name), position=channel.position))
     if not channels and not faults:
-        faults.append(Fault("there is no channel of numbers in the file"))
+        faults.append(Fault("there is no channel of numbers in the file", kind="wrong-file"))
     return choices, faults
 
 
@@ -168,10 +170,10 @@ def _choice(
     name = names[channel.name] if isinstance(names, Mapping) else channel.name
     quantity = next(known for known in (given, channel.quantity, quantity_of(unit)) if known is not None)
     if quantity and quantity not in QUANTITY_UNITS:
-        raise UnitError(f'"{quantity}" is no quantity; expected {", ".join(QUANTITY_UNITS)}')
+        raise UnitError(f'"{quantity}" is no quantity; expected {", ".join(QUANTITY_UNITS)}', kind="unknown-word")
     if not quantity:
         if names is not None and given is None:
-            raise UnitError(_unknown(unit, channel.name))
+            raise UnitError(_unknown(unit, channel.name), kind="missing-unit")
         if channel.quantity == "":
             return ChannelChoice(channel, name, notes=channel.notes)
         note = f"values as in the file{f' in {unit}' if unit else ''}: the quantity is not known"
@@ -205,7 +207,9 @@ def length_faults(source: Source, choices: Iterable[ChannelChoice]) -> list[Faul
         else f"{', '.join(name for name, length in lengths.items() if length == size)} have {size}"
         for size, count in groups
     ]
-    return [Fault(f"channels of different lengths: {'; '.join(parts)}; name channels of one length")]
+    return [
+        Fault(f"channels of different lengths: {'; '.join(parts)}; name channels of one length", kind="unlike-results")
+    ]
 
 
 # Rasters of a file: which of its channels were sampled together, by their rates, starts and time stamps.

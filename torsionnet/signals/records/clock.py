@@ -224,7 +224,7 @@ def value_faults(stamps: FloatArray, source: Source, first: int = 0) -> list[Fau
         int(row): f"{column} has the time {stamps[row]:g} s, and no recording is that late; give its unit"
         for row in beyond[:1]
     }
-    return [_fault(text, source, first + row) for row, text in texts.items()]
+    return [_fault(text, source, first + row, "not-finite") for row, text in texts.items()]
 
 
 def order_faults(stamps: FloatArray, source: Source, first: int = 0) -> list[Fault]:
@@ -232,12 +232,16 @@ def order_faults(stamps: FloatArray, source: Source, first: int = 0) -> list[Fau
     assert source.time is not None
     column, texts = source.time.name, dict[int, str]()
     if is_coarse(stamps):
-        return [_fault(_coarse_text(stamps, column), source, first + int(np.argmax(np.diff(stamps) == 0)) + 1)]
+        return [
+            _fault(
+                _coarse_text(stamps, column), source, first + int(np.argmax(np.diff(stamps) == 0)) + 1, "unordered-rows"
+            )
+        ]
     for row in np.flatnonzero(np.diff(stamps) <= 0)[:MOST_FAULTS]:
         text = f"the time stamp {stamps[row + 1]:.9g} s follows {stamps[row]:.9g} s in {column}: time has to increase"
         text += "; where it begins again, save each record in a file of its own" if stamps[row + 1] <= stamps[0] else ""
         texts[int(row) + 1] = text
-    return [_fault(text, source, first + row) for row, text in texts.items()]
+    return [_fault(text, source, first + row, "unordered-rows") for row, text in texts.items()]
 
 
 def is_coarse(stamps: FloatArray) -> bool:
@@ -264,13 +268,14 @@ def coarse_clock(stamps: FloatArray, rate: float, begin: float) -> Clock | Fault
     if np.ptp(off) <= (1 + UNIFORM_TOLERANCE) * float(steps.max()):
         return Clock(rate, begin)
     return Fault(
-        f"the time stamps do not fit samples at {rate:g} Hz; correct {remedy('sampling_rate=')}, or leave it out"
+        f"the time stamps do not fit samples at {rate:g} Hz; correct {remedy('sampling_rate=')}, or leave it out",
+        kind="contradicting-values",
     )
 
 
-def _fault(text: str, source: Source, row: int) -> Fault:
+def _fault(text: str, source: Source, row: int, kind: str) -> Fault:
     assert source.time is not None
-    return Fault(text, ("channels", source.time.name), position=source.place(int(row)))
+    return Fault(text, ("channels", source.time.name), position=source.place(int(row)), kind=kind)
 
 
 def clock_of(stamps: FloatArray, rate: float | None, *, stamped: bool = False, scale: float = 1.0) -> Clock:
@@ -331,7 +336,12 @@ def rate_fault(stamps: FloatArray, given: float | None) -> list[Fault]:
     if abs(given / mean - 1) < SAME_RATE_TOLERANCE:
         return []
     said = remedy("sampling_rate=", f"{given:g}")
-    return [Fault(f"the time stamps say {mean:.6g} Hz, {said} was given; leave it out to use them")]
+    return [
+        Fault(
+            f"the time stamps say {mean:.6g} Hz, {said} was given; leave it out to use them",
+            kind="contradicting-values",
+        )
+    ]
 
 
 def interval_fault(stamps: FloatArray, source: Source) -> list[Fault]:
@@ -345,4 +355,4 @@ def interval_fault(stamps: FloatArray, source: Source) -> list[Fault]:
     text = f"{stated.name} says {stated.seconds:g} s between samples, {source.time.name} goes in steps of "
     text += f"{span / count:.6g} s; correct the wrong one, or give {remedy('sampling_rate=')} in Hz if "
     text += f"{source.time.name} is right"
-    return [Fault(text, position=stated.position)]
+    return [Fault(text, position=stated.position, kind="contradicting-values")]

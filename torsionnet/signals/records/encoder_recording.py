@@ -58,7 +58,11 @@ def encoder_recording(source: Source, options: ReadOptions, file: str) -> Record
     every = {one.channel.name: one.channel for one in source.pulses} | source.every
     faults = [unknown_name("channel", name, every, ("channels",)) for name in options.pulses if name not in every]
     faults += [
-        Fault(f"the steps per revolution must be a positive number, got {steps:g}", ("channels", name))
+        Fault(
+            f"the steps per revolution must be a positive number, got {steps:g}",
+            ("channels", name),
+            kind="out-of-range",
+        )
         for name, steps in options.pulses.items()
         if not steps > 0
     ]
@@ -122,7 +126,9 @@ def _turning(source: Source, channel: FileChannel, options: ReadOptions, file: s
             refuse_unlikely_unit(stamps, steps)
         times, rotation, remarks = rotation_of(stamps, steps)
     except (UsageError, SolveError) as error:
-        raise ModelError([Fault(f"{channel.name}: {error}", ("channels", channel.name))], file) from None
+        raise ModelError(
+            [Fault(f"{channel.name}: {error}", ("channels", channel.name), kind=error.kind)], file
+        ) from None
     kind = "time stamps of pulses" if stamped else "a pulse train"
     name = options.names[channel.name] if isinstance(options.names, Mapping) else channel.name
     notes = (f"angle from {kind}: {len(times)} pulses of {steps:g} a turn, band-limited between them", *remarks, *read)
@@ -134,11 +140,11 @@ def _even(first: float, last: float, rate: float, turning: Sequence[EncoderRotat
     place, most = ("channels", turning[0].name), max(len(one.times) for one in turning)
     if last < first:
         spans = "; ".join(f"{one.name} from {one.times[0]:.6g} to {one.times[-1]:.6g} s" for one in turning)
-        raise ModelError([Fault(f"the pulses have no time in common: {spans}", place)], file)
+        raise ModelError([Fault(f"the pulses have no time in common: {spans}", place, kind="no-common-time")], file)
     try:
         return even_times(first, last, rate, most, "pulses")
     except UsageError as error:
-        raise ModelError([Fault(str(error), place)], file) from None
+        raise ModelError([error.fault.under(*place)], file) from None
 
 
 def _together(
@@ -159,7 +165,7 @@ def _together(
             text = (
                 f"pulses from {first:.6g} to {last:.6g} s and a record from {record.start:.6g} s have no time in common"
             )
-            raise ModelError([Fault(text, ("channels",))], file)
+            raise ModelError([Fault(text, ("channels",), kind="no-common-time")], file)
         if not inside.all():
             record = record.with_notes(f"cut to where there are pulses: from {times[0]:.6g} to {times[-1]:.6g} s")
         signals = tuple(replace(signal, values=signal.values[inside]) for signal in record)

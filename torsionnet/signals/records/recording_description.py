@@ -177,7 +177,7 @@ def check_names(recording: Recording, *, with_time: bool = False) -> None:
     names = [*channel_names(recording), *([TIME] if with_time or recording.times is not None else [])]
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
-        raise UsageError(f"cannot write two channels of one name: {', '.join(twice)}")
+        raise UsageError(f"cannot write two channels of one name: {', '.join(twice)}", kind="repeated-name")
 
 
 def plain_keys(names: Sequence[str], pattern: str, taken: Sequence[str] = (TIME,)) -> list[str]:

@@ -120,7 +120,7 @@ def read_tests(path: str | os.PathLike[str], **reading: Any) -> list[Recording]:
 def _several(count: int, length: int, path: Path) -> ModelError:
     text = f"the file holds {count} blocks that do not follow each other, as after a trigger, the first of {length} "
     text += f"samples: {remedy('iter_blocks()')} takes them as separate tests, which are averaged; for anything else "
-    return ModelError([Fault(f"{text}save each block in a file of its own")], path.name)
+    return ModelError([Fault(f"{text}save each block in a file of its own", kind="unlike-results")], path.name)
 
 
 def iter_blocks(
@@ -144,7 +144,7 @@ def iter_blocks(
     Each block has the pulses from its first sample to that of the next; those of a whole file are read at once.
     """
     if not seconds > 0:
-        raise UsageError(f"blocks must last a positive number of seconds, got {seconds}")
+        raise UsageError(f"blocks must last a positive number of seconds, got {seconds}", kind="out-of-range")
     options = ReadOptions(
         names, quantities or {}, units or {}, sampling_rate, {}, pulse_readings or {}, resample, between or {}
     )
@@ -184,7 +184,7 @@ def _read(
 def _opened(path: Path, dialect: dict[str, str]) -> Iterator[Source]:
     with reading(path, "recording") as form:
         if dialect and (form.label != "text" or not dialect.keys() <= {"separator", "decimal"}):
-            raise UsageError(f"{', '.join(dialect)} cannot be given for a {form.label} file")
+            raise UsageError(f"{', '.join(dialect)} cannot be given for a {form.label} file", kind="needless-entry")
         assert form.open_source is not None
         with form.open_source(path, **dialect) as source:
             yield source
@@ -216,13 +216,16 @@ def write_recording(recording: Recording, path: str | os.PathLike[str]) -> None:
     target = Path(path)
     form = format_of(target, "recording")
     if form.write is None:
-        raise UsageError(f'"{target.name}": {form.label} files are read only; write .npz, .h5 or .csv')
+        raise UsageError(
+            f'"{target.name}": {form.label} files are read only; write .npz, .h5 or .csv', kind="wrong-file"
+        )
     if recording.pulses and not form.holds_pulses:
         names = ", ".join(channel.name for channel in recording.pulses)
         endings = ", ".join(other.endings[0] for other in FORMATS if other.holds_pulses)
         raise UsageError(
             f'"{target.name}": channels of a {form.label} file are of one length, and pulses have their own ({names}); '
-            f"write one of {endings}, or leave the pulses out: replace(recording, pulses=())"
+            f"write one of {endings}, or leave the pulses out: replace(recording, pulses=())",
+            kind="no-counterpart",
         )
     form.write(recording, target)
 

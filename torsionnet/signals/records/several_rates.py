@@ -67,7 +67,11 @@ def choose_rate(source: Source, choices: Sequence[ChannelChoice], options: ReadO
     wanted = [raster for raster in rasters if given is None or abs(given / raster.rate - 1) < SAME_RATE_TOLERANCE]
     if len(rasters) == 1 and not wanted:
         text = f"the file says {listed(rasters[0].choices, source)}, {remedy('sampling_rate=', f'{given:g}')} was given"
-        return RateChoice(source, own.choices, faults=[Fault(f"{text}; leave it out to take the rate of the file")])
+        return RateChoice(
+            source,
+            own.choices,
+            faults=[Fault(f"{text}; leave it out to take the rate of the file", kind="contradicting-values")],
+        )
     if len(rasters) > 1 and (not wanted or (given is None and not options.resample)):
         return RateChoice(source, own.choices, faults=[_which(rasters, source, given)])
     raster = max(wanted, key=lambda one: (one.is_even, one.rate))
@@ -136,7 +140,7 @@ def _without_clock(unclocked: Sequence[FileChannel], raster: Raster, source: Sou
     if surely:
         rate = remedy("sampling_rate=", f"{raster.rate:g}")
         text += f"give {unit_of_scale(unclocked)}{rate} if they were sampled together, or "
-    return Fault(f"{text}read them one by one")
+    return Fault(f"{text}read them one by one", kind="unlike-results")
 
 
 def unit_of_scale(channels: Iterable[FileChannel]) -> str:
@@ -173,12 +177,12 @@ def _together(
     if between and not options.resample:
         text = f"channels begin at times that differ by parts of a sampling interval: {listed(kept, source)}; "
         text += f"{remedy('resample=True')} moves them to their times, or read them one by one"
-        return RateChoice(source, list(kept), faults=[Fault(text)])
+        return RateChoice(source, list(kept), faults=[Fault(text, kind="unlike-results")])
     kept = [choice for choice in kept if choice not in between]
     cut, cut_choices = cut_together(source, kept, rate)
     if cut_choices[0].channel.length == 0:
         text = f"the channels have no time in common: {listed(kept, source)}; read them one by one"
-        return RateChoice(source, list(kept), faults=[Fault(text)])
+        return RateChoice(source, list(kept), faults=[Fault(text, kind="no-common-time")])
     return _with_others_or_without(cut, cut_choices, [*others, *between], rate, options)
 
 
@@ -193,7 +197,9 @@ def _with_others_or_without(
         return RateChoice(source, list(kept), list(others))
     if options.names is not None:
         text = f"{listed(others, source)} were not sampled at {rate:g} Hz; give {remedy('resample=True')} to "
-        return RateChoice(source, list(kept), faults=[Fault(f"{text}interpolate them, or leave them out")])
+        return RateChoice(
+            source, list(kept), faults=[Fault(f"{text}interpolate them, or leave them out", kind="unlike-results")]
+        )
     note = f"left out, as sampled at other rates than {rate:g} Hz: {listed(others, source)}; "
     note += f"{remedy('resample=True')} interpolates them"
     return RateChoice(replace(source, notes=(*source.notes, note)), list(kept))
@@ -210,9 +216,8 @@ def _which(rasters: Sequence[Raster], source: Source, given: float | None) -> Fa
     said = f"{rate} is none of them" if given else f"{rate} chooses one"
     rates = len({raster.rate for raster in rasters})
     text = f"the channels were sampled at {rates} rate{'s' * (rates > 1)}: {'; '.join(parts)}; {said}"
-    return Fault(
-        f"{text}, {remedy('resample=True')} brings the others to it, or to the highest; or read those of one rate alone"
-    )
+    text += f", {remedy('resample=True')} brings the others to it, or to the highest; or read those of one rate alone"
+    return Fault(text, kind="unlike-results")
 
 
 @dataclass(frozen=True)
@@ -242,7 +247,9 @@ def read_others(source: Source, chosen: RateChoice, file: str) -> list[OtherSamp
         broken = int(np.count_nonzero(~np.isfinite(values)))
         if broken or not len(values):
             says = f"{broken} of its values are not finite" if broken else "it has no values"
-            faults.append(Fault(f"cannot be interpolated: {says}; leave it out", ("channels", channel.name)))
+            faults.append(
+                Fault(f"cannot be interpolated: {says}; leave it out", ("channels", channel.name), kind="not-finite")
+            )
             continue
         rate, start = channel.rate or chosen.source.rate or 1.0, own_start(choice, source)
         if channel.clock is None:
@@ -297,7 +304,9 @@ def with_others(
     inside = (time >= first) & (time <= last)
     if not inside.any():
         text = f"channels of other rates, from {first:.6g} to {last:.6g} s, have no time in common with the others, "
-        raise ModelError([Fault(f"{text}from {time[0]:.6g} to {time[-1]:.6g} s; read them one by one")], file)
+        raise ModelError(
+            [Fault(f"{text}from {time[0]:.6g} to {time[-1]:.6g} s; read them one by one", kind="no-common-time")], file
+        )
     new, times = record.sampling_rate, time[inside]
     losses = [
         "; ".join([*map(str, own.notes), f"interpolated from {own.rate:g} to {new:g} Hz, {lost}"])

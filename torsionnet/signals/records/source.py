@@ -248,5 +248,5 @@ def hertz_in(unit: str) -> float:
         return 1.0
     found = parse_unit(plain_unit(unit))
     if found.dimension not in (DIMENSIONS["frequency"], DIMENSIONS["speed"]):
-        raise UnitError(f'"{unit}" is no unit of frequency; expected one like Hz or rad/s')
+        raise UnitError(f'"{unit}" is no unit of frequency; expected one like Hz or rad/s', kind="wrong-unit")
     return float(found.factor) / (1.0 if found.dimension == DIMENSIONS["frequency"] else 2 * math.pi)

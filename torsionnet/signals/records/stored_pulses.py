@@ -41,7 +41,11 @@ def with_readings(source: Source, readings: Mapping[str, PulseReading], units: M
         if name not in every and not (name in stored and reading.seconds is None)
     ]
     faults = [
-        Fault("its pulses are stored as times in s already: leave out tick, clock and bits", ("channels", name))
+        Fault(
+            "its pulses are stored as times in s already: leave out tick, clock and bits",
+            ("channels", name),
+            kind="needless-entry",
+        )
         if name in stored
         else unknown_name("channel", name, [*every, *stored], ("channels",))
         for name in unknown
@@ -67,7 +71,7 @@ def _unit_fault(channel: FileChannel, reading: PulseReading) -> Fault | None:
     if reading.seconds is not None or not channel.unit or is_time(channel):
         return None
     text = f'"{channel.unit}" is no unit of time; give the unit of the times, or the tick or clock of the counter'
-    return Fault(text, ("channels", channel.name))
+    return Fault(text, ("channels", channel.name), kind="wrong-unit")
 
 
 def rate_of(pulses: Sequence[PulseChannel]) -> float:
@@ -92,7 +96,7 @@ def stored_pulses(source: Source, names: Names, file: str) -> tuple[PulseChannel
             try:
                 found.append(pulses_of(source, stored, names[name] if isinstance(names, Mapping) else name))
             except UsageError as error:
-                faults.append(Fault(str(error), ("channels", name)))
+                faults.append(error.fault.under("channels", name))
     if faults:
         raise ModelError(faults, file)
     return tuple(found)

@@ -81,7 +81,7 @@ def check_members(there: Collection[str], path: Path, whole: str, nothing: str) 
     if missing:
         words = f"has {', '.join(there)}" if there else nothing
         text = f"the {whole} has no {', '.join(missing)}: no frequency response of torsionnet; it {words}"
-        raise ModelError([Fault(text)], path.name)
+        raise ModelError([Fault(text, kind="wrong-file")], path.name)
 
 
 def parse_description(text: str) -> dict[str, Any]:
@@ -216,13 +216,22 @@ class ResponseMatrix:
         """
         outputs, inputs = (list(dict.fromkeys(pair[side] for pair in self.pairs)) for side in (0, 1))
         missing = [f"{o}/{i}" for o in outputs for i in inputs if (o, i) not in self.pairs]
-        faults = [Fault(f"the matrix is not complete: there is no {', '.join(missing)}")] if missing else []
+        faults = (
+            [Fault(f"the matrix is not complete: there is no {', '.join(missing)}", kind="missing-data")]
+            if missing
+            else []
+        )
         units: dict[int, dict[str, str]] = {0: {}, 1: {}}
         for pair, single in self.pairs.items():
             for side, unit in ((0, single.output_unit), (1, single.input_unit)):
                 known = units[side].setdefault(pair[side], unit)
                 if known != unit:
-                    faults.append(Fault(f"{pair[side]} is in {known} in one column and in {unit} in another"))
+                    faults.append(
+                        Fault(
+                            f"{pair[side]} is in {known} in one column and in {unit} in another",
+                            kind="contradicting-values",
+                        )
+                    )
         if faults:
             raise ModelError(faults, file)
         return FrequencyResponse(
@@ -323,12 +332,25 @@ def response_of_arrays(axis: tuple[str, FloatArray], found: Mapping[str, Any], p
         frequencies, notes = frequencies / tau, [f"{name} was taken for angular frequencies in rad/s"]
     if not np.all(np.diff(frequencies) > 0):
         raise ModelError(
-            [Fault(f"the frequencies in {name} do not increase; sort the lines, or export again")], path.name
+            [
+                Fault(
+                    f"the frequencies in {name} do not increase; sort the lines, or export again", kind="unordered-rows"
+                )
+            ],
+            path.name,
         )
     columns = {label: _columns(np.asarray(values, dtype=complex), len(frequencies)) for label, values in found.items()}
     inputs = max(values.shape[2] for values in columns.values())
     if any(values.shape[2] != inputs for values in columns.values()):
-        raise ModelError([Fault(f"{', '.join(columns)} have different numbers of inputs; keep one of them")], path.name)
+        raise ModelError(
+            [
+                Fault(
+                    f"{', '.join(columns)} have different numbers of inputs; keep one of them",
+                    kind="contradicting-values",
+                )
+            ],
+            path.name,
+        )
     outputs = [
         label if values.shape[1] == 1 else f"{label}_{at + 1}"
         for label, values in columns.items()

@@ -255,7 +255,8 @@ def order_set(wheel: Wheel, cycle: int) -> OrderSet:
         raise UsageError(
             f"with {wheel.ratio:g} turns of the reference shaft per turn of the wheel, orders of its vibration lie "
             f"{gap:.3g} beside whole orders of the wheel, too near to tell them apart; calibrate on the wheel's own "
-            "shaft"
+            "shaft",
+            kind="unfit-order",
         )
     return OrderSet(orders, tuple(whole.tolist()), shared, revolutions)
 
@@ -284,7 +285,9 @@ def windows_of_test(
     parts = list(spans(numbers, orders.revolutions * teeth, MOST_WINDOWS))
     if not parts:
         turns = (numbers[-1] - numbers[0]) / teeth
-        raise UsageError(f"{name}: {turns:.3g} revolutions are too few, a window is of {orders.revolutions}")
+        raise UsageError(
+            f"{name}: {turns:.3g} revolutions are too few, a window is of {orders.revolutions}", kind="too-short"
+        )
     windows = tuple(first_window(times[part], numbers[part], teeth, orders.orders, positions) for part in parts)
     if second is None:
         return TestWindows(windows, (), load)
@@ -293,14 +296,17 @@ def windows_of_test(
     except UsageError as error:
         by_gap = pulses_by_gap(second.times, wheel) if wheel.missing_teeth else None
         if by_gap is None:
-            raise UsageError(f"{second.name}: {error}") from None
+            raise UsageError(f"{second.name}: {error}", kind=error.kind) from None
         found = by_gap
     stamps = found.times
     shown = []
     for window in windows:
         inside = stamps[slice(*np.searchsorted(stamps, [window.begin, window.end]).tolist())]
         if len(inside) < len(orders.orders) * 2 + 1:
-            raise UsageError(f"{second.name} has {len(inside)} pulses from {window.begin:.6g} to {window.end:.6g} s")
+            raise UsageError(
+                f"{second.name} has {len(inside)} pulses from {window.begin:.6g} to {window.end:.6g} s",
+                kind="lost-pulses",
+            )
         # The shaft may vibrate by more than a pitch: the first pickup's pulses say where it is, not the mean rotation.
         passing = _numbers(second.name, np.interp(inside, times, numbers) - teeth * angle / (2 * np.pi), wheel)
         shown.append(second_shown(window, inside, passing, teeth, angle, orders.orders))
@@ -314,17 +320,22 @@ def _numbers(name: str, places: FloatArray, wheel: Wheel) -> NDArray[np.intp]:
     shift = float(np.angle(pointer)) / (2 * np.pi)
     pitch = 360 / wheel.teeth
     if abs(pointer) < LEAST_AGREEMENT:
-        raise UsageError(f"{name} has no pulse for each tooth of the first pickup's wheel; are both on one wheel?")
+        raise UsageError(
+            f"{name} has no pulse for each tooth of the first pickup's wheel; are both on one wheel?",
+            kind="unfit-wheel",
+        )
     numbers = np.rint(places - shift).astype(np.intp)
     if (numbers % wheel.teeth >= wheel.teeth - wheel.missing_teeth).any():
         raise UsageError(
             f"{name}: by the angle given, it has pulses where the gap passes: the angle is from the first to the "
-            "second pickup in the sense of rotation; are they exchanged?"
+            "second pickup in the sense of rotation; are they exchanged?",
+            kind="unfit-wheel",
         )
     if abs(shift) > MOST_PITCH_SHARE:
         raise UsageError(
             f"{name}: its pulses fall {shift * pitch:.3g} degrees from where the angle given puts them, of a pitch of "
-            f"{pitch:g} degrees: which tooth passes cannot be told; measure the angle between the pickups anew"
+            f"{pitch:g} degrees: which tooth passes cannot be told; measure the angle between the pickups anew",
+            kind="ambiguous-tooth",
         )
     return numbers
 

@@ -119,10 +119,13 @@ def on_first_clock(recording: Recording, clocks: ClockDrift, like: Recording | N
     if like is None or not recording.signals:
         return moved
     if times is not None:
-        raise UsageError("signals with uneven time stamps cannot be brought to another clock; resample them first")
+        raise UsageError(
+            "signals with uneven time stamps cannot be brought to another clock; resample them first",
+            kind="uneven-samples",
+        )
     inside = (like.time >= start) & (like.time <= start + (len(recording) - 1) / rate)
     if not inside.any():
-        raise UsageError(f"the two records have no time in common on one clock; {COMMON}")
+        raise UsageError(f"the two records have no time in common on one clock; {COMMON}", kind="no-common-time")
     even = like.time[inside]
     signals = tuple(
         replace(one, values=interpolated_at(one.values, rate, start, even, like.sampling_rate)) for one in recording
@@ -195,7 +198,9 @@ def rotation_clocks(first: WheelRotation, second: WheelRotation, *, same_start: 
     # The constant says nothing of the clocks; what varies beyond it is twist and vibration, or another shaft.
     left = errors - errors.mean()
     if abs(drift) > MOST_DRIFT or float(np.sqrt(np.mean(left**2))) > MOST_DISAGREEMENT:
-        raise UsageError(f"{names} do not show one rotation, or have no time in common; {COMMON}")
+        raise UsageError(
+            f"{names} do not show one rotation, or have no time in common; {COMMON}", kind="no-common-time"
+        )
     return _result(times, left, rates, offset, drift, free=free, same_start=same_start, names=names)
 
 
@@ -236,7 +241,8 @@ def _inside(edges: FloatArray, second: WheelRotation, offset: float, drift: floa
     if len(kept) <= FEWEST_CYCLES:
         count = 2 * max(len(kept) - 1, 0)
         raise UsageError(
-            f"{names} have {count} turns in common, {2 * FEWEST_CYCLES} are needed to compare their clocks; {COMMON}"
+            f"{names} have {count} turns in common, {2 * FEWEST_CYCLES} are needed to compare their clocks; {COMMON}",
+            kind="too-short",
         )
     return kept
 
@@ -279,7 +285,8 @@ def _cycle_times(rotation: WheelRotation, names: str) -> FloatArray:
     count = int(angle[-1] / CYCLE)
     if count < FEWEST_CYCLES:
         raise UsageError(
-            f"{names} have {2 * count} turns in common, clocks are compared from {2 * FEWEST_CYCLES} on; {COMMON}"
+            f"{names} have {2 * count} turns in common, clocks are compared from {2 * FEWEST_CYCLES} on; {COMMON}",
+            kind="too-short",
         )
     # The ends need not be exact, as both records are averaged between the same times: linear between pulses does.
     return np.asarray(np.interp(CYCLE * np.arange(count + 1), angle, rotation.times))
@@ -342,7 +349,9 @@ def signal_clocks(first: Recording, second: Recording, name: str, *, seconds: fl
     length = round((seconds or max(span / 20, 0.5)) * rate)
     starts = np.arange(0, len(ours) - length + 1, length)
     if len(starts) < FEWEST_WINDOWS:
-        raise UsageError(f"{name}: {len(starts)} windows are too few to compare clocks; record longer; {COMMON}")
+        raise UsageError(
+            f"{name}: {len(starts)} windows are too few to compare clocks; record longer; {COMMON}", kind="too-short"
+        )
     centres, delays, weights, period = list[float](), list[float](), list[float](), 0.0
     # The starts of both records are the first guess; each window corrects it for the next.
     guess = second.start - first.start
@@ -370,7 +379,8 @@ def signal_clocks(first: Recording, second: Recording, name: str, *, seconds: fl
     if len(centres) < FEWEST_WINDOWS:
         raise UsageError(
             f"{name}: the two records correlate in {len(centres)} of {len(starts)} windows, less than "
-            f"{LEAST_CORRELATION:g} in the others; they have too little in common to compare their clocks; {COMMON}"
+            f"{LEAST_CORRELATION:g} in the others; they have too little in common to compare their clocks; {COMMON}",
+            kind="no-common-time",
         )
     return clocks_of_delays(np.array(centres), np.array(delays), np.array(weights), period, name)
 

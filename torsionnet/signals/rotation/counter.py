@@ -63,11 +63,21 @@ class PulseReading(Declared):
 
     def contradictions(self) -> list[Fault]:
         if self.tick is not None and self.clock is not None:
-            return [Fault("tick and clock say the same thing; leave one out", ("clock",))]
+            return [Fault("tick and clock say the same thing; leave one out", ("clock",), kind="contradicting-entries")]
         if self.bits is not None and self.tick is None and self.clock is None:
-            return [Fault("a counter of so many bits needs the time of its tick, or its clock", ("bits",))]
+            return [
+                Fault(
+                    "a counter of so many bits needs the time of its tick, or its clock",
+                    ("bits",),
+                    kind="missing-entry",
+                )
+            ]
         if self.seconds is not None and self.is_of_a_signal:
-            return [Fault("a counter has no level, hysteresis, edge, pickup or second track", ("tick",))]
+            return [
+                Fault(
+                    "a counter has no level, hysteresis, edge, pickup or second track", ("tick",), kind="needless-entry"
+                )
+            ]
         return []
 
     @property
@@ -159,12 +169,13 @@ def _numbers(name: str, values: ArrayLike) -> FloatArray:
     known = np.flatnonzero(finite)
     last = int(known[-1]) + 1 if len(known) else 0
     if not last:
-        raise UsageError(f"{name}: there are no pulses, none of its {len(raw)} values is a number")
+        raise UsageError(f"{name}: there are no pulses, none of its {len(raw)} values is a number", kind="lost-pulses")
     missing = np.flatnonzero(~finite[:last])
     if len(missing):
         places = comma_list([f"{place}" for place in missing], MOST_LISTED)
         raise UsageError(
-            f"{name}: values among the pulses are no numbers, {len(missing)} of them: pulses {places}; mend the record"
+            f"{name}: values among the pulses are no numbers, {len(missing)} of them: pulses {places}; mend the record",
+            kind="not-a-number",
         )
     return raw[:last]
 
@@ -176,7 +187,8 @@ def _rising(name: str, times: FloatArray) -> FloatArray:
         raise UsageError(
             f"{name}: times of pulses have to rise, {times[at + 1]:.9g} s follows {times[at]:.9g} s at pulse {at + 1}; "
             "if the channel holds the counts of a clock, give its tick or clock and its bits; if it is the signal of "
-            "the teeth itself, give its level"
+            "the teeth itself, give its level",
+            kind="unordered-rows",
         )
     return times
 
@@ -186,12 +198,14 @@ def _whole(name: str, raw: FloatArray) -> FloatArray:
     if len(off):
         raise UsageError(
             f"{name}: counts are whole numbers, pulse {off[0]} has {raw[off[0]]:.9g}; if these are times, leave tick, "
-            "clock and bits out"
+            "clock and bits out",
+            kind="wrong-form",
         )
     if float(np.abs(raw).max()) > LARGEST_EXACT:
         raise UsageError(
             f"{name}: counts above 2^53, as {np.abs(raw).max():.6g}, are no longer exact; take the first count off "
-            "all of them before export"
+            "all of them before export",
+            kind="too-large",
         )
     return raw
 
@@ -205,7 +219,8 @@ def _unwrapped(name: str, counts: FloatArray, reading: PulseReading) -> tuple[Fl
             likely = next(bits for bits in USUAL_BITS if largest < 2.0**bits)
             raise UsageError(
                 f"{name}: the count falls from {counts[at]:.0f} to {counts[at + 1]:.0f} after pulse {at}, as that of a "
-                f"counter that is full and begins again; give its bits ({likely} if it wraps at {2**likely})"
+                f"counter that is full and begins again; give its bits ({likely} if it wraps at {2**likely})",
+                kind="wrapped-count",
             )
         return counts, []
     span = 2.0**reading.bits
@@ -218,7 +233,8 @@ def _unwrapped(name: str, counts: FloatArray, reading: PulseReading) -> tuple[Fl
     if len(beyond):
         raise UsageError(
             f"{name}: a counter of {reading.bits} bits counts from 0 to {span - 1:.0f}, pulse {beyond[0]} has "
-            f"{counts[beyond[0]]:.0f}; correct bits"
+            f"{counts[beyond[0]]:.0f}; correct bits",
+            kind="contradicting-values",
         )
     # A fall is one wrap of 2^n counts; that there were more cannot be seen from the counts.
     steps = np.diff(counts)
@@ -255,7 +271,8 @@ def _check_wraps(name: str, steps: FloatArray, span: float, reading: PulseReadin
         f"{name}: around pulse {pulse} the interval jumps from {before[at[0]] * seconds:.4g} to "
         f"{after[at[0]] * seconds:.4g} s: the counter of {reading.bits} bits wraps after {span * seconds:.4g} s, and "
         f"has wrapped more often than its counts show; cut the record where it has more than "
-        f"{1 / (span * seconds):.4g} pulses a second, or take a wider counter or a slower clock"
+        f"{1 / (span * seconds):.4g} pulses a second, or take a wider counter or a slower clock",
+        kind="wrapped-count",
     )
 
 

@@ -57,9 +57,12 @@ class CalculatedOrders:
     def __post_init__(self) -> None:
         shape = (len(self.orders), len(self.speeds))
         if self.known.shape != shape or self.shapes.shape[1:] != shape or self.shapes.ndim != 3:
-            raise UsageError(f"calculated orders have a value for each of {shape[0]} orders and {shape[1]} speeds")
+            raise UsageError(
+                f"calculated orders have a value for each of {shape[0]} orders and {shape[1]} speeds",
+                kind="wrong-count",
+            )
         if len(self.speeds) > 1 and not (np.diff(self.speeds) > 0).all():
-            raise UsageError("the speeds of calculated orders have to rise")
+            raise UsageError("the speeds of calculated orders have to rise", kind="unordered-rows")
 
     def place(self, order: float) -> int | None:
         """Index of an order of the reference shaft, None where it was not calculated."""
@@ -76,12 +79,13 @@ class CalculatedOrders:
         """
         place = self.place(order)
         if place is None:
-            raise UsageError(f"order {order:g} was not calculated")
+            raise UsageError(f"order {order:g} was not calculated", kind="unknown-order")
         low, high = self.speeds[0] * (1 - SPEED_MARGIN), self.speeds[-1] * (1 + SPEED_MARGIN)
         if speeds.min() < low or speeds.max() > high:
             raise UsageError(
                 f"the test turns at {speeds.min() * RPM:.4g} to {speeds.max() * RPM:.4g} rpm, but orders were "
-                f"calculated for {self.speeds[0] * RPM:.4g} to {self.speeds[-1] * RPM:.4g} rpm"
+                f"calculated for {self.speeds[0] * RPM:.4g} to {self.speeds[-1] * RPM:.4g} rpm",
+                kind="beyond-table",
             )
         # From the zero of the calculation to tooth 0: X exp(j o zero).
         turning = np.exp(1j * order * self.zero)

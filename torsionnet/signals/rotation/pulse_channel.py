@@ -55,7 +55,9 @@ class PulseChannel:
         steps = np.diff(self.times)
         if not np.isfinite(self.times).all() or (steps <= 0).any():
             at = int(np.flatnonzero(~(steps > 0))[0]) + 1 if not (steps > 0).all() else 0
-            raise UsageError(f"{self.name}: times of pulses are finite and rise; pulse {at} does not")
+            raise UsageError(
+                f"{self.name}: times of pulses are finite and rise; pulse {at} does not", kind="unordered-rows"
+            )
 
     @property
     def unit(self) -> str:

@@ -81,7 +81,8 @@ def quadrature_pulses(
     kinds = np.repeat(np.arange(EDGES), [len(first[0]), len(second[0]), len(first[1]), len(second[1])])
     if len(times) <= 2 * EDGES or len(np.unique(kinds)) < EDGES:
         raise UsageError(
-            f"{name}: a track has no edges that rise and fall, and two tracks are needed for the direction"
+            f"{name}: a track has no edges that rise and fall, and two tracks are needed for the direction",
+            kind="missing-data",
         )
     order = np.argsort(times, kind="stable")
     times, kinds = times[order], kinds[order]
@@ -98,7 +99,8 @@ def quadrature_pulses(
     if np.count_nonzero(lost) > len(lost) // 2 or apart < LEAST_APART:
         raise UsageError(
             f"{name}: the two tracks do not change in turn: the second is not a quarter pitch further, or not of "
-            "the same teeth"
+            "the same teeth",
+            kind="unfit-wheel",
         )
     # Quarter pitches counted with their sign; whole pitches follow at one flank of the first track.
     steps = np.concatenate([[flanks[0]], usual + signs[1:] * lost]).cumsum()
@@ -166,7 +168,8 @@ def refuse_turning_back(times: FloatArray, name: str) -> None:
         raise UsageError(
             f"{name}: the shaft stands still around {times[place]:.6g} s, pulse {place}: whether it turns on or back, "
             "the pulses of one track do not tell; record a second track a quarter pitch further (second:), or cut the "
-            "record there"
+            "record there",
+            kind="turning-back",
         )
 
 

@@ -64,7 +64,7 @@ def rotations_of_wheels(
             pattern = (patterns or {}).get(name)
             found[name] = wheel_rotation(wheel_pulses(recording, name, wheel), wheel, pattern, index=pulses)
         except UsageError as error:
-            faults.append(Fault(str(error)))
+            faults.append(error.fault)
     if faults:
         raise ModelError(faults, recording.title or "record")
     return found
@@ -180,14 +180,17 @@ def angle_record(
     first, last = max(one.times[0] for one in wheels), min(one.times[-1] for one in wheels)
     if not last > first:
         spans = "; ".join(f"{one.name} from {one.times[0]:.6g} to {one.times[-1]:.6g} s" for one in wheels)
-        raise UsageError(f"the pulses have no time in common: {spans}")
+        raise UsageError(f"the pulses have no time in common: {spans}", kind="no-common-time")
     kept = recording.select(keep) if keep else replace(recording, signals=(), times=None)
     notes = list(recording.notes)
     if keep:
         times = kept.time
         inside = (times >= first) & (times <= last)
         if not inside.any():
-            raise UsageError(f"no sample of {keep[0]} lies between first and last pulse, {first:.6g} and {last:.6g} s")
+            raise UsageError(
+                f"no sample of {keep[0]} lies between first and last pulse, {first:.6g} and {last:.6g} s",
+                kind="no-common-time",
+            )
         if not inside.all():
             notes.append(f"cut to where there are pulses: from {times[inside][0]:.6g} to {times[inside][-1]:.6g} s")
         times = times[inside]
@@ -285,7 +288,8 @@ def tooth_by_difference(first: WheelRotation, second: WheelRotation, phase: floa
     if gcd(one, two) > 1:
         raise UsageError(
             f"{first.name} and {second.name}: {one} and {two} teeth have the common divisor {gcd(one, two)}, so that "
-            "their difference returns within a turn; take counts without one, as 60 and 61"
+            "their difference returns within a turn; take counts without one, as 60 and 61",
+            kind="contradicting-values",
         )
     shares = _shares(first, second, int(first.numbers[0]))
     # The phase goes on by n_2/n_1 of a pitch per tooth: all differ where the numbers have no common divisor.
@@ -297,7 +301,8 @@ def tooth_by_difference(first: WheelRotation, second: WheelRotation, phase: floa
         raise UsageError(
             f"{first.name} and {second.name}: the phase of the two is {away[best]:.2f} of a step beside tooth {best}, "
             "and the next tooth fits about as well: the phase is from another assembly, or errors of the teeth are "
-            "larger than a quarter of a step"
+            "larger than a quarter of a step",
+            kind="ambiguous-tooth",
         )
     return best
 
@@ -307,12 +312,13 @@ def _shares(first: WheelRotation, second: WheelRotation, number: int) -> FloatAr
     inside = (first.times >= second.times[0]) & (first.times <= second.times[-1])
     times, numbers = first.times[inside], first.numbers[inside] - number
     if len(times) < 2:
-        raise UsageError(f"{first.name} and {second.name} have no time in common")
+        raise UsageError(f"{first.name} and {second.name} have no time in common", kind="no-common-time")
     # Less n_2/n_1 pitches for each tooth the phase is constant.
     pitches = second.rotation.at(times) - numbers * second.wheel.teeth / first.wheel.teeth
     if np.ptp(pitches) > 1:
         raise UsageError(
             f"{first.name} and {second.name}: their teeth drift apart by {np.ptp(pitches):.2f} pitches: they are not "
-            "on one shaft, or their numbers of teeth are wrong"
+            "on one shaft, or their numbers of teeth are wrong",
+            kind="unfit-wheel",
         )
     return np.asarray(pitches % 1)

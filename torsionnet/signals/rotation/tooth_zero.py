@@ -43,7 +43,8 @@ def tooth_after_gap(found: Pulses, wheel: Wheel, name: str) -> tuple[int | None,
     if found.period and wheel.teeth % found.period:
         raise UsageError(
             f"{name}: pulses are missing every {found.period} pulses, a wheel with a gap, of {found.period} teeth with "
-            f"the missing ones; give this number instead of {wheel.teeth}"
+            f"the missing ones; give this number instead of {wheel.teeth}",
+            kind="unfit-wheel",
         )
     returning = _returning_gaps(found, wheel.teeth)
     fitting = [after for after, missing in returning if missing == wheel.missing_teeth]
@@ -55,7 +56,8 @@ def tooth_after_gap(found: Pulses, wheel: Wheel, name: str) -> tuple[int | None,
             give = f"missing_teeth: {missing}" if len(returning) == 1 else f"pattern: {gaps}"
             raise UsageError(
                 f"{name}: {missing} pulses are missing in every turn of {wheel.teeth}, first after pulse {after}: give "
-                f"{give} if the wheel has a gap there, or another number of teeth"
+                f"{give} if the wheel has a gap there, or another number of teeth",
+                kind="unfit-wheel",
             )
         return None, ""
     turns = int(found.numbers[-1]) // wheel.teeth
@@ -63,13 +65,15 @@ def tooth_after_gap(found: Pulses, wheel: Wheel, name: str) -> tuple[int | None,
         places = " and ".join(f"after pulse {after} of the record" for after in fitting)
         raise UsageError(
             f"{name}: there are {len(fitting)} gaps of {wheel.missing_teeth} teeth in every turn, {places}: which "
-            f"is the gap cannot be told; if it has them all, give pattern: {gaps} in place of missing_teeth"
+            f"is the gap cannot be told; if it has them all, give pattern: {gaps} in place of missing_teeth",
+            kind="ambiguous-tooth",
         )
     if not fitting:
         few = f" in the {turns} turns of the record, of which {FEWEST_TURNS} are needed" if turns < FEWEST_TURNS else ""
         raise UsageError(
             f"{name}: no gap of {wheel.missing_teeth} missing teeth returns every {wheel.teeth} pulses{few}; gaps "
-            f"that return there: {shown}. Give the numbers of the wheel: teeth counts the missing ones, too"
+            f"that return there: {shown}. Give the numbers of the wheel: teeth counts the missing ones, too",
+            kind="unfit-wheel",
         )
     first = int(fitting[0]) + wheel.missing_teeth + 1
     text = f"gap of {wheel.missing_teeth} teeth found in {turns} turns, first after pulse {fitting[0]} of the record"
@@ -121,7 +125,8 @@ def tooth_after_index(rotation: Rotation, times: FloatArray, index: PulseChannel
     if len(inside) < 2:
         raise UsageError(
             f"{name}: the index {index.name} has {len(inside)} pulses from {times[0]:.6g} to {times[-1]:.6g} s, and "
-            "2 are needed to compare them with the teeth; take a longer record"
+            "2 are needed to compare them with the teeth; take a longer record",
+            kind="lost-pulses",
         )
     places = rotation.at(inside)
     # Mean on the circle, as places around tooth 0 lie at both ends of a turn.
@@ -133,7 +138,8 @@ def tooth_after_index(rotation: Rotation, times: FloatArray, index: PulseChannel
         raise UsageError(
             f"{name}: from pulse to pulse of the index {index.name} there are {each.min():.2f} to {each.max():.2f} "
             f"pulses, not whole turns of {teeth}: the number of teeth is wrong, the index belongs to another shaft, or "
-            "has lost or double pulses"
+            "has lost or double pulses",
+            kind="unfit-wheel",
         )
     # Tooth 0 is pulse ceil(place) after the first one, so that the first one is tooth -ceil(place).
     return int(-np.ceil(mean - EDGE_TOLERANCE)) % teeth

@@ -166,13 +166,16 @@ def best_shift(name: str, positions: FloatArray, seen: FloatArray) -> int:
     # Circular correlation over the teeth, by the product of the spectra, at each shift of one against the other.
     fits = np.fft.irfft(own * other.conj(), len(positions)) * len(positions) / 2 / size if size > 0 else None
     if fits is None:
-        raise UsageError(f"{name}: the pattern is the same at every tooth, and says not which is the first")
+        raise UsageError(
+            f"{name}: the pattern is the same at every tooth, and says not which is the first", kind="ambiguous-tooth"
+        )
     best, second = np.argsort(fits)[[-1, -2]]
     if fits[best] < LEAST_CORRELATION or fits[best] - fits[second] < LEAST_LEAD:
         raise UsageError(
             f"{name}: the pattern fits the record by a correlation of {fits[best]:.2f} with its tooth {best} first and "
             f"{fits[second]:.2f} with tooth {second}: which is the first cannot be told; record an index pulse, or "
-            "calibrate from this record itself"
+            "calibrate from this record itself",
+            kind="ambiguous-tooth",
         )
     return int(best)
 
@@ -214,4 +217,4 @@ def check_pattern(name: str, wheel: Wheel, pattern: WheelPattern) -> None:
             f"{senses[wheel.reversed]}: the pickup sees the other edges in the other sequence; calibrate in this sense"
         )
     if faults:
-        raise UsageError(f"{name}: {'; '.join(faults)}")
+        raise UsageError(f"{name}: {'; '.join(faults)}", kind="wrong-form")

@@ -112,18 +112,23 @@ def stated_places(text: str, teeth: int) -> ToothPlaces:
         there = np.concatenate([np.full(number, not missing) for number, missing in runs])
         if len(there) != teeth or there.sum() < 2:
             raise UsageError(
-                f"the pattern has {len(there)} places, {there.sum()} with teeth; teeth: {teeth} counts both"
+                f"the pattern has {len(there)} places, {there.sum()} with teeth; teeth: {teeth} counts both",
+                kind="wrong-count",
             )
         places = np.flatnonzero(there)
         return ToothPlaces(teeth, places, np.zeros(len(places)))
     if not _ANGLES.fullmatch(text.strip()):
         raise UsageError(
             f"{text!r} is neither runs of teeth, as '16 teeth, 2 missing, 10 teeth, 2 missing', nor angles, as "
-            "'0, 80, 180, 270 deg'"
+            "'0, 80, 180, 270 deg'",
+            kind="wrong-form",
         )
     turns = np.array([float(angle) for angle in re.findall(r"[\d.]+", text)]) / 360
     if len(turns) != teeth or (np.diff(turns) <= 0).any() or turns[-1] - turns[0] >= 1:
-        raise UsageError(f"the pattern has {len(turns)} angles, for {teeth} teeth; they have to rise within one turn")
+        raise UsageError(
+            f"the pattern has {len(turns)} angles, for {teeth} teeth; they have to rise within one turn",
+            kind="wrong-count",
+        )
     turns -= turns[0]
     # The fewest even places of a turn on which each edge nearly falls.
     for count in range(teeth, MOST_PLACES + 1):
@@ -131,7 +136,7 @@ def stated_places(text: str, teeth: int) -> ToothPlaces:
         offsets = turns * count - places
         if (np.diff(places) > 0).all() and np.abs(offsets).max() <= NEAREST_PLACE:
             return ToothPlaces(count, places, offsets)
-    raise UsageError(f"edges of the pattern are nearer than {360 / MOST_PLACES:g} degrees")
+    raise UsageError(f"edges of the pattern are nearer than {360 / MOST_PLACES:g} degrees", kind="out-of-range")
 
 
 def runs_in_words(gaps: Iterable[tuple[int, int]], teeth: int) -> str:
@@ -178,7 +183,7 @@ def matched_pulses(times: FloatArray, teeth: ToothPlaces) -> tuple[NDArray[np.in
     intervals = np.log(np.diff(times))
     compared = intervals[: COMPARED_TURNS * count]
     if len(compared) < 2 * count:
-        raise UsageError(f"{len(times)} pulses are too few to match a pattern of {count} teeth")
+        raise UsageError(f"{len(times)} pulses are too few to match a pattern of {count} teeth", kind="too-short")
     tooth = np.arange(len(compared))
     # A pattern that repeats within a turn is the same from each repetition on: only its own teeth are tried.
     firsts = range(count // teeth.repeats)
@@ -191,7 +196,8 @@ def matched_pulses(times: FloatArray, teeth: ToothPlaces) -> tuple[NDArray[np.in
         raise UsageError(
             f"the pulses do not tell which tooth of the pattern comes first: intervals over those of the teeth "
             f"scatter by {100 * own:.2g} % with tooth {first} and {100 * others.min():.2g} % with another; is it the "
-            "pattern of this wheel?"
+            "pattern of this wheel?",
+            kind="ambiguous-tooth",
         )
     # By that tooth through the whole record: a jump is a pulse that is lost or too many.
     tooth = np.arange(len(times)) + first
@@ -200,7 +206,8 @@ def matched_pulses(times: FloatArray, teeth: ToothPlaces) -> tuple[NDArray[np.in
         at = int(np.argmax(change > np.log(LARGEST_CHANGE))) + 1
         raise UsageError(
             f"from pulse {at} at {times[at]:.6g} s on the pulses do not follow the pattern: one is lost or too "
-            "many; cut the record there"
+            "many; cut the record there",
+            kind="lost-pulses",
         )
     return tooth // count * teeth.count + teeth.places[tooth % count], teeth.offsets[tooth % count]
 
@@ -229,13 +236,25 @@ class Wheel(Declared):
 
     def contradictions(self) -> list[Fault]:
         if self.missing_teeth and self.missing_teeth >= self.teeth - 1:
-            return [Fault(f"a wheel of {self.teeth} teeth cannot lack {self.missing_teeth}", ("missing_teeth",))]
+            return [
+                Fault(
+                    f"a wheel of {self.teeth} teeth cannot lack {self.missing_teeth}",
+                    ("missing_teeth",),
+                    kind="contradicting-values",
+                )
+            ]
         try:
             stated = self.stated
         except UsageError as error:
-            return [Fault(str(error), ("pattern",))]
+            return [error.fault.under("pattern")]
         if stated and self.missing_teeth:
-            return [Fault("the pattern states the gaps already; leave missing_teeth out", ("missing_teeth",))]
+            return [
+                Fault(
+                    "the pattern states the gaps already; leave missing_teeth out",
+                    ("missing_teeth",),
+                    kind="contradicting-entries",
+                )
+            ]
         return []
 
     @property
@@ -309,7 +328,9 @@ class WheelPattern:
 
     def __post_init__(self) -> None:
         if len(self.positions) < 2 or len(self.positions) != len(self.half_widths):
-            raise UsageError("a pattern has a position and a half width for each tooth, two teeth or more")
+            raise UsageError(
+                "a pattern has a position and a half width for each tooth, two teeth or more", kind="wrong-form"
+            )
 
     @property
     def teeth(self) -> int:

@@ -129,14 +129,17 @@ def calibrate_wheel(
     (0.1, (4,))
     """
     if not tests:
-        raise UsageError("a calibration needs a record at least")
+        raise UsageError("a calibration needs a record at least", kind="missing-entry")
     paired = [test.second is not None for test in tests]
     if any(paired) and pickup_angle is None:
-        raise UsageError("two pickups need the angle between them, to better than half a pitch")
+        raise UsageError("two pickups need the angle between them, to better than half a pitch", kind="missing-entry")
     if any(paired) and not all(paired):
-        raise UsageError("give the second pickup in each record, or in none")
+        raise UsageError("give the second pickup in each record, or in none", kind="missing-entry")
     if wheel.stated:
-        raise UsageError("a calibration needs a wheel of even teeth with one gap at most; its pattern states others")
+        raise UsageError(
+            "a calibration needs a wheel of even teeth with one gap at most; its pattern states others",
+            kind="unfit-wheel",
+        )
     orders = order_set(wheel, cycle)
     rotations = _aligned(tests, [_rotation(test, wheel) for test in tests], wheel, pickup_angle)
     between = (pickup_angle or 0.0) % (2 * np.pi)
@@ -199,7 +202,8 @@ def _rotation(test: WheelTest, wheel: Wheel) -> WheelRotation:
     if found.backwards or isinstance(found.rotation, ReversingRotation):
         raise UsageError(
             f"{found.name}: by its second track the wheel turns back{'wards' * found.backwards}; a calibration needs "
-            "records in one sense: cut the record, exchange the tracks, or give the ratio a minus sign"
+            "records in one sense: cut the record, exchange the tracks, or give the ratio a minus sign",
+            kind="turning-back",
         )
     return found
 
@@ -224,7 +228,8 @@ def _aligned(
     if angle is None or tests[0].second is None:
         raise UsageError(
             f"in {len(tests)} records the first tooth is another one each time, and one pickup cannot find it: record "
-            "an index pulse once per turn, or calibrate from a run-up in one record, or with a second pickup"
+            "an index pulse once per turn, or calibrate from a run-up in one record, or with a second pickup",
+            kind="ambiguous-tooth",
         )
     alone = [
         calibrate_wheel([test], wheel, pickup_angle=angle, widest=np.inf).pattern.positions for test in tests
@@ -334,7 +339,8 @@ def _refuse_small_range(rows: Sequence[PitchOrder], stack: Stack) -> None:
         raise UsageError(
             f"the range of speeds, {stack.range_text}, is too small for a calibration with one pickup: at one speed "
             "the pattern cannot be told from vibration of whole orders; record several speeds or a run-up, add a "
-            "second pickup on the wheel (at 114 degrees it sees orders 1 to 12), or give calculated orders of a model"
+            "second pickup on the wheel (at 114 degrees it sees orders 1 to 12), or give calculated orders of a model",
+            kind="unfit-order",
         )
 
 
@@ -343,7 +349,8 @@ def _refuse_single_window(rows: Sequence[PitchOrder], stack: Stack, revolutions:
     if len(stack.first) == 1 and all(row.half_width > widest for row in rows):
         raise UsageError(
             f"one window of {revolutions} revolutions tells no order of the pattern, as its scatter is known from two "
-            f"on; record {2 * revolutions + 1} revolutions or more, or several records"
+            f"on; record {2 * revolutions + 1} revolutions or more, or several records",
+            kind="too-short",
         )
 
 

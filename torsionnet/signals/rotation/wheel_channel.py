@@ -68,13 +68,16 @@ def wheel_pulses(recording: Recording, name: str, reading: PulseReading) -> Puls
             raise UsageError(
                 f"{name}: the record holds times of its pulses, and {reading.second} tells the direction only where "
                 "both tracks were sampled: of times the flank that falls is missing; leave second out, and cut the "
-                "record where the shaft turns back"
+                "record where the shaft turns back",
+                kind="missing-data",
             )
         return stored[name]
     if name not in recording.names:
         known = [*stored, *recording.names]
         hint = did_you_mean(name, known)
-        raise UsageError(f'no channel is named "{name}"{hint}; there is {", ".join(known) or "none"}')
+        raise UsageError(
+            f'no channel is named "{name}"{hint}; there is {", ".join(known) or "none"}', kind="unknown-channel"
+        )
     values, times = recording[name].values, recording.time
     if not reading.is_of_a_signal and holds_pulse_times(values):
         return PulseChannel(name, values, notes=("times of pulses as recorded",))
@@ -96,7 +99,7 @@ def _flanks(name: str, values: FloatArray, times: FloatArray, reading: PulseRead
             pickup="inductive" if reading.pickup == "inductive" else "switching",
         )  # fmt: skip
     except UsageError as error:
-        raise UsageError(f"{name}: {error}") from None
+        raise UsageError(f"{name}: {error}", kind=error.kind) from None
 
 
 def _refuse_growing(name: str, values: FloatArray) -> None:
@@ -107,7 +110,8 @@ def _refuse_growing(name: str, values: FloatArray) -> None:
         raise UsageError(
             f"{name}: the signal of the teeth is between {min(heights):.3g} and {max(heights):.3g} high along the "
             "record, as that of an inductive pickup, which grows with the speed: read it as such (pickup: inductive), "
-            "or cut the record to where the shaft turns"
+            "or cut the record to where the shaft turns",
+            kind="disturbed-signal",
         )
 
 

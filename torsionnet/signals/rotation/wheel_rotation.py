@@ -172,7 +172,8 @@ class WheelRotation:
         raise UsageError(
             f"{self.name}: order{'s' * (len(beyond) > 1)} {listed}: {self.wheel.teeth} teeth tell orders up to "
             f"{self.highest_order:.4g}, and from {self.alias_order:g} on orders alias{alias}; leave them out, or take "
-            "a wheel or encoder of more teeth, or a second pickup that sees the teeth half a pitch later"
+            "a wheel or encoder of more teeth, or a second pickup that sees the teeth half a pitch later",
+            kind="beyond-sampling",
         )
 
 
@@ -260,7 +261,7 @@ def wheel_rotation(
 
 
 def _named(error: UsageError, channel: PulseChannel, wheel: Wheel) -> UsageError:
-    return UsageError(f"{channel.name}: {error}{lobes_in_words(channel.times, wheel.teeth)}")
+    return UsageError(f"{channel.name}: {error}{lobes_in_words(channel.times, wheel.teeth)}", kind=error.kind)
 
 
 def _repaired(channel: PulseChannel, wheel: Wheel) -> Pulses:
@@ -305,7 +306,8 @@ def _of_pulses(
         raise UsageError(
             f"{channel.name}: every second pulse stands {rotation.alternation:.2g} pitches beside the middle of its "
             "neighbours: are rising and falling flanks both counted? take one kind (edge: rising), or give the pattern "
-            f"of the wheel{lobes_in_words(found.times, wheel.teeth)}"
+            f"of the wheel{lobes_in_words(found.times, wheel.teeth)}",
+            kind="unfit-wheel",
         )
     deviations = _deviations(channel, wheel, pattern, found.times, found.numbers, offsets)
     numbers = found.numbers + first if first else found.numbers
@@ -340,7 +342,8 @@ def _reversing(channel: DirectedPulses, wheel: Wheel, pattern: WheelPattern | No
     if wheel.missing_teeth:
         raise UsageError(
             f"{channel.name}: the shaft turns back, and the gap of {wheel.missing_teeth} missing teeth cannot be told "
-            "from a standstill; cut the record where it turns back"
+            "from a standstill; cut the record where it turns back",
+            kind="turning-back",
         )
     numbers = channel.numbers + (first or 0)
     offsets = 0.0 if pattern is None else _offsets(pattern, numbers, channel.name)
@@ -359,7 +362,9 @@ def _offsets(pattern: WheelPattern, numbers: NDArray[np.intp], name: str) -> Flo
     """Pitches by which each pulse stands beyond its place."""
     pitch = 2 * np.pi / pattern.teeth
     if np.abs(pattern.positions).max() >= pitch / 2:
-        raise UsageError(f"{name}: teeth of the pattern stand half a pitch or more beyond their places, in rad?")
+        raise UsageError(
+            f"{name}: teeth of the pattern stand half a pitch or more beyond their places, in rad?", kind="wrong-unit"
+        )
     return np.asarray(pattern.positions[numbers % pattern.teeth] / pitch)
 
 

@@ -77,10 +77,12 @@ def dialect_of(lines: Iterable[str], file: str, separator: str | None, decimal: 
     number, word = said.get("Separator", (1, ""))
     known = SEPARATORS.get(word.casefold())
     if word and known is None and separator is None:
-        raise line_error(f'Separator is "{word}"; expected Tab, Comma or Semicolon', file, number)
+        raise line_error(f'Separator is "{word}"; expected Tab, Comma or Semicolon', file, number, kind="unknown-word")
     sign = decimal or said.get("Decimal_Separator", (0, "."))[1] or ","
     if sign not in (".", ","):
-        raise line_error(f'Decimal_Separator is "{sign}"; expected . or ,', file, said["Decimal_Separator"][0])
+        raise line_error(
+            f'Decimal_Separator is "{sign}"; expected . or ,', file, said["Decimal_Separator"][0], kind="unknown-word"
+        )
     chosen = separator or known or between
     if chosen == sign:
         raise line_error(
@@ -88,14 +90,15 @@ def dialect_of(lines: Iterable[str], file: str, separator: str | None, decimal: 
             f"{remedy('separator=')} and {remedy('decimal=')}",
             file,
             number,
+            kind="contradicting-values",
         )
     return Dialect(chosen, sign)
 
 
-def line_error(text: str, file: str, line: int, source: str = "") -> ModelError:
+def line_error(text: str, file: str, line: int, source: str = "", *, kind: str) -> ModelError:
     """Error on a line of a text file, with the position of that line."""
     position = Position(file, line, 1, 2, source.rstrip()[:200].replace("\t", " "))
-    return ModelError([Fault(text, position=position)], file)
+    return ModelError([Fault(text, position=position, kind=kind)], file)
 
 
 LARGEST_NUMBER = 1e15
@@ -161,18 +164,18 @@ def next_segment(lines: HeadedLines, file: str, dialect: Dialect, *, is_first: b
             whole = True
         elif key == X_VALUE:
             if whole and ends < 2:
-                raise line_error(_no_end(ends), file, lines.number, line)
+                raise line_error(_no_end(ends), file, lines.number, line, kind="wrong-file")
             return _segment(file, dialect, entries, _Entry(lines.number, [key, *cells], line))
         elif key in SEGMENT_KEYS and whole and not ends:
-            raise line_error(_no_end(0), file, lines.number, line)
+            raise line_error(_no_end(0), file, lines.number, line, kind="wrong-file")
         elif dialect.is_data(line):
             raise line_error(f"numbers begin without a row of names above them that begins with {X_VALUE}", file,
-                           lines.number, line)  # fmt: skip
+                           lines.number, line, kind="wrong-file")  # fmt: skip
         elif key:
             entries[key] = _Entry(lines.number, cells, line)
     if is_first or entries:
         text = f"the file ends within its header: no row of names follows that begins with {X_VALUE}"
-        raise line_error(text, file, max(lines.number, 1))
+        raise line_error(text, file, max(lines.number, 1), kind="wrong-file")
     return None
 
 
@@ -193,7 +196,7 @@ def _segment(file: str, dialect: Dialect, entries: Mapping[str, _Entry], heading
     if channels is not None and channels != len(columns):
         said = entries["Channels"].line
         text = f"the row of names has {len(columns)} channel{'s' * (len(columns) != 1)}, Channels in line {said} says"
-        faults.append(Fault(f"{text} {channels}; columns were lost or added", position=place))
+        faults.append(Fault(f"{text} {channels}; columns were lost or added", position=place, kind="wrong-count"))
     pairs = [split_heading(cells[at]) for at in columns]
     labels = _cells(entries, "Y_Unit_Label", len(columns))
     units = tuple(label or unit for label, (_, unit) in zip(labels, pairs, strict=True))
@@ -204,19 +207,23 @@ def _segment(file: str, dialect: Dialect, entries: Mapping[str, _Entry], heading
     for at, what in enumerate(entries["X_Dimension"].cells if "X_Dimension" in entries else (), 1):
         if what and what.casefold() != "time":
             text = f"the values are over {what}; only values over time can be read as a recording"
-            faults.append(Fault(text, position=entries["X_Dimension"].place(file, dialect.separator, at)))
+            faults.append(
+                Fault(text, position=entries["X_Dimension"].place(file, dialect.separator, at), kind="wrong-file")
+            )
     intervals = _numbers(entries.get("Delta_X"), "Delta_X", file, dialect, faults)
     starts = _numbers(entries.get("X0"), "X0", file, dialect, faults)
     for at, value in intervals:
         if not value > 0:
             text = f"Delta_X is {value:g} s; the time between two samples is positive"
-            faults.append(Fault(text, position=entries["Delta_X"].place(file, dialect.separator, at)))
+            faults.append(
+                Fault(text, position=entries["Delta_X"].place(file, dialect.separator, at), kind="out-of-range")
+            )
     for what, found in (("Delta_X", intervals), ("X0", starts)):
         odd = next(((at, value) for at, value in found if value != found[0][1]), None)
         if odd is not None:
             text = f"channels have {what} of {found[0][1]:g} and {odd[1]:g} s: they were not sampled together"
             position = entries[what].place(file, dialect.separator, odd[0])
-            faults.append(Fault(f"{text}; save them in files of their own", position=position))
+            faults.append(Fault(f"{text}; save them in files of their own", position=position, kind="unlike-results"))
     near = UNIFORM_TOLERANCE * (intervals[0][1] if intervals else 0.0)
     clocks = _cells(entries, "Time", len(columns))
     passed = [(_clock(cell) or 0.0) - (_clock(clocks[0]) or 0.0) if cell else 0.0 for cell in clocks]
@@ -224,7 +231,7 @@ def _segment(file: str, dialect: Dialect, entries: Mapping[str, _Entry], heading
     if late is not None:
         text = f"channels began at {clocks[0]} and {clocks[late]}, as Time says: they were not sampled together"
         position = entries["Time"].place(file, dialect.separator, late + 1)
-        faults.append(Fault(f"{text}; save them in files of their own", position=position))
+        faults.append(Fault(f"{text}; save them in files of their own", position=position, kind="unlike-results"))
     samples = [int(value) for _, value in _numbers(entries.get("Samples"), "Samples", file, dialect, faults)]
     if faults:
         raise ModelError(faults, file)
@@ -263,6 +270,7 @@ def _numbers(
                 Fault(
                     f'{key}: "{cell}" is not a number up to {LARGEST_NUMBER:g}',
                     position=entry.place(file, dialect.separator, at),
+                    kind="not-a-number",
                 )
             )
     return found

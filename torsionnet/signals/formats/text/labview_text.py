@@ -31,7 +31,7 @@ def check_lengths(rows: NumberRows, channels: Sequence[FileChannel], file: str) 
     lengths = {channel.name: int(rows.filled[channel.column]) for channel in channels}
     if len(set(lengths.values())) > 1:
         sizes = ", ".join(f"{name} has {length}" for name, length in lengths.items())
-        raise ModelError([Fault(f"channels of different lengths: {sizes} values")], file)
+        raise ModelError([Fault(f"channels of different lengths: {sizes} values", kind="unlike-results")], file)
 
 
 class EmptyCells:
@@ -201,7 +201,9 @@ class _Reader:
         if missing:
             text = f"the file ends early: Samples says {samples} rows, there are {read % samples}"
             which = f" in block {read // samples + 1}" if read > samples else ""
-            raise ModelError([Fault(f"{text}{which}", position=Position(self.name, line, 1, 2))], self.name)
+            raise ModelError(
+                [Fault(f"{text}{which}", position=Position(self.name, line, 1, 2), kind="truncated-file")], self.name
+            )
 
     def _tell(self, segments: int) -> None:
         if self.seams:
@@ -223,14 +225,20 @@ class _Reader:
             if not np.array_equal(times[0], other, equal_nan=True):
                 text = f"{segment.names[number]} has other times than {segment.names[0]}: X_Value differs"
                 place = segment.heading
-                raise ModelError([Fault(f"{text}; save them in files of their own", position=place)], self.name)
+                raise ModelError(
+                    [Fault(f"{text}; save them in files of their own", position=place, kind="unlike-results")],
+                    self.name,
+                )
 
     def _check_alike(self, head: Segment, segment: Segment, number: int) -> None:
         if (segment.names, segment.units, segment.columns, segment.interval) != (
             head.names, head.units, head.columns, head.interval,
         ):  # fmt: skip
             text = f"segment {number} has other channels, units or Delta_X than segment 1 in line {head.line}"
-            raise ModelError([Fault(f"{text}; save them in files of their own", position=segment.heading)], self.name)
+            raise ModelError(
+                [Fault(f"{text}; save them in files of their own", position=segment.heading, kind="unlike-results")],
+                self.name,
+            )
 
 
 def _follows(first: Segment, segment: Segment, done: int) -> bool:

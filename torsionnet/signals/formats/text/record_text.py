@@ -213,10 +213,10 @@ def _notes(dialect: Dialect, encoding: str, preamble: int, heading: Headings) ->
 
 def _no_data(path: Path, lines: Sequence[str]) -> Fault:
     if not any(line.strip() for line in lines):
-        return Fault("the file is empty", position=Position(path.name, 1, 1, 1))
+        return Fault("the file is empty", position=Position(path.name, 1, 1, 1), kind="wrong-file")
     given = f"{remedy('separator=')} and {remedy('decimal=')}"
     text = f"found no rows of numbers in the first {len(lines)} lines; {given} may be given"
-    return Fault(text, position=Position(path.name, 1, 1, 1, lines[0].rstrip()[:200]))
+    return Fault(text, position=Position(path.name, 1, 1, 1, lines[0].rstrip()[:200]), kind="wrong-file")
 
 
 def _source(
@@ -320,7 +320,7 @@ def write(recording: Recording, path: Path) -> None:
     """Write a CSV file of a recording in SI, with a description, headings with units, a column of time, all digits."""
     if path.suffix.lower() == READ_ONLY_ENDING:
         words = f"{READ_ONLY_ENDING} files of LabVIEW are read only; write .tdms, which LabVIEW reads, or .csv"
-        raise UsageError(f'"{path.name}": {words}')
+        raise UsageError(f'"{path.name}": {words}', kind="wrong-file")
     check_names(recording)
     keys = plain_keys(recording.names, r"[^\w .:+-]| in ")
     units = [f"{key} [{signal.unit}]" if signal.unit else key for key, signal in zip(keys, recording, strict=True)]

@@ -15,7 +15,7 @@ import numpy as np
 from torsionnet.base.conventions import ANGLES, FREQUENCIES, Conventions
 from torsionnet.base.delimited.dialect import Dialect
 from torsionnet.base.delimited.number_rows import NumberRows
-from torsionnet.base.errors import Fault, ModelError, Position, did_you_mean
+from torsionnet.base.errors import Fault, FaultyValueError, ModelError, Position, did_you_mean
 from torsionnet.linear.frequency_response import SIGN_NOTE, FloatArray, FrequencyResponse
 from torsionnet.signals.formats.text.record_text import description_in, write_columns
 from torsionnet.signals.responses.response_description import (
@@ -64,7 +64,7 @@ class ColumnHeading:
     scale: float = 1.0
 
 
-class _HeadingError(ValueError):
+class _HeadingError(FaultyValueError):
     pass
 
 
@@ -77,28 +77,30 @@ def headings(line: str, separator: str, place: Position) -> list[ColumnHeading]:
             found.append(_heading(text.strip(), first=column == 0))
         except _HeadingError as error:
             start = line.find(text) + 1
-            faults.append(Fault(str(error), position=Position(place.file, place.line, start, start + len(text), line)))
-    faults += [Fault(text, position=place) for text in _incomplete(found)] if not faults else []
+            faults.append(error.fault.at(Position(place.file, place.line, start, start + len(text), line)))
+    faults += [fault.at(place) for fault in _incomplete(found)] if not faults else []
     if faults:
         raise ModelError(faults, place.file)
     return found
 
 
-def _incomplete(found: list[ColumnHeading]) -> list[str]:
+def _incomplete(found: list[ColumnHeading]) -> list[Fault]:
     kinds: dict[tuple[str, str], list[str]] = {}
     for heading in found:
         if heading.pair:
             kinds.setdefault(heading.pair, []).append(heading.kind)
-    faults = [] if kinds else [f"there is no frequency response; {EXPECTED}"]
+    faults = [] if kinds else [Fault(f"there is no frequency response; {EXPECTED}", kind="wrong-file")]
     for (output, driven), have in kinds.items():
         label = f"{output}/{driven}"
         if len(set(have)) < len(have):
-            faults.append(f"{label} has two columns of one kind")
+            faults.append(Fault(f"{label} has two columns of one kind", kind="repeated-name"))
         elif sorted(set(have) - {"coherence"}) not in (["magnitude", "phase"], ["magnitude"], ["im", "re"]):
-            faults.append(f"{label} needs |{label}|, with phase {label} if there is one, or re {label} and im {label}")
+            text = f"{label} needs |{label}|, with phase {label} if there is one, or re {label} and im {label}"
+            faults.append(Fault(text, kind="missing-column"))
     phases = {"phase" in have or "re" in have for have in kinds.values()}
     if len(phases) > 1 and not faults:
-        faults.append("some responses have a phase and some have not; put them into files of their own")
+        text = "some responses have a phase and some have not; put them into files of their own"
+        faults.append(Fault(text, kind="unlike-results"))
     return faults
 
 
@@ -113,16 +115,17 @@ def _heading(text: str, *, first: bool) -> ColumnHeading:
         found = pattern.fullmatch(what)
         if found:
             return _pair(kind, found["pair"], unit)
-    raise _HeadingError(f'"{text}" is no heading of a frequency response; {EXPECTED}')
+    raise _HeadingError(f'"{text}" is no heading of a frequency response; {EXPECTED}', kind="unknown-column")
 
 
 def _frequency(what: str, unit: str) -> ColumnHeading:
     if what != "frequency":
-        raise _HeadingError(f'the first column is "{what}"; {EXPECTED}')
+        raise _HeadingError(f'the first column is "{what}"; {EXPECTED}', kind="wrong-file")
     if unit not in FREQUENCIES:
         expected = f"expected {', '.join(FREQUENCIES)}"
         raise _HeadingError(
-            f'"{unit}" is no unit of frequency{did_you_mean(unit, FREQUENCIES)}; {expected}'.replace("?;", "?")
+            f'"{unit}" is no unit of frequency{did_you_mean(unit, FREQUENCIES)}; {expected}'.replace("?;", "?"),
+            kind="unknown-unit",
         )
     return ColumnHeading("frequency", unit)
 
@@ -130,16 +133,17 @@ def _frequency(what: str, unit: str) -> ColumnHeading:
 def _pair(kind: str, label: str, unit: str) -> ColumnHeading:
     output, slash, driven = label.partition("/")
     if not slash or "/" in driven:
-        raise _HeadingError(f'"{label}" is not of the form output/input')
+        raise _HeadingError(f'"{label}" is not of the form output/input', kind="wrong-form")
     if kind == "coherence":
         return ColumnHeading(kind, unit, (output, driven))
     if kind == "phase":
         if unit != "deg":
-            raise _HeadingError(f'the phase of {label} is in "{unit}"; expected deg')
+            raise _HeadingError(f'the phase of {label} is in "{unit}"; expected deg', kind="wrong-unit")
         return ColumnHeading(kind, unit, (output, driven))
     if unit.startswith("dB"):
         raise _HeadingError(
-            f"{label} is a level in dB; write the table without --db, levels are rounded and have lost their sign"
+            f"{label} is a level in dB; write the table without --db, levels are rounded and have lost their sign",
+            kind="wrong-unit",
         )
     return ColumnHeading(kind, unit, (output, driven), *_split(unit, label))
 
@@ -147,7 +151,7 @@ def _pair(kind: str, label: str, unit: str) -> ColumnHeading:
 def _split(unit: str, label: str) -> tuple[str, str, float]:
     """SI units of output and input in the unit of their ratio, and the factor from SI to the values shown."""
     if not unit:
-        raise _HeadingError(f"{label} has no unit; expected one such as {KNOWN_UNITS}")
+        raise _HeadingError(f"{label} has no unit; expected one such as {KNOWN_UNITS}", kind="missing-unit")
     if unit in LIKE_UNITS:
         return UNKNOWN_UNIT, UNKNOWN_UNIT, 1.0
     unit = _TORQUE.sub("N*m", unit)
@@ -160,7 +164,9 @@ def _split(unit: str, label: str) -> tuple[str, str, float]:
                     ways |= {f"{top}/{shown[1]}" for top in (shown[0], f"({shown[0]})")}
                 if unit in ways:
                     return above, below, written.scale(above) / written.scale(below)
-    raise _HeadingError(f'"{unit}" is no unit of {label} that is known here; expected one such as {KNOWN_UNITS}')
+    raise _HeadingError(
+        f'"{unit}" is no unit of {label} that is known here; expected one such as {KNOWN_UNITS}', kind="unknown-unit"
+    )
 
 
 _DECIMAL_COMMA = re.compile(r"-?\d+,\d+")
@@ -200,7 +206,9 @@ def read(path: Path) -> FrequencyResponse:
         filled = list(islice(((number, line) for number, line in enumerate(lines, 1) if line.strip()), 2))
         if len(filled) < 2:
             place = Position(path.name, 1, 1, 1, next(iter([*comments, *(line for _, line in filled)]), "")[:200])
-            raise ModelError([Fault("there are no rows of numbers below a heading", position=place)], path.name)
+            raise ModelError(
+                [Fault("there are no rows of numbers below a heading", position=place, kind="wrong-file")], path.name
+            )
         (number, heading), (start, first) = filled
         heading = heading.rstrip("\n")
         stored = description_in(comments, KEY)
@@ -215,7 +223,7 @@ def read(path: Path) -> FrequencyResponse:
         numbers = next(rows.blocks(range(len(names)), 0))
     if len(configurations) > 1:
         text = f"the table holds the configurations {', '.join(configurations)}; keep the rows of one of them"
-        raise ModelError([Fault(text, position=place)], path.name)
+        raise ModelError([Fault(text, position=place, kind="unlike-results")], path.name)
     if stored is not None:  # the description has the names, whatever characters are in them
         return _own(stored, [name.split(" ")[0] for name in names], np.column_stack(numbers))
     return _foreign(columns, numbers, [comment[1:].strip() for comment in comments], path)

@@ -69,7 +69,7 @@ def response_of_datasets(sets: Sequence[dict[str, Any]], path: Path) -> Frequenc
     if not functions:
         text = "there is no frequency response (dataset 58 with function type 4) in the file; it holds "
         text += f"{contents_of(sets)}; export transfer functions"
-        raise ModelError([Fault(text)], path.name)
+        raise ModelError([Fault(text, kind="wrong-file")], path.name)
     first, units, faults = functions[0][1], units_of_datasets(sets), list[Fault]()
     matrix = ResponseMatrix(np.empty(0))
     for number, item in functions:
@@ -100,23 +100,25 @@ def _add(matrix: ResponseMatrix, number: int, item: dict[str, Any], units: FileU
     values = np.asarray(item["data"], dtype=complex)
     over = abscissa_over(item, FREQUENCY_AXIS)
     if over:
-        return [Fault(f"{label} is over {over}; only responses over frequency are read")]
+        return [Fault(f"{label} is over {over}; only responses over frequency are read", kind="wrong-file")]
     try:
         frequencies = np.asarray(item["x"], dtype=float) * hertz_in(text_in(item, "abscissa_axis_units_lab"))
     except UnitError as error:
-        return [Fault(f"{label}: {error}; only responses over frequency are read")]
+        return [Fault(f"{label}: {error}; only responses over frequency are read", kind=error.kind)]
     if not matrix.pairs:
         matrix.frequencies = frequencies
     if not np.array_equal(frequencies, matrix.frequencies):
-        return [Fault(f"{label} has other frequencies than the first one; give it a file of its own")]
+        return [
+            Fault(f"{label} has other frequencies than the first one; give it a file of its own", kind="unlike-results")
+        ]
     if pair in matrix.pairs:
-        return [Fault(f"{label} is in the file twice; keep one of them")]
+        return [Fault(f"{label} is in the file twice; keep one of them", kind="repeated-name")]
     try:
         (above, up), (below, down) = (
             _unit(item, axis, side, units) for axis, side in (("ordinate", "rsp"), ("orddenom", "ref"))
         )
     except UnitError as error:
-        return [Fault(f"{label}: {error}")]
+        return [Fault(f"{label}: {error}", kind=error.kind)]
     factor = up / down
     matrix.pairs[pair] = SingleResponse(
         np.asarray(values if factor == 1.0 else values * factor, dtype=complex), above, below
@@ -148,7 +150,8 @@ def _cohere(matrix: ResponseMatrix, number: int, item: dict[str, Any]) -> list[F
         return [
             Fault(
                 f"dataset {number}: a coherence of {pair[0]} and {pair[1]} without a response at the same frequencies; "
-                "add the response, or leave it out"
+                "add the response, or leave it out",
+                kind="missing-data",
             )
         ]
     matrix.pairs[pair].coherence = np.asarray(values, dtype=float)
@@ -174,14 +177,17 @@ def _unit(item: dict[str, Any], axis: str, side: str, units: FileUnits) -> tuple
         code = int(item.get(f"{axis}_spec_data_type") or 0)
         if code not in UNITS or abs(int(item.get(f"{side}_dir") or 0)) in TRANSLATIONS:
             raise UnitError(
-                f"the {axis} has no unit and is no rotation of a known kind; only rotations and torques are read"
+                f"the {axis} has no unit and is no rotation of a known kind; only rotations and torques are read",
+                kind="missing-unit",
             )
         return UNITS[code], units.factors.get({"N*m": "torque", "Pa": "stress"}.get(UNITS[code], ""), 1.0)
     stress = UNITS.get(int(item.get(f"{axis}_spec_data_type") or 0)) == "Pa"
     quantity = "stress" if stress else quantity_of_dimension(parse_unit(plain_unit(label)).dimension)
     if quantity:
         return QUANTITY_UNITS[quantity], factor_to_si(label, quantity)
-    raise UnitError(f'"{label}" is no unit of an angle, angular velocity, angular acceleration or torque')
+    raise UnitError(
+        f'"{label}" is no unit of an angle, angular velocity, angular acceleration or torque', kind="wrong-unit"
+    )
 
 
 ENTITY_WIDTH, LABEL_WIDTH = 10, 20
@@ -208,15 +214,20 @@ def write(response: FrequencyResponse, path: Path) -> None:
     """Write a universal file of a frequency response in SI as binary datasets 58 in double precision."""
     require_extra("uff")
     if len(response.frequencies) < 2:
-        raise UsageError("a universal file takes responses at two frequencies or more; write an .npz or .csv file")
+        raise UsageError(
+            "a universal file takes responses at two frequencies or more; write an .npz or .csv file",
+            kind="no-counterpart",
+        )
     if not response.has_phase:
         raise UsageError(
-            "a universal file takes complex responses only; write magnitudes into a .csv, .npz or .mat file"
+            "a universal file takes complex responses only; write magnitudes into a .csv, .npz or .mat file",
+            kind="no-counterpart",
         )
     functions = list(_datasets(response))
     if not all(np.isfinite(item["data"]).all() for item in functions):
         raise UsageError(
-            "a universal file takes finite values only; leave frequencies without them out, as with between()"
+            "a universal file takes finite values only; leave frequencies without them out, as with between()",
+            kind="no-counterpart",
         )
     # Sequence numbers say how many follow: a file that ends early is known by it.
     counted = [{**item, "ver_num": len(functions) - number} for number, item in enumerate(functions, 1)]
@@ -278,7 +289,8 @@ def _first_line(output: Channel, input: Channel) -> str:
     text = f"{output.name}{PAIR_SEPARATOR}{input.name}"
     if len(text) > ID_LINE_WIDTH or text.count(PAIR_SEPARATOR) > 1 or not text.isascii():
         raise UsageError(
-            f"a universal file has no room for the names {text}: 80 plain characters, with one slash between them"
+            f"a universal file has no room for the names {text}: 80 plain characters, with one slash between them",
+            kind="no-counterpart",
         )
     return text
 
