@@ -454,6 +454,60 @@ def test_columns_count_as_agreed_with_the_editor(tmp_path, encodings, agreed, un
     session(tmp_path, talk, encodings)
 
 
+BREAKS = re.compile("\r\n|\n|\r")
+
+
+def protocol_place(text, offset):
+    """Position of a character as the protocol counts: three kinds of line breaks, units of UTF-16."""
+    before = text[:offset]
+    line = len(BREAKS.findall(before))
+    start = max((one.end() for one in BREAKS.finditer(before)), default=0)
+    return lsp.Position(line, utf16_units(text[start:offset]))
+
+
+@pytest.mark.parametrize("breaks", ["\n", "\r\n"])
+def test_changes_of_ranges_make_the_text_that_the_editor_shows(tmp_path, breaks):
+    # A line separator and a next line are characters for an editor, line breaks for Python.
+    text = GREEK.replace("\n", " # \U0001d70f \u2028 \x85 end\n", 2).replace("\n", breaks)
+    changes = [("0.078", "0.079"), ("end", f"end{breaks}# of \u2028 it"), ("k_1,", "k_9,"), ("", breaks)]
+
+    async def talk(editor):
+        from lsprotocol.types import TextDocumentContentChangePartial, VersionedTextDocumentIdentifier
+
+        editor.open(text)
+        await editor.faults()
+        now, sent = text, []
+        for old, new in changes:
+            start = now.index(old) if old else len(now)
+            shown = lsp.Range(protocol_place(now, start), protocol_place(now, start + len(old)))
+            sent.append(TextDocumentContentChangePartial(text=new, range=shown))
+            now = now[:start] + new + now[start + len(old) :]
+        editor.versions["model.yaml"] += 1
+        document = VersionedTextDocumentIdentifier(editor.versions["model.yaml"], editor.uri("model.yaml"))
+        editor.client.text_document_did_change(lsp.DidChangeTextDocumentParams(document, sent))
+        editor.open(now, "same.yaml")
+        changed = [(extent(one.range), one.message) for one in await editor.faults()]
+        assert changed == [(extent(one.range), one.message) for one in await editor.faults("same.yaml")]
+        assert any("k_9" in words for _, words in changed)
+
+    session(tmp_path, talk)
+
+
+@pytest.mark.parametrize(
+    ("sent", "code"),
+    [
+        (lambda: request(5, "textDocument/hover", HOVER) + START + END, -32002),
+        (lambda: START + request(5, "initialize", {"processId": None, "rootUri": None, "capabilities": {}}) + END, -32600),
+        (lambda: START + request(98, "shutdown") + request(5, "textDocument/hover", HOVER) + END, -32600),
+    ],
+    ids=["before the start", "second start", "after the end"],
+)  # fmt: skip
+def test_a_request_out_of_its_time_is_refused(sent, code):
+    found, done = answers(sent())
+    assert next(one for one in found if one.get("id") == 5)["error"]["code"] == code
+    assert done.returncode == 0
+
+
 def test_only_models_are_checked(tmp_path):
     others = {
         "compose.yaml": "services:\n  web: {image: nginx}\n",
@@ -620,6 +674,7 @@ def notice(method, params=None):
 
 START = request(1, "initialize", {"processId": None, "rootUri": None, "capabilities": {}})
 END = request(99, "shutdown") + notice("exit")
+HOVER = {"textDocument": {"uri": "file:///models/model.yaml"}, "position": {"line": 4, "character": 3}}
 
 
 def answers(sent):
@@ -671,8 +726,7 @@ BROKEN = {
 @pytest.mark.few(4, 3)
 @pytest.mark.parametrize("broken", BROKEN)
 def test_no_message_ends_the_server(broken):
-    found, done = answers(START + BROKEN[broken] + request(7, "textDocument/hover", {
-        "textDocument": {"uri": "file:///models/model.yaml"}, "position": {"line": 4, "character": 3}}) + END)  # fmt: skip
+    found, done = answers(START + BROKEN[broken] + request(7, "textDocument/hover", HOVER) + END)
     numbers = [one["id"] for one in found if "id" in one]
     assert {1, 7, 99} <= set(numbers)
     assert done.returncode == 0

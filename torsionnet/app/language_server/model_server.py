@@ -5,14 +5,14 @@ from __future__ import annotations
 import asyncio
 import re
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, TypeVar
 from urllib.parse import unquote
 
 from lsprotocol import types
-from pygls.exceptions import JsonRpcException
+from pygls.exceptions import JsonRpcException, JsonRpcInvalidRequest, JsonRpcServerNotInitialized
 from pygls.lsp.server import LanguageServer
 from pygls.protocol import LanguageServerProtocol
 from pygls.uris import to_fs_path, urlparse
@@ -48,11 +48,42 @@ class AnsweringProtocol(LanguageServerProtocol):
             if "method" in data and isinstance(data.get("id"), (int, str)):
                 self._send_response(data["id"], error=error.to_response_error())
             raise
-        named = getattr(getattr(message, "params", None), "text_document", None)
+        params = getattr(message, "params", None)
+        named = getattr(params, "text_document", None)
         if named is not None and self._workspace is not None:
             opened = [document.uri for document in self._workspace.text_documents.values()]
             named.uri = {_one_spelling(uri): uri for uri in opened}.get(_one_spelling(named.uri), named.uri)
+            if isinstance(params, types.DidChangeTextDocumentParams) and named.uri in opened:
+                params.content_changes = [self._whole_text(named.uri, params.content_changes)]
         return message
+
+    def _whole_text(
+        self, uri: str, changes: Sequence[types.TextDocumentContentChangeEvent]
+    ) -> types.TextDocumentContentChangeWholeDocument:
+        """Text of a document after changes one after the other, each of all of it or of a range."""
+        document = self.workspace.get_text_document(uri)
+        text = document.source
+        for change in changes:
+            if isinstance(change, types.TextDocumentContentChangePartial):
+                # pygls counts lines as Python does, which has more breaks than the protocol.
+                span = shown_text(document, text).span(change.range)
+                text = text[: span.start] + change.text + text[span.end :]
+            else:
+                text = change.text
+        return types.TextDocumentContentChangeWholeDocument(text)
+
+    def handle_message(self, message: Any) -> None:
+        """Hand a message to its feature; a request out of its time is refused, as the protocol asks for."""
+        method, number = getattr(message, "method", ""), getattr(message, "id", None)
+        refused: type[JsonRpcException] | None = None
+        if self._shutdown or (method == types.INITIALIZE and self._workspace is not None):
+            refused = JsonRpcInvalidRequest
+        elif self._workspace is None and method != types.INITIALIZE:
+            refused = JsonRpcServerNotInitialized
+        if refused is None or method == types.EXIT:
+            super().handle_message(message)
+        elif method and number is not None:
+            self._send_response(number, error=refused().to_response_error())
 
 
 def _one_spelling(uri: str) -> str:
@@ -62,6 +93,12 @@ def _one_spelling(uri: str) -> str:
     ('file:///c:/100% A.yaml', 'file:///c:/%41.yaml')
     """
     return _DRIVE.sub(lambda drive: drive[0].lower(), unquote(uri))
+
+
+def shown_text(document: TextDocument, text: str) -> EditorText:
+    """Text with the counting that was agreed on with the editor of a document."""
+    agreed = document.position_codec.encoding or types.PositionEncodingKind.Utf16
+    return EditorText(text, types.PositionEncodingKind(agreed).value)
 
 
 T = TypeVar("T")
@@ -79,8 +116,7 @@ class ModelServer(LanguageServer):
         super().__init__(
             "torsionnet",
             __version__,
-            # Editors count the lines of an incremental change in their own way, and model files are small.
-            text_document_sync_kind=types.TextDocumentSyncKind.Full,
+            text_document_sync_kind=types.TextDocumentSyncKind.Incremental,
             protocol_cls=AnsweringProtocol,
         )
         self.checks = CheckSchedule(self._check)
@@ -106,9 +142,9 @@ class ModelServer(LanguageServer):
         if not is_model_text(text, file) and (uri not in self.models or names_a_model(text)):
             return None
         self.models.add(uri)
-        agreed = document.position_codec.encoding or types.PositionEncodingKind.Utf16
-        shown = EditorText(text, types.PositionEncodingKind(agreed).value)
-        return OpenModel(uri, shown, file, folder, {path: other.uri for path, other in self._files().items()})
+        return OpenModel(
+            uri, shown_text(document, text), file, folder, {path: other.uri for path, other in self._files().items()}
+        )
 
     def _documents(self) -> dict[str, TextDocument]:
         """Open documents by the address that opened them; the keys of pygls are other ones from version 2.1 on."""
