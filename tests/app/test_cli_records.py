@@ -191,6 +191,18 @@ def test_text_of_another_program(folder):
     assert data["responses"][0]["real"][at] == pytest.approx(1 / 400, rel=0.02)
 
 
+def test_a_table_without_units_has_one_fault_whose_options_mend_it(folder):
+    rows = np.random.default_rng(2).normal(size=(2000, 2))
+    lines = ["time;M;phi", *(f"{at / 100};{one:.5f};{other:.5f}" for at, (one, other) in enumerate(rows))]
+    (folder / "mess.csv").write_text("\n".join(lines))
+    arguments = ("estimate", "mess.csv", "--input", "M", "--output", "phi")
+    told = run(*arguments, code=1).stderr
+    assert told.count("error: ") == 1
+    (options,) = re.findall(r"phi, M have no unit; .*, for example (.*) \[missing-unit\]", told)
+    assert options == "--quantity phi=angle --quantity M=torque"
+    run(*arguments, *options.split())
+
+
 @pytest.mark.parametrize(
     ("values", "message"),
     [

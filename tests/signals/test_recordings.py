@@ -382,36 +382,40 @@ LOST = np.delete(TIME, [1000, 2000, 2001])
 ANGLE, LEAPING = np.arange(5000) * 0.01, (np.arange(5000) + 3 * (np.arange(5000) > 1000)) * 0.01
 # 2 |sin| >= 1.5 holds for 47 of the 100 samples of each of 50 half periods; the angle passes 2 pi at 0.314 s.
 CLIPPED = "clipped: 2350 samples at the range of 1.5 N*m, from 0.027 to 0.073 s, from 0.127 to 0.173 s, "
-CLIPPED += "from 0.227 to 0.273 s and 47 more; take a larger range"
-WRAPPED = "the encoder wraps around: 15 jumps of 6.263 rad, first at 0.314 s; unwrapped() removes them"
+CLIPPED += "from 0.227 to 0.273 s and 47 more; take a larger range [disturbed-signal]"
+WRAPPED = "the encoder wraps around: 15 jumps of 6.263 rad, first at 0.314 s; unwrapped() removes them [wrapped-count]"
 # Differences of two uniform numbers between -0.1 and 0.1 ms scatter by sqrt(2/3) of that.
 UNEVEN = (
-    "time: warning: sampling is not uniform: intervals vary by 8.2 % (standard deviation); resampled() makes it uniform"
+    "time: warning: sampling is not uniform: intervals vary by 8.2 % (standard deviation); resampled() makes it uniform "
+    "[uneven-samples]"
 )
 BACKWARDS = with_values(3, 0.0) * 0 + np.r_[TIME[:3], 0.001, TIME[4:]]
-FEW = "channels: warning: the record has only 2.5 windows of 2 s: few averages, large random errors; record longer"
-SHORT = "channels: error: the record lasts 1.5 s, less than one window of 2 s; record longer or take a shorter window"
+FEW = "channels: warning: the record has only 2.5 windows of 2 s: few averages, large random errors; record longer "
+FEW += "[too-short]"
+SHORT = "channels: error: the record lasts 1.5 s, less than one window of 2 s; record longer or take a shorter window "
+SHORT += "[too-short]"
 ANYTHING = "give one of torque, angle, velocity, acceleration, stress"
-PULSES = "time: error: 3 encoder pulses are missing: 1 after 0.999 s, 2 after 1.999 s; angle_from_pulses() counts them"
-LEAPS = "channels.x: warning: the angle leaps by encoder steps at 1.001 s: pulses are missing or too many"
+PULSES = "time: error: 3 encoder pulses are missing: 1 after 0.999 s, 2 after 1.999 s; angle_from_pulses() counts them "
+PULSES += "[lost-pulses]"
+LEAPS = "channels.x: warning: the angle leaps by encoder steps at 1.001 s: pulses are missing or too many [lost-pulses]"
 TWICE = Recording((Signal("x", "torque", sine()), Signal("x", "torque", sine())), RATE)
 FAULTS = {  # all that is said for windows of 2 s, beside that these are few
-    "nan": (one(with_values(slice(1000, 1003), np.nan)), "channels.x: error: 3 values NaN or infinite: from 1 to 1.002 s; cut them out or mend the record"),
-    "inf": (one(with_values(1000, np.inf)), "channels.x: error: 1 value NaN or infinite: at 1 s; cut them out or mend the record"),
+    "nan": (one(with_values(slice(1000, 1003), np.nan)), "channels.x: error: 3 values NaN or infinite: from 1 to 1.002 s; cut them out or mend the record [not-finite]"),
+    "inf": (one(with_values(1000, np.inf)), "channels.x: error: 1 value NaN or infinite: at 1 s; cut them out or mend the record [not-finite]"),
     "clipped": (one(np.clip(sine(2.0), -1.5, 1.5)), f"channels.x: error: {CLIPPED}"),
-    "constant": (one(np.full(5000, 2.0)), "channels.x: warning: constant at 2 N*m: the sensor may be dead, or not connected"),
+    "constant": (one(np.full(5000, 2.0)), "channels.x: warning: constant at 2 N*m: the sensor may be dead, or not connected [disturbed-signal]"),
     "short": (one(sine()[:1500]), SHORT),
-    "gap": (one(sine()[: len(GAPPED)], times=GAPPED), "time: error: 1 gap in the time stamps: 0.501 s after 0.999 s; cut the record there"),
-    "gaps": (one(sine()[: len(LOST)], times=LOST), "time: error: 2 gaps in the time stamps: 0.002 s after 0.999 s, 0.003 s after 1.999 s; cut the record there"),
+    "gap": (one(sine()[: len(GAPPED)], times=GAPPED), "time: error: 1 gap in the time stamps: 0.501 s after 0.999 s; cut the record there [uneven-samples]"),
+    "gaps": (one(sine()[: len(LOST)], times=LOST), "time: error: 2 gaps in the time stamps: 0.002 s after 0.999 s, 0.003 s after 1.999 s; cut the record there [uneven-samples]"),
     "jitter": (one(sine(), times=JITTERED), UNEVEN),
     "jitter of a ramp": (one(ANGLE, times=JITTERED), UNEVEN),
-    "backwards": (one(sine(), times=BACKWARDS), "time: error: time stamps do not increase: 0.001 s follows 0.002 s; cut the record there"),
-    "quantity": (one(sine(), ""), f"channels.x: error: quantity and unit are missing; {ANYTHING}"),
-    "unknown quantity": (one(sine(), "force"), f'channels.x: error: unknown quantity "force"; {ANYTHING}'),
+    "backwards": (one(sine(), times=BACKWARDS), "time: error: time stamps do not increase: 0.001 s follows 0.002 s; cut the record there [unordered-rows]"),
+    "quantity": (one(sine(), ""), f"channels.x: error: x has no unit; {ANYTHING}, for example quantities={{\"x\": \"torque\"}} [missing-unit]"),
+    "unknown quantity": (one(sine(), "force"), f'channels.x: error: unknown quantity "force"; {ANYTHING} [unknown-word]'),
     "wrap": (one(np.mod(20 * TIME, 2 * np.pi), "angle"), f"channels.x: error: {WRAPPED}"),
     "pulses": (one(ANGLE[: len(LOST)], "angle", LOST), PULSES),
     "leap": (one(LEAPING, "angle"), LEAPS),
-    "names": (TWICE, "channels.x: error: 2 channels are named x; rename all but one"),
+    "names": (TWICE, "channels.x: error: 2 channels are named x; rename all but one [repeated-name]"),
 }  # fmt: skip
 
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from torsionnet.base.errors import Fault, UsageError, comma_list, remedy
 from torsionnet.signals.pulses import repaired_pulses
 from torsionnet.signals.recording import QUANTITY_UNITS, FloatArray, Recording, Signal
+from torsionnet.signals.records.channel_choice import untold_quantities
 from torsionnet.signals.resampling import gaps, jitter
 from torsionnet.signals.rotation.turn_pattern import turn_pattern
 from torsionnet.signals.uncertainty import step_of
@@ -243,10 +244,13 @@ def check_recording(
     >>> record = Recording((Signal("T_T", "torque", np.ones(100)),), sampling_rate=100.0)
     >>> for fault in check_recording(record):
     ...     print(fault)
-    channels: error: the record lasts 1 s, less than one window of 2 s; record longer or take a shorter window
-    channels.T_T: warning: constant at 1 N*m: the sensor may be dead, or not connected
+    channels: error: the record lasts 1 s, less than one window of 2 s; record longer or take a shorter window \
+[too-short]
+    channels.T_T: warning: constant at 1 N*m: the sensor may be dead, or not connected [disturbed-signal]
     """
     found = [*_names(recording), *_length(recording, seconds), *_times(recording)]
+    untold = {signal.name: "" for signal in recording if not signal.quantity}
+    found += [untold_quantities(untold)] if untold else []
     for signal in recording:
         found += [fault.under("channels", signal.name) for fault in _signal(signal, recording, ranges or {})]
     for channel in recording.pulses:
@@ -292,7 +296,7 @@ def _times(recording: Recording) -> Iterator[Fault]:
     if len(found):
         where = comma_list([f"{times[at + 1] - times[at]:.4g} s after {times[at]:.6g} s" for at in found], MOST_LISTED)
         text = f"{len(found)} gap{'s' * (len(found) > 1)} in the time stamps: {where}"
-        yield Fault(f"{text}; cut the record there", ("time",), kind="unordered-rows")
+        yield Fault(f"{text}; cut the record there", ("time",), kind="uneven-samples")
     spread = jitter(times)
     if spread > MOST_JITTER:
         text = f"sampling is not uniform: intervals vary by {100 * spread:.2g} % (standard deviation)"
@@ -326,9 +330,9 @@ def _pulses(times: FloatArray) -> Iterator[Fault]:
 
 
 def _signal(signal: Signal, recording: Recording, ranges: Mapping[str, float]) -> Iterator[Fault]:
-    if signal.quantity not in QUANTITY_UNITS:
-        says = f'unknown quantity "{signal.quantity}"' if signal.quantity else "quantity and unit are missing"
-        yield Fault(f"{says}; give one of {', '.join(QUANTITY_UNITS)}", kind="missing-unit")
+    if signal.quantity and signal.quantity not in QUANTITY_UNITS:
+        text = f'unknown quantity "{signal.quantity}"; give one of {", ".join(QUANTITY_UNITS)}'
+        yield Fault(text, kind="unknown-word")
     if not len(signal.values):
         return
     finite = np.isfinite(signal.values)

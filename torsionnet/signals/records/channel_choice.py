@@ -137,7 +137,8 @@ def choose(
         if name not in known
     ]
     channels = source.channels if names is None else [known[name] for name in asked if name in known]
-    choices = []
+    choices: list[ChannelChoice] = []
+    untold: dict[str, str] = {}
     if names is None and not all(channel.over for channel in channels):
         channels = [channel for channel in channels if not channel.over]  # left out, with a note
     for channel in channels:
@@ -146,11 +147,15 @@ def choose(
             text = f"{whose} are over {channel.over}, no record over time; export it over time"
             faults.append(Fault(text, ("channels", channel.name), position=channel.position, kind="wrong-file"))
             continue
+        unit = units.get(channel.name, channel.unit)
         try:
-            choice = _choice(channel, quantities.get(channel.name), units.get(channel.name, channel.unit), names)
-            choices.append(choice)
+            choices.append(_choice(channel, quantities.get(channel.name), unit, names))
+        except _UntoldQuantityError:
+            untold[channel.name] = unit
         except UnitError as error:
             faults.append(replace(error.fault, path=("channels", channel.name), position=channel.position))
+    if untold:
+        faults.append(untold_quantities(untold).at(next(one.position for one in channels if one.name in untold)))
     if not channels and not faults:
         faults.append(Fault("there is no channel of numbers in the file", kind="wrong-file"))
     return choices, faults
@@ -164,6 +169,10 @@ def _there_are(name: str, known: Collection[str]) -> str:
     return f"the file has {listed}" if alike or others or not known else ""
 
 
+class _UntoldQuantityError(UnitError):
+    """A channel that is asked for by name has no unit that tells its quantity."""
+
+
 def _choice(
     channel: FileChannel, given: str | None, unit: str, names: Sequence[str] | Mapping[str, str] | None
 ) -> ChannelChoice:
@@ -173,7 +182,7 @@ def _choice(
         raise UnitError(f'"{quantity}" is no quantity; expected {", ".join(QUANTITY_UNITS)}', kind="unknown-word")
     if not quantity:
         if names is not None and given is None:
-            raise UnitError(_unknown(unit, channel.name), kind="missing-unit")
+            raise _UntoldQuantityError("its quantity is not known", kind="missing-unit")
         if channel.quantity == "":
             return ChannelChoice(channel, name, notes=channel.notes)
         note = f"values as in the file{f' in {unit}' if unit else ''}: the quantity is not known"
@@ -188,10 +197,21 @@ def _choice(
     return ChannelChoice(channel, name, quantity, factor, notes)
 
 
-def _unknown(unit: str, name: str) -> str:
-    says = f'the unit "{unit}" of {name} does not tell its quantity' if unit else f"{name} has no unit"
-    example = remedy("quantities=", {name: likely_quantity(name)})
-    return f"{says}; give one of {', '.join(QUANTITY_UNITS)}, for example {example}"
+def untold_quantities(units: Mapping[str, str]) -> Fault:
+    """Fault of channels by name whose units, mostly empty, do not tell their quantities.
+
+    >>> print(untold_quantities({"phi_2": "", "T_M": ""}))
+    channels: error: phi_2, T_M have no unit; give one of torque, angle, velocity, acceleration, stress for each, for \
+example quantities={"phi_2": "angle", "T_M": "torque"} [missing-unit]
+    """
+    bare = [name for name, unit in units.items() if not unit]
+    says = [f"{comma_list(bare, MOST_LISTED)} {'have' if len(bare) > 1 else 'has'} no unit"] if bare else []
+    says += [f'the unit "{unit}" of {name} does not tell its quantity' for name, unit in units.items() if unit]
+    some = list(units)[:MOST_LISTED]
+    example = remedy("quantities=", {name: likely_quantity(name) for name in some})
+    each = " for each" if len(units) > 1 else ""
+    text = f"{'; '.join(says)}; give one of {', '.join(QUANTITY_UNITS)}{each}, for example {example}"
+    return Fault(text, ("channels", *(some if len(units) == 1 else ())), kind="missing-unit")
 
 
 def length_faults(source: Source, choices: Iterable[ChannelChoice]) -> list[Fault]:
