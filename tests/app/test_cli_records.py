@@ -55,6 +55,19 @@ def test_bench_of_all_configurations_and_seeds(folder):
     assert np.allclose(written["M"].values, soft["M"].values, rtol=1e-6, atol=1e-9)
 
 
+def test_two_tests_in_each_of_two_configurations_are_four_files(folder, monkeypatch):
+    from torsionnet.app.cli.commands import bench
+
+    tested = bench._tested
+    monkeypatch.setattr(
+        bench, "_tested", lambda *args, **more: (dict.fromkeys(("up", "down"), *tested(*args, **more)[0].values()), {})
+    )
+    run("bench", "rig.yaml", "-c", "all", "-o", "run.npz")
+    assert sorted(path.name for path in folder.glob("run*.npz")) == [
+        f"run_{stiff}_{way}.npz" for stiff in ("hard", "soft") for way in ("down", "up")
+    ]
+
+
 def test_bench_gives_the_truth_on_request(folder):
     run("bench", "rig.yaml", "--truth", "--set", "k=300", "-o", "t.npz")
     truth = tn.load_bench("rig.yaml").configured(k=300).truth

@@ -81,6 +81,33 @@ def test_wheels_of_a_file(record, tmp_path):
     assert "leave gen=60, --ratio out" in refused.output
 
 
+@pytest.mark.filterwarnings("ignore::torsionnet.TorsionnetWarning")
+def test_crossing_orders_of_a_second_shaft_are_kept_apart(tmp_path):
+    """Order 2 of a shaft from 8 to 14 Hz crosses order 1.5 of one at 14.5 Hz, 21.75 Hz, at 10.9 Hz; both hold their amplitude."""
+    time = np.arange(3000) / 500
+    first, second = 2 * np.pi * (8 * time + time**2 / 2), 2 * np.pi * 14.5 * time
+    torque = 100 * np.cos(2 * first + 0.3) + 60 * np.cos(1.5 * second + 0.9)
+    speeds = {"n": 2 * np.pi * (8 + time), "m": np.full(3000, 2 * np.pi * 14.5)}
+    signals = (Signal("T", "torque", torque), *(Signal(name, "velocity", values) for name, values in speeds.items()))
+    write_recording(Recording(signals, 500.0), tmp_path / "two.npz")
+    words = (
+        tmp_path / "two.npz",
+        "--reference-shaft",
+        "n",
+        "--channel",
+        "T",
+        "--orders",
+        "2",
+        "--method",
+        "vold-kalman",
+    )
+    result = run(*words, "--further-shaft", "m", "--further-orders", "1.5", "--json")
+    found = {tuple(one["orders"]): np.hypot(one["real"], one["imag"])[0] for one in json.loads(result.stdout)}
+    assert {*found} == {(2.0,), (1.5,)}
+    assert found[2.0,] == pytest.approx(np.full_like(found[2.0,], 100), rel=1e-3)
+    assert found[1.5,] == pytest.approx(np.full_like(found[1.5,], 60), rel=1e-3)
+
+
 def test_signals_of_teeth(tmp_path):
     """A sampled tooth signal that reads 0 to 5 V, and a cam of its own level: orders and phases as from pulses."""
     time = np.arange(60_000) / 10e3

@@ -113,6 +113,16 @@ def test_lost_digits_are_told():
         model.to_control("phi", "acc")
 
 
+def test_an_acceleration_that_shows_the_torque_alone_has_no_state_space():
+    """Of a free mass alpha = T/J, and against its angle s^2: no state carries that."""
+    sensors = {"phi": {"angle": "a"}, "alpha": {"acceleration": "a"}}
+    model = tn.Drivetrain(
+        "mass", [tn.Inertia("J", node="a", inertia=2)], inputs={"T": {"torque": "a"}}, sensors=sensors
+    )
+    with pytest.raises(tn.UsageError, match="no-state-space"):
+        model.to_control("alpha", "phi")
+
+
 def test_inputs_by_name():
     """Excitations and outputs may be named, as in a frequency response."""
     space = agrees(geared_line(), "angle(g)", "T_M")

@@ -463,3 +463,21 @@ def test_pickles():
     model = parametric()
     copy = pickle.loads(pickle.dumps(model.assembly.system))
     assert copy.dynamic == model.assembly.system.dynamic
+
+
+def test_equal_frequencies_part_by_their_damping():
+    """Two equal shafts with a disc on one held node, one damped five times as much: each vibrates as it would alone."""
+
+    def branch(number, damping):
+        node = f"a{number}"
+        disc = tn.Inertia(f"J{number}", node=node, inertia=0.3)
+        drag = tn.Damper(f"d{number}", nodes=(node, "ground"), damping=damping)
+        return [shaft(f"s{number}", ("hub", node)), disc, drag]
+
+    def poles(*branches):
+        parts = [part for branch in branches for part in branch]
+        return rig(tn.Lock("held", node="hub"), *parts).modes(lowest=len(branches)).eigenvalues
+
+    alone = np.concatenate([poles(branch(1, 4.0)), poles(branch(2, 20.0))])
+    both = poles(branch(1, 4.0), branch(2, 20.0))
+    np.testing.assert_allclose(np.sort_complex(both), np.sort_complex(alone), rtol=1e-9)

@@ -17,7 +17,7 @@ from torsionnet.model.element_base.laws import MotionState, ScaledCurve
 from torsionnet.model.elements import Constraint, Law, MotionLaw, Values
 from torsionnet.model.motion_laws.piece_curve import Hold, PieceCurve, Slope, friction_curve, symmetric_curve
 from torsionnet.model.motion_laws.smooth_curves import CubicCurve
-from torsionnet.motion.balance.rate_states import roots_along
+from torsionnet.motion.balance.rate_states import returns_to_speeds, roots_along
 
 ENDS = {"nodes": ("a", "b")}
 STAGES = [
@@ -385,3 +385,28 @@ def test_twists_next_to_the_greatest_torque_of_a_softening_spring():
     greatest = 200 / 3 * math.sqrt(10) / 3
     for state in curve.states_at(greatest * (1 - 1e-10)):
         assert curve.torque(state.twist, 0) == pytest.approx(greatest * (1 - 1e-10), rel=1e-15)
+
+
+class Coupling:
+    """Law between two free masses whose torque has slopes over its own rate and over the speed of the first."""
+
+    def __init__(self, over_rate, over_first):
+        self.law = self.curve = self
+        self.scale, self.sensed = 1.0, ({"p": 1},)
+        self.slopes = lambda _: (0.0, over_rate, over_first)
+        self.holds = lambda _: False
+
+
+@pytest.mark.parametrize(("over_rate", "over_first"), [(1, 3), (1, -1.9), (1, -2.1), (-1, 2.1), (-1, 1.9), (1, -3)])
+def test_speeds_return_by_the_slopes_over_the_rate_and_over_a_sensed_speed(over_rate, over_first):
+    """D = [[a + b, -a], [-a - b, a]] of equal masses has the eigenvalues 0 and 2 a + b."""
+    from types import SimpleNamespace
+
+    network = SimpleNamespace(
+        free_motions=["p", "t"],
+        linear=[],
+        free=SimpleNamespace(in_floats=lambda row: {k: float(v) for k, v in row.items()}),
+    )
+    law = Coupling(over_rate, over_first)
+    returns = returns_to_speeds(network, {law: np.array([1.0, -1.0])}, {law: SimpleNamespace(state=None)})
+    assert returns == (2 * over_rate + over_first > 0)

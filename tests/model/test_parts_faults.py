@@ -33,6 +33,16 @@ def errors(text, file="model.yaml", folder=None):
     return [fault for fault in read_text(text, file, folder)[1] if fault.severity == "error"]
 
 
+def test_a_part_whose_ports_are_joined_has_its_fault_at_the_entry():
+    ends = "shaft: {type: spring, nodes: [inner, road], stiffness: k}"
+    text = MODEL.replace("shaft: {type: spring, nodes: [inner, hub], stiffness: k}", ends).replace(
+        "right: {part: half, at: {inner: cage, road: road}}", "right: {part: half, at: {inner: cage, road: cage}}"
+    )
+    (fault,) = (one for one in errors(text) if one.kind == "same-node")
+    assert fault.path == ("parts", "half", "elements", "shaft", "nodes", 1)
+    assert "model.yaml:17:3: used here" in str(fault).splitlines()
+
+
 def test_the_model_itself_is_sound():
     assert [str(fault) for fault in read_text(MODEL, "")[1] if fault.severity != "note"] == []
 

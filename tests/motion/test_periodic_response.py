@@ -152,3 +152,4 @@ def test_command_prints_every_motion(tmp_path):
     assert [one["stability"] for one in here] == ["stable", "unstable: leaves", "stable"]
     _close(max(one["highest"] for one in here), 2.54557670, 1e-6)
     assert "goes with --frequencies" in run("periodic", str(model), *options[:2], *options[4:], code=2).stderr
+    assert 'got "0,much" [wrong-form]' in run("periodic", model, *options[:4], "--torque", "a=0,much", code=2).stderr

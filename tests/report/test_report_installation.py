@@ -11,7 +11,7 @@ from support.report_blocks import blocks, of, rows
 import torsionnet as tn
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import Listing, Paragraph, TableBlock
-from torsionnet.report.report_conditions import alternative_words
+from torsionnet.report.report_conditions import _is_long, alternative_words
 
 PLANT = """
 torsionnet: 1
@@ -306,6 +306,9 @@ class TestConditions:
         trace = "Engine: gas fired: pressure trace of idle.csv, 360 points"
         assert alternative_words(model, alternatives["idle"]) == trace
         assert "fired: pressure trace of 26 points" in alternative_words(model, alternatives["list"])
+
+    def test_a_dozen_values_are_written_out(self):
+        assert [_is_long([1.0] * count) for count in (12, 13)] == [False, True]
 
     def test_verdicts_are_those_of_the_limits(self, conditions):
         found = rows(of(TableBlock, blocks(conditions, "conditions"))[1])

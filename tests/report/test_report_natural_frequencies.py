@@ -231,3 +231,19 @@ class TestSection:
 
     def test_models_without_excitations_have_none(self):
         assert make_report("dmf_rig", sections=["natural_frequencies"], date=None).sections == ()
+
+
+def test_torques_of_rounding_twist_no_shaft_in_the_table():
+    """Of 1e6 N m, 1e-5 N m is less than a double tells, 1e-2 is not."""
+    from dataclasses import replace
+
+    from torsionnet.report.report_holzer import _without_rounding
+
+    holzer = line().holzer_table(1)
+    (branch,) = holzer.branches
+    for least, is_rounded in ((1e-5, True), (1e-2, False)):
+        torques = [1e6, least, *(one.torque for one in branch.stations[2:])]
+        stations = [replace(one, torque=torque) for one, torque in zip(branch.stations, torques, strict=True)]
+        changed = replace(holzer, branches=(replace(branch, stations=tuple(stations)),))
+        twist = _without_rounding(changed).branches[0].stations[1].link.twist
+        assert (twist == 0) == is_rounded

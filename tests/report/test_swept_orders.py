@@ -180,3 +180,18 @@ def test_an_order_of_undecided_sign_is_compared_by_amplitude():
         (found,) = json.loads(run(*options).stdout)
         (row,) = found["outputs"][0]["measured"]
         assert row["verdict"] == verdict
+
+
+def test_the_lead_of_a_run_up_goes_on_along_its_slope():
+    """A speed of 50 + 2 t rad/s from 1 to 11 s lies on the same line before and behind; a steep one stops at half."""
+    from types import SimpleNamespace
+
+    from torsionnet.machinery.orders.calculated_order import _profile
+
+    times = np.arange(1.0, 11.5, 0.5)
+    found, speeds = _profile(SimpleNamespace(times=times, speeds=50 + 2 * times), np.array([0.75, 11.25]), 2)
+    assert found[0] < 0.75
+    assert found[-1] > 11.25
+    np.testing.assert_allclose(speeds, 50 + 2 * found, rtol=1e-12)
+    _, steep = _profile(SimpleNamespace(times=times, speeds=1 + 40 * (times - 1)), np.array([0.75, 11.25]), 2)
+    assert steep[0] == 0.5

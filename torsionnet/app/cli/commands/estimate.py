@@ -70,7 +70,7 @@ def estimate_record(
     estimator: Estimator,
     band: tuple[float, float] | None,
     *,
-    align: bool = False,
+    align: bool,
 ) -> FrequencyResponse:
     """Frequency response estimated from a record in a band in Hz; its warnings go to stderr."""
     from torsionnet.app.cli.record_options import load_record

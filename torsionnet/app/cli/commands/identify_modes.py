@@ -59,6 +59,7 @@ class IdentifyModesCommand(EstimateArguments):
             self.averaging,
             self.estimator,
             self.band,
+            align=False,
         )
         if self.band is None and response.usable_up_to is not None:
             response = response.between(0, response.usable_up_to)

@@ -254,4 +254,4 @@ def _response(
             raise
     from torsionnet.app.cli.commands.estimate import estimate_record
 
-    return estimate_record(file, reading, (str(output),), (str(into),), averaging, Estimator(), None)
+    return estimate_record(file, reading, (str(output),), (str(into),), averaging, Estimator(), None, align=False)
