@@ -158,6 +158,20 @@ def test_every_fix_ends_its_fault_and_brings_no_other(case):
             assert set(after) <= {other.fault.message for other in found}, fix.title
 
 
+def test_a_comma_that_may_part_thousands_has_two_fixes():
+    text = BASE.replace("1 kN*m/rad", "13,300 N*m/rad")
+    (one,) = (one for one in text_faults(text, "model.yaml") if one.fault.kind == "ambiguous-number")
+    assert [edited(text, fix.edits) for fix in one.fixes] == [text.replace(",300", number) for number in (".300", "300")]
+
+
+@pytest.mark.parametrize(("old", "name"), [("inertia: 2}", "inertia"), ("nodes: [motor, wheel], ", "nodes")])
+def test_an_entry_without_value_is_named(old, name):
+    text = BASE.replace(old, f"{name}:}}" if old.endswith("}") else f"{name}:, ")
+    (one,) = text_faults(text, "model.yaml")
+    assert (one.fault.kind, text[one.span.start]) == ("missing-value", ":")
+    assert one.fault.message.startswith(f'"{name}" has no value')
+
+
 MENDED = {  # what is wrong in BASE, the title of the first fix; the fix gives BASE back or what stands last
     "key": ("stiffness: k", "stiffnes: k", 'write "stiffness"', ""),
     "node": ("angle: motor", "angle: motr", 'write "motor"', ""),
@@ -169,6 +183,8 @@ MENDED = {  # what is wrong in BASE, the title of the first fix; the fix gives B
     "wrong unit in quotes": ("0.1 kg*m^2", "'0.1 kg*m'", "write '0.1 kg*m^2'", "'0.1 kg*m^2'"),
     "decimal comma in brackets": ("inertia: 2}", "inertia: 0,152 kg*m^2}", "write a decimal point", "0.152 kg*m^2}"),
     "decimal comma": ("1 kN*m/rad", "13,3 kN*m/rad", "write a decimal point", "13.3 kN*m/rad"),
+    "comma that may be either": ("1 kN*m/rad", "13,300 N*m/rad", "write a decimal point", "13.300 N*m/rad"),
+    "comma in brackets that may be either": ("inertia: 2}", "inertia: 1,520 kg*m^2}", "write a decimal point", "1.520 kg*m^2}"),
     "missing key": (", inertia: 0.1 kg*m^2", "", "insert inertia: 1 kg*m^2", ", inertia: 1 kg*m^2}"),
     "missing nodes": ("nodes: [motor, wheel], ", "", "insert nodes: [motor, wheel]", "stiffness: k, nodes: [motor, wheel]}"),
     "tab": ("  rotor:", "\trotor:", "indent with spaces", ""),

@@ -379,7 +379,7 @@ def parse_quantity(text: str) -> Quantity:
         raise UnitError(Fault(text, kind="not-a-number"))
     rest = written[numeral.end() :]
     if rest and _STRAY.match(rest):
-        raise UnitError(_misread(written))
+        raise UnitError(misread(written))
     if rest and _plain(rest) == CELSIUS:
         return _celsius(numeral, written)
     unit = parse_unit(rest.strip()) if rest else None
@@ -410,12 +410,12 @@ def _celsius(numeral: re.Match[str], written: str) -> Quantity:
 _STRAY = re.compile(r"[,:;.'’_]|\s*(?!1\s*/)[0-9]")
 
 
-def _misread(written: str) -> Fault:
+def misread(written: str) -> Fault:
     """Fault of a number whose digits do not stand together."""
     if re.match(r"[+-]?[0-9]+:[0-9]", written):
         text = f'expected a number, got "{written}"; write the ratio as a number (3.0) or give teeth: [z1, z2]'
         return Fault(text, kind="not-a-number", remedy=Remedy(WRITE, "3.0", old=written))
-    either = re.match(r"([+-]?[0-9]{1,3}),([0-9]{3})(?![0-9,.])", written)
+    either = re.match(r"([+-]?[1-9][0-9]{0,2}),([0-9]{3})(?![0-9,.])", written)
     if either:
         whole, rest = f"{either[1]}{either[2]}", written[either.end() :]
         return Fault(
@@ -423,7 +423,8 @@ def _misread(written: str) -> Fault:
         )
     comma = re.match(r"([+-]?[0-9]+),([0-9]+)(?![0-9,.])", written)
     if comma:
-        return decimal_comma(written, f"{comma[1]}.{comma[2]}{written[comma.end() :]}")
+        meant = f"{comma[1]}.{comma[2]}{written[comma.end() :]}"
+        return Fault(f'"{written}" has a decimal comma; write {meant}', kind="decimal-comma")
     grouped = re.match(r"([+-]?[0-9]{1,3}(?:[,.'’_\s][0-9]{3})+)(?:[.,]([0-9]+))?", written)
     if grouped:
         decimals = f".{grouped[2]}" if grouped[2] else ""
@@ -433,11 +434,6 @@ def _misread(written: str) -> Fault:
         return Fault(text, remedy=Remedy(WRITE, number, old=digits[0] if digits else written), kind="ambiguous-number")
     text = f'expected a number and a unit, got "{written}"; digits stand together, with one decimal point'
     return Fault(text, kind="not-a-number")
-
-
-def decimal_comma(written: str, meant: str) -> Fault:
-    """Fault of a number with a decimal comma, and ``meant`` with a point."""
-    return Fault(f'"{written}" has a decimal comma; write {meant}', kind="decimal-comma")
 
 
 def _check_range(value: Real, written: str) -> None:

@@ -58,12 +58,17 @@ _MEANINGS = (
         'a list item ("- ") is not expected here',
     ),
     ("node content", "missing-value", "a value is missing or is not closed here"),
+    ("unexpected ':'", "stray-colon", 'a ":" is not expected here; put text that holds ":" in quotes'),
     ("indentation", "wrong-indentation", "this does not fit the indentation of the lines above"),
 )
 """Kind of the break and message to the user by regular expression of the problem that PyYAML reports."""
 
 
 _UNSEPARATED = re.compile(r"(\s*)(\w+)(\s*|:)[{\[]")
+
+
+_VALUELESS = re.compile(r"([A-Za-z_]\w*):[,}\]]$")
+"""An entry of a flow mapping that ends behind its colon, where YAML looks for a longer name."""
 
 
 def explain(error: yaml.MarkedYAMLError, lines: Sequence[str]) -> tuple[Fault, tuple[int, int]]:
@@ -79,6 +84,8 @@ def explain(error: yaml.MarkedYAMLError, lines: Sequence[str]) -> tuple[Fault, t
     if unseparated:
         text = f'write "{unseparated[2]}: " with a colon and a blank after the name'
         return Fault(text, kind="missing-blank"), (mark[0], unseparated.start(2))
+    if "unexpected ':'" in problem and (bare := _VALUELESS.search(lines[mark[0]][: mark[1] + 2])):
+        return Fault(f'"{bare[1]}" has no value; write it behind "{bare[1]}: "', kind="missing-value"), mark
     if error.context_mark is not None:
         opened = _mark(error.context_mark, lines)
         since = f"; it began at line {opened[0] + 1}, column {opened[1] + 1}"

@@ -26,7 +26,7 @@ from torsionnet.base.errors import (
 )
 from torsionnet.base.packages import gc_paused
 from torsionnet.base.phrases import phrase
-from torsionnet.base.units import decimal_comma
+from torsionnet.base.units import misread
 from torsionnet.model.checks import check_definition, has_errors, names, values
 from torsionnet.model.configurations import DEFAULT_AXIS
 from torsionnet.model.defining import define
@@ -116,16 +116,19 @@ def entry_at(data: Any, path: EntryPath) -> Any:
     return data
 
 
+_UNKNOWN_KEYS = ("unknown-entry", "invalid-name")
+
+
 def _reworded(fault: Fault, document: LocatedDocument) -> Fault:
-    """Fault of a decimal comma instead of an unknown key, where a flow mapping split the number."""
-    if not fault.path or fault.kind != "unknown-entry" or not str(fault.path[-1])[:1].isdigit():
+    """Fault of a comma in a number instead of an unknown key or name, where a flow mapping split the number."""
+    if not fault.path or fault.kind not in _UNKNOWN_KEYS or not str(fault.path[-1])[:1].isdigit():
         return fault
     key, entries = str(fault.path[-1]), entry_at(document.data, fault.path[:-1])
     names = list(entries) if isinstance(entries, Mapping) else []
     before = entries[names[names.index(key) - 1]] if names.index(key) else None
     if entries.get(key) is not None or not isinstance(before, int):
         return fault
-    return replace(decimal_comma(f"{before},{key}", f"{before}.{key}"), path=fault.path, on_key=True)
+    return replace(misread(f"{before},{key}"), path=fault.path, on_key=True)
 
 
 def _parent(fault: Fault) -> EntryPath:

@@ -220,17 +220,18 @@ def sign_of_product(place: FaultPlace) -> Iterator[TextFix]:
 
 
 def point_for_comma(place: FaultPlace) -> Iterator[TextFix]:
-    """A decimal point, also where a comma in brackets split the number."""
-    if place.fault.kind != "decimal-comma":
+    """A decimal point, also where a comma in brackets split the number; or no comma, where it may part thousands."""
+    if place.fault.kind not in ("decimal-comma", "ambiguous-number") or place.remedy(WRITE) is not None:
         return
+    parts = {".": "write a decimal point"} | ({"": "leave the comma out"} if place.fault.kind == "ambiguous-number" else {})
     start, text = place.span.start, place.written.text
     found = re.search(r"(\d),(\d)", place.shown)
     before = re.search(r"\d(\s*,\s*)$", text[:start])
-    if found:
-        comma = start + found.end(1)
-        yield from place.fix("write a decimal point", TextEdit(TextSpan(comma, comma + 1), "."))
-    elif before:
-        yield from place.fix("write a decimal point", TextEdit(TextSpan(before.start(1), start), "."))
+    comma = start + found.end(1) if found else 0
+    span = TextSpan(comma, comma + 1) if found else TextSpan(before.start(1), start) if before else None
+    for sign, title in parts.items():
+        if span is not None:
+            yield from place.fix(title, TextEdit(span, sign))
 
 
 def as_said(place: FaultPlace) -> Iterator[TextFix]:
