@@ -483,7 +483,7 @@ def test_texts_of_a_model_are_no_part_of_the_page(writing):
     box = page.locator(".cm-line", has_text="k: {value").locator("span").first.bounding_box()
     page.mouse.move(box["x"] + 2, box["y"] + box["height"] / 2)
     writing.until(lambda: page.locator(".cm-tooltip-hover").count(), "the explanation of k")
-    assert "javascript:" in page.inner_text(".cm-tooltip-hover")
+    assert "<img src=x onerror=window.hit=1> [a](javascript:window.hit=1)" in page.inner_text(".cm-tooltip-hover")
     writing.put(HOSTILE.replace("node: a", 'node: "<img src=x onerror=window.hit=1>"'))
     assert any("<img src=x" in fault for fault in writing.faults())
     foreign = "document.querySelectorAll('body img, body iframe, body script, body a[href^=javascript]').length"

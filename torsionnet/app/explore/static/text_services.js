@@ -54,13 +54,19 @@ function drawn(text) {
   const box = Object.assign(document.createElement("div"), { className: "cm-hover" });
   for (const line of text.split("\n").filter((one) => one.trim())) {
     const paragraph = document.createElement("p");
-    for (const part of line.replace(/^[-*] /, "• ").split(/(\*\*[^*]+\*\*|`[^`]+`)/)) {
+    for (const part of line.replace(/^[-*] /, "• ").split(/((?<!\\)\*\*[^*]+\*\*|(?<!\\)`[^`]+`)/)) {
       const tag = part.startsWith("**") ? "strong" : part.startsWith("`") ? "code" : null;
-      paragraph.append(tag ? Object.assign(document.createElement(tag), { textContent: part.replaceAll(/\*\*|`/g, "") }) : part);
+      const shown = tag === "code" ? part.slice(1, -1) : unescaped(tag ? part.slice(2, -2) : part);
+      paragraph.append(tag ? Object.assign(document.createElement(tag), { textContent: shown }) : shown);
     }
     box.append(paragraph);
   }
   return box;
+}
+
+// Signs of Markdown in names and texts of a model stand behind a backslash; inside code they are as they are.
+function unescaped(text) {
+  return text.replaceAll(/\\([\\`*_<>[\]])/g, "$1");
 }
 
 function place(view) {
