@@ -161,7 +161,9 @@ def test_every_fix_ends_its_fault_and_brings_no_other(case):
 def test_a_comma_that_may_part_thousands_has_two_fixes():
     text = BASE.replace("1 kN*m/rad", "13,300 N*m/rad")
     (one,) = (one for one in text_faults(text, "model.yaml") if one.fault.kind == "ambiguous-number")
-    assert [edited(text, fix.edits) for fix in one.fixes] == [text.replace(",300", number) for number in (".300", "300")]
+    assert [edited(text, fix.edits) for fix in one.fixes] == [
+        text.replace(",300", number) for number in (".300", "300")
+    ]
 
 
 @pytest.mark.parametrize(("old", "name"), [("inertia: 2}", "inertia"), ("nodes: [motor, wheel], ", "nodes")])

@@ -19,7 +19,7 @@ from torsionnet.signals.recording import Recording, Signal
 from torsionnet.signals.recording_checks import check_recording
 from torsionnet.signals.records.recording_files import iter_blocks, read_recording, write_recording
 from torsionnet.signals.resampling import resampled
-from torsionnet.signals.value_faults import encoder_leaps
+from torsionnet.signals.value_faults import encoder_leaps, wrap_jumps
 
 EXTRAS = {".tdms": "nptdms", ".uff": "pyuff", ".h5": "h5py", ".parquet": "pyarrow", ".mf4": "asammdf"}
 ENDINGS = [".csv", ".npz", ".mat", *EXTRAS]
@@ -555,3 +555,12 @@ def test_a_time_stamp_next_to_zero_divides_nothing(tmp_path):
     path.write_text("\n".join(["time [s],T [N*m]", *(f"{stamp},1.5" for stamp in stamps)]), encoding="utf-8")
     with pytest.raises(ModelError, match=r"the time stamp 4\.94065646e-324 s follows 0\.015 s"):
         read_recording(path)
+
+
+def test_a_step_is_a_wrap_where_it_spans_nearly_the_whole_range():
+    """Of an angle over 40 rad a step of 6 rad is lost samples; of one over 2 pi it is the encoder that begins again."""
+    whole = np.concatenate([np.linspace(0, 20, 200), np.linspace(26, 40, 140)])
+    assert not len(wrap_jumps(whole)[0])
+    places, size = wrap_jumps(np.linspace(0, 40, 400) % 6)
+    assert len(places) == 6
+    assert size == pytest.approx(6 - 40 / 399, rel=1e-9)

@@ -485,6 +485,19 @@ class TestSimplified:
         assert 0 < moved < 0.02
         assert "omega_n 0.17 %" in str(found)
 
+    def test_damping_that_moves_no_pole_goes_and_its_spring_stays(self):
+        """Of two dampings of 1e-4 and 2 N m s/rad in series the small one is left out."""
+        elements = [
+            tn.Inertia("J_1", node="a", inertia=1),
+            tn.Inertia("J_2", node="b", inertia=2),
+            tn.Spring("soft", nodes=("a", "b"), stiffness=1000, damping=1e-4),
+            tn.Spring("held", nodes=("b", "ground"), stiffness=500, damping=2),
+        ]
+        rig = tn.Drivetrain("rig", elements, inputs={"T": {"torque": "a"}}, sensors={"phi": {"angle": "b"}})
+        found = rig.symbolic().simplified("phi", "T", band=(0.5, 10))
+        assert found.changes == ("soft without its damping",)
+        assert found.drivetrain.definition.elements["soft"].stiffness == rig.definition.elements["soft"].stiffness
+
     def test_nothing_goes_where_nothing_may_move(self):
         found = tn.load("dmf_rig").symbolic().simplified("theta_1", "T_M", tolerance=1e-9, band=(0.5, 20))
         assert found.changes == ()
