@@ -255,9 +255,10 @@ def law_notes(definition: Definition) -> tuple[str, ...]:
 def running_notes(definition: Definition) -> tuple[str, ...]:
     """Notes on the operating points of laws of motion in results over speed; none for a model without such laws."""
     notes = law_notes(definition)
-    if notes and definition.load is not None:
-        notes = (*notes, "at every speed laws of motion are linear under the load there")
-    return notes
+    if not notes:
+        return ()
+    where = "at every speed under the load there" if definition.load is not None else "about this point"
+    return (*notes, f"laws of motion are linear {where}")
 
 
 def symbol_notes(definition: Definition) -> tuple[str, ...]:

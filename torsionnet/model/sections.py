@@ -163,6 +163,8 @@ BENCH_FILE = "torsionnet.bench.plan.plan:BenchFile"
 """Place of the class of a file that names a model and describes a test of it."""
 OPERATING_BALANCE = "torsionnet.motion.balance.operating_balance:OperatingBalance"
 """Place of the operating point about which laws of motion are linear; a model with such laws imports it."""
+PERIODIC_ORDERS = "torsionnet.motion.periodic.periodic_orders:periodic_orders"
+"""Place of the function that gives order responses with laws of motion in full, where that is asked for."""
 
 
 def section_class(key: str) -> Any:

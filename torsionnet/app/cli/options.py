@@ -296,6 +296,12 @@ ANGLE = option(
 ALIGN = option(
     "--align", help="Move the output by its lag before windows cut the record, and put the phase of the lag back."
 )
+NONLINEAR: Any = option(
+    "--nonlinear",
+    type=click.Choice(["linear", "periodic"]),
+    help="Laws of motion linear about the operating point, or in full, of all periodic motions the largest stable one."
+    "  [default: that of the model, else linear]",
+)
 DRIVEN_BY = option(
     "--driven-by",
     metavar="INPUT",

@@ -344,6 +344,7 @@ def over_speed(
         "tested": tested,
         "count": len(run.lines),
         "thinned": thinned,
+        "notes": list(map(str, run.notes)),
         **speed_limits(rig, run),
     }
 

@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 from torsionnet.base.entries.composite import Listed, Nested
 from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.scalars import SCALAR_SCHEMA, Value
-from torsionnet.base.entries.spec import EntryError, Json, Schema, Spec, entry, not_none
+from torsionnet.base.entries.spec import EntryError, Json, OneOf, Schema, Spec, entry, not_none
 from torsionnet.base.errors import Fault, got
 from torsionnet.base.units import RPM
 from torsionnet.model.element_base.element_entries import NodeName
@@ -23,6 +23,8 @@ MOST_SPEEDS = 100_000
 """Largest number of speeds in a range, as more only come from a step in the wrong unit."""
 FEWEST_SPEEDS = 100
 """Least number of steps of speed in a run-up before peaks between them are looked for."""
+NONLINEAR = ("linear", "periodic")
+"""How laws of motion act in results over speed: linear about the operating point, or in full, in periodic motion."""
 _RANGE = re.compile(r"\s*([\d.eE+]+)\s*([A-Za-z/]*)\s*\.\.\s*([\d.eE+]+)\s*([A-Za-z/]*)\s*")
 
 
@@ -117,6 +119,12 @@ class SpeedRange(Declared):
     rated: float | None = entry(Value("speed to which rated torques belong", "speed", exclusive=True), None)
     run_up: StartingRange | None = entry(
         Nested("the speeds that every start passes, at which load and how fast", lambda: StartingRange, "run_up"), None
+    )
+    nonlinear: str | None = entry(
+        OneOf(
+            "whether laws of motion are linear about the operating point, or act in full in periodic motion", NONLINEAR
+        ),
+        None,
     )
 
     def contradictions(self) -> builtins.list[Fault]:

@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.errors import UsageError, did_you_mean
@@ -284,6 +284,11 @@ class OrderResponse(SavedResult):
                 yield places, None
             else:
                 yield places, [int(rate / top * cycle if lines[0].fixed else rate * cycle) for rate in rates]
+
+    @property
+    def unmet(self) -> NDArray[np.bool_]:
+        """Whether no motion is known at a speed that can be met, shape (n_speeds,); a linear response always is one."""
+        return np.zeros(len(self.speeds), dtype=bool)
 
     @property
     def half_range(self) -> FloatArray:

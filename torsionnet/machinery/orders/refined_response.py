@@ -8,15 +8,41 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from torsionnet.base.errors import UsageError, unfit_word
+from torsionnet.base.packages import imported
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.criticals.line_meetings import around_resonances
+from torsionnet.machinery.excitations.speed_range import NONLINEAR
 from torsionnet.machinery.orders.order_line import summed_sizes
 from torsionnet.machinery.orders.order_response import OrderResponse
 from torsionnet.machinery.orders.order_solution import OrderRequest, orders_at_speeds
 from torsionnet.machinery.orders.speed_refinement import fill_speed_gaps, new_speeds, refine_speeds, speeds_to_refine
 from torsionnet.machinery.orders.worst_response import join_responses
 from torsionnet.model.channels import Channels
+from torsionnet.model.sections import PERIODIC_ORDERS
+
+
+def is_periodic(drivetrain: AssembledModel, nonlinear: str | None) -> bool:
+    """Whether laws of motion act in full, in periodic motion: as asked for, else as ``speeds:`` of the model says.
+
+    Raises
+    ------
+    UsageError
+        An unknown word, or periodic motion is asked of a drivetrain without laws of motion.
+    """
+    if nonlinear not in (None, *NONLINEAR):
+        text = f"nonlinear is {' or '.join(NONLINEAR)}, got {nonlinear!r}"
+        raise UsageError(unfit_word(text, str(nonlinear), NONLINEAR))
+    given = drivetrain.definition.speeds
+    if (nonlinear or (given and given.nonlinear)) != "periodic":
+        return False
+    if drivetrain.definition.tangents is None and nonlinear:
+        text = "the drivetrain has no laws of motion: its linear response is exact"
+        raise UsageError(f"{text}; leave out nonlinear", kind="no-effect")
+    # A model that asks for it may have configurations in which all laws of motion are switched off.
+    return drivetrain.definition.tangents is not None
+
 
 # Speeds at which a running drivetrain is examined first, and whether speeds are added between them.
 
@@ -31,10 +57,13 @@ class ExaminedSpeeds:
         Excitations, and the speeds that the caller or the model gives.
     refine : bool
         Whether speeds are added between these: in a range, not in a list of speeds.
+    periodic : bool
+        Whether laws of motion act in full: then the speeds are added at which sweeps jump.
     """
 
     request: OrderRequest
     refine: bool
+    periodic: bool = False
 
     @classmethod
     def of(
@@ -45,6 +74,7 @@ class ExaminedSpeeds:
         speed_of: str | None = None,
         excitations: Iterable[str] | None = None,
         refine: bool | None = None,
+        nonlinear: str | None = None,
     ) -> ExaminedSpeeds:
         """Speeds in rad/s to examine, taken from the arguments of an order response and else from the model.
 
@@ -54,7 +84,8 @@ class ExaminedSpeeds:
         is_list = speeds is None and given is not None and bool(given.list)
         request = OrderRequest.of(drivetrain, speeds, speed_of, excitations)
         rising = len(request.speeds) > 1 and bool((np.diff(request.speeds) > 0).all())
-        return cls(request, (not is_list if refine is None else refine) and rising)
+        more = (not is_list if refine is None else refine) and rising
+        return cls(request, more, is_periodic(drivetrain, nonlinear))
 
     @property
     def reference(self) -> str:
@@ -62,15 +93,39 @@ class ExaminedSpeeds:
         return self.request.reference
 
     @property
+    def nonlinear(self) -> str:
+        """How laws of motion act, as a word."""
+        return "periodic" if self.periodic else "linear"
+
+    @property
     def ends(self) -> tuple[float, float]:
         """Lowest and highest speed of the reference shaft that is examined, in rad/s."""
         return float(self.request.speeds.min()), float(self.request.speeds.max())
+
+    @property
+    def to_peaks(self) -> bool:
+        """Whether speeds are added until peaks between them are known, which only a linear response asks for."""
+        return self.refine and not self.periodic
+
+    def response(
+        self, drivetrain: AssembledModel, output: Channels, speeds: FloatArray, excitation: Iterable[str] | None
+    ) -> OrderResponse:
+        """Order response at speeds in rad/s of the reference, and of periodic motion at those where it jumps."""
+        if self.periodic:
+            found: OrderResponse = imported(PERIODIC_ORDERS)(
+                drivetrain, output, speeds=speeds, speed_of=self.reference, excitation=excitation, jumps=self.refine
+            )
+            return found
+        return orders_at_speeds(drivetrain, output, speeds=speeds, speed_of=self.reference, excitations=excitation)
 
     def first(self, breaks: FloatArray) -> FloatArray:
         """Speeds (n_speeds,) of the first pass in rad/s, rising, with more near narrow resonances, and ``breaks``.
 
         Gaps are filled.
         """
+        if self.periodic and self.refine:
+            low, high = self.ends
+            return np.unique(np.concatenate([self.request.speeds, breaks[(breaks > low) & (breaks < high)]]))
         if not self.refine:
             return self.request.speeds
         speeds = fill_speed_gaps(self.request.speeds)
@@ -97,6 +152,7 @@ def order_response(
     speed_of: str | None = None,
     excitation: str | Iterable[str] | None = None,
     refine: bool = False,
+    nonlinear: str | None = None,
 ) -> OrderResponse:
     """Response of running machinery as complex amplitudes of every order of the outputs at every speed.
 
@@ -112,7 +168,11 @@ def order_response(
         Which of the model's excitations act; default: all.
     refine : bool
         Whether the result has more speeds between these, until the largest half range and the largest amplitudes
-        are known to 0.1 %; between the speeds of a list is nothing.
+        are known to 0.1 %; between the speeds of a list is nothing. Of periodic motion only the speeds at which it
+        jumps are added.
+    nonlinear : {"linear", "periodic"}, optional
+        Whether laws of motion are linear about the operating point, or act in full, as in :meth:`periodic_response`;
+        then every output has the largest motion that is stable. Default: that of the model, else linear.
 
     Raises
     ------
@@ -131,22 +191,21 @@ def order_response(
     >>> bool(abs(run.of_order(2)[0] - -10 * 2e4 / (3e4 - 2 * w**2)) < 1e-9)
     True
     """
-    if not refine:
-        return orders_at_speeds(drivetrain, output, speeds=speeds, speed_of=speed_of, excitations=excitation)
     acting = excitation if excitation is None or isinstance(excitation, str) else tuple(excitation)
-    examined = ExaminedSpeeds.of(drivetrain, speeds, speed_of=speed_of, excitations=acting)
+    if not refine and not is_periodic(drivetrain, nonlinear):
+        return orders_at_speeds(drivetrain, output, speeds=speeds, speed_of=speed_of, excitations=acting)
+    examined = ExaminedSpeeds.of(
+        drivetrain, speeds, speed_of=speed_of, excitations=acting, refine=None if refine else False, nonlinear=nonlinear
+    )
 
     def at(those: FloatArray) -> _Sized:
-        run = orders_at_speeds(drivetrain, output, speeds=those, speed_of=examined.reference, excitations=acting)
+        run = examined.response(drivetrain, output, those, acting)
         # Sums of lines of one frequency peak at other speeds than their parts.
         return _Sized(run, run.half_range, np.concatenate([run.sizes, summed_sizes(run)], axis=1))
 
-    found = at(examined.first(np.empty(0)))
-    return (
-        refine_speeds(found, _wanted, lambda known, more: known.with_more(at(more))).run
-        if examined.refine
-        else found.run
-    )
+    if not examined.to_peaks:
+        return examined.response(drivetrain, output, examined.request.speeds, acting)
+    return refine_speeds(at(examined.first(np.empty(0))), _wanted, lambda known, more: known.with_more(at(more))).run
 
 
 def merged_responses(first: OrderResponse, second: OrderResponse) -> tuple[OrderResponse, NDArray[np.intp]]:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from torsionnet.base.errors import ModelError, UsageError, suggestion_or
+from torsionnet.base.phrases import phrase
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.table_range import range_notes
 from torsionnet.linear.frequency_response import FloatArray
@@ -28,13 +29,12 @@ from torsionnet.machinery.mean.mean_solution import lost_power_notes, means_of
 from torsionnet.machinery.mean.power_flow import power_flows, power_sensors
 from torsionnet.machinery.orders.order_amplitudes import summed_orders
 from torsionnet.machinery.orders.order_response import OrderResponse
-from torsionnet.machinery.orders.order_solution import orders_at_speeds
 from torsionnet.machinery.orders.refined_response import ExaminedSpeeds, merged_responses
 from torsionnet.machinery.orders.speed_refinement import refine_speeds, speeds_to_refine
 from torsionnet.machinery.orders.worst_response import WorstResponse
 from torsionnet.machinery.passage.passage_solution import passage_response
 from torsionnet.machinery.verdicts.limit_check import LimitCheck
-from torsionnet.machinery.verdicts.limit_verdict import FAIL, OPEN, LimitVerdict, listed_names
+from torsionnet.machinery.verdicts.limit_verdict import FAIL, OPEN, PASS, LimitVerdict, listed_names
 from torsionnet.machinery.verdicts.run_up_check import PassedLimit, RunUpCheck
 from torsionnet.machinery.verdicts.settled_verdicts import highest_permitted, settled
 from torsionnet.machinery.verdicts.speed_spans import SpeedSpan, spans_above
@@ -45,6 +45,8 @@ from torsionnet.model.operating_values import running_notes, with_tangents
 
 NO_CYCLE = "the shafts have no short common cycle: half ranges of the shafts are added"
 """Text of the note of a limit check whose orders repeat only after many revolutions, so that half ranges are added."""
+NOT_MET = "at some speeds no motion was found that is stable"
+"""Remark on a limit that holds, but where nothing is known of what is met."""
 RUN_IN_SHARE = 0.25
 """Share of the width of the speeds at which a limit is exceeded by which their passage begins before and ends behind
 them, where vibration is small and steady."""
@@ -59,6 +61,7 @@ def check_limits(
     speeds: ArrayLike | None = None,
     excitation: str | Iterable[str] | None = None,
     refine: bool | None = None,
+    nonlinear: str | None = None,
 ) -> LimitCheck:
     """Verdicts on the model's limits over speed, and barred ranges.
 
@@ -71,7 +74,11 @@ def check_limits(
     refine : bool, optional
         Whether speeds between these are examined as well, until the largest value over value allowed and the ends
         of ranges are known to 0.1 %; the result has them among its speeds. Default: yes, but for a model whose
-        speeds are a list, which is all that is examined then.
+        speeds are a list, which is all that is examined then. Of periodic motion only the speeds at which it jumps
+        are added.
+    nonlinear : {"linear", "periodic"}, optional
+        As for :meth:`order_response`: with ``"periodic"`` the largest stable motion is judged, and where none was found
+        that is stable, a limit that would hold is not judged.
 
     Raises
     ------
@@ -89,12 +96,12 @@ def check_limits(
     >>> fan.check_limits().of("shaft").verdict
     'pass'
     """
-    return _check(drivetrain, limits, speeds, excitation, refine, starts=True)
+    return _check(drivetrain, limits, speeds, excitation, refine, nonlinear, starts=True)
 
 
 def limits_at(drivetrain: AssembledModel, speeds: FloatArray) -> LimitCheck:
     """Check of all limits of a model at some speeds in rad/s alone, without its starts."""
-    return _check(drivetrain, None, speeds, None, refine=False, starts=False)
+    return _check(drivetrain, None, speeds, None, False, None, starts=False)
 
 
 def _check(
@@ -103,6 +110,7 @@ def _check(
     speeds: ArrayLike | None,
     excitations: Iterable[str] | None,
     refine: bool | None,
+    nonlinear: str | None,
     *,
     starts: bool,
 ) -> LimitCheck:
@@ -111,7 +119,7 @@ def _check(
               for name, limit in _chosen(drivetrain.definition.limits, limits).items()}  # fmt: skip
     subject = limit_subject(drivetrain.definition, drivetrain.exact_values)
     asked = excitations if excitations is None or isinstance(excitations, str) else tuple(excitations)
-    examined = ExaminedSpeeds.of(drivetrain, speeds, excitations=asked, refine=refine)
+    examined = ExaminedSpeeds.of(drivetrain, speeds, excitations=asked, refine=refine, nonlinear=nonlinear)
     examination = _Examination(drivetrain, subject, chosen, asked, examined)
     breaks = np.array([speed for limit in chosen.values() for speed in limit.breaks(subject)])
     found, verdicts = examination.examined(examined.first(breaks))
@@ -121,7 +129,8 @@ def _check(
     notes += [_cylinder_note(drivetrain.definition)] * subject.misfiring + [*run.engine_notes]
     notes += lost_power_notes(drivetrain, float(run.speeds[-1])) if evidence.means else ()
     notes += [running] if (running := running_engines_text(drivetrain.definition.excitations)) else []
-    notes += (*running_notes(drivetrain.definition), *range_notes(drivetrain.assembly, np.abs(run.frequencies)))
+    about = run.notes if examined.periodic else running_notes(drivetrain.definition)
+    notes += (*about, *range_notes(drivetrain.assembly, np.abs(run.frequencies)))
     return LimitCheck(
         run.speeds, run.reference, verdicts, tuple(map(str, run.lines)), drivetrain.title, drivetrain.configuration,
         subject.misfiring, tuple(notes), drivetrain.configurations, drivetrain.other_configurations,
@@ -139,8 +148,9 @@ def _run_up(running: _Examination, evidence: Evidence) -> RunUpCheck | None:
     run_up = speeds.run_up
     acting, loaded = at_load(drivetrain, run_up.load)
     passed = ExaminedSpeeds.of(
-        acting, run_up.speeds(speeds.step), speed_of=speeds.of, excitations=running.excitations, refine=True
-    )
+        acting, run_up.speeds(speeds.step), speed_of=speeds.of, excitations=running.excitations, refine=True,
+        nonlinear=running.speeds.nonlinear,
+    )  # fmt: skip
     try:
         examination = _Examination(
             acting, running.subject, running.limits, running.excitations, passed, loaded, evidence.rated_means
@@ -162,7 +172,8 @@ def _at_its_rate(
 ) -> PassedLimit:
     """Verdict on a limit that steady vibration exceeds, by the vibration while the speed rises at its rate."""
     found = limit.passing_sensors(steady.criterion, running.subject) if steady.verdict in (FAIL, OPEN) else None
-    if run_up.rate is None or found is None or not len(steady.values):
+    # The passage is that of a linear drivetrain: motions that jump are judged as if each speed lasted.
+    if run_up.rate is None or found is None or not len(steady.values) or running.speeds.periodic:
         return PassedLimit(steady)
     sensors, factor = found
     above = spans_above(steady.speeds, steady.values, steady.allowed)
@@ -238,9 +249,7 @@ class _Examination:
 
     def at(self, speeds: FloatArray) -> _Examined:
         """Order responses, mean values and limit curves over the speeds (n_speeds,) in rad/s of the reference shaft."""
-        run = orders_at_speeds(
-            self.drivetrain, self._sensors, speeds=speeds, speed_of=self.speeds.reference, excitations=self.excitations
-        )
+        run = self.speeds.response(self.drivetrain, self._sensors, speeds, self.excitations)
         means, why = _means(self.loaded or self.drivetrain, self.subject, self._here, run.speeds)
         full = self.known_rated or self._full_load
         return self.judged_by(Evidence(run, means, why, self.subject, full, self._idle, self.run_below))
@@ -306,12 +315,20 @@ class _Examination:
 
     def resolved(self, found: _Examined) -> _Examined:
         """Curves at further speeds, so many that peaks and ends of ranges are known, if that is asked for."""
-        return refine_speeds(found, self.wanted, self.with_more) if self.speeds.refine else found
+        return refine_speeds(found, self.wanted, self.with_more) if self.speeds.to_peaks else found
 
     def verdicts(self, found: _Examined) -> tuple[LimitVerdict, ...]:
         """Verdicts of all limits on their curves, each by itself."""
         limits = zip(self.limits.items(), found.lines, strict=True)
-        return tuple(one for (name, limit), lines in limits for one in limit.verdicts(name, found.evidence, lines))
+        every = tuple(one for (name, limit), lines in limits for one in limit.verdicts(name, found.evidence, lines))
+        # A limit that only motions keep that are not met is not known to hold.
+        unmet = found.run.unmet.any()
+        return tuple(
+            replace(one, verdict=OPEN, remarks=(*one.remarks, phrase(NOT_MET)))
+            if unmet and one.verdict == PASS
+            else one
+            for one in every
+        )
 
     def wanted(self, found: _Examined) -> FloatArray:
         """Speeds (n,) in rad/s to add where the curves of the limits are not resolved yet."""

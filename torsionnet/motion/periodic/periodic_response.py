@@ -11,11 +11,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from torsionnet.base.errors import SolveError, UsageError
+from torsionnet.base.registers import Same
 from torsionnet.base.threads import one_thread
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.law_stiffness import Functional
 from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.linear.dynamic_stiffness.transfer_request import named_output
+from torsionnet.linear.responses.shared_response import shared_by_conditions
 from torsionnet.model.channels import Channels, Sensor
 from torsionnet.motion.periodic.all_branches import FoundBranch, all_branches
 from torsionnet.motion.periodic.branch import BranchPoint, located_fold
@@ -88,6 +90,8 @@ def periodic_response(
     [(0.4177, 'stable'), (2.2866, 'unstable: leaves'), (2.5456, 'stable')]
     """
     _require(frequencies, speeds, harmonics, subharmonics)
+    if excitation is not None and not isinstance(excitation, str | Mapping):
+        excitation = tuple(excitation)
     forcing = (
         over_frequency(drivetrain, frequencies, excitation)  # type: ignore[arg-type]
         if frequencies is not None
@@ -103,12 +107,34 @@ def periodic_response(
     low, high = float(forcing.parameters[0]), float(forcing.parameters[-1])
     problem = PeriodicProblem(plant, forcing.drive, high)
     with one_thread():
-        branches = all_branches(problem, low, high, harmonics, subharmonics)
+        branches = _branches(forcing, problem, excitation, (low, high), harmonics, subharmonics)
         if branches:
             return _result(forcing, readings, branches, harmonics)
     text = "from rest no periodic motion was reached; a time simulation shows what the drivetrain does"
     unit = "rad/s" if forcing.reference else "Hz"
     raise SolveError(f"{text} between {low:.6g} and {high:.6g} {unit}", kind="no-period")
+
+
+def _branches(
+    forcing: Forcing,
+    problem: PeriodicProblem,
+    excitation: Any,
+    ends: tuple[float, float],
+    harmonics: Harmonics,
+    subharmonics: int,
+) -> list[FoundBranch]:
+    """Branches between two parameters; those over speed are kept, since orders and limits ask for other outputs."""
+    if not forcing.reference:
+        return all_branches(problem, *ends, harmonics, subharmonics)
+    acting = tuple(map(Same, forcing.drivetrain.definition.excitations.values()))
+    key = ("branches", acting, excitation, forcing.reference, ends, harmonics, subharmonics)
+
+    def size(found: list[FoundBranch]) -> int:
+        return sum(4 * point.u.nbytes for one in found for point in one.branch.points)
+
+    return shared_by_conditions(
+        forcing.drivetrain, list, key, lambda: all_branches(problem, *ends, harmonics, subharmonics), size
+    )
 
 
 def _require(frequencies: Any, speeds: Any, harmonics: Any, subharmonics: Any) -> None:

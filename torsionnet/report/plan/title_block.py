@@ -204,6 +204,9 @@ SECTIONS = {
         "critical speeds with equilibrium amplitude, generalised force, damping shares and stress at the peak", APPROVAL
     ),
     "orders": SectionContent("amplitudes over speed by order, and all orders together, in every configuration"),
+    "periodic_motions": SectionContent(
+        "all steady motions where laws of motion act in full, which are stable, and where sweeps jump", BOTH
+    ),
     "forced_response": SectionContent(
         "stress or torque over speed of every component in every condition, and the orders of the peaks", APPROVAL
     ),

@@ -10,7 +10,7 @@ import click
 
 from torsionnet.app.cli.cases import ConfiguredCase, ModelCommand
 from torsionnet.app.cli.command import TABLE, Answer, separated_by_lines
-from torsionnet.app.cli.options import ANGLE, FiniteFloat, PairType, band_option, option
+from torsionnet.app.cli.options import ANGLE, NONLINEAR, FiniteFloat, PairType, band_option, option
 
 if TYPE_CHECKING:
     from torsionnet.base.conventions import Conventions
@@ -56,6 +56,7 @@ class LimitsCommand(ModelCommand):
         metavar="FILE",
         help="Half ranges of a test, to lay beside limits and barred ranges: a file of torsionnet track.",
     )
+    nonlinear: str | None = NONLINEAR
     angle: str = ANGLE
 
     def answer(self) -> Answer:
@@ -66,7 +67,7 @@ class LimitsCommand(ModelCommand):
         if self.measured:
             self.require_one("a test is of one configuration: name one with -c")
         cases = self.cases()
-        found = self.each("limits", cases, lambda case: case.drivetrain.check_limits(self.limits or None))
+        found = self.each("limits", cases, self._checked)
         overall = LimitConclusion(tuple(found))
         tests = self._tests(cases[0], found[0]) if self.measured else ()
         return Answer(
@@ -79,6 +80,9 @@ class LimitsCommand(ModelCommand):
             ],
             exit_code=_exit_code(overall.verdict),
         )
+
+    def _checked(self, case: ConfiguredCase) -> LimitCheck:
+        return case.drivetrain.check_limits(self.limits or None, nonlinear=self.nonlinear)
 
     def _tests(self, case: ConfiguredCase, check: LimitCheck) -> tuple[MeasuredRange, ...]:
         """Half ranges of the test beside the limits that judge them."""

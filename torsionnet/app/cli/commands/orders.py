@@ -9,7 +9,7 @@ import click
 
 from torsionnet.app.cli.cases import ConfiguredCase, ModelCommand
 from torsionnet.app.cli.command import TABLE, Answer, separated_by_lines
-from torsionnet.app.cli.options import ANGLE, REFERRED_TO, EntryOption, option, referred_outputs
+from torsionnet.app.cli.options import ANGLE, NONLINEAR, REFERRED_TO, EntryOption, option, referred_outputs
 from torsionnet.base.errors import UsageError
 
 if TYPE_CHECKING:
@@ -69,6 +69,7 @@ class OrdersCommand(ModelCommand):
         help="What --plot draws: amplitudes over speed, spectra of all speeds one behind the other, or the sum of all "
         "orders over the shaft's angle where it is largest.",
     )
+    nonlinear: str | None = NONLINEAR
     referred_to: str | None = REFERRED_TO
     angle: str = ANGLE
 
@@ -156,7 +157,10 @@ class OrdersCommand(ModelCommand):
 
     def _run(self, case: ConfiguredCase) -> OrderResponse:
         return case.drivetrain.order_response(
-            referred_outputs(self.outputs, self.referred_to), excitation=self.excitations or None, refine=True
+            referred_outputs(self.outputs, self.referred_to),
+            excitation=self.excitations or None,
+            refine=True,
+            nonlinear=self.nonlinear,
         )
 
 

@@ -43,8 +43,8 @@ class ReportCommand(ModelCommand):
     What is in it says the report: section of the model file; options say it for this time. Sections: conclusion,
     summary, conditions, installation, schematic, elements, parameters, kinematics, equations, mass_elastic, modes,
     natural_frequencies, formulas, simplified, responses, excitations, harmonics, mean_torques, critical_speeds,
-    resonances, orders, forced_response, limits, components, passage, scenarios, measurement_plan, test, fit, study,
-    checks, validity.
+    resonances, orders, periodic_motions, forced_response, limits, components, passage, scenarios, measurement_plan,
+    test, fit, study, checks, validity.
 
     \b
     torsionnet report amt_rig

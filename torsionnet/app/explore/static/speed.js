@@ -31,7 +31,7 @@ export const overSpeed = {
     plots.draw(seen, speedPanels(form), form);
   },
   title: ({ orders }) => [symbol(orders.output), orders.count > orders.orders.length ? ": all orders and the largest" : ": all orders"],
-  notes: ({ orders }) => [...(orders.tested ?? []).map(({ name, verdict }) => `${name} ${verdict}`), ...orders.limit_notes],
+  notes: ({ orders }) => [...(orders.tested ?? []).map(({ name, verdict }) => `${name} ${verdict}`), ...orders.notes, ...orders.limit_notes],
   start: (answer, state) => largest(answer.orders.rpm, answer.orders.half_range, range(answer, state))[0],
   said: (all, inUnit, names) => all.map(([size], k) => `${names[k]} ${short(size)} ${inUnit}`).join(", "),
 };

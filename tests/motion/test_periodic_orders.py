@@ -1,0 +1,209 @@
+"""Orders, limits, studies and pages of machinery whose laws of motion act in full, against the numbers of periodic motions."""
+
+from __future__ import annotations
+
+import json
+from math import pi
+
+import numpy as np
+import pytest
+from support.command_line import run
+from support.periodic_rigs import car, free_clearance
+
+import torsionnet as tn
+from torsionnet.app.explore.over_speed import over_speed
+from torsionnet.base.errors import UsageError
+from torsionnet.motion.periodic.periodic_orders import PeriodicOrders
+
+RPM = pi / 30
+GAS = {"type": "harmonic", "node": "engine", "orders": {
+    2: {"amplitude": "300 N*m"}, 4: {"amplitude": "60 N*m", "phase": "-90 deg"}}}  # fmt: skip
+MEAN = {"torque": {"engine": "60 N*m", "vehicle": "-60 N*m"}}
+
+
+def _close(found: float, wanted: float, share: float = 1e-5) -> None:
+    assert abs(found - wanted) <= share * abs(wanted), (found, wanted)
+
+
+def rattling(**more: object) -> tn.Drivetrain:
+    """Two free masses with a clearance under a mean torque of 25 N m and 40 N m of the first order."""
+    return tn.Drivetrain(
+        "rattling",
+        list(free_clearance().elements.values()),
+        excitations={"shaker": {"type": "harmonic", "node": "a", "orders": {1: {"amplitude": "40 N*m"}}}},
+        operating_point={"torque": {"a": "25 N*m", "b": "-25 N*m"}},
+        **more,
+    )
+
+
+def driven_car(speeds: list[str] | str, **more: object) -> tn.Drivetrain:
+    """Car over a list of speeds, or over a range of them in steps of 50 rpm."""
+    given = {"list": speeds} if isinstance(speeds, list) else {"range": speeds, "step": "50 rpm"}
+    return car(
+        excitations={"gas": GAS},
+        operating_point=MEAN,
+        speeds={"of": "engine", "nonlinear": "periodic", **given},
+        **more,
+    )
+
+
+@pytest.fixture(scope="module")
+def rattle() -> PeriodicOrders:
+    """Orders of the clearance at 40, 45 and 50 Hz."""
+    speeds = {"of": "a", "list": ["2400 rpm", "2700 rpm", "3000 rpm"]}
+    return rattling(speeds=speeds).order_response("twist(gap)", nonlinear="periodic")
+
+
+def test_half_ranges_are_those_of_the_motions_that_are_met(rattle):
+    # at 40 and 45 Hz the single motion is unstable: what is met repeats after two periods
+    wanted = ((0.02895156, -0.00153571), (0.02761135, 0.00605751), (0.02633979, 0.01267718))
+    for number, (highest, lowest) in enumerate(wanted):
+        _close(rattle.peak_to_peak[number, 0], highest - lowest)
+        mean = rattle.taken[number][0].amplitudes[0, 0].real
+        _close(rattle.bounds[0, number, 0] + mean, highest)
+    assert not rattle.unmet.any()
+
+
+def test_half_orders_stand_among_the_lines(rattle):
+    orders = [line.order for line in rattle.lines]
+    assert {0.5, 1.0, 1.5} <= set(orders)
+    half = np.abs(rattle.of_order(0.5))
+    assert half[0] > half[1] > 0
+    assert half[2] == 0  # above the doubling at 48.3 Hz
+    assert rattle.revolutions == 2
+    # the sum of the orders kept is the motion but for what lies above them
+    angle, wave = rattle.waveform()
+    assert angle[-1] < 4 * pi
+    _close(np.ptp(wave[0]) / 2, rattle.half_range[0, 0], 5e-3)
+
+
+def test_orders_are_those_of_the_periodic_response(rattle):
+    rig = rattling()
+    found = rig.periodic_response("twist(gap)", speeds=rattle.speeds, speed_of="a", subharmonics=4)
+    for number, at in enumerate(rattle.speeds):
+        sizes = [found.peak_to_peak(one) for one in found.stable_at(at)]
+        assert rattle.peak_to_peak[number, 0] == max(sizes)
+    assert rattle.motions.table().rows == found.table().rows
+
+
+def test_model_says_how_laws_act_and_an_argument_overrules_it():
+    speeds = {"of": "a", "list": ["3000 rpm"], "nonlinear": "periodic"}
+    rig = rattling(speeds=speeds)
+    full, linear = rig.order_response("twist(gap)"), rig.order_response("twist(gap)", nonlinear="linear")
+    assert isinstance(full, PeriodicOrders)
+    _close(full.peak_to_peak[0, 0], 0.02633979 - 0.01267718)
+    assert not isinstance(linear, PeriodicOrders)
+    # in contact: 40/(.12 D) with the reduced inertia, k = 8000 and c = 3
+    w, reduced = 3000 * RPM, 0.12 * 0.9 / 1.02
+    wanted = 40 / 0.12 * reduced / abs(8000 - reduced * w**2 + 3j * w)
+    _close(float(linear.half_range[0, 0]), wanted, 1e-9)
+    assert any("linear" in note for note in linear.notes)
+    assert rig.configured().definition.to_data()["speeds"]["nonlinear"] == "periodic"
+
+
+def test_speeds_where_sweeps_jump_are_added_to_a_range():
+    found = driven_car("1100..1200 rpm").order_response("twist(dmf)", refine=True)
+    down, up = sorted(set(np.round(found.rpm, 2)) - {1100, 1150, 1200})
+    assert abs(down - 1102.2643) < 0.01
+    assert abs(up - 1180.922) < 0.01
+    # the large motion lasts to its fold; beyond it the small one alone is left
+    swings = dict(zip(np.round(found.rpm), found.peak_to_peak[:, 0], strict=True))
+    _close(swings[1150], 0.25328758)
+    _close(swings[1200], 0.12767932)
+    assert swings[1181] > 0.95 * swings[1150]
+    assert any(note.startswith("a run-up jumps at 1180.92") for note in found.notes)
+
+
+def test_limits_judge_the_upper_branch_and_name_its_jumps():
+    limits = {"dmf": {"rule": "curve", "output": "torque(dmf)", "value": "300 N*m", "source": "maker"}}
+    rig = driven_car(["1000 rpm", "1150 rpm", "1300 rpm"], limits=limits)
+    check = rig.check_limits()
+    found = rig.periodic_response("torque(dmf)", speeds=check.speeds, speed_of="engine", subharmonics=4)
+    upper = [max(map(found.peak_to_peak, found.stable_at(at))) / 2 for at in check.speeds]
+    verdict = check.of("dmf")
+    assert verdict.values.tolist() == upper
+    assert verdict.verdict != "pass"
+    assert any("a run-down jumps at 1102.26" in note for note in check.notes)
+    at_rest = rig.check_limits(nonlinear="linear")
+    assert not any("jumps" in note for note in at_rest.notes)
+
+
+def test_limit_that_only_unstable_motions_keep_is_not_judged():
+    limits = {"gap": {"rule": "curve", "output": "torque(gap)", "value": "1 kN*m", "source": "maker"}}
+    speeds = {"of": "a", "list": ["1800 rpm"], "nonlinear": "periodic"}
+    check = rattling(speeds=speeds, limits=limits).check_limits()
+    met = any("no motion found is stable" in note for note in check.notes)
+    assert check.of("gap").verdict == ("not judged" if met else "pass")
+
+
+def test_study_takes_the_motions_of_every_variant():
+    from torsionnet.study import define, run_study
+
+    speeds = {"of": "a", "list": ["3000 rpm"], "nonlinear": "periodic"}
+    rig = rattling(speeds=speeds)
+    asked = {"swing": {"type": "order_torque", "output": "twist(gap)"}}
+    varied = {"one.inertia": {"type": "list", "values": [0.12, 0.13]}}
+    found = run_study(define(rig, varied, asked, sampling={"type": "grid"})).values["swing"].ravel()
+    _close(float(found[0]), (0.02633979 - 0.01267718) / 2)
+    assert abs(found[1] / found[0] - 1) > 1e-3
+
+
+def test_page_over_speed_draws_what_is_met_and_says_so():
+    speeds = {"of": "a", "list": ["2700 rpm", "3000 rpm"], "nonlinear": "periodic"}
+    shown = over_speed(rattling(speeds=speeds), "twist(gap)")
+    _close(2 * shown["half_range"][0], 0.02761135 - 0.00605751)
+    assert any("the largest motion of each output that is stable" in note for note in shown["notes"])
+
+
+@pytest.mark.parametrize(
+    ("change", "asked", "kind"),
+    [
+        ({}, {"nonlinear": "cubic"}, "unknown-word"),
+        ({"linear": True}, {"nonlinear": "periodic"}, "no-effect"),
+    ],
+)
+def test_what_cannot_be_answered_is_refused(change, asked, kind):
+    rig = rattling(speeds={"of": "a", "list": ["3000 rpm"]})
+    if change:
+        rig = tn.Drivetrain(
+            "linear",
+            [*list(rig.elements.values())[:2], tn.Spring("gap", nodes=("a", "b"), stiffness=8000)],
+            excitations={"shaker": {"type": "harmonic", "node": "a", "orders": {1: {"amplitude": "40 N*m"}}}},
+            speeds={"of": "a", "list": ["3000 rpm"]},
+        )
+    with pytest.raises(UsageError, match=kind):
+        rig.order_response("twist(gap)", **asked)
+
+
+MODEL = """torsionnet: 1
+name: rattling
+elements:
+  one: {type: inertia, node: a, inertia: 0.12}
+  two: {type: inertia, node: b, inertia: 0.9}
+  gap: {type: clearance, nodes: [a, b], gap: 2 deg, stiffness: 8000}
+  oil: {type: damper, nodes: [a, b], damping: 3}
+operating_point: {torque: {a: 25, b: -25}}
+speeds: {of: a, list: [3000 rpm]}
+excitations: {shaker: {type: harmonic, node: a, orders: {1: {amplitude: 40}}}}
+limits: {gap: {rule: curve, output: twist(gap), value: 0.01, source: maker}}
+"""
+
+
+def test_commands_take_the_word(tmp_path):
+    path = tmp_path / "gap.yaml"
+    path.write_text(MODEL)
+    said = run("orders", str(path), "--output", "twist(gap)", "--nonlinear", "periodic", "--json").stdout
+    (record,) = json.loads(said)
+    _close(2 * record["outputs"][0]["half_range"][0], 0.02633979 - 0.01267718)
+    shown = run("limits", str(path), "--nonlinear", "periodic").stdout
+    assert "laws of motion in full" in shown
+
+
+def test_report_draws_branches_in_german_words(tmp_path):
+    path = tmp_path / "gap.yaml"
+    path.write_text(MODEL.replace("3000 rpm]}", "2400 rpm, 3000 rpm], nonlinear: periodic}"))
+    run("report", str(path), "--section", "periodic_motions", "--language", "de", "-o", str(tmp_path / "gap.md"))
+    text = (tmp_path / "gap.md").read_text()
+    assert "Periodische Bewegungen" in text
+    assert "Periode verdoppelt sich" in text
+    assert "2899" in text.replace(",", "")  # 48.316462 Hz

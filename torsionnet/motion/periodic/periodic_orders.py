@@ -1,0 +1,204 @@
+"""Order response of machinery whose laws of motion act in full: of all periodic motions the largest that can be met.
+
+Several motions may be stable at one speed; which of them is met depends on where the machine comes from. A result that
+has one value at a speed, as those of orders and limits, takes for every output the motion of largest half range among
+the stable ones, and tells where sweeps jump.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from torsionnet.base.errors import UsageError, named_list
+from torsionnet.base.phrases import phrase
+from torsionnet.base.units import RPM
+from torsionnet.linear.assembly.assembled import AssembledModel
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
+from torsionnet.machinery.orders.order_line import SUM_SEPARATOR, OrderLine
+from torsionnet.machinery.orders.order_response import OrderResponse
+from torsionnet.machinery.orders.order_solution import OrderRequest
+from torsionnet.model.channels import Channels
+from torsionnet.motion.periodic.periodic_response import periodic_response
+from torsionnet.motion.periodic.periodic_result import FoundMotion, PeriodicResponse
+
+SUBHARMONICS = 4
+"""Most periods of the torques after which motions repeat whose orders are looked for."""
+AROUND = (0.8, 1.25)
+"""Ends, over a single speed, of the speeds over which its motions are followed where the model says nothing."""
+SMALLEST_ORDER = 1e-6
+"""Amplitude of an order, over the largest half range of its output, below which it is left out."""
+TAKEN = "laws of motion in full: at every speed the largest motion of each output that is stable"
+"""Text of the note on the motions whose orders an order response holds."""
+UNMET = "from {low:.6g} to {high:.6g} rpm no motion found is stable: the values there are of one that is not met"
+"""Text of the note on the speeds at which the motion of an order response is not stable."""
+OPEN = "from {low:.6g} to {high:.6g} rpm it is not determined whether the largest motion is stable"
+"""Text of the note on the speeds at which the motion of an order response may not be stable."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PeriodicOrders(OrderResponse):
+    """Orders of periodic motion over speed, at every speed and output those of the largest motion that is stable.
+
+    Lines are orders of the reference shaft, of all excitations together, also those that the motion alone has. Half
+    ranges are those of the motions, not of the orders kept.
+
+    Attributes
+    ----------
+    motions : PeriodicResponse
+        All motions found, their stability, and where sweeps jump.
+    """
+
+    motions: PeriodicResponse = field(kw_only=True)
+
+    @cached_property
+    def taken(self) -> tuple[tuple[FoundMotion, ...], ...]:
+        """Motion of every output, speed by speed."""
+        places = range(len(self.outputs))
+        return tuple(tuple(largest_met(self.motions, at, place) for place in places) for at in self.speeds.tolist())
+
+    @cached_property
+    def bounds(self) -> FloatArray:
+        found = np.zeros((2, len(self.speeds), len(self.outputs)))
+        for number, row in enumerate(self.taken):
+            for place, one in enumerate(row):
+                mean = one.amplitudes[0, place].real
+                found[:, number, place] = one.highest[place] - mean, one.lowest[place] - mean
+        return found
+
+    @property
+    def open_notes(self) -> tuple[str, ...]:
+        """Notes on speeds at which the motions taken are not stable, or may not be."""
+        return tuple(unsettled(self.speeds, self.taken))
+
+    @property
+    def unmet(self) -> NDArray[np.bool_]:
+        return np.array([any(_stable(one) is False for one in row) for row in self.taken])
+
+
+def periodic_orders(
+    drivetrain: AssembledModel,
+    output: Channels,
+    *,
+    speeds: ArrayLike | None = None,
+    speed_of: str | None = None,
+    excitation: str | Iterable[str] | None = None,
+    jumps: bool = False,
+) -> PeriodicOrders:
+    """Orders of the periodic motions of a drivetrain over speed, its laws of motion in full.
+
+    Parameters
+    ----------
+    output, speeds, speed_of, excitation
+        As for :meth:`order_response`.
+    jumps : bool
+        Whether the speeds at which sweeps jump are added, at which a branch is largest.
+
+    Raises
+    ------
+    UsageError
+        As for :meth:`order_response` and :meth:`periodic_response`; excitations with several cases.
+    SolveError
+        No periodic motion was found at a speed.
+    """
+    names = excitation if excitation is None or isinstance(excitation, str) else tuple(excitation)
+    request = OrderRequest.of(drivetrain, speeds, speed_of, names)
+    at = np.unique(request.speeds)
+    _require_one_case(request, at)
+    searched = _searched(drivetrain, request.reference, at)
+
+    def found_at(those: FloatArray) -> PeriodicResponse:
+        return periodic_response(
+            drivetrain, output, speeds=np.concatenate([those, searched]), speed_of=request.reference,
+            excitation=names, subharmonics=SUBHARMONICS,
+        )  # fmt: skip
+
+    found = found_at(at)
+    leaps = np.array([speed for _, speed in found.jumps if at[0] < speed < at[-1]]) if jumps else np.empty(0)
+    if len(leaps):
+        at = np.unique(np.concatenate([at, leaps]))
+        found = found_at(at)
+    taken = [[largest_met(found, speed, place) for place in range(len(found.outputs))] for speed in at.tolist()]
+    lines, values = _orders(found, taken, SUM_SEPARATOR.join(request.excitations))
+    notes = (phrase(TAKEN), *found.jump_sentences, *unsettled(at, taken), *found.notes)
+    return PeriodicOrders(
+        at, request.reference, lines, values, found.outputs, found.title, notes=notes, motions=found,
+    )  # fmt: skip
+
+
+def largest_met(found: PeriodicResponse, at: float, place: int) -> FoundMotion:
+    """Motion at a speed in rad/s with the largest half range of an output that is stable, or may be.
+
+    A motion on a fold counts as stable, as the end of those that are. Where none is stable it is the largest of all.
+
+    Raises
+    ------
+    UsageError
+        No motion was found at this speed.
+    """
+    here = [one for one in found.motions if one.turn != "doubling" and math.isclose(one.at, at, rel_tol=1e-9)]
+    if not here:
+        text = f"at {found.shown(at):.6g} {found.unit} no periodic motion was found; simulate shows what happens there"
+        raise UsageError(text, kind="no-period")
+    met = [one for one in here if _stable(one) is not False] or here
+    return max(met, key=lambda one: float(one.highest[place] - one.lowest[place]))
+
+
+def _stable(motion: FoundMotion) -> bool | None:
+    return motion.turn == "fold" or motion.is_stable
+
+
+def _require_one_case(request: OrderRequest, at: FloatArray) -> None:
+    """Raise UsageError for cylinders of which any may misfire, or that scatter: each case has motions of its own."""
+    several = [
+        one.name
+        for one in request.loads(at[:1]).by_excitation
+        if one.torques.alternatives is not None or one.torques.scatter is not None
+    ]
+    if several:
+        text = "periodic motion is that of one case of excitation; say which cylinder misfires, without scatter"
+        raise UsageError(f"{named_list(several)}: {text}", kind="no-period")
+
+
+def _searched(drivetrain: AssembledModel, reference: str, at: FloatArray) -> FloatArray:
+    """Ends in rad/s of the speeds over which branches are followed: those of the model, that all calls share."""
+    given = drivetrain.definition.speeds
+    if given is not None and given.of == reference:
+        return np.array([min(at[0], *given.values), max(at[-1], *given.values)])
+    return at[[0, -1]] if len(at) > 1 else at[0] * np.array(AROUND)
+
+
+def _orders(
+    found: PeriodicResponse, taken: Sequence[Sequence[FoundMotion]], name: str
+) -> tuple[tuple[OrderLine, ...], ComplexArray]:
+    """Order lines of motions, and amplitudes (n_speeds, n_lines, n_out): of doubled motions half orders, too."""
+    motions = [one for row in taken for one in row]
+    periods = math.lcm(*(one.periods for one in motions))
+    count = max((len(one.amplitudes) - 1) * periods // one.periods for one in motions)
+    values = np.zeros((len(taken), count, len(found.outputs)), dtype=complex)
+    sizes = np.zeros(len(found.outputs))
+    for number, row in enumerate(taken):
+        for place, one in enumerate(row):
+            # Harmonic k of a motion of p periods is harmonic k P/p of P periods.
+            each = periods // one.periods
+            values[number, each - 1 : (len(one.amplitudes) - 1) * each : each, place] = one.amplitudes[1:, place]
+            sizes[place] = max(sizes[place], found.peak_to_peak(one, found.outputs[place].name) / 2)
+    kept = (np.abs(values) > SMALLEST_ORDER * sizes).any(axis=(0, 2))
+    base = Fraction(found.order).limit_denominator(10**6) / periods
+    lines = tuple(OrderLine(name, float(base * (number + 1)), Fraction(1)) for number in np.flatnonzero(kept).tolist())
+    return lines, values[:, kept]
+
+
+def unsettled(at: FloatArray, taken: Sequence[Sequence[FoundMotion]]) -> Iterator[str]:
+    """Sentences on speeds at which the motion taken is unstable, or its stability is not determined."""
+    states = [{_stable(one) for one in row} for row in taken]
+    for state, text in ((False, UNMET), (None, OPEN)):
+        speeds = at[[state in one for one in states]] * RPM
+        if len(speeds):
+            yield phrase(text, low=float(speeds[0]), high=float(speeds[-1]))
