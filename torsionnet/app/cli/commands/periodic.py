@@ -86,6 +86,8 @@ class PeriodicCommand(ModelCommand):
         if self.excitations:
             text = "--excitation names excitations over speed; over --frequencies give --torque"
             raise UsageError(text, kind="contradicting-entries")
+        if not self.torques:
+            raise UsageError("over --frequencies --torque says what drives, as T_M=40,60", kind="missing-entry")
         torques = {name: _harmonics(name, text) for name, text in self.torques}
         return {"frequencies": read_list(self.listed), "excitation": torques}
 
