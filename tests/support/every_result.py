@@ -228,6 +228,17 @@ def periodic():
 
 
 @cache
+def periodic_orders():
+    spring = tn.Spring("spring", nodes=("a", "b"), stiffness=1e4, cubic=1e6, damping=20)
+    fan = {"type": "harmonic", "node": "b", "orders": {2: {"amplitude": "10 N*m"}}}
+    rig = tn.Drivetrain(
+        "fan", [tn.Inertia("rotor", node="a", inertia=2), tn.Inertia("wheel", node="b", inertia=1), spring],
+        speeds={"of": "a", "list": ["500 rpm", "600 rpm"], "nonlinear": "periodic"}, excitations={"blades": fan},
+    )  # fmt: skip
+    return rig.order_response("twist(spring)")
+
+
+@cache
 def stabilisation():
     return tn.modal.stabilisation(response())
 
@@ -407,6 +418,7 @@ def results():
         margins(),
         passage(),
         periodic(),
+        periodic_orders(),
         stabilisation(),
         decay,
         estimated,

@@ -24,7 +24,7 @@ MOST_SPEEDS = 100_000
 FEWEST_SPEEDS = 100
 """Least number of steps of speed in a run-up before peaks between them are looked for."""
 NONLINEAR = ("linear", "periodic")
-"""How laws of motion act in results over speed: linear about the operating point, or in full, in periodic motion."""
+"""Words for laws of motion in results over speed, linear about the operating point or in full, in periodic motion."""
 _RANGE = re.compile(r"\s*([\d.eE+]+)\s*([A-Za-z/]*)\s*\.\.\s*([\d.eE+]+)\s*([A-Za-z/]*)\s*")
 
 

@@ -94,7 +94,7 @@ class ExaminedSpeeds:
 
     @property
     def nonlinear(self) -> str:
-        """How laws of motion act, as a word."""
+        """Word for the laws of motion, "linear" or "periodic"."""
         return "periodic" if self.periodic else "linear"
 
     @property

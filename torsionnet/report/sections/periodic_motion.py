@@ -65,8 +65,8 @@ def _motions(subject: ReportData, case: Case, run: PeriodicOrders) -> Iterator[B
 def _turns(found: PeriodicResponse) -> Iterator[tuple[str, FoundMotion]]:
     """Places at which sweeps jump or periods double, each with the word for it."""
     folds = {one.at: one for one in found.turns("fold")}
-    yield from ((way, folds[at]) for way, at in found.jumps)
-    yield from (("period doubles", one) for one in found.turns("doubling"))
+    yield from ((way.capitalize(), folds[at]) for way, at in found.jumps)
+    yield from (("Period doubles", one) for one in found.turns("doubling"))
 
 
 def _turn_table(
@@ -74,7 +74,7 @@ def _turn_table(
 ) -> TableBlock:
     columns = [Heading("Where"), Heading("Speed", "r/min", numeric=True)]
     cells: list[list[Cell]] = [
-        [capital(phrase(word)) for word, _ in turns],
+        [phrase(word) for word, _ in turns],
         list(aligned_numbers([found.shown(one.at) for _, one in turns])),
     ]
     for channel in found.outputs:

@@ -19,6 +19,7 @@ from torsionnet.linear.dynamic_stiffness.transfer_request import cached_request,
 from torsionnet.machinery.criticals.line_meetings import around_poles
 from torsionnet.machinery.orders.order_response import OrderResponse
 from torsionnet.machinery.orders.order_solution import OrderRequest
+from torsionnet.machinery.orders.refined_response import is_periodic
 from torsionnet.machinery.orders.speed_refinement import fill_speed_gaps, new_speeds, refine_speeds, speeds_to_refine
 from torsionnet.study.quantities.quantity import QuantityForm, StudyQuantity, register_quantity
 from torsionnet.study.quantities.transfer_quantity import SpeedQuantity, usage_faults
@@ -78,8 +79,11 @@ def responses_at(
 
 
 def common_request(block: VariantBlock, speeds: FloatArray, excitations: Sequence[str] | None) -> OrderRequest | None:
-    """Excitations and speeds (rad/s) that all variants have in common; None where variants differ in them."""
-    if block.batch is None or block.model.definition.follows_speed:
+    """Excitations and speeds (rad/s) that all variants have in common; None where variants differ in them.
+
+    None as well where laws of motion act in full: each variant has motions of its own.
+    """
+    if block.batch is None or block.model.definition.follows_speed or is_periodic(block.model, None):
         return None
     question = OrderRequest.of(block.model, speeds, excitations=excitations)
     return question if question.drivetrain is block.model else None
