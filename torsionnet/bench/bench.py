@@ -286,7 +286,9 @@ class Bench(NotebookResult):
     @property
     def _excitation(self) -> Excitation:
         if self.plan.excitation is None:
-            raise UsageError("a bench with motion: has no exciter; the excitations of its model act")
+            raise UsageError(
+                "a bench with motion: has no exciter; the excitations of its model act", kind="unfit-bench"
+            )
         return self.plan.excitation
 
     @cached_property
@@ -307,7 +309,7 @@ class Bench(NotebookResult):
             plan; default: that one.
         """
         if self.plan.motion is None:
-            raise UsageError("this bench shakes; a bench with motion: turns")
+            raise UsageError("this bench shakes; a bench with motion: turns", kind="unfit-bench")
         number = self.plan.seed if seed is None else seed
         return turning_test(self.drivetrain, self.plan, self.motions, number, self._what)
 
@@ -353,7 +355,8 @@ class Bench(NotebookResult):
         static = response.values[0, :, 0]
         if not np.all(np.isfinite(static)):
             raise UsageError(
-                f"a mean torque of {mean:g} N*m has no equilibrium: {self.drivetrain.title} is free to turn; lock it"
+                f"a mean torque of {mean:g} N*m has no equilibrium: {self.drivetrain.title} is free to turn; lock it",
+                kind="unbalanced-torques",
             )
         return [float(value.real) * mean for value in static]
 
@@ -409,4 +412,6 @@ def _only(records: Mapping[str, Recording]) -> Recording:
     if len(records) == 1:
         return next(iter(records.values()))
     names = ", ".join(name or "that of the first system" for name in records)
-    raise UsageError(f"this test has {len(records)} records, {names}; take them from records() or truths")
+    raise UsageError(
+        f"this test has {len(records)} records, {names}; take them from records() or truths", kind="wrong-count"
+    )

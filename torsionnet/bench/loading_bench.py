@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from torsionnet.base.entries.declared import version_faults
-from torsionnet.base.errors import Fault, ModelError, TorsionnetError, UsageError, did_you_mean
+from torsionnet.base.errors import Fault, ModelError, TorsionnetError, UsageError, did_you_mean, fault_of
 from torsionnet.bench.bench import Bench
 from torsionnet.bench.plan.bench_checks import check_plan
 from torsionnet.bench.plan.plan import BenchFile
@@ -51,7 +51,8 @@ def load_bench(bench: str | os.PathLike[str]) -> Bench:
         raise ModelError([fault for fault in faults if fault.severity == "error"], path.name)
     if definition.bench is None:
         raise UsageError(
-            f"{path.name} describes no test bench: add bench:, or take one of {', '.join(library_benches())}"
+            f"{path.name} describes no test bench: add bench:, or take one of {', '.join(library_benches())}",
+            kind="missing-entry",
         )
     return Bench(Drivetrain.from_definition(definition, faults), definition.bench)
 
@@ -62,7 +63,7 @@ def _find(bench: str | os.PathLike[str]) -> Path:
         if bench in known:
             return known[bench]
         if not Path(bench).suffix and not Path(bench).exists() and (hint := did_you_mean(bench, known)):
-            raise UsageError(f'no bench is named "{bench}"{hint}')
+            raise UsageError(f'no bench is named "{bench}"{hint}', kind="unknown-name")
     return find_model(bench)
 
 
@@ -72,7 +73,7 @@ def _document(path: Path) -> LocatedDocument:
     except ModelError as error:
         raise ModelError(presentable_faults(error.faults), path.name) from None
     except OSError as error:
-        raise UsageError(f"{path} cannot be read: {error.strerror or error}") from None
+        raise UsageError(f"{path} cannot be read: {error.strerror or error}", kind="unreadable-file") from None
 
 
 def _of_its_own(document: LocatedDocument, path: Path) -> Bench:
@@ -98,13 +99,13 @@ def _model(entries: Mapping[str, Any], path: Path) -> tuple[Drivetrain | None, l
     try:
         drivetrain = load(path.parent / name if Path(name).suffix else name)
     except UsageError as error:
-        return None, [Fault(str(error), ("model",))]
+        return None, [error.fault.under("model")]
     except ModelError as error:
-        return None, [Fault(f"{name} has {len(error.faults)} errors", ("model",)), *error.faults]
+        return None, [Fault(f"{name} has {len(error.faults)} errors", ("model",), kind=error.kind), *error.faults]
     configuration = entries.get("configuration")
     if configuration is None:
         return drivetrain, []
     try:
         return drivetrain.configured(configuration), []
     except TorsionnetError as error:
-        return None, [Fault(str(error), ("configuration",))]
+        return None, [fault_of(error, error.kind).under("configuration")]

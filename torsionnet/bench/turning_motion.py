@@ -58,7 +58,9 @@ def coast_down(
     speeds = np.linspace(start, stop, COAST_DOWN_POINTS + 1)
     drag = np.array([absorbed_torque(drivetrain, reference, speed) for speed in speeds.tolist()])
     if (drag <= LEAST_DRAG * drag.max(initial=0.0)).any():
-        raise UsageError("the load of the model absorbs nothing at some of these speeds; give a time_constant")
+        raise UsageError(
+            "the load of the model absorbs nothing at some of these speeds; give a time_constant", kind="missing-entry"
+        )
     # J dw/dt = -T(w), so that dt = -J/T dw: the trapezoidal rule over speed.
     per_speed = inertia / drag
     steps = -np.diff(speeds) * (per_speed[1:] + per_speed[:-1]) / 2
@@ -337,7 +339,7 @@ def _course(
     if isinstance(motion, GivenSpeed):
         at, run = motion.points
         return np.array(at), np.array(run), ()
-    raise UsageError(f"no course is known of the motion {motion.kind}")
+    raise UsageError(f"no course is known of the motion {motion.kind}", kind="unknown-word")
 
 
 def _between(speeds: FloatArray) -> tuple[float, ...]:

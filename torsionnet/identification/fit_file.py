@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from torsionnet.base.entries.declared import version_faults
-from torsionnet.base.errors import Fault, ModelError, UsageError, did_you_mean
+from torsionnet.base.errors import Fault, ModelError, UsageError, did_you_mean, fault_of
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.identification.orders.order_lines import OrderData, faults_of_orders, read_order_data, shows_phases
 from torsionnet.identification.orders.parametric_orders import numbers_of_excitations
@@ -63,12 +63,14 @@ def load_fit_plan(path: str | os.PathLike[str], read_response: ReadResponse, *, 
     try:
         document = compose(decode(file.read_bytes(), str(file)).removeprefix("\ufeff"), str(file))
     except OSError as error:
-        raise UsageError(f"{file} cannot be read: {error.strerror or error}") from None
+        raise UsageError(f"{file} cannot be read: {error.strerror or error}", kind="unreadable-file") from None
     except ModelError as error:
         raise ModelError(presentable_faults(error.faults), file.name) from None
     reader = _Reader(document, file, read_response)
     if not ranks_alone and "parameters" not in reader.data:
-        reader.faults.append(Fault("a fit needs parameters: entries by name; fit --rank does without", on_key=True))
+        reader.faults.append(
+            Fault("a fit needs parameters: entries by name; fit --rank does without", on_key=True, kind="missing-entry")
+        )
     plan = reader.plan()
     if reader.faults or plan is None:
         raise ModelError(located_faults([*document.faults, *reader.faults], document), file.name)
@@ -105,9 +107,12 @@ class _Reader:
         try:
             return load(self.folder / name if Path(name).suffix else name)
         except UsageError as error:
-            self.faults.append(Fault(str(error), ("model",)))
+            self.faults.append(error.fault.under("model"))
         except ModelError as error:
-            self.faults += [Fault(f"{name} has {len(error.faults)} errors", ("model",)), *error.faults]
+            self.faults += [
+                Fault(f"{name} has {len(error.faults)} errors", ("model",), kind=error.kind),
+                *error.faults,
+            ]
         return None
 
     def _settings(self) -> Welch | None:
@@ -117,7 +122,7 @@ class _Reader:
         try:
             return welch_settings(settings)
         except UsageError as error:
-            self.faults.append(Fault(str(error), ("settings",)))
+            self.faults.append(error.fault.under("settings"))
             return None
 
     def _parameters(self) -> Iterator[tuple[str, Unknown]]:
@@ -126,7 +131,7 @@ class _Reader:
             try:
                 yield name, Unknown(one.start, one.bounds, one.prior, one.per_configuration)
             except UsageError as error:
-                self.faults.append(Fault(str(error), ("parameters", name)))
+                self.faults.append(error.fault.under("parameters", name))
 
     def _check_excitations(
         self, model: Drivetrain, parameters: Mapping[str, Unknown], measurements: Sequence[Measurement]
@@ -140,11 +145,13 @@ class _Reader:
             try:
                 number = numbers_of_excitations(model, [name]).get(name)
             except UsageError as error:
-                self.faults.append(Fault(str(error), path))
+                self.faults.append(error.fault.under(*path))
                 continue
             if number is not None and number.is_phase and blind:
                 text = f"{name} is a phase, and no measurement of orders has phases against a reference"
-                self.faults.append(Fault(f"{text}; track the orders against a pulse, or fix it", path))
+                self.faults.append(
+                    Fault(f"{text}; track the orders against a pulse, or fix it", path, kind="missing-data")
+                )
 
     def _measurements(self, model: Drivetrain | None, settings: Welch | None) -> Iterator[Measurement]:
         for name, given in self.entries.get("measurements", {}).items():
@@ -158,7 +165,7 @@ class _Reader:
             try:
                 one = Measurement(data, name=name, settings=chosen, configuration=configuration, **more)
             except UsageError as error:
-                self.faults.append(Fault(str(error), path))
+                self.faults.append(error.fault.under(*path))
                 continue
             if model is not None and one.has_orders:
                 self.faults += [fault.under("measurements", name) for fault in faults_of_orders(model, one)]
@@ -177,7 +184,7 @@ class _Reader:
         except (UsageError, ModelError) as error:
             if not given:
                 return ""
-            self.faults.append(Fault(str(error), (*path, "configuration")))
+            self.faults.append(fault_of(error, error.kind).under(*path, "configuration"))
         return given
 
     def _data(
@@ -189,7 +196,7 @@ class _Reader:
         if not is_file(target):
             beside = [entry.name for entry in self.folder.iterdir()] if self.folder.is_dir() else []
             hint = did_you_mean(Path(file).name, beside)
-            self.faults.append(Fault(f'there is no file "{file}"{hint}', (*path, key)))
+            self.faults.append(Fault(f'there is no file "{file}"{hint}', (*path, key), kind="missing-file"))
             return None
         try:
             if key == "response":
@@ -203,7 +210,7 @@ class _Reader:
             names = list(dict.fromkeys([*wanted, *offered]))
             return read_even(target, names=names, pulses=given.pulses, **reading.arguments)
         except ModelError as error:
-            self.faults += [Fault(f"{file}: {fault.message}", (*path, key)) for fault in error.faults]
+            self.faults += [Fault(f"{file}: {fault.message}", (*path, key), kind=fault.kind) for fault in error.faults]
         except UsageError as error:
-            self.faults.append(Fault(str(error), (*path, key)))
+            self.faults.append(error.fault.under(*path, key))
         return None

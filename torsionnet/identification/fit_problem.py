@@ -262,14 +262,17 @@ def make_problem(
     labels = [measurement.label for measurement in measurements]
     if len(set(labels)) != len(labels):
         twice = sorted({label for label in labels if labels.count(label) > 1})
-        raise UsageError(f"several measurements are called {', '.join(twice)}; give them names")
+        raise UsageError(f"several measurements are called {', '.join(twice)}; give them names", kind="repeated-name")
     parts = [part for one in measurements for part in parts_by_phase(one)]
     named = {one.configuration for one in parts}
     rigs = {name: model.configured(name) if name else model for name in named}
     blocks = [make_block(rigs[one.configuration], one, tuple(unknowns), form) for one in parts]
     if idle := [name for name in unknowns if all(name not in block.response.names for block in blocks)]:
         does = "does" if len(idle) == 1 else "do"
-        raise UsageError(f"{', '.join(idle)} {does} not act on responses; add a measurement of orders, or leave it out")
+        raise UsageError(
+            f"{', '.join(idle)} {does} not act on responses; add a measurement of orders, or leave it out",
+            kind="unseen-parameter",
+        )
     _refuse_unseen_phases(model, blocks, unknowns)
     return lay_out_problem(model, blocks, unknowns)
 
@@ -283,7 +286,7 @@ def _refuse_unseen_phases(
     seeing = any(block.line_orders is not None and block.has_phase for block in blocks)
     if phases and blind and not seeing:
         text = f"{', '.join(phases)} cannot be found: {', '.join(blind)} has no phases against a reference"
-        raise UsageError(f"{text}; track the orders against a pulse, or fix the phase")
+        raise UsageError(f"{text}; track the orders against a pulse, or fix the phase", kind="missing-data")
 
 
 def lay_out_problem(
@@ -343,7 +346,8 @@ def _begin(model: AssembledModel, name: str, unknown: Unknown, value: float) -> 
     bounds = unknown.bounds or stated or (number.bounds if number else physical_bounds(model, name, start))
     if not bounds[0] <= start <= bounds[1]:
         raise UsageError(
-            f"{name} begins at {start:g}, outside its bounds {bounds[0]:g} to {bounds[1]:g}; change start or bounds"
+            f"{name} begins at {start:g}, outside its bounds {bounds[0]:g} to {bounds[1]:g}; change start or bounds",
+            kind="out-of-range",
         )
     return start, bounds
 

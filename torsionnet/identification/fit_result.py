@@ -114,7 +114,9 @@ class FitResult(SavedResult):
     def intervals(self, confidence: float = 0.95) -> dict[str, tuple[float, float]]:
         """Confidence interval (lower, upper) of each fitted value in SI by name, sensor steps included."""
         if not 0 < confidence < 1:
-            raise UsageError(f"the confidence level is a number between 0 and 1, such as 0.95, got {confidence}")
+            raise UsageError(
+                f"the confidence level is a number between 0 and 1, such as 0.95, got {confidence}", kind="out-of-range"
+            )
         freedom, found = max(self.degrees_of_freedom, 1), {}
         for name, value in self.values.items():
             half = interval_half_width(confidence, self.standard_errors[name], self.steps.get(name, ()), freedom)
@@ -213,7 +215,7 @@ class SavedCurves(Declared):
         columns = (*self.COLUMNS, *(self.OF_ORDERS if self.orders or self.speeds else ()))
         lengths = {name: len(getattr(self, name)) for name in columns}
         return [
-            Fault(f"{name} has {count} numbers for {n} frequencies", (name,))
+            Fault(f"{name} has {count} numbers for {n} frequencies", (name,), kind="wrong-count")
             for name, count in lengths.items()
             if count != n
         ]
@@ -244,7 +246,11 @@ class SavedFit(Declared):
         n = len(self.parameters)
         if len(self.correlation) == n and all(len(row) == n for row in self.correlation):
             return []
-        return [Fault(f"the correlation of {n} parameters has {n} rows of {n} numbers", ("correlation",))]
+        return [
+            Fault(
+                f"the correlation of {n} parameters has {n} rows of {n} numbers", ("correlation",), kind="wrong-count"
+            )
+        ]
 
 
 def dump_fit(fit: FitResult, path: str | os.PathLike[str] | None = None) -> str:
@@ -301,13 +307,14 @@ def read_fit(path: str | os.PathLike[str]) -> FitResult:
     try:
         text = decode(file.read_bytes(), str(file))
     except OSError as error:
-        raise UsageError(f"{file} cannot be read: {error.strerror or error}") from None
+        raise UsageError(f"{file} cannot be read: {error.strerror or error}", kind="unreadable-file") from None
     document = compose(text, str(file))
     data = document.data
     if not isinstance(data, dict) or str(data.get(VERSION_KEY)) != str(FIT_FORMAT_VERSION):
         fault = Fault(
             f"this is no result of a fit, which begins with {VERSION_KEY}: {FIT_FORMAT_VERSION}; name the file of one",
             position=document.position(),
+            kind="wrong-file",
         )
         raise ModelError([fault], file.name)
     saved, faults = SavedFit.read(data)

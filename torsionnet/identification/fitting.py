@@ -216,22 +216,28 @@ def identify(
     for what, given, known in (("residual", residual, FORMS), ("loss", loss, LOSSES)):
         if given not in known:
             raise UsageError(
-                f'no {what} is named "{given}"{did_you_mean(str(given), known)}; there is {", ".join(known)}'
+                f'no {what} is named "{given}"{did_you_mean(str(given), known)}; there is {", ".join(known)}',
+                kind="unknown-word",
             )
     listed = [measurements] if isinstance(measurements, Measurement) else list(measurements)
     if not listed:
-        raise UsageError("there is nothing measured to fit to")
+        raise UsageError("there is nothing measured to fit to", kind="missing-entry")
     problem = make_problem(model, listed, read_unknowns(parameters), residual)
     _check_information(problem)
     best = best_optimum(problem, loss, starts, seed)
     if not best.converged or not np.isfinite(best.cost):
-        raise SolveError(f"the fit does not converge: {best.message}; try other start values, bounds, or starts=10")
+        raise SolveError(
+            f"the fit does not converge: {best.message}; try other start values, bounds, or starts=10",
+            kind="no-solution",
+        )
     try:
         return _judge_fit(model, problem, best, loss)
     except np.linalg.LinAlgError as error:
         values = ", ".join(f"{name} = {x:.3g}" for name, x in zip(problem.names, best.x, strict=True))
         text = f"the standard errors cannot be calculated where the fit ends, at {values} ({error})"
-        raise SolveError(f"{text}; fix a parameter, give bounds, or take other start values") from None
+        raise SolveError(
+            f"{text}; fix a parameter, give bounds, or take other start values", kind="no-solution"
+        ) from None
 
 
 def best_optimum(problem: FitProblem, loss: str, starts: int = 1, seed: int = 0) -> LeastSquaresSolution:
@@ -333,7 +339,8 @@ def _check_information(problem: FitProblem) -> None:
     if len(residuals) < len(problem.names):
         raise UsageError(
             f"{len(problem.names)} parameters cannot be found from {problem.lines} lines: "
-            f"{', '.join(problem.names)}; measure more, or fix some of them"
+            f"{', '.join(problem.names)}; measure more, or fix some of them",
+            kind="too-short",
         )
     effects = np.abs(slopes).max(axis=0) * typical_steps(problem, problem.start)
     seen = max(float(np.max(np.abs(block.measured)) / np.min(block.deviations)) for block in problem.blocks)
@@ -341,7 +348,10 @@ def _check_information(problem: FitProblem) -> None:
     if idle:
         pairs = ", ".join(dict.fromkeys(block.measurement.channels for block in problem.blocks))
         does = "does" if len(idle) == 1 else "do"
-        raise UsageError(f"{', '.join(idle)} {does} not act on {pairs}; leave {'it' if len(idle) == 1 else 'them'} out")
+        raise UsageError(
+            f"{', '.join(idle)} {does} not act on {pairs}; leave {'it' if len(idle) == 1 else 'them'} out",
+            kind="unseen-parameter",
+        )
 
 
 @one_thread()

@@ -95,7 +95,7 @@ def choose_model(candidates: Mapping[str, Candidate], measurements: Measurement 
     'damped'
     """
     if not candidates:
-        raise UsageError("name at least one model to choose")
+        raise UsageError("name at least one model to choose", kind="missing-entry")
     listed = [measurements] if isinstance(measurements, Measurement) else list(measurements)
     fits = {name: identify(one.model, listed, one.parameters) for name, one in candidates.items()}
     closest = min(fits.values(), key=_distance)

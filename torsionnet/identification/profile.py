@@ -26,9 +26,11 @@ bound."""
 def profile_interval(fit: FitResult, name: str, level: float) -> tuple[float, float]:
     """Profile-likelihood interval (lower, upper) of one value in SI, where chi squared rises by less than allowed."""
     if fit.problem is None:
-        raise UsageError("a fit read from a file has no data to profile; fit again")
+        raise UsageError("a fit read from a file has no data to profile; fit again", kind="missing-data")
     if name not in fit.values:
-        raise UsageError(f'no parameter of the fit is named "{name}"{did_you_mean(name, fit.values)}')
+        raise UsageError(
+            f'no parameter of the fit is named "{name}"{did_you_mean(name, fit.values)}', kind="unknown-parameter"
+        )
     rejected = fit.lack_of_fit is not None and fit.lack_of_fit.rejected
     if rejected or has_no_scatter(fit.problem, np.array(list(fit.values.values()))):
         return -np.inf, np.inf

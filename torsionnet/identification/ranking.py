@@ -213,11 +213,11 @@ def _prepared(
     """Problem whose misfit is to be explained, its values, and the loss that measures it."""
     if isinstance(model, Fit):
         if model.problem is None:
-            raise UsageError("a fit read from a file has no data to compare with; fit again")
+            raise UsageError("a fit read from a file has no data to compare with; fit again", kind="missing-data")
         return model.problem, np.array(list(model.values.values())), model.loss
     listed = [measurements] if isinstance(measurements, Measurement) else list(measurements)
     if not listed:
-        raise UsageError("there is nothing measured to compare with")
+        raise UsageError("there is nothing measured to compare with", kind="missing-entry")
     problem = make_problem(model, listed, read_unknowns(parameters) if parameters else {}, residual)
     if parameters:
         return problem, best_optimum(problem, "linear").x, "linear"

@@ -44,17 +44,20 @@ class Unknown:
 
     def __post_init__(self) -> None:
         if self.start is not None and not np.isfinite(self.start):
-            raise UsageError(f"a start value is a finite number in SI, got {self.start}")
+            raise UsageError(f"a start value is a finite number in SI, got {self.start}", kind="not-finite")
         for size in (self.start, *(self.prior or ()), *(self.bounds or ())):
             if size and np.isfinite(size) and not 1 / LARGEST_SIZE < abs(size) < LARGEST_SIZE:
                 raise UsageError(
                     f"{size:g} is out of range for a parameter ({1 / LARGEST_SIZE:g} to {LARGEST_SIZE:g} in SI); "
-                    "check its unit"
+                    "check its unit",
+                    kind="implausible-size",
                 )
         if self.bounds is not None and not self.bounds[0] < self.bounds[1]:
-            raise UsageError(f"the lower bound must be below the upper bound, got {self.bounds}")
+            raise UsageError(f"the lower bound must be below the upper bound, got {self.bounds}", kind="unordered-rows")
         if self.prior is not None and not self.prior[1] > 0:
-            raise UsageError(f"a prior is a mean and a standard deviation above 0, got {self.prior}")
+            raise UsageError(
+                f"a prior is a mean and a standard deviation above 0, got {self.prior}", kind="out-of-range"
+            )
 
 
 def read_unknowns(parameters: str | Sequence[str] | Mapping[str, Unknown | float | None]) -> dict[str, Unknown]:
@@ -70,7 +73,7 @@ def read_unknowns(parameters: str | Sequence[str] | Mapping[str, Unknown | float
     else:
         found = {name: _one(name, given) for name, given in parameters.items()}
     if not found:
-        raise UsageError("name at least one parameter to be found")
+        raise UsageError("name at least one parameter to be found", kind="missing-entry")
     return found
 
 
@@ -82,7 +85,9 @@ def _one(name: str, given: Unknown | float | None) -> Unknown:
     try:
         return Unknown(float(given))
     except (TypeError, ValueError):
-        raise UsageError(f"{name}: expected a start value in SI or Unknown(...), got {given!r}") from None
+        raise UsageError(
+            f"{name}: expected a start value in SI or Unknown(...), got {given!r}", kind="wrong-form"
+        ) from None
 
 
 # Unit, dimension and physical bounds of a parameter, from the elements of a model that use it.

@@ -67,10 +67,15 @@ def calculated_wheel_orders(
     ((1, 24, 2), [0.5, 1.0])
     """
     if node not in drivetrain.nodes:
-        raise UsageError(f'the model has no node "{node}" for the wheel; there are {", ".join(drivetrain.nodes)}')
+        raise UsageError(
+            f'the model has no node "{node}" for the wheel; there are {", ".join(drivetrain.nodes)}',
+            kind="unknown-node",
+        )
     excitations = {name: one for name, one in drivetrain.definition.excitations.items() if one.enabled}
     if not excitations:
-        raise UsageError(f"{drivetrain.name} has no excitations: what moves the wheel is not known")
+        raise UsageError(
+            f"{drivetrain.name} has no excitations: what moves the wheel is not known", kind="missing-entry"
+        )
     parts = dict(_parts(excitations))
     wanted = np.asarray(speeds, dtype=float)
     runs = {name: _with(drivetrain, {name.removesuffix(_MASSES): one}, node, wanted) for name, one in parts.items()}
@@ -106,7 +111,8 @@ def _parts(excitations: dict[str, OrderExcitation]) -> Iterable[tuple[str, Order
         if one.misfire == EACH:
             raise UsageError(
                 f"{name} misfires in each cylinder in turn, and a test in one state: choose a configuration without "
-                "misfire, or name the cylinder"
+                "misfire, or name the cylinder",
+                kind="unsupported-law",
             )
         yield name + _MASSES, replace(one, gas_off=tuple(one.numbers), misfire=(), spread=0.0)
         yield name, replace(one, reciprocating_mass=0.0, spread=0.0)

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from torsionnet.base.entries.declared import version_faults
-from torsionnet.base.errors import Fault, ModelError, TorsionnetError, UsageError, did_you_mean
+from torsionnet.base.errors import Fault, ModelError, TorsionnetError, UsageError, did_you_mean, fault_of
 from torsionnet.base.packages import NotebookResult, imported
 from torsionnet.base.table import Column, Table
 from torsionnet.base.version import __version__
@@ -147,7 +147,7 @@ def write_kept(kept: Path, fill: Callable[[Path], None]) -> None:
             fill(filling)
             filling.rename(kept)
     except OSError as error:
-        raise UsageError(f"{folder} cannot be a folder of results: {error.strerror}") from None
+        raise UsageError(f"{folder} cannot be a folder of results: {error.strerror}", kind="unreadable-file") from None
     for old in folder.glob(f"{kept.name[:-KEY_LENGTH]}{'[0-9a-f]' * KEY_LENGTH}"):
         if old != kept:
             shutil.rmtree(old, ignore_errors=True)
@@ -228,7 +228,7 @@ def _find(campaign: str | os.PathLike[str]) -> Path:
         if campaign in known:
             return known[campaign]
         hint = did_you_mean(campaign, known) or f"; the library has {', '.join(known)}"
-        raise UsageError(f'no campaign is named "{campaign}"{hint}')
+        raise UsageError(f'no campaign is named "{campaign}"{hint}', kind="unknown-name")
     return Path(campaign)
 
 
@@ -236,7 +236,7 @@ def _document(file: Path) -> LocatedDocument:
     try:
         return compose(decode(file.read_bytes(), str(file)).removeprefix("\ufeff"), str(file))
     except OSError as error:
-        raise UsageError(f"{file} cannot be read: {error.strerror or error}") from None
+        raise UsageError(f"{file} cannot be read: {error.strerror or error}", kind="unreadable-file") from None
     except ModelError as error:
         raise ModelError(presentable_faults(error.faults), file.name) from None
 
@@ -247,9 +247,9 @@ def _model(name: Any, folder: Path) -> tuple[Drivetrain | None, list[Fault]]:
     try:
         return load(folder / name if Path(name).suffix else name), []
     except UsageError as error:
-        return None, [Fault(str(error), ("model",))]
+        return None, [error.fault.under("model")]
     except ModelError as error:
-        return None, [Fault(f"{name} has {len(error.faults)} errors", ("model",)), *error.faults]
+        return None, [Fault(f"{name} has {len(error.faults)} errors", ("model",), kind=error.kind), *error.faults]
 
 
 def _references(plan: CampaignFile) -> Iterator[Fault]:
@@ -257,15 +257,15 @@ def _references(plan: CampaignFile) -> Iterator[Fault]:
     known = f"wheels: {', '.join(wheels) or 'none'}"
     if plan.reference and plan.reference not in wheels:
         text = f'no wheel is named "{plan.reference}"{did_you_mean(plan.reference, wheels)}'
-        yield Fault(f"{text}; {known}", ("reference",))
+        yield Fault(f"{text}; {known}", ("reference",), kind="unknown-name")
     if not plan.reference and len(wheels) > 1:
         yield Fault(f"say with reference: which wheel turns with the shaft whose revolutions orders count; {known}",
-                    on_key=True)  # fmt: skip
+                    on_key=True, kind="missing-entry")  # fmt: skip
     for name, twist in (plan.twists or {}).items():
         for key in ("first", "second"):
             if (given := getattr(twist, key)) not in wheels:
                 text = f'no wheel is named "{given}"{did_you_mean(given, wheels)}'
-                yield Fault(f"{text}; {known}", ("twists", name, key))
+                yield Fault(f"{text}; {known}", ("twists", name, key), kind="unknown-name")
 
 
 def _doubled(plan: CampaignFile) -> Iterator[Fault]:
@@ -274,7 +274,12 @@ def _doubled(plan: CampaignFile) -> Iterator[Fault]:
     for (first, some), (second, others) in combinations(sections.items(), 2):
         for name in others:
             if name in some:
-                yield Fault(f"{first} has {name}, too; give one of them another name", (second, name), on_key=True)
+                yield Fault(
+                    f"{first} has {name}, too; give one of them another name",
+                    (second, name),
+                    on_key=True,
+                    kind="repeated-name",
+                )
 
 
 def _sensors(plan: CampaignFile, model: Drivetrain) -> Iterator[Fault]:
@@ -283,21 +288,23 @@ def _sensors(plan: CampaignFile, model: Drivetrain) -> Iterator[Fault]:
         for name, one in entries.items():
             sensor = named_sensor(one.sensor, model.definition.sensors) if one.sensor else None
             if sensor is not None:
-                yield from (Fault(text, (section, name, "sensor")) for text in _unreadable(sensor, model))
+                yield from (fault.under(section, name, "sensor") for fault in _unreadable(sensor, model))
             elif one.sensor:
                 hint = did_you_mean(one.sensor, model.sensors)
                 text = f'no sensor is named "{one.sensor}"{hint}; sensors: {", ".join(model.sensors) or "none"}'
-                yield Fault(f"{text}; or write it out, as angle(node)", (section, name, "sensor"))
+                yield Fault(
+                    f"{text}; or write it out, as angle(node)", (section, name, "sensor"), kind="unknown-channel"
+                )
 
 
-def _unreadable(sensor: Sensor, model: Drivetrain) -> Iterator[str]:
-    """Yield a message if a sensor is on a node or an element that the model does not have."""
+def _unreadable(sensor: Sensor, model: Drivetrain) -> Iterator[Fault]:
+    """Yield a fault if a sensor is on a node or an element that the model does not have."""
     elements = model.definition.elements
     known = list(elements) if sensor.is_on_element else list(all_nodes(elements.values()))
     for name in (sensor.of,) if sensor.is_on_element else sensor.nodes:
         if name not in known:
             what = "element" if sensor.is_on_element else "node"
-            yield f'{sensor}: no {what} is named "{name}"{did_you_mean(name, known)}'
+            yield Fault(f'{sensor}: no {what} is named "{name}"{did_you_mean(name, known)}', kind=f"unknown-{what}")
 
 
 def _records(plan: CampaignFile, model: Drivetrain, folder: Path) -> Iterator[Fault]:
@@ -305,9 +312,9 @@ def _records(plan: CampaignFile, model: Drivetrain, folder: Path) -> Iterator[Fa
         if not is_file(folder / record.file):
             beside = [one.name for one in folder.iterdir()] if folder.is_dir() else []
             hint = did_you_mean(Path(record.file).name, beside)
-            yield Fault(f'there is no file "{record.file}"{hint}', ("records", name, "file"))
+            yield Fault(f'there is no file "{record.file}"{hint}', ("records", name, "file"), kind="missing-file")
         if record.shows and not getattr(plan, record.shows):
-            yield Fault(f"the campaign has no section {record.shows}", ("records", name, "shows"))
+            yield Fault(f"the campaign has no section {record.shows}", ("records", name, "shows"), kind="missing-entry")
         if not record.configuration and model.configurations:
             known = ", ".join(model.configurations[:MOST_NAMED])
             more = "" if len(model.configurations) <= MOST_NAMED else ", ..."
@@ -317,19 +324,19 @@ def _records(plan: CampaignFile, model: Drivetrain, folder: Path) -> Iterator[Fa
             try:
                 model.configured(record.configuration)
             except TorsionnetError as error:
-                yield Fault(str(error), ("records", name, "configuration"))
+                yield fault_of(error, error.kind).under("records", name, "configuration")
 
 
 def _fitted(plan: CampaignFile, model: Drivetrain) -> Iterator[Fault]:
     if plan.fit is None:
         return
     if not plan.fit.parameters and not plan.fit.rank:
-        yield Fault("a fit needs parameters, or rank: true", ("fit",), on_key=True)
+        yield Fault("a fit needs parameters, or rank: true", ("fit",), on_key=True, kind="missing-entry")
     for name in plan.fit.parameters or ():
         try:
             unknowns(model, parameters_of_drivetrain(model, [name]))
         except UsageError as error:
-            yield Fault(str(error), ("fit", "parameters", name))
+            yield error.fault.under("fit", "parameters", name)
 
 
 def _patterns(plan: CampaignFile, folder: Path) -> tuple[dict[str, WheelPattern], list[Fault]]:
@@ -344,7 +351,7 @@ def _patterns(plan: CampaignFile, folder: Path) -> tuple[dict[str, WheelPattern]
             found[name] = read_wheel_pattern(folder / wheel.pattern)
             check_pattern(name, wheel, found[name])
         except ModelError as error:
-            faults += [Fault(f"{wheel.pattern}: {one.message}", place) for one in error.faults]
+            faults += [Fault(f"{wheel.pattern}: {one.message}", place, kind=one.kind) for one in error.faults]
         except UsageError as error:
-            faults.append(Fault(str(error), place))
+            faults.append(error.fault.under(*place))
     return found, faults

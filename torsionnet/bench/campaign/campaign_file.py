@@ -10,7 +10,7 @@ from torsionnet.base.entries.composite import Listed, Named, Nested
 from torsionnet.base.entries.declared import KEY, Declared
 from torsionnet.base.entries.scalars import Band, Bands, Value
 from torsionnet.base.entries.spec import MODEL_NAME, Count, Flag, OneOf, Text, entry
-from torsionnet.base.errors import EntryPath, Fault, TorsionnetError, UsageError
+from torsionnet.base.errors import EntryPath, Fault, TorsionnetError, UsageError, fault_of
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.identification.plan.fit_entries import (
     QUANTITIES,
@@ -48,7 +48,7 @@ class CheckLevels(Declared):
 
     def contradictions(self) -> list[Fault]:
         if self.leave_out is None and self.fail is None:
-            return [Fault(f"a check needs leave_out or fail: {self.form}", on_key=True)]
+            return [Fault(f"a check needs leave_out or fail: {self.form}", on_key=True, kind="missing-entry")]
         return []
 
     def consequence(self, share: float) -> str:
@@ -103,10 +103,12 @@ class CampaignResponses(Declared):
     def contradictions(self) -> list[Fault]:
         found = []
         if not self.outputs:
-            found.append(Fault("name at least one output", ("outputs",)))
+            found.append(Fault("name at least one output", ("outputs",), kind="missing-entry"))
         if self.input in self.outputs:
             place = self.outputs.index(self.input)
-            found.append(Fault(f"{self.input} is the input, too; leave it out", ("outputs", place)))
+            found.append(
+                Fault(f"{self.input} is the input, too; leave it out", ("outputs", place), kind="needless-entry")
+            )
         return found
 
 
@@ -193,7 +195,7 @@ class CampaignRecord(Declared):
 
     def contradictions(self) -> list[Fault]:
         if self.start is not None and self.stop is not None and not self.start < self.stop:
-            return [Fault("start comes before stop", ("stop",))]
+            return [Fault("start comes before stop", ("stop",), kind="unordered-rows")]
         return []
 
 
@@ -232,11 +234,20 @@ class CampaignOrders(Declared):
     def contradictions(self) -> list[Fault]:
         found = []
         if self.bandwidth is not None and self.method == METHODS[0]:
-            found.append(Fault("a bandwidth belongs to method: vold-kalman", ("bandwidth",), on_key=True))
+            found.append(
+                Fault("a bandwidth belongs to method: vold-kalman", ("bandwidth",), on_key=True, kind="needless-entry")
+            )
         if self.cycles and self.method == METHODS[1]:
-            found.append(Fault("cycles belong to method: average", ("cycles",), on_key=True))
+            found.append(Fault("cycles belong to method: average", ("cycles",), on_key=True, kind="needless-entry"))
         if self.cycles and self.step:
-            found.append(Fault("cycles and step both say over what is averaged; leave one out", ("step",), on_key=True))
+            found.append(
+                Fault(
+                    "cycles and step both say over what is averaged; leave one out",
+                    ("step",),
+                    on_key=True,
+                    kind="contradicting-entries",
+                )
+            )
         return found
 
 
@@ -349,7 +360,7 @@ def response_faults(plan: CampaignFile, model: Drivetrain) -> Iterator[Fault]:
         try:
             welch_settings(asked.settings)
         except UsageError as error:
-            yield Fault(str(error), ("responses", "settings"))
+            yield error.fault.under("responses", "settings")
     for place, output in enumerate(asked.outputs):
         channel = (plan.channels or {}).get(output)
         named = Pair(
@@ -369,10 +380,10 @@ def _placed(fault: Fault, pair: Pair, asked: CampaignResponses, at: EntryPath, *
     """Fault at its place in the file; None where an earlier output or the section channels had it already."""
     if fault.about == pair.output:
         hint = "; name its sensor in the model under channels" if at[0] == "responses" else ""
-        return None if at[0] == "channels" else Fault(f"{fault.message}{hint}", at)
+        return None if at[0] == "channels" else Fault(f"{fault.message}{hint}", at, kind=fault.kind)
     key = "excitation" if fault.about == asked.excitation else "model_input" if asked.model_input else "input"
     hint = "; name that of the model by model_input" if key == "input" else ""
-    return Fault(f"{fault.message}{hint}", ("responses", key)) if first else None
+    return Fault(f"{fault.message}{hint}", ("responses", key), kind=fault.kind) if first else None
 
 
 def _of_model(plan: CampaignFile, model: Drivetrain, pair: Pair, at: EntryPath) -> Iterator[Fault]:
@@ -385,4 +396,4 @@ def _of_model(plan: CampaignFile, model: Drivetrain, pair: Pair, at: EntryPath) 
     try:
         rig.frequency_response(pair.output, pair.input, [ANY_FREQUENCY], driven_by=pair.excitation or None)
     except TorsionnetError as error:
-        yield Fault(str(error), at)
+        yield fault_of(error, error.kind).under(*at)

@@ -136,14 +136,16 @@ def _calculated(campaign: Campaign, name: str, measured: FrequencyResponse) -> F
         for mine, theirs in zip([*found.outputs, *found.inputs], [*measured.outputs, *measured.inputs], strict=True):
             if mine.unit != theirs.unit:
                 text = f"{theirs.name} is in {theirs.unit or 'no unit'}, {mine.name} of the model in {mine.unit}"
-                raise UsageError(f"{text}; give its quantity and unit under channels, or another sensor")
+                raise UsageError(
+                    f"{text}; give its quantity and unit under channels, or another sensor", kind="wrong-unit"
+                )
     except UsageError as error:
         raise _of_record(campaign, name, error) from None
     return replace(found, outputs=measured.outputs, inputs=measured.inputs)
 
 
 def _of_record(campaign: Campaign, name: str, error: UsageError) -> ModelError:
-    return ModelError([Fault(f"record {name}: {error}", ("records", name))], campaign.file.name)
+    return ModelError([Fault(f"record {name}: {error}", ("records", name), kind=error.kind)], campaign.file.name)
 
 
 # Measured frequency responses of a campaign beside those of the model, and their repeatability, as rows of tables.

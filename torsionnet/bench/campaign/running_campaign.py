@@ -68,7 +68,7 @@ def run_campaign(
             records[name] = _result(campaign, name, place)
     if not records:
         texts = [one.remark for one in findings]
-        raise ModelError([Fault(text, ("checks",)) for text in texts], campaign.file.name)
+        raise ModelError([Fault(text, ("checks",), kind="missing-data") for text in texts], campaign.file.name)
     show("comparison", count, count)
     remarks = tuple(campaign_remarks({name: found.orders for name, found in records.items() if found.orders}))
     remarks += tuple(one.remark for one in findings)

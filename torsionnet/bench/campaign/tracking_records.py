@@ -74,7 +74,9 @@ def record_orders(campaign: Campaign, name: str) -> tuple[TrackedOrders, ...]:
             )
             found |= zip([*channels, *turning, *twists], tracked, strict=True)
     except UsageError as error:
-        raise ModelError([Fault(f"record {name}: {error}", ("records", name))], campaign.file.name) from None
+        raise ModelError(
+            [Fault(f"record {name}: {error}", ("records", name), kind=error.kind)], campaign.file.name
+        ) from None
     except ModelError as error:
         faults = [replace(fault, message=f"record {name}: {fault.message}") for fault in error.faults]
         raise ModelError(faults, one.file) from None
@@ -216,7 +218,9 @@ def _counted(campaign: Campaign, name: str) -> Iterator[tuple[str, str, int, int
                 if rotation.repairs:
                     yield wheel, "pulses", rotation.repairs, len(rotation.times)
     except UsageError as error:
-        raise ModelError([Fault(f"record {name}: {error}", ("records", name))], campaign.file.name) from None
+        raise ModelError(
+            [Fault(f"record {name}: {error}", ("records", name), kind=error.kind)], campaign.file.name
+        ) from None
     except ModelError as error:
         faults = [replace(fault, message=f"record {name}: {fault.message}") for fault in error.faults]
         raise ModelError(faults, campaign.plan.records[name].file) from None

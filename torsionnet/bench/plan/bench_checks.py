@@ -59,60 +59,74 @@ def motion_length(motion: BenchMotion) -> float | None:
 def _motion_faults(motion: BenchMotion, definition: Definition) -> Iterator[Fault]:
     excitations = definition.excitations
     if not excitations:
-        yield Fault("a bench that turns vibrates by excitations: of its model, which has none", on_key=True)
+        yield Fault(
+            "a bench that turns vibrates by excitations: of its model, which has none",
+            on_key=True,
+            kind="missing-entry",
+        )
     for place, name in enumerate(motion.without):
         if name not in excitations:
             known = ", ".join(excitations) or "none"
             text = f'no excitation is named "{name}"{did_you_mean(name, excitations)}; there is {known}'
-            yield Fault(text, ("without", place))
+            yield Fault(text, ("without", place), kind="unknown-name")
     nodes = all_nodes(definition.active)
     if motion.speed_of and motion.speed_of not in nodes:
         text = f'no node is named "{motion.speed_of}"{did_you_mean(motion.speed_of, nodes)}'
-        yield Fault(text, ("speed_of",))
+        yield Fault(text, ("speed_of",), kind="unknown-node")
     given = definition.speeds
     if given is None and not motion.speed_of:
-        yield Fault("the model has no speeds:; say with speed_of: which node turns so", on_key=True)
+        yield Fault(
+            "the model has no speeds:; say with speed_of: which node turns so", on_key=True, kind="missing-entry"
+        )
     if given is not None and motion.speed_of in ("", given.of) and not motion.outside_speeds:
         low, high = min(given.values), max(given.values)
         slowest, fastest = motion.extremes
         if slowest < low * (1 - SPEED_ROUNDING) or fastest > high * (1 + SPEED_ROUNDING):
             text = f"{slowest * RPM:.5g} to {fastest * RPM:.5g} rpm leaves the speeds of the model, {low * RPM:.5g} to"
-            yield Fault(f"{text} {high * RPM:.5g} rpm; where that is meant, say outside_speeds: true", on_key=True)
+            yield Fault(
+                f"{text} {high * RPM:.5g} rpm; where that is meant, say outside_speeds: true",
+                on_key=True,
+                kind="out-of-range",
+            )
     if isinstance(motion, CoastDown) and motion.time_constant is None and definition.load is None:
-        yield Fault("the model has no load: that brakes; give a time_constant", on_key=True)
+        yield Fault("the model has no load: that brakes; give a time_constant", on_key=True, kind="missing-entry")
 
 
 def _wheel_faults(
     name: str, part: ToothedWheel, plan: Plan, definition: Definition, values: Mapping[str, Any] | None
 ) -> Iterator[Fault]:
     if part.index and f"{name}_index" in plan.channels:
-        yield Fault(f'"{name}_index" is a channel already; its index needs that name', ("index",))
+        yield Fault(f'"{name}_index" is a channel already; its index needs that name', ("index",), kind="repeated-name")
     if part.wheel:
         first = plan.channels.get(part.wheel)
         if not isinstance(first, ToothedWheel) or first.wheel:
             wheels = [other for other, one in plan.channels.items() if isinstance(one, ToothedWheel) and not one.wheel]
             text = f'no channel with a wheel of its own is named "{part.wheel}"{did_you_mean(part.wheel, wheels)}'
-            yield Fault(f"{text}; there is {', '.join(wheels) or 'none'}", ("wheel",))
+            yield Fault(f"{text}; there is {', '.join(wheels) or 'none'}", ("wheel",), kind="unknown-channel")
         return
     sensor = named_sensor(part.sensor or name, definition.sensors)
     place = ("sensor",) if part.sensor else ()
     if sensor is not None and GROUND in sensor.nodes:
-        yield Fault("a wheel on the ground does not turn; name a node that does", place, on_key=not place)
+        yield Fault(
+            "a wheel on the ground does not turn; name a node that does", place, on_key=not place, kind="grounded-node"
+        )
     elif sensor is not None and sensor.quantity == "angle" and plan.motion is not None:
         try:
             ratio = _mean_ratio(sensor.row, plan.motion, definition, values)
         except UsageError as error:
-            yield Fault(str(error), on_key=True).under(*place)
+            yield Fault(str(error), on_key=True, kind=error.kind).under(*place)
             return
         if not ratio:
             text = f"a wheel on {' against '.join(sensor.row)} does not turn; it gives no pulses"
-            yield Fault(text, on_key=True).under(*place)
+            yield Fault(text, on_key=True, kind="zero-reading").under(*place)
         # At most: at the highest speed during the whole test, as often as teeth pass in a turn of the wheel.
         speed = abs(ratio) * part.gearing * plan.motion.extremes[1]
         teeth = (part.teeth or 0) - part.missing_teeth
         pulses = teeth * speed / (2 * math.pi) * (motion_length(plan.motion) or 0.0)
         if pulses > MOST_PULSES:
-            yield Fault(f"{pulses:.3g} pulses are more than {MOST_PULSES:.0e}; shorten the test", ("teeth",))
+            yield Fault(
+                f"{pulses:.3g} pulses are more than {MOST_PULSES:.0e}; shorten the test", ("teeth",), kind="too-large"
+            )
 
 
 def _mean_ratio(
@@ -132,12 +146,20 @@ def _system_faults(plan: Plan) -> Iterator[Fault]:
             path = ("systems", called, "channels", place)
             if name not in plan.channels:
                 known = ", ".join(plan.channels)
-                yield Fault(f'no channel is named "{name}"{did_you_mean(name, plan.channels)}; there is {known}', path)
+                yield Fault(
+                    f'no channel is named "{name}"{did_you_mean(name, plan.channels)}; there is {known}',
+                    path,
+                    kind="unknown-channel",
+                )
             elif counts[name] > 1:
-                yield Fault(f"{name} is recorded by two systems", path)
+                yield Fault(f"{name} is recorded by two systems", path, kind="repeated-name")
         length = motion_length(plan.motion) if plan.motion is not None else None
         if length is not None and system.offset >= length:
-            yield Fault(f"the system begins after the test, which ends at {length:g} s", ("systems", called, "offset"))
+            yield Fault(
+                f"the system begins after the test, which ends at {length:g} s",
+                ("systems", called, "offset"),
+                kind="out-of-range",
+            )
 
 
 MOST_SAMPLES = 1e8
@@ -181,10 +203,14 @@ def _drive(plan: Plan, definition: Definition) -> Iterator[Fault]:
     declared = ", ".join(torques) or "none"
     if not plan.drive:
         if len(torques) != 1:
-            yield Fault(f"say with drive: on which input the torque acts; torque inputs: {declared}", on_key=True)
+            yield Fault(
+                f"say with drive: on which input the torque acts; torque inputs: {declared}",
+                on_key=True,
+                kind="missing-entry",
+            )
     elif plan.drive not in torques:
         reason = f'no torque input is named "{plan.drive}"{did_you_mean(plan.drive, torques)}'
-        yield Fault(f"{reason}; torque inputs: {declared}", ("drive",))
+        yield Fault(f"{reason}; torque inputs: {declared}", ("drive",), kind="unknown-channel")
 
 
 def _size(plan: Plan, seconds: float | None) -> Iterator[Fault]:
@@ -193,10 +219,10 @@ def _size(plan: Plan, seconds: float | None) -> Iterator[Fault]:
     rate = plan.acquisition.rate
     if rate * seconds > MOST_SAMPLES:
         text = f"{seconds:g} s at {rate:g} Hz are {rate * seconds:.3g} samples; at most {MOST_SAMPLES:.0e}"
-        yield Fault(text, ("acquisition", "rate"))
+        yield Fault(text, ("acquisition", "rate"), kind="too-large")
     elif rate * seconds < FEWEST_SAMPLES:
         text = f"{seconds:g} s at {rate:g} Hz are {rate * seconds:.3g} samples; at least {FEWEST_SAMPLES}"
-        yield Fault(text, ("acquisition", "rate"))
+        yield Fault(text, ("acquisition", "rate"), kind="too-short")
 
 
 def _channel(name: str, part: Sensing, plan: Plan, definition: Definition) -> Iterator[Fault]:
@@ -208,14 +234,19 @@ def _channel(name: str, part: Sensing, plan: Plan, definition: Definition) -> It
         hint = did_you_mean(part.sensor or name, definition.sensors)
         text = f'no sensor is named "{part.sensor or name}"{hint}; sensors: {known}'
         yield Fault(
-            f"{text}; or say sensor: velocity(node)", ("sensor",) if part.sensor else (), on_key=not part.sensor
+            f"{text}; or say sensor: velocity(node)",
+            ("sensor",) if part.sensor else (),
+            on_key=not part.sensor,
+            kind="unknown-channel",
         )
         return
     dimension = DIMENSION_OF.get(sensor.quantity, sensor.quantity)
     if isinstance(part, Encoder | ToothedWheel):
         if dimension != "angle":
             what = "an encoder" if isinstance(part, Encoder) else part.article
-            yield Fault(f"{what} measures an angle; {sensor} needs a transducer instead", on_key=True)
+            yield Fault(
+                f"{what} measures an angle; {sensor} needs a transducer instead", on_key=True, kind="unfit-channel"
+            )
         return
     if plan.acquisition.bits is not None and part.range is None:
         text = f"an analog input of {plan.acquisition.bits} bits divides a range; give the transducer one"

@@ -94,9 +94,15 @@ class SteadyPoints(BenchMotion):
 
     def contradictions(self) -> list[Fault]:
         if not self.speeds:
-            return [Fault("give at least one speed", ("speeds",))]
+            return [Fault("give at least one speed", ("speeds",), kind="missing-entry")]
         if len(set(self.speeds)) < len(self.speeds):
-            return [Fault("a speed is given twice, which would give two records of one name", ("speeds",))]
+            return [
+                Fault(
+                    "a speed is given twice, which would give two records of one name",
+                    ("speeds",),
+                    kind="repeated-name",
+                )
+            ]
         return []
 
     @property
@@ -127,10 +133,17 @@ class RunUp(BenchMotion):
         found = []
         if (self.duration is None) == (self.rate is None):
             text = f"a {self.kind} takes a duration or has a rate; here is {'both' if self.rate else 'neither'}"
-            found.append(Fault(text, ("rate",) if self.rate else (), on_key=True))
+            kind = "contradicting-entries" if self.rate else "missing-entry"
+            found.append(Fault(text, ("rate",) if self.rate else (), on_key=True, kind=kind))
         if self.start == self.stop or (self.start < self.stop) != self.rises:
             text = f"a {self.kind} goes to a {'higher' if self.rises else 'lower'} speed"
-            found.append(Fault(f"{text}; from {_rpm(self.start)} to {_rpm(self.stop)} is none", ("stop",)))
+            found.append(
+                Fault(
+                    f"{text}; from {_rpm(self.start)} to {_rpm(self.stop)} is none",
+                    ("stop",),
+                    kind="contradicting-values",
+                )
+            )
         return found
 
     @property
@@ -186,7 +199,7 @@ class CoastDown(BenchMotion):
         if self.start > self.stop:
             return []
         text = f"a coast-down goes to a lower speed; from {_rpm(self.start)} to {_rpm(self.stop)} is none"
-        return [Fault(text, ("stop",))]
+        return [Fault(text, ("stop",), kind="contradicting-values")]
 
     @property
     def extremes(self) -> tuple[float, float]:

@@ -29,13 +29,18 @@ class Shares(Spec[dict[int, float]]):
 
     def coerce(self, raw: object) -> dict[int, float]:
         if not isinstance(raw, Mapping):
-            raise EntryError(f"expected {{2: 2 %, 3: 1 %}}, {got(raw)}")
+            raise EntryError(f"expected {{2: 2 %, 3: 1 %}}, {got(raw)}", kind="wrong-form")
         shares = {}
         for key, share in raw.items():
             order = str(key)
             if not (order.isascii() and order.isdigit() and 2 <= int(order) <= self.highest):
                 raise EntryError(
-                    Fault(f'an order is a whole number from 2 to {self.highest}, got "{key}"', (key,), on_key=True)
+                    Fault(
+                        f'an order is a whole number from 2 to {self.highest}, got "{key}"',
+                        (key,),
+                        on_key=True,
+                        kind="out-of-range",
+                    )
                 )
             shares[int(order)] = coerce_part(key, Value(self.description, "1"), share)
         return shares
@@ -89,9 +94,11 @@ class Exciter(Declared):
         found = []
         if (self.bits is None) != (self.full_scale is None):
             text = "bits and full_scale belong together: the range is divided into 2^bits levels"
-            found.append(Fault(text, ("bits" if self.full_scale is None else "full_scale",)))
+            found.append(Fault(text, ("bits" if self.full_scale is None else "full_scale",), kind="missing-entry"))
         if self.compensated and self.bandwidth is None:
-            found.append(Fault("without a bandwidth there is nothing to compensate for", ("compensated",)))
+            found.append(
+                Fault("without a bandwidth there is nothing to compensate for", ("compensated",), kind="needless-entry")
+            )
         return found
 
 
@@ -197,7 +204,7 @@ class Acquisition(Declared):
     def contradictions(self) -> list[Fault]:
         if self.anti_alias is not None and not self.anti_alias < self.rate / 2:
             half = f"half the sampling rate, {self.rate / 2:g} Hz"
-            return [Fault(f"the cut-off must be below {half}", ("anti_alias",))]
+            return [Fault(f"the cut-off must be below {half}", ("anti_alias",), kind="out-of-range")]
         return []
 
 
@@ -349,7 +356,8 @@ class RadialVibration(Declared):
         if (self.order is None) != (self.frequency is None):
             return []
         text = f"a radial vibration has an order or a frequency; here is {'both' if self.order else 'neither'}"
-        return [Fault(text, ("order",) if self.order else (), on_key=True)]
+        kind = "contradicting-entries" if self.order else "missing-entry"
+        return [Fault(text, ("order",) if self.order else (), on_key=True, kind=kind)]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -402,18 +410,18 @@ class ToothedWheel(Declared):
             defaults = type(self).defaults()
             own = [name for name in OWN_ENTRIES if getattr(self, name) != defaults[name]]
             text = f"a further pickup takes it from the wheel of {self.wheel}; leave it out"
-            return [Fault(text, (name,), on_key=True) for name in own]
+            return [Fault(text, (name,), on_key=True, kind="needless-entry") for name in own]
         found = []
         if not self.teeth:
             text = "a toothed wheel needs teeth: 60, or wheel: the channel of the wheel's first pickup"
             found.append(Fault(text, on_key=True, kind="missing-entry", about="teeth"))
         elif self.missing_teeth and self.missing_teeth >= self.teeth - 1:
             text = f"a wheel of {self.teeth} teeth cannot lack {self.missing_teeth}"
-            found.append(Fault(text, ("missing_teeth",)))
+            found.append(Fault(text, ("missing_teeth",), kind="contradicting-values"))
         if self.teeth and self.pitch_errors.list and len(self.pitch_errors.list) != self.teeth:
             text = f"{len(self.pitch_errors.list)} places do not fit a wheel of {self.teeth} teeth"
-            found.append(Fault(text, ("pitch_errors", "list")))
+            found.append(Fault(text, ("pitch_errors", "list"), kind="wrong-count"))
         if self.radial_vibration is not None and self.radius is None:
             text = "a radial vibration reads as displacement over radius; give the radius"
-            found.append(Fault(text, ("radial_vibration",), on_key=True))
+            found.append(Fault(text, ("radial_vibration",), on_key=True, kind="missing-entry"))
         return found

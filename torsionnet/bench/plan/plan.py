@@ -98,19 +98,35 @@ class Plan(Declared):
             return list(self._of_motion_only())
         found = []
         if self.excitation is not None:
-            found.append(Fault("a bench shakes by excitation: or turns by motion:; leave one out", ("motion",)))
+            found.append(
+                Fault(
+                    "a bench shakes by excitation: or turns by motion:; leave one out",
+                    ("motion",),
+                    kind="contradicting-entries",
+                )
+            )
         if self.drive:
-            found.append(Fault("drive: belongs to excitation:; a bench that turns has none", ("drive",), on_key=True))
+            found.append(
+                Fault(
+                    "drive: belongs to excitation:; a bench that turns has none",
+                    ("drive",),
+                    on_key=True,
+                    kind="needless-entry",
+                )
+            )
         return found
 
     def _of_motion_only(self) -> Iterator[Fault]:
         for name, part in self.channels.items():
             if isinstance(part, ToothedWheel):
                 yield Fault(
-                    "a toothed wheel gives pulses where it turns; give motion:", ("channels", name), on_key=True
+                    "a toothed wheel gives pulses where it turns; give motion:",
+                    ("channels", name),
+                    on_key=True,
+                    kind="missing-entry",
                 )
         if self.systems:
-            yield Fault("systems: belong to a bench with motion:", ("systems",), on_key=True)
+            yield Fault("systems: belong to a bench with motion:", ("systems",), on_key=True, kind="needless-entry")
 
 
 # Bench file, which names a model and describes a test of it.

@@ -190,7 +190,7 @@ def order_block(rig: AssembledModel, measurement: Measurement, parameters: tuple
     data = measurement.data
     if isinstance(data, TrackedOrders) and data.unit and data.unit != unit:
         text = f"{measurement.output} is in {data.unit} in the data, in {unit} in the model"
-        raise UsageError(f"{measurement.label}: {text}")
+        raise UsageError(f"{measurement.label}: {text}", kind="wrong-unit")
     return OrderBlock(measurement, response, lines, form=form if lines.has_phase else "magnitude")
 
 
@@ -200,7 +200,7 @@ def _labelled(measurement: Measurement) -> Iterator[None]:
     try:
         yield
     except UsageError as error:
-        raise UsageError(f"{measurement.label}: {error}") from None
+        raise UsageError(f"{measurement.label}: {error}", kind=error.kind) from None
 
 
 def _response(

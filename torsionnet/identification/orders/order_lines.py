@@ -12,7 +12,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from torsionnet.base.errors import Fault, ModelError, UsageError, comma_list, did_you_mean
+from torsionnet.base.errors import Fault, ModelError, UsageError, comma_list, did_you_mean, fault_of
 from torsionnet.base.units import RPM
 from torsionnet.identification.orders.parametric_orders import excited_orders, same_order
 from torsionnet.identification.residuals.measurement import Measurement
@@ -137,14 +137,14 @@ def order_lines(measurement: Measurement, excited: Sequence[float]) -> OrderLine
     """
     faults = order_faults(measurement, excited)
     if faults:
-        raise UsageError("; ".join(f"{measurement.label}: {text}" for _, text in faults))
+        raise UsageError("; ".join(f"{measurement.label}: {one.message}" for one in faults), kind=faults[0].kind)
     data: OrderData = measurement.data  # type: ignore[assignment]
     wanted = measurement.orders_used or tuple(one for one in measured_orders(data) if _among(one, excited))
     rows = [row for row in _rows(data) if _among(row[0], wanted)]
     orders, speeds, values, widths = (np.concatenate(part) for part in zip(*map(_columns, rows), strict=True))
     kept = _kept(measurement, orders, speeds) & np.isfinite(values) & (values != 0)
     if not kept.any():
-        raise UsageError(f"{measurement.label} has nothing to compare: {_speeds_there(speeds)}")
+        raise UsageError(f"{measurement.label} has nothing to compare: {_speeds_there(speeds)}", kind="empty-band")
     times = np.concatenate([row[4] for row in rows])
     related = np.concatenate([np.full(len(row[1]), row[5]) for row in rows])
     order = np.lexsort((speeds[kept], orders[kept]))
@@ -157,29 +157,33 @@ def order_lines(measurement: Measurement, excited: Sequence[float]) -> OrderLine
     return OrderLines(orders, speeds, values, deviations, known, phases, left_out, correlation)
 
 
-def order_faults(measurement: Measurement, excited: Sequence[float]) -> list[tuple[str, str]]:
-    """Faults of a measurement of orders as pairs of the entry and what is wrong with it, all at once."""
+def order_faults(measurement: Measurement, excited: Sequence[float]) -> list[Fault]:
+    """Faults of a measurement of orders, each with its entry, all at once."""
     data: OrderData = measurement.data  # type: ignore[assignment]
     there, found = measured_orders(data), []
     if missing := [one for one in measurement.orders_used if not _among(one, there)]:
         text = f"order {_orders(missing)} was not measured; there are {_orders(there)}"
-        found.append(("orders_used", text))
+        found.append(Fault(text, ("orders_used",), kind="unknown-order"))
     if silent := [one for one in measurement.orders_used if _among(one, there) and not _among(one, excited)]:
         text = f"the model does not excite order {_orders(silent)}; its orders are {_orders(excited)}"
-        found.append(("orders_used", f"{text}; leave it out, or give the model what excites it"))
+        text = f"{text}; leave it out, or give the model what excites it"
+        found.append(Fault(text, ("orders_used",), kind="unknown-order"))
     if not measurement.orders_used and not any(_among(one, excited) for one in there):
         text = f"the model excites none of the measured orders {_orders(there)}; its orders are {_orders(excited)}"
-        found.append(("orders", text))
+        found.append(Fault(text, ("orders",), kind="unknown-order"))
     speeds = np.concatenate([_columns(row)[1] for row in _rows(data)])
     if measurement.speeds is not None and not _inside(measurement.speeds, speeds).any():
         low, high = (edge * RPM for edge in measurement.speeds)
-        found.append(("speeds", f"nothing was measured from {low:g} to {high:g} rpm: {_speeds_there(speeds)}"))
+        text = f"nothing was measured from {low:g} to {high:g} rpm: {_speeds_there(speeds)}"
+        found.append(Fault(text, ("speeds",), kind="empty-band"))
     if not shows_phases(measurement):
         if measurement.reference_angle:
             text = "a reference angle is found from phases, but the phases of these orders have no reference"
-            found.append(("reference_angle", f"{text}; track them against a pulse or an encoder's index"))
+            text = f"{text}; track them against a pulse or an encoder's index"
+            found.append(Fault(text, ("reference_angle",), kind="missing-data"))
         if measurement.delay:
-            found.append(("delay", "a delay is found from phases, but these orders have none against a reference"))
+            text = "a delay is found from phases, but these orders have none against a reference"
+            found.append(Fault(text, ("delay",), kind="missing-data"))
     return found
 
 
@@ -294,7 +298,7 @@ def read_order_data(
         channels = {one.name: one for one in read_tracked_orders(file)}
         if output not in channels:
             hint = did_you_mean(output, channels) or f"; there are {', '.join(channels)}"
-            raise UsageError(f'{file.name} has no channel "{output}"{hint}')
+            raise UsageError(f'{file.name} has no channel "{output}"{hint}', kind="unknown-channel")
         return channels[output]
     if model is None:
         return None
@@ -308,5 +312,5 @@ def faults_of_orders(model: AssembledModel, measurement: Measurement) -> list[Fa
         rig = model.configured(measurement.configuration) if measurement.configuration else model
         excited = excited_orders(rig, measurement.speed_of)
     except (UsageError, ModelError) as error:
-        return [Fault(str(error), ("orders",))]
-    return [Fault(text, (key,)) for key, text in order_faults(measurement, excited)]
+        return [fault_of(error, error.kind).under("orders")]
+    return order_faults(measurement, excited)

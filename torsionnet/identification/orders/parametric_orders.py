@@ -179,7 +179,10 @@ class ParametricOrders:
         request = OrderRequest.of(self.drivetrain, np.unique(self.speeds), self.speed_of or None)
         idle = [one.excitation for one in self._numbers.values() if one.excitation not in request.excitations]
         if idle:
-            raise UsageError(f"{comma_list(dict.fromkeys(idle))} is switched off in this configuration; leave it out")
+            raise UsageError(
+                f"{comma_list(dict.fromkeys(idle))} is switched off in this configuration; leave it out",
+                kind="switched-off",
+            )
         return request
 
     @cached_property
@@ -284,7 +287,7 @@ def _pairs_of(request: OrderRequest, orders: FloatArray, speed: NDArray[np.intp]
     several = [one.name for one in loads.by_excitation if one.torques.alternatives is not None]
     if several:
         text = f"{comma_list(several)} misfires in each cylinder in turn, which is no single condition"
-        raise UsageError(f"{text}; choose a configuration without misfire: each")
+        raise UsageError(f"{text}; choose a configuration without misfire: each", kind="unsupported-law")
     parts: list[tuple[int, int, int]] = []
     for order in np.unique(orders).tolist():
         lines = [
@@ -293,7 +296,7 @@ def _pairs_of(request: OrderRequest, orders: FloatArray, speed: NDArray[np.intp]
         ]  # fmt: skip
         if not lines:
             known = comma_list(sorted({float(line.relative) for line in loads.lines if not line.fixed}), none="none")
-            raise UsageError(f"the model does not excite order {order:g}; its orders are {known}")
+            raise UsageError(f"the model does not excite order {order:g}; its orders are {known}", kind="unknown-order")
         parts += [(int(one), int(speed[one]), line) for one in np.flatnonzero(orders == order) for line in lines]
     measured, at, line = np.array(parts, dtype=np.intp).T
     return _Pairs(measured, at, line, np.asarray(loads.hertz[at, line]))
@@ -307,7 +310,7 @@ def _responses(
     twisted = [one.of for one in inputs if one.quantity == "twist"]
     if twisted:
         text = f"an excitation imposes the twist of {comma_list(twisted)}, of which fits have no derivatives"
-        raise UsageError(f"{text}; switch that excitation off for the fit")
+        raise UsageError(f"{text}; switch that excitation off for the fit", kind="unsupported-law")
     settled = settled_values(request) if rig.definition.following else {}
     for one, places in drivetrains_at_speeds(rig, request.reference, request.speeds, settled, apart=True):
         mine = np.flatnonzero(np.isin(pairs.speed, places))

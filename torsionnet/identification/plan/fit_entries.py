@@ -155,7 +155,7 @@ class FitMeasurement(Declared):
             wrong, why = self.NOT_OF_ORDERS, "does not belong to orders, which the excitations of the model cause"
         defaults = self.defaults()
         return [
-            Fault(f"{key} {why}; leave it out", (key,), on_key=True)
+            Fault(f"{key} {why}; leave it out", (key,), on_key=True, kind="needless-entry")
             for key in wrong if getattr(self, key) != defaults[key]
         ]  # fmt: skip
 

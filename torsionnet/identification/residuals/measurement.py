@@ -109,24 +109,32 @@ class Measurement:
         if not isinstance(self.data, Recording | FrequencyResponse):
             self._take_orders(self.data)
         elif wrong := [name for name in ONLY_OF_ORDERS if getattr(self, name)]:
-            raise UsageError(f"{', '.join(wrong)} {'belong' if len(wrong) > 1 else 'belongs'} to measured orders")
+            raise UsageError(
+                f"{', '.join(wrong)} {'belong' if len(wrong) > 1 else 'belongs'} to measured orders",
+                kind="needless-entry",
+            )
         elif not (self.output and self.input):
-            raise UsageError("name the output and the input of a record or response")
+            raise UsageError("name the output and the input of a record or response", kind="missing-entry")
         if self.between:
             check_between(self.between)
         for low, high in (*([self.band] if self.band else ()), *self.excluded):
             if not (np.isfinite(low) and low >= 0 and high > low):
-                raise UsageError(f"a band goes from a frequency >= 0 to a higher one, in Hz, got {low}, {high}")
+                raise UsageError(
+                    f"a band goes from a frequency >= 0 to a higher one, in Hz, got {low}, {high}",
+                    kind="unordered-rows",
+                )
         if isinstance(self.data, FrequencyResponse) and (self.settings or self.settling or self.reference):
             raise UsageError(
-                "settings, settling and reference belong to records; this is a response that has been estimated"
+                "settings, settling and reference belong to records; this is a response that has been estimated",
+                kind="needless-entry",
             )
         if self.error is not None and not (np.isfinite(self.error) and self.error > 0):
-            raise UsageError(f"a relative standard error is a number above 0, got {self.error}")
+            raise UsageError(f"a relative standard error is a number above 0, got {self.error}", kind="out-of-range")
         if self.error is not None and isinstance(self.data, Recording):
             raise UsageError(
                 "error is for a response that was estimated before; leave it "
-                "out for a record, whose noise is taken from the data"
+                "out for a record, whose noise is taken from the data",
+                kind="needless-entry",
             )
 
     def _take_orders(self, data: TrackedOrders | Sequence[MeasuredOrder]) -> None:
@@ -136,17 +144,27 @@ class Measurement:
         else:
             listed = tuple(data)
             if not listed or not all(isinstance(one, MeasuredOrder) for one in listed):
-                raise UsageError("a measurement is a record, a frequency response, tracked orders or MeasuredOrders")
+                raise UsageError(
+                    "a measurement is a record, a frequency response, tracked orders or MeasuredOrders",
+                    kind="wrong-form",
+                )
             settle(self, data=listed)
         if not self.output:
-            raise UsageError("name the output of the model that the orders were measured at")
+            raise UsageError("name the output of the model that the orders were measured at", kind="missing-entry")
         if self.input or self.model_input or self.excitation or self.between:
-            raise UsageError("orders have no input: the excitations of the model cause them; leave input out")
+            raise UsageError(
+                "orders have no input: the excitations of the model cause them; leave input out", kind="needless-entry"
+            )
         if self.settings or self.settling or self.reference:
-            raise UsageError("settings, settling and reference belong to records; these are orders")
+            raise UsageError(
+                "settings, settling and reference belong to records; these are orders", kind="needless-entry"
+            )
         settle(self, orders_used=tuple(map(float, self.orders_used)))
         if self.speeds is not None and not 0 <= self.speeds[0] < self.speeds[1]:
-            raise UsageError(f"a range of speeds goes from a lower to a higher one, in rad/s, got {self.speeds}")
+            raise UsageError(
+                f"a range of speeds goes from a lower to a higher one, in rad/s, got {self.speeds}",
+                kind="unordered-rows",
+            )
 
     @property
     def has_orders(self) -> bool:
@@ -220,9 +238,8 @@ class Instrument:
         if share >= LEAST_DRIVEN:
             return self, found
         if self.asked:
-            raise UsageError(
-                f"{self.signal} explains {100 * share:.2g} % of the input: it does not drive it; name another reference"
-            )
+            text = f"{self.signal} explains {100 * share:.2g} % of the input: it does not drive it"
+            raise UsageError(f"{text}; name another reference", kind="unrelated-signals")
         return Instrument("H1", ""), of_input
 
 
@@ -244,10 +261,11 @@ def choose_instrument(
     own = {"": measurement.input, "H1": measurement.input, "H2": measurement.output}
     if asked in own:
         return Instrument(asked or "H1", own[asked])
-    why = "is not for the fit of a record; choose H1, H2, or Hr with a reference"
+    kind, why = "unknown-word", "is not for the fit of a record; choose H1, H2, or Hr with a reference"
     if asked == "Hr":
+        kind = "missing-entry"
         why = f"needs a reference, such as a set-point {' or '.join(set_points(model, measurement.excitation))}"
-    raise UsageError(f"{measurement.label}: {asked} {why}")
+    raise UsageError(f"{measurement.label}: {asked} {why}", kind=kind)
 
 
 def set_points(model: AssembledModel, excitation: str | None = None) -> tuple[str, ...]:

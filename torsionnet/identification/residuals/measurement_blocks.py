@@ -98,7 +98,8 @@ def check_memory(label: str, record: Recording, settings: Welch, band: tuple[flo
         size = found.most / 1e9
         raise UsageError(
             f"{label}: comparing {found.lines} lines from {band[0]:g} to {band[1]:g} Hz takes {size:.1f} GB of memory; "
-            "give a narrower band or shorter windows (seconds)"
+            "give a narrower band or shorter windows (seconds)",
+            kind="too-large",
         )
 
 
@@ -143,7 +144,7 @@ def _between_samples(block: MeasurementBlock, response: ParametricResponse) -> M
     """Residuals against the response of the model between the samples of the data."""
     if block.measurement.between and block.course is None:
         text = "between is for records, and for responses estimated here, which know their sampling rate"
-        raise UsageError(f"{block.measurement.label}: {text}")
+        raise UsageError(f"{block.measurement.label}: {text}", kind="needless-entry")
     block.response = between_samples(response, block.course, block.corrected_course)
     return block
 
@@ -186,7 +187,7 @@ def _chosen_lines(data: FrequencyResponse, measurement: Measurement) -> Frequenc
     for start, stop in measurement.excluded:
         kept &= (data.frequencies < start) | (data.frequencies > stop)
     if not kept.any():
-        raise UsageError(_empty(data.frequencies, measurement))
+        raise UsageError(_empty(data.frequencies, measurement), kind="empty-band")
     return data.at_lines(kept)
 
 
@@ -195,7 +196,7 @@ def _kept(frequencies: FloatArray, measurement: Measurement) -> NDArray[np.bool_
     for start, stop in measurement.excluded:
         kept &= (frequencies < start) | (frequencies > stop)
     if not kept.any():
-        raise UsageError(_empty(frequencies, measurement))
+        raise UsageError(_empty(frequencies, measurement), kind="empty-band")
     return kept
 
 
@@ -218,12 +219,15 @@ def _response(
     if all(channel.unit == UNSTATED_UNIT for channel in channels):
         if theirs[0] != theirs[1]:
             pair = f"{channels[0].name}/{channels[1].name} is a ratio of like signals in the data"
-            raise UsageError(f"{measurement.label}: {pair}, of {theirs[0]} over {theirs[1]} in the model")
+            raise UsageError(
+                f"{measurement.label}: {pair}, of {theirs[0]} over {theirs[1]} in the model", kind="wrong-unit"
+            )
         return response
     for channel, unit in zip(channels, theirs, strict=True):
         if channel.unit and channel.unit != unit:
             raise UsageError(
-                f"{measurement.label}: {channel.name} is in {channel.unit} in the data, in {unit} in the model"
+                f"{measurement.label}: {channel.name} is in {channel.unit} in the data, in {unit} in the model",
+                kind="wrong-unit",
             )
     return response
 

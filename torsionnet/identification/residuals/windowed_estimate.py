@@ -336,7 +336,8 @@ def windowed_estimate(
     if not len(X):
         raise UsageError(
             f"the record of {record.duration:g} s is too short for one window of {settings.seconds:g} s after "
-            "settling; take shorter windows (seconds)"
+            "settling; take shorter windows (seconds)",
+            kind="too-short",
         )
     instrument, R = instrument.lines(X, lambda name: segments.lines(_from_rest(record, name)))
     if instrument.is_clean or instrument.plain:
@@ -375,7 +376,9 @@ def _lines_in(band: tuple[float, float], settings: Welch, rate: float) -> NDArra
     kept = every[(f >= band[0] * (1 - 1e-9)) & (f <= band[1] * (1 + 1e-9))]
     if not len(kept):
         lines_are = f"its lines are {rate / length:g} Hz apart"
-        raise UsageError(f"no line of the estimate lies between {band[0]:g} and {band[1]:g} Hz; {lines_are}")
+        raise UsageError(
+            f"no line of the estimate lies between {band[0]:g} and {band[1]:g} Hz; {lines_are}", kind="empty-band"
+        )
     return kept
 
 
