@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -99,7 +100,7 @@ def _model(entries: Mapping[str, Any], path: Path) -> tuple[Drivetrain | None, l
     try:
         drivetrain = load(path.parent / name if Path(name).suffix else name)
     except UsageError as error:
-        return None, [error.fault.under("model")]
+        return None, [replace(error.fault, path=("model",))]
     except ModelError as error:
         return None, [Fault(f"{name} has {len(error.faults)} errors", ("model",), kind=error.kind), *error.faults]
     configuration = entries.get("configuration")
@@ -108,4 +109,4 @@ def _model(entries: Mapping[str, Any], path: Path) -> tuple[Drivetrain | None, l
     try:
         return drivetrain.configured(configuration), []
     except TorsionnetError as error:
-        return None, [fault_of(error, error.kind).under("configuration")]
+        return None, [replace(fault_of(error, error.kind), path=("configuration",))]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -107,7 +107,7 @@ class _Reader:
         try:
             return load(self.folder / name if Path(name).suffix else name)
         except UsageError as error:
-            self.faults.append(error.fault.under("model"))
+            self.faults.append(replace(error.fault, path=("model",)))
         except ModelError as error:
             self.faults += [
                 Fault(f"{name} has {len(error.faults)} errors", ("model",), kind=error.kind),
@@ -122,7 +122,7 @@ class _Reader:
         try:
             return welch_settings(settings)
         except UsageError as error:
-            self.faults.append(error.fault.under("settings"))
+            self.faults.append(replace(error.fault, path=("settings",)))
             return None
 
     def _parameters(self) -> Iterator[tuple[str, Unknown]]:
@@ -131,7 +131,7 @@ class _Reader:
             try:
                 yield name, Unknown(one.start, one.bounds, one.prior, one.per_configuration)
             except UsageError as error:
-                self.faults.append(error.fault.under("parameters", name))
+                self.faults.append(replace(error.fault, path=("parameters", name)))
 
     def _check_excitations(
         self, model: Drivetrain, parameters: Mapping[str, Unknown], measurements: Sequence[Measurement]
@@ -145,7 +145,7 @@ class _Reader:
             try:
                 number = numbers_of_excitations(model, [name]).get(name)
             except UsageError as error:
-                self.faults.append(error.fault.under(*path))
+                self.faults.append(replace(error.fault, path=path))
                 continue
             if number is not None and number.is_phase and blind:
                 text = f"{name} is a phase, and no measurement of orders has phases against a reference"
@@ -165,7 +165,7 @@ class _Reader:
             try:
                 one = Measurement(data, name=name, settings=chosen, configuration=configuration, **more)
             except UsageError as error:
-                self.faults.append(error.fault.under(*path))
+                self.faults.append(replace(error.fault, path=path))
                 continue
             if model is not None and one.has_orders:
                 self.faults += [fault.under("measurements", name) for fault in faults_of_orders(model, one)]
@@ -184,7 +184,7 @@ class _Reader:
         except (UsageError, ModelError) as error:
             if not given:
                 return ""
-            self.faults.append(fault_of(error, error.kind).under(*path, "configuration"))
+            self.faults.append(replace(fault_of(error, error.kind), path=(*path, "configuration")))
         return given
 
     def _data(
@@ -212,5 +212,5 @@ class _Reader:
         except ModelError as error:
             self.faults += [Fault(f"{file}: {fault.message}", (*path, key), kind=fault.kind) for fault in error.faults]
         except UsageError as error:
-            self.faults.append(error.fault.under(*path, key))
+            self.faults.append(replace(error.fault, path=(*path, key)))
         return None

@@ -38,7 +38,12 @@ def name_conflicts(quantities: Iterable[Any], parameters: Iterable[Any]) -> list
     """Faults of quantities that are named like another column in the table of variants."""
     meanings = dict.fromkeys(parameters, "a parameter that varies") | RESERVED
     return [
-        Fault(f'"{name}" is {meanings[name]}; give the quantity another name', ("quantities", name), on_key=True)
+        Fault(
+            f'"{name}" is {meanings[name]}; give the quantity another name',
+            ("quantities", name),
+            on_key=True,
+            kind="repeated-name",
+        )
         for name in quantities
         if name in meanings
     ]
@@ -52,6 +57,7 @@ def unknown_limits(limits: Iterable[Any], quantities: Iterable[Any]) -> list[Fau
             f'no quantity is named "{name}"{did_you_mean(str(name), known)}; known: {", ".join(known)}',
             ("limits", name),
             on_key=True,
+            kind="unknown-name",
         )
         for name in limits
         if str(name) not in known
@@ -124,7 +130,12 @@ def _overruled(spaces: Mapping[str, Space]) -> list[Fault]:
         if len(own) > 1 and len(taken) == 1:
             text = f"{name} has values of its own in {', '.join(spaces)}, and this variation gives it the same in all"
             faults.append(
-                Fault(f"{text}; in percent, as -10 %, it is relative to each of them", ("vary", name), "warning")
+                Fault(
+                    f"{text}; in percent, as -10 %, it is relative to each of them",
+                    ("vary", name),
+                    "warning",
+                    kind="contradicting-values",
+                )
             )
     return faults
 

@@ -263,11 +263,15 @@ def load_study(path: str | os.PathLike[str]) -> Study:
     file = _find(path)
     document = _document(file)
     if not isinstance(document.data, dict):
-        raise ModelError(located_faults([*document.faults, Fault("the file describes no study")], document), file.name)
+        raise ModelError(
+            located_faults([*document.faults, Fault("the file describes no study", kind="wrong-file")], document),
+            file.name,
+        )
     if "elements" in document.data and "vary" not in document.data:
         text = f"this is a model, no study; a study names it and what varies: model: {file.name}, vary: ..."
         raise ModelError(
-            located_faults([*document.faults, Fault(text, ("elements",), on_key=True)], document), file.name
+            located_faults([*document.faults, Fault(text, ("elements",), on_key=True, kind="wrong-file")], document),
+            file.name,
         )
     faults = [*document.faults, *version_faults(document.data, "study")]
     name = document.data.get("model")
@@ -288,9 +292,11 @@ def _find(study: str | os.PathLike[str]) -> Path:
             return known[study]
         if not Path(study).suffix and not Path(study).exists():
             if study in library_models():
-                raise UsageError(f'"{study}" is a model, no study; name it in a study file: model: {study}')
+                raise UsageError(
+                    f'"{study}" is a model, no study; name it in a study file: model: {study}', kind="wrong-file"
+                )
             hint = did_you_mean(study, known) or f"; the library has {', '.join(known)}"
-            raise UsageError(f'no study is named "{study}"{hint}')
+            raise UsageError(f'no study is named "{study}"{hint}', kind="unknown-name")
     return Path(study)
 
 
@@ -300,7 +306,7 @@ def _document(file: Path) -> LocatedDocument:
     except ModelError as error:
         raise ModelError(presentable_faults(error.faults), file.name) from None
     except OSError as error:
-        raise UsageError(f"{file} cannot be read: {error.strerror or error}") from None
+        raise UsageError(f"{file} cannot be read: {error.strerror or error}", kind="unreadable-file") from None
 
 
 def _model(name: str, folder: Path) -> tuple[Drivetrain | None, list[Fault]]:
@@ -308,6 +314,6 @@ def _model(name: str, folder: Path) -> tuple[Drivetrain | None, list[Fault]]:
     try:
         return load(folder / name if Path(name).suffix else name), []
     except UsageError as error:
-        return None, [Fault(str(error), ("model",))]
+        return None, [replace(error.fault, path=("model",))]
     except ModelError as error:
-        return None, [Fault(f"{name} has {len(error.faults)} errors", ("model",)), *error.faults]
+        return None, [Fault(f"{name} has {len(error.faults)} errors", ("model",), kind=error.kind), *error.faults]

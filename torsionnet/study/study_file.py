@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any, ClassVar
 
 from torsionnet.base.entries.composite import Composite, Listed, Named, Nested, Typed
 from torsionnet.base.entries.declared import KEY, Declared
 from torsionnet.base.entries.spec import MODEL_NAME, Json, Plural, Schema, Text, entry
-from torsionnet.base.errors import Fault, TorsionnetError
+from torsionnet.base.errors import Fault, TorsionnetError, fault_of
 from torsionnet.model.configurations import ConfigurationName
 from torsionnet.model.model import Model
 from torsionnet.study.answers.answer import ANSWERS, StudyAnswer
@@ -112,7 +112,7 @@ def chosen_configurations(asked: Sequence[str], model: Model) -> tuple[tuple[str
                     model.configured(name)
                 found.append(name)
             except TorsionnetError as error:
-                faults.append(Fault(str(error), ("configurations", place)))
+                faults.append(replace(fault_of(error, error.kind), path=("configurations", place)))
                 break
     return tuple(dict.fromkeys(found)), faults
 

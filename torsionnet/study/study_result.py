@@ -152,12 +152,14 @@ class StudyResult(NotebookResult):
         known = self.study.quantities
         if quantity not in known:
             raise UsageError(
-                f'no quantity is named "{quantity}"{did_you_mean(quantity, known)}; known: {", ".join(known)}'
+                f'no quantity is named "{quantity}"{did_you_mean(quantity, known)}; known: {", ".join(known)}',
+                kind="unknown-name",
             )
         cases = self.study.configurations
         case = cases[0] if configuration is None and len(cases) == 1 else configuration
         if case not in cases:
-            raise UsageError(f"the study is of the configurations {', '.join(cases)}; name one of them")
+            kind = "missing-entry" if configuration is None else "unknown-configuration"
+            raise UsageError(f"the study is of the configurations {', '.join(cases)}; name one of them", kind=kind)
         return case, quantity
 
     @property
@@ -181,11 +183,14 @@ class StudyResult(NotebookResult):
         """
         key = self._key(quantity, configuration)
         if key not in self._numbers:
-            raise UsageError(f"{quantity} is a curve; summary() has its mean, extremes and percentiles")
+            raise UsageError(
+                f"{quantity} is a curve; summary() has its mean, extremes and percentiles", kind="unfit-quantity"
+            )
         if self.kept.every > 1:
             raise UsageError(
                 f"{quantity} has too many values: those of one in {self.kept.every} variants are kept, which are in "
-                "kept_values(); summary() has mean, extremes and percentiles of all"
+                "kept_values(); summary() has mean, extremes and percentiles of all",
+                kind="too-large",
             )
         return self.kept.values[key]
 

@@ -212,12 +212,13 @@ class LazyGroup(click.Group):
 
     def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
         if args and not args[0].startswith("-") and args[0] not in COMMANDS:
+            from torsionnet.app.cli.options import WrongUsage
             from torsionnet.app.cli.other_words import same_command
             from torsionnet.base.errors import did_you_mean
 
             same = same_command(args[0])
             hint = f"; say {same}" if same else did_you_mean(args[0], COMMANDS) or f"; there are {', '.join(COMMANDS)}"
-            raise click.UsageError(f'no command is named "{args[0]}"{hint}', ctx)
+            raise WrongUsage(f'no command is named "{args[0]}"{hint}', kind="unknown-word")
         return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
@@ -227,9 +228,26 @@ class LazyGroup(click.Group):
             with formatter.section(group):
                 formatter.write_dl([(f"{name:{widest}}", what) for name, what in commands.items()])
 
+    def make_context(self, *arguments: Any, **more: Any) -> click.Context:
+        with _kinds_of_usage():
+            return super().make_context(*arguments, **more)
+
     def invoke(self, ctx: click.Context) -> Any:
-        with exit_code_for_errors():
+        with exit_code_for_errors(), _kinds_of_usage():
             return super().invoke(ctx)
+
+
+@contextlib.contextmanager
+def _kinds_of_usage() -> Iterator[None]:
+    """Context in which errors of options and arguments say their kind of fault in brackets, as other messages do."""
+    try:
+        yield
+    except click.UsageError as error:
+        from torsionnet.app.cli.options import kind_of_usage
+        from torsionnet.base.errors import in_brackets
+
+        told = click.UsageError(f"{error.format_message()}{in_brackets(kind_of_usage(error))}", error.ctx)
+        raise told from None
 
 
 @click.group(

@@ -6,10 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TypeVar
 
-import click
-
 from torsionnet.app.cli.command import Command
-from torsionnet.app.cli.options import SETTINGS, argument, load_model, option
+from torsionnet.app.cli.options import SETTINGS, WrongUsage, argument, load_model, option
 from torsionnet.app.cli.terminal import message, print_faults
 from torsionnet.base.errors import comma_list
 
@@ -81,7 +79,7 @@ class ModelCommand(Command):
         from torsionnet.model.configurations import ALL_CONFIGURATIONS
 
         if len(self.configurations) > 1 or ALL_CONFIGURATIONS in self.configurations:
-            raise click.UsageError(why)
+            raise WrongUsage(why, kind="wrong-count")
 
     def combined_table(self, cases: Sequence[ConfiguredCase], tables: Sequence[Table]) -> Table:
         """Table with the rows of all drivetrains, and the configuration in the first column if any was named.

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import click
 
-from torsionnet.app.cli.options import Arguments, OutputFile, option, parameters, plot_option
+from torsionnet.app.cli.options import Arguments, OutputFile, WrongUsage, option, parameters, plot_option
 from torsionnet.app.cli.terminal import print_file_written, print_json, print_line, print_table
 from torsionnet.base.atomic import write_text
 from torsionnet.base.errors import remedies
@@ -111,7 +111,9 @@ def click_command(name: str, declared: type[Command]) -> click.Command:
     def run(**values: Any) -> None:
         command = declared(**values)
         if command.output.as_json and command.output.digits:
-            raise click.UsageError("--digits rounds tables and --json has all digits: leave one of them out")
+            raise WrongUsage(
+                "--digits rounds tables and --json has all digits: leave one of them out", kind="contradicting-entries"
+            )
         with remedies(words):
             write_answer(command.answer(), command.output)
 

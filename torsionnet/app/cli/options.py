@@ -19,7 +19,7 @@ import sys
 import types
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, get_args, get_origin, get_type_hints
+from typing import TYPE_CHECKING, Any, NoReturn, get_args, get_origin, get_type_hints
 
 import click
 
@@ -120,6 +120,43 @@ PLOT_ENDINGS = (".svg", ".png", ".pdf")
 PRESETS = ("paper",)
 
 
+class WrongUsage(click.UsageError):
+    """Error of options and arguments that do not go together, with the kind of fault that they have."""
+
+    def __init__(self, message: str, *, kind: str) -> None:
+        super().__init__(message)
+        self.kind = kind
+
+
+def refuse(message: str, param: click.Parameter | None, ctx: click.Context | None, *, kind: str) -> NoReturn:
+    """Raise an error of the value of an option, with its kind of fault."""
+    error = click.BadParameter(message, ctx, param)
+    error.kind = kind  # type: ignore[attr-defined]
+    raise error
+
+
+def kind_of_usage(error: click.UsageError) -> str:
+    """Kind of fault of an error of the command line; those of click itself have that of their class."""
+    if hasattr(error, "kind"):
+        return str(error.kind)
+    if isinstance(error, click.NoSuchOption):
+        return "unknown-word"
+    if isinstance(error, click.BadOptionUsage):
+        flags = error.ctx.command.params if error.ctx is not None else []
+        is_flag = any(error.option_name in one.opts and getattr(one, "is_flag", False) for one in flags)
+        return "needless-entry" if is_flag else "missing-entry"
+    if isinstance(error, click.MissingParameter):
+        return "missing-entry"
+    if not isinstance(error, click.BadParameter):
+        return "needless-entry"  # an argument too many
+    kind = error.param.type if error.param is not None else None
+    if isinstance(kind, click.Choice):
+        return "unknown-word"
+    if isinstance(kind, click.Path | click.File):
+        return "missing-file"
+    return "not-a-number" if isinstance(error.__context__, ValueError) else "out-of-range"
+
+
 class PairOption(PairType):
     """Type of an option value ``LEFT=RIGHT``, read as a pair of texts."""
 
@@ -129,7 +166,7 @@ class PairOption(PairType):
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         left, equals, right = (part.strip() for part in value.partition("="))
         if not (left and equals and right):
-            self.fail(f'expected {self.name}, as in "{self.example}", got "{value}"', param, ctx)
+            refuse(f'expected {self.name}, as in "{self.example}", got "{value}"', param, ctx, kind="wrong-form")
         return left, right
 
 
@@ -147,7 +184,7 @@ class DelayOption(PairOption):
         try:
             return name, float(Value("delay", "time", lower=None).coerce(text))
         except EntryError as error:
-            self.fail(f"{name}: {error}", param, ctx)
+            refuse(f"{name}: {error}", param, ctx, kind=error.fault.kind)
 
 
 class SettingOption(PairOption):
@@ -167,7 +204,7 @@ class SettingOption(PairOption):
         try:
             read_scalar(text)
         except EntryError as error:
-            self.fail(f"{name}: {error}", param, ctx)
+            refuse(f"{name}: {error}", param, ctx, kind=error.fault.kind)
         return name, text
 
 
@@ -187,7 +224,12 @@ class StepsOption(PairOption):
         except ValueError:
             steps = 0.0
         if not 0 < steps < float("inf"):
-            self.fail(f"{channel}: the steps per revolution must be a positive number, got {word}", param, ctx)
+            refuse(
+                f"{channel}: the steps per revolution must be a positive number, got {word}",
+                param,
+                ctx,
+                kind="out-of-range",
+            )
         return channel, steps
 
 
@@ -209,7 +251,7 @@ class EntryOption(EntryType):
         try:
             return getattr(importlib.import_module(f"torsionnet.{module}"), name).coerce(value)
         except EntryError as error:
-            self.fail(str(error), param, ctx)
+            refuse(str(error), param, ctx, kind=error.fault.kind)
 
 
 class FiniteFloat(click.FloatRange):
@@ -218,7 +260,7 @@ class FiniteFloat(click.FloatRange):
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         number = super().convert(value, param, ctx)
         if not math.isfinite(number):
-            self.fail(f"{number} is no finite number", param, ctx)
+            refuse(f"{number} is no finite number", param, ctx, kind="not-finite")
         return number
 
 
@@ -233,11 +275,11 @@ class OutputFile(FileType):
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         path = Path(value)
         if self.endings and path.suffix.lower() not in self.endings:
-            self.fail(f'"{value}" does not end in {", ".join(self.endings)}', param, ctx)
+            refuse(f'"{value}" does not end in {", ".join(self.endings)}', param, ctx, kind="unknown-word")
         if path.is_dir():
-            self.fail(f'"{value}" is a folder', param, ctx)
+            refuse(f'"{value}" is a folder', param, ctx, kind="unusable-place")
         if not path.parent.is_dir():
-            self.fail(f'"{value}": there is no folder {path.parent}', param, ctx)
+            refuse(f'"{value}": there is no folder {path.parent}', param, ctx, kind="missing-file")
         return str(value)
 
 
@@ -249,9 +291,9 @@ class OutputFolder(FileType):
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         path = Path(value)
         if path.exists() and not path.is_dir():
-            self.fail(f'"{value}" is a file, and a folder is needed', param, ctx)
+            refuse(f'"{value}" is a file, and a folder is needed', param, ctx, kind="unusable-place")
         if not path.parent.is_dir():
-            self.fail(f'"{value}": there is no folder {path.parent}', param, ctx)
+            refuse(f'"{value}": there is no folder {path.parent}', param, ctx, kind="missing-file")
         return str(value)
 
 

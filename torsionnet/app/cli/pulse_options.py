@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
-from torsionnet.app.cli.options import EntryType, option
+from torsionnet.app.cli.options import EntryType, option, refuse
 from torsionnet.app.cli.record_options import RecordReading
 from torsionnet.base.errors import Fault, ModelError, UsageError, did_you_mean
 
@@ -34,7 +34,12 @@ class TeethOption(EntryType):
         name, equals, text = (part.strip() for part in value.partition("="))
         numbers = [part.strip() for part in text.split("-", 1)] if equals else []
         if not (name and all(part.isdecimal() for part in numbers)):
-            self.fail(f'expected {self.name}, as n1=60, n1=60-2 (several gaps: --pattern), got "{value}"', param, ctx)
+            refuse(
+                f'expected {self.name}, as n1=60, n1=60-2 (several gaps: --pattern), got "{value}"',
+                param,
+                ctx,
+                kind="wrong-form",
+            )
         return NamedWheel(name, "-".join(numbers))
 
 
@@ -47,7 +52,7 @@ class WheelSetting(EntryType):
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         left, equals, right = (part.strip() for part in value.partition("="))
         if not (left and (right or not equals)):
-            self.fail(f'expected {self.name}, got "{value}"', param, ctx)
+            refuse(f'expected {self.name}, got "{value}"', param, ctx, kind="wrong-form")
         return (left, right) if equals else ("", left)
 
 

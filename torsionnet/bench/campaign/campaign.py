@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from torsionnet.base.entries.declared import version_faults
-from torsionnet.base.errors import Fault, ModelError, TorsionnetError, UsageError, did_you_mean, fault_of
+from torsionnet.base.errors import Fault, ModelError, TorsionnetError, UsageError, did_you_mean, fault_of, unknown_name
 from torsionnet.base.packages import NotebookResult, imported
 from torsionnet.base.table import Column, Table
 from torsionnet.base.version import __version__
@@ -147,7 +147,7 @@ def write_kept(kept: Path, fill: Callable[[Path], None]) -> None:
             fill(filling)
             filling.rename(kept)
     except OSError as error:
-        raise UsageError(f"{folder} cannot be a folder of results: {error.strerror}", kind="unreadable-file") from None
+        raise UsageError(f"{folder} cannot be a folder of results: {error.strerror}", kind="unusable-place") from None
     for old in folder.glob(f"{kept.name[:-KEY_LENGTH]}{'[0-9a-f]' * KEY_LENGTH}"):
         if old != kept:
             shutil.rmtree(old, ignore_errors=True)
@@ -247,7 +247,7 @@ def _model(name: Any, folder: Path) -> tuple[Drivetrain | None, list[Fault]]:
     try:
         return load(folder / name if Path(name).suffix else name), []
     except UsageError as error:
-        return None, [error.fault.under("model")]
+        return None, [replace(error.fault, path=("model",))]
     except ModelError as error:
         return None, [Fault(f"{name} has {len(error.faults)} errors", ("model",), kind=error.kind), *error.faults]
 
@@ -304,7 +304,8 @@ def _unreadable(sensor: Sensor, model: Drivetrain) -> Iterator[Fault]:
     for name in (sensor.of,) if sensor.is_on_element else sensor.nodes:
         if name not in known:
             what = "element" if sensor.is_on_element else "node"
-            yield Fault(f'{sensor}: no {what} is named "{name}"{did_you_mean(name, known)}', kind=f"unknown-{what}")
+            fault = unknown_name(what, name, known)
+            yield replace(fault, message=f"{sensor}: {fault.message}")
 
 
 def _records(plan: CampaignFile, model: Drivetrain, folder: Path) -> Iterator[Fault]:
@@ -324,7 +325,7 @@ def _records(plan: CampaignFile, model: Drivetrain, folder: Path) -> Iterator[Fa
             try:
                 model.configured(record.configuration)
             except TorsionnetError as error:
-                yield fault_of(error, error.kind).under("records", name, "configuration")
+                yield replace(fault_of(error, error.kind), path=("records", name, "configuration"))
 
 
 def _fitted(plan: CampaignFile, model: Drivetrain) -> Iterator[Fault]:
@@ -336,7 +337,7 @@ def _fitted(plan: CampaignFile, model: Drivetrain) -> Iterator[Fault]:
         try:
             unknowns(model, parameters_of_drivetrain(model, [name]))
         except UsageError as error:
-            yield error.fault.under("fit", "parameters", name)
+            yield replace(error.fault, path=("fit", "parameters", name))
 
 
 def _patterns(plan: CampaignFile, folder: Path) -> tuple[dict[str, WheelPattern], list[Fault]]:
@@ -353,5 +354,5 @@ def _patterns(plan: CampaignFile, folder: Path) -> tuple[dict[str, WheelPattern]
         except ModelError as error:
             faults += [Fault(f"{wheel.pattern}: {one.message}", place, kind=one.kind) for one in error.faults]
         except UsageError as error:
-            faults.append(error.fault.under(*place))
+            faults.append(replace(error.fault, path=place))
     return found, faults

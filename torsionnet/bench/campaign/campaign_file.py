@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from torsionnet.base.entries.composite import Listed, Named, Nested
@@ -360,7 +360,7 @@ def response_faults(plan: CampaignFile, model: Drivetrain) -> Iterator[Fault]:
         try:
             welch_settings(asked.settings)
         except UsageError as error:
-            yield error.fault.under("responses", "settings")
+            yield replace(error.fault, path=("responses", "settings"))
     for place, output in enumerate(asked.outputs):
         channel = (plan.channels or {}).get(output)
         named = Pair(
@@ -396,4 +396,4 @@ def _of_model(plan: CampaignFile, model: Drivetrain, pair: Pair, at: EntryPath) 
     try:
         rig.frequency_response(pair.output, pair.input, [ANY_FREQUENCY], driven_by=pair.excitation or None)
     except TorsionnetError as error:
-        yield fault_of(error, error.kind).under(*at)
+        yield replace(fault_of(error, error.kind), path=at)

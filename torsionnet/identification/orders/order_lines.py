@@ -312,5 +312,5 @@ def faults_of_orders(model: AssembledModel, measurement: Measurement) -> list[Fa
         rig = model.configured(measurement.configuration) if measurement.configuration else model
         excited = excited_orders(rig, measurement.speed_of)
     except (UsageError, ModelError) as error:
-        return [fault_of(error, error.kind).under("orders")]
+        return [replace(fault_of(error, error.kind), path=("orders",))]
     return order_faults(measurement, excited)

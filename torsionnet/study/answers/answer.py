@@ -232,21 +232,31 @@ def quantity_faults(study: AskedStudy, names: tuple[str, ...], key: str) -> Iter
     for place, name in enumerate(names):
         path = (key, place) if key == "quantities" else (key,)
         if name in study.quantities and measure_of(study, name).is_curve:
-            yield Fault(f"{name} is a curve; name a quantity that is a single number, as its peak", path)
+            yield Fault(
+                f"{name} is a curve; name a quantity that is a single number, as its peak", path, kind="unfit-quantity"
+            )
     if not names and not chosen_quantities(study, ()):
-        yield Fault("none of the quantities is a single number, as a frequency or a peak", on_key=True)
+        yield Fault(
+            "none of the quantities is a single number, as a frequency or a peak", on_key=True, kind="unfit-quantity"
+        )
 
 
 def limit_faults(study: AskedStudy) -> Iterator[Fault]:
     """Yield a fault if a study gives none of its quantities a limit."""
     if not study.limits:
-        yield Fault("no quantity has a limit; give the study limits: {QUANTITY: {below: VALUE}}", on_key=True)
+        yield Fault(
+            "no quantity has a limit; give the study limits: {QUANTITY: {below: VALUE}}",
+            on_key=True,
+            kind="missing-entry",
+        )
 
 
 def distribution_faults(study: AskedStudy) -> Iterator[Fault]:
     """Yield a fault if a study has no random parameter, for answers that draw variants."""
     if not study.space.random_names:
-        yield Fault("no parameter has a distribution; this answer draws variants at random", on_key=True)
+        yield Fault(
+            "no parameter has a distribution; this answer draws variants at random", on_key=True, kind="nothing-varies"
+        )
 
 
 # Base class of answers' conclusions whose JSON data are their dataclass fields.
@@ -343,7 +353,10 @@ class AnswerCase:
         """Value in SI of a varied parameter in the model of this configuration."""
         value = self.space.nominal[name]
         if np.isnan(value):
-            raise UsageError(f"{name} has no value in the model {self.label}; give it a distribution or a value")
+            raise UsageError(
+                f"{name} has no value in the model {self.label}; give it a distribution or a value",
+                kind="missing-entry",
+            )
         return value
 
     def _whole(self, values: Mapping[str, FloatArray]) -> dict[str, FloatArray]:

@@ -98,10 +98,20 @@ class FailureProbability(StudyAnswer):
             return []
         if self.method == IMPORTANCE and self.count < FEWEST_VARIANTS:
             return [
-                Fault(f"importance sampling needs {FEWEST_VARIANTS} variants or more, got {self.count}", ("count",))
+                Fault(
+                    f"importance sampling needs {FEWEST_VARIANTS} variants or more, got {self.count}",
+                    ("count",),
+                    kind="out-of-range",
+                )
             ]
         if self.method == SUBSET and self.count % CHAIN_LENGTH:
-            return [Fault(f"the variants of a level are a multiple of {CHAIN_LENGTH}, got {self.count}", ("count",))]
+            return [
+                Fault(
+                    f"the variants of a level are a multiple of {CHAIN_LENGTH}, got {self.count}",
+                    ("count",),
+                    kind="out-of-range",
+                )
+            ]
         return []
 
     def study_faults(self, study: AskedStudy) -> Iterator[Fault]:

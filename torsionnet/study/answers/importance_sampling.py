@@ -254,7 +254,9 @@ def importance_sampling(
     accuracy, confidence : float
     """
     if count < FEWEST_VARIANTS:
-        raise UsageError(f"importance sampling needs {FEWEST_VARIANTS} variants or more, got {count}")
+        raise UsageError(
+            f"importance sampling needs {FEWEST_VARIANTS} variants or more, got {count}", kind="out-of-range"
+        )
     numbers = np.random.default_rng(seed)
     # A multiple of ten, as a tenth of a level begins the next.
     size = max(FEWEST_IN_LEVEL, 10 * round(LEVEL_SHARE * count / 10))

@@ -118,13 +118,13 @@ class Map(StudyAnswer):
     def study_faults(self, study: AskedStudy) -> Iterator[Fault]:
         yield from quantity_faults(study, (self.quantity,), "quantity")
         if self.x == self.y:
-            yield Fault(f"{self.x} is on both axes", ("y",))
+            yield Fault(f"{self.x} is on both axes", ("y",), kind="contradicting-entries")
         for one in study.space.entries.correlation:
             if self.others != FIXED and {self.x, self.y} & set(one.between):
                 text = (
                     f"{' and '.join(one.between)} are correlated: over an axis with one of them the others are no draws"
                 )
-                yield Fault(f"{text}; take others: {FIXED}", ("others",))
+                yield Fault(f"{text}; take others: {FIXED}", ("others",), kind="contradicting-entries")
 
     def variants(self, study: AskedStudy) -> int:
         others = next(answer_cases(study)).space.random_names

@@ -64,7 +64,9 @@ def rank_correlations(parameters: FloatArray, values: FloatArray) -> RankCorrela
     known = np.isfinite(values)
     count = int(known.sum())
     if count < FEWEST_RANKED:
-        raise SolveError(f"{count} variants have a value; rank correlations take {FEWEST_RANKED} or more")
+        raise SolveError(
+            f"{count} variants have a value; rank correlations take {FEWEST_RANKED} or more", kind="no-solution"
+        )
     # Spearman's coefficient is the correlation of ranks; equal values share the mean of theirs.
     ranks = rankdata(np.column_stack([parameters[known], values[known]]), axis=0)
     ranks -= ranks.mean(axis=0)

@@ -64,7 +64,10 @@ def sobol_points(n_parameters: int, base: int, seed: int) -> FloatArray:
     from scipy.stats import qmc
 
     if base < FEWEST_BASE_POINTS or base & (base - 1):
-        raise UsageError(f"the number of base points must be a power of two, {FEWEST_BASE_POINTS} or more; got {base}")
+        raise UsageError(
+            f"the number of base points must be a power of two, {FEWEST_BASE_POINTS} or more; got {base}",
+            kind="out-of-range",
+        )
     # A and B are halves of one sequence in 2 d dimensions, so that they are even together.
     pair = qmc.Sobol(2 * n_parameters, rng=np.random.default_rng(seed)).random(base)
     first, second = pair[:, :n_parameters], pair[:, n_parameters:]
@@ -98,7 +101,8 @@ def estimates_of(at_points: FloatArray, base: int, seed: int, confidence: float)
     if whole.sum() < FEWEST_BASE_POINTS:
         raise SolveError(
             f"only {whole.sum()} of {base} base points can be used, at the others a variant "
-            "has no value; narrow the distributions, or take more points"
+            "has no value; narrow the distributions, or take more points",
+            kind="no-solution",
         )
     terms = _terms(values[:, whole])
     numbers = np.random.default_rng([seed, 1])
@@ -119,7 +123,7 @@ def _terms(values: FloatArray) -> FloatArray:
     # About the common mean, as a large one would hide the variance in rounding.
     a, b = values[:2] - values[:2].mean()
     if np.ptp(values[:2]) <= 1e-12 * np.abs(values[:2]).max():
-        raise SolveError("the quantity does not vary, so that nothing has a share in its variance")
+        raise SolveError("the quantity does not vary, so that nothing has a share in its variance", kind="no-solution")
     moved = values[2:] - values[:2].mean()
     # First order by Saltelli, mean of f_B (f_AB - f_A); total by Jansen, mean of (f_A - f_AB)^2/2.
     return np.column_stack([*(b * (moved - a)), *((a - moved) ** 2 / 2), (a + b) / 2, (a**2 + b**2) / 2])
@@ -153,7 +157,13 @@ class SobolIndices(StudyAnswer):
 
     def contradictions(self) -> list[Fault]:
         if self.count & (self.count - 1):
-            return [Fault(f"base points are a power of two, as {1 << self.count.bit_length()}", ("count",))]
+            return [
+                Fault(
+                    f"base points are a power of two, as {1 << self.count.bit_length()}",
+                    ("count",),
+                    kind="out-of-range",
+                )
+            ]
         return []
 
     def study_faults(self, study: AskedStudy) -> Iterator[Fault]:
@@ -161,7 +171,9 @@ class SobolIndices(StudyAnswer):
         yield from distribution_faults(study)
         if study.space.entries.correlation:
             text = "Sobol indices share out a variance among independent parameters, and these are correlated"
-            yield Fault(f"{text}; rank correlations (type: scatter) take any", on_key=True)
+            yield Fault(
+                f"{text}; rank correlations (type: scatter) take any", on_key=True, kind="contradicting-entries"
+            )
 
     def variants(self, study: AskedStudy) -> int:
         return len(study.configurations) * self.count * (len(study.space.random_names) + 2)

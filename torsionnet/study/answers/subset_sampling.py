@@ -193,9 +193,10 @@ def subset_sampling(
     confidence : float
     """
     if count < FEWEST_VARIANTS_OF_LEVEL or count % CHAIN_LENGTH:
-        raise UsageError(
+        text = (
             f"the variants of a level are a multiple of {CHAIN_LENGTH}, {FEWEST_VARIANTS_OF_LEVEL} or more; got {count}"
         )
+        raise UsageError(text, kind="out-of-range")
     numbers = np.random.default_rng(seed)
     levels = subset_levels(margin, 2 * count, n_parameters, numbers)
     found, used = _runs(margin, levels, (INDEPENDENT_RUNS, count, n_parameters), numbers)
@@ -298,7 +299,9 @@ def counted_share(hits: float, count: int, confidence: float = 0.95) -> Share:
     from scipy.special import betaincinv
 
     if not 0 <= hits <= count or count < 1:
-        raise UsageError(f"a share needs hits between 0 and the number of draws, got {hits} of {count}")
+        raise UsageError(
+            f"a share needs hits between 0 and the number of draws, got {hits} of {count}", kind="out-of-range"
+        )
     tail = (1 - confidence) / 2
     # Clopper and Pearson: quantiles of Beta(h, n - h + 1) and of Beta(h + 1, n - h).
     low = float(betaincinv(hits, count - hits + 1, tail)) if hits else 0.0

@@ -89,7 +89,9 @@ def largest(function: OfPoints, n_parameters: int, *, seed: int, tried: int = 10
         if values[best] <= search.best + BETTER_BY * search.range:
             return search.result(tried, float(values[best]))
         search.offer(points, values)
-    raise SolveError(f"random points beat the search {MOST_ROUNDS} times; the function is too rough for it")
+    raise SolveError(
+        f"random points beat the search {MOST_ROUNDS} times; the function is too rough for it", kind="no-solution"
+    )
 
 
 class _Search:
@@ -139,7 +141,8 @@ class _Search:
         self.offer(points, self.values(points))
         if not np.isfinite(self.best):
             raise SolveError(
-                "none of the corners of the tolerances has a value; narrow the tolerances, or try one corner alone"
+                "none of the corners of the tolerances has a value; narrow the tolerances, or try one corner alone",
+                kind="no-solution",
             )
         if self.d > MOST_WITH_ALL_CORNERS:
             self._into_bounds()

@@ -262,10 +262,16 @@ class Yield(StudyAnswer):
         left = [name for name in study.configurations if name not in self.weights]
         if self.weights and left:
             yield Fault(
-                f"every configuration needs a weight, 0 where it does not count; not: {', '.join(left)}", ("weights",)
+                f"every configuration needs a weight, 0 where it does not count; not: {', '.join(left)}",
+                ("weights",),
+                kind="missing-entry",
             )
         if self.weights and not sum(self.weights.values()) > 0:
-            yield Fault("weights are shares of configurations; at least one of them is above 0", ("weights",))
+            yield Fault(
+                "weights are shares of configurations; at least one of them is above 0",
+                ("weights",),
+                kind="out-of-range",
+            )
 
     def conclude(self, study: AskedStudy, result: VariantValues) -> YieldResult:
         names = self.limits or tuple(study.limits)

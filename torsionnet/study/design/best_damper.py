@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import ClassVar
 
@@ -190,10 +190,13 @@ def damper_over_conditions(
     """
     labels = tuple(drivetrain.configurations if conditions is None else conditions)
     if not labels:
-        raise UsageError(f"{drivetrain.name} has no configurations; for one condition ask for its damper design")
+        raise UsageError(
+            f"{drivetrain.name} has no configurations; for one condition ask for its damper design",
+            kind="unknown-configuration",
+        )
     names = [parameters] if isinstance(parameters, str) else list(parameters)
     if not names:
-        raise UsageError("say which parameter is sought, such as the damping of a film")
+        raise UsageError("say which parameter is sought, such as the damping of a film", kind="missing-entry")
     rigs = [drivetrain.configured(label) if label else drivetrain for label in labels]
     sought = [unknowns(rig, names) for rig in rigs]
     units = sought_units(sought[0])
@@ -260,24 +263,41 @@ class BestDamper(StudyAnswer):
 
     def contradictions(self) -> list[Fault]:
         if self.input is None and self.band is not None:
-            return [Fault("a band of frequencies needs an input; without it excitations act over speeds", ("band",))]
+            return [
+                Fault(
+                    "a band of frequencies needs an input; without it excitations act over speeds",
+                    ("band",),
+                    kind="missing-entry",
+                )
+            ]
         if self.input is not None and self.excitations:
-            return [Fault("with an input no excitations act", ("excitations",))]
+            return [Fault("with an input no excitations act", ("excitations",), kind="contradicting-entries")]
         return []
 
     def study_faults(self, study: AskedStudy) -> Iterator[Fault]:
         if self.input is None and study.model.definition.speeds is None:
             yield Fault(
-                "excitations act over speeds, and the model has none; give input: for one response", on_key=True
+                "excitations act over speeds, and the model has none; give input: for one response",
+                on_key=True,
+                kind="missing-entry",
             )
         found, faults = chosen_parameters(study, self.design)
         yield from (fault.under("design") for fault in faults)
         if not found and not faults:
-            yield Fault("nothing varies; say which values are chosen, as design: {c_dmp: [low, high]}", on_key=True)
+            yield Fault(
+                "nothing varies; say which values are chosen, as design: {c_dmp: [low, high]}",
+                on_key=True,
+                kind="nothing-varies",
+            )
         for one in found:
             if one.lower < 0:
                 path = ("design", one.name) if self.design else ()
-                yield Fault(f"a damper has no value below 0, got {one.lower:g}", path, on_key=not self.design)
+                yield Fault(
+                    f"a damper has no value below 0, got {one.lower:g}",
+                    path,
+                    on_key=not self.design,
+                    kind="out-of-range",
+                )
         yield from self._channel_faults(study)
 
     def _channel_faults(self, study: AskedStudy) -> Iterator[Fault]:
@@ -288,7 +308,7 @@ class BestDamper(StudyAnswer):
                 elif self.input is not None:
                     resolve_inputs(study.model, self.input, None)
             except UsageError as error:
-                yield Fault(str(error), (name,))
+                yield replace(error.fault, path=(name,))
 
     def conclude(self, study: AskedStudy, result: VariantValues) -> DamperOverConditions:
         del result

@@ -101,12 +101,15 @@ class DesignGoals:
 
     def __post_init__(self) -> None:
         if not self.targets and not self.objectives and not self.limits:
-            raise UsageError("say what is sought: targets, or what to minimise or maximise")
+            raise UsageError("say what is sought: targets, or what to minimise or maximise", kind="missing-entry")
         if self.targets and self.objectives:
-            raise UsageError("either targets or something to minimise or maximise; make the targets limits, or these")
+            raise UsageError(
+                "either targets or something to minimise or maximise; make the targets limits, or these",
+                kind="contradicting-entries",
+            )
         for one in self.targets:
             if not (np.isfinite(one.value) and one.weight > 0):
-                raise UsageError(f"the target of {one.quantity} is a number with a weight above 0")
+                raise UsageError(f"the target of {one.quantity} is a number with a weight above 0", kind="out-of-range")
 
     @property
     def quantities(self) -> tuple[str, ...]:
@@ -123,14 +126,18 @@ class DesignGoals:
     def require_merit(self) -> None:
         """Refuse goals that are limits alone, of which no design is the best."""
         if not self.targets and not self.objectives:
-            raise UsageError("limits alone choose no design; say what to minimise or maximise, or targets")
+            raise UsageError(
+                "limits alone choose no design; say what to minimise or maximise, or targets", kind="missing-entry"
+            )
 
     def check(self, known: Mapping[str, object]) -> None:
         """Refuse goals of a design with quantities that are not among those known."""
         for name in self.quantities:
             if name not in known:
                 there = ", ".join(known)
-                raise UsageError(f'no quantity is named "{name}"{did_you_mean(name, known)}; there are {there}')
+                raise UsageError(
+                    f'no quantity is named "{name}"{did_you_mean(name, known)}; there are {there}', kind="unknown-name"
+                )
 
     def deviations(self, found: Found) -> FloatArray:
         """Relative, weighted deviations from targets (n, n_targets) of n designs, those of a curve at every point."""
@@ -280,11 +287,13 @@ def _ends(bounds: DesignBounds | None, reader: NominalReader, parameter: Paramet
         if parameter.bounds is not None:
             low, high = parameter.bounds
         elif nominal is None or not nominal > 0:
-            return reader.fault(f"{reader.nominal.name} is not above 0: give its bounds"), float("nan")
+            return reader.fault(f"{reader.nominal.name} is not above 0: give its bounds", kind="missing-entry"), float(
+                "nan"
+            )
         else:
             low, high = nominal / DEFAULT_BOUND_FACTOR, nominal * DEFAULT_BOUND_FACTOR
     else:
         low, high = (reader.value(one, "bounds", place) for place, one in enumerate(bounds.bounds))
     if not low < high and not reader.faults:
-        reader.fault(f"bounds are a lower and a higher value, got {low:g} and {high:g}")
+        reader.fault(f"bounds are a lower and a higher value, got {low:g} and {high:g}", kind="unordered-rows")
     return low, high

@@ -62,11 +62,12 @@ class DesignProblem:
 
     def __post_init__(self) -> None:
         if not self.parameters:
-            raise UsageError("say which parameters may change")
+            raise UsageError("say which parameters may change", kind="missing-entry")
         for one in self.parameters:
             if not (np.isfinite([one.lower, one.upper]).all() and one.lower < one.upper):
                 raise UsageError(
-                    f"{one.name}: bounds are a lower and a higher value, got {one.lower:g} and {one.upper:g}"
+                    f"{one.name}: bounds are a lower and a higher value, got {one.lower:g} and {one.upper:g}",
+                    kind="unordered-rows",
                 )
 
     @property

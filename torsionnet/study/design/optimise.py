@@ -306,7 +306,7 @@ def optimise(
     ordered = initial_places(problem)
     first = problem.ranks(problem.at(ordered[:1]))[0]
     if not np.isfinite(first).all():
-        raise SolveError("no design within the bounds has all the quantities that are asked for")
+        raise SolveError("no design within the bounds has all the quantities that are asked for", kind="no-solution")
     note(first[1])
     # An objective is sought by a population first; targets get one only where local searches miss them.
     if problem.goals.objectives:

@@ -120,10 +120,14 @@ class SingleDesign(DesignAnswer):
     def contradictions(self) -> list[Fault]:
         given = [name for name in ("targets", "minimise", "maximise") if getattr(self, name)]
         if not given and self.needs_goal:
-            return [Fault("say what is sought: targets, minimise or maximise", on_key=True)]
+            return [Fault("say what is sought: targets, minimise or maximise", on_key=True, kind="missing-entry")]
         if len(given) > 1:
             return [
-                Fault(f"either {' or '.join(given)}; make one a limit, or ask for a front (type: pareto)", (given[1],))
+                Fault(
+                    f"either {' or '.join(given)}; make one a limit, or ask for a front (type: pareto)",
+                    (given[1],),
+                    kind="contradicting-entries",
+                )
             ]
         return []
 

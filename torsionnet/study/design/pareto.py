@@ -193,9 +193,14 @@ def pareto_front(
         Fewer than two objectives, or an unknown quantity.
     """
     if len(problem.goals.objectives) < 2:
-        raise UsageError("a front of compromises needs two objectives or more; for one ask for the optimum")
+        raise UsageError(
+            "a front of compromises needs two objectives or more; for one ask for the optimum", kind="missing-entry"
+        )
     if population < 4 or generations < 1:
-        raise UsageError(f"a population of 4 or more for a generation or more, got {population} and {generations}")
+        raise UsageError(
+            f"a population of 4 or more for a generation or more, got {population} and {generations}",
+            kind="out-of-range",
+        )
     given = _sizes(problem, problem.at(problem.start))[0]
     # The front ends at the optima of each objective alone.
     ends = [_best_in(problem, one, seed) for one in problem.goals.objectives]
@@ -266,7 +271,8 @@ def _evolved(
     found = minimize(asked, algorithm, ("n_gen", generations), seed=seed, verbose=False)
     if found.X is None or (np.atleast_2d(found.F) >= MISSING_OBJECTIVE).all():
         raise SolveError(
-            "no design within the bounds was found that keeps all limits; widen the bounds, or relax a limit"
+            "no design within the bounds was found that keeps all limits; widen the bounds, or relax a limit",
+            kind="no-solution",
         )
     return method, np.atleast_2d(found.X)
 
@@ -318,7 +324,7 @@ class Pareto(DesignAnswer):
     def contradictions(self) -> list[Fault]:
         if len(self.minimise) + len(self.maximise) < 2:
             text = "a front needs two quantities or more under minimise and maximise; for one there is type: optimum"
-            return [Fault(text, on_key=True)]
+            return [Fault(text, on_key=True, kind="missing-entry")]
         return []
 
     def goals(self, limits: Mapping[str, QuantityLimit]) -> DesignGoals:

@@ -211,7 +211,10 @@ def robust_optimum(
         Tolerances, measure or goals that make no sense, or several objectives.
     """
     if len(problem.goals.objectives) > 1:
-        raise UsageError("a robust design has one objective; of several ask for the front of compromises")
+        raise UsageError(
+            "a robust design has one objective; of several ask for the front of compromises",
+            kind="contradicting-entries",
+        )
     # The search draws evenly; the comparison takes random draws that no design was chosen on.
     drawn = tolerances.even_draws(samples, seed)
     asked = robust_problem(problem, drawn, measure)
@@ -287,12 +290,15 @@ class SpaceTolerances:
 
     def __post_init__(self) -> None:
         if not self.space.random_names:
-            raise UsageError("a robust design needs the tolerance of a parameter: a distribution under vary")
+            raise UsageError(
+                "a robust design needs the tolerance of a parameter: a distribution under vary", kind="nothing-varies"
+            )
         for name in self.designed:
             if name in self.space.random_names and not self.space.nominal[name] > 0:
                 raise UsageError(
                     f"{name} is {self.space.nominal[name]:g} in the model, and a tolerance scales with "
-                    "it; give it a value above 0"
+                    "it; give it a value above 0",
+                    kind="out-of-range",
                 )
 
     def even_draws(self, count: int, seed: int) -> SpaceDraws:
@@ -342,23 +348,29 @@ class RobustDesign(SingleDesign):
         faults = super().contradictions()
         for name, owner in (("k", DEVIATION), ("percentile", PERCENTILE)):
             if getattr(self, name) is not None and self.measure != owner:
-                faults.append(Fault(f"{name} belongs to measure: {owner}", (name,), on_key=True))
+                faults.append(Fault(f"{name} belongs to measure: {owner}", (name,), on_key=True, kind="needless-entry"))
         if self.percentile is not None and not self.percentile < 1:
-            faults.append(Fault("a percentile lies between 0 and 100 %", ("percentile",)))
+            faults.append(Fault("a percentile lies between 0 and 100 %", ("percentile",), kind="out-of-range"))
         return faults
 
     def study_faults(self, study: AskedStudy) -> Iterator[Fault]:
         yield from super().study_faults(study)
         if not self.design:
-            yield Fault("say which parameters are chosen, as design: {k_1: [low, high]}", on_key=True)
+            yield Fault(
+                "say which parameters are chosen, as design: {k_1: [low, high]}", on_key=True, kind="missing-entry"
+            )
         if not study.space.random_names:
-            yield Fault("a robust design needs a parameter with a distribution under vary", on_key=True)
+            yield Fault(
+                "a robust design needs a parameter with a distribution under vary", on_key=True, kind="nothing-varies"
+            )
         if self.measure == REJECTS and not (self.limits or study.limits):
-            yield Fault("rejects are what exceeds limits: give limits", ("measure",))
+            yield Fault("rejects are what exceeds limits: give limits", ("measure",), kind="missing-entry")
         for name in self.design:
             if name in study.space.random_names and not study.space.nominal[name] > 0:
                 text = f"{name} is not above 0 in the model, and a tolerance scales with it"
-                yield Fault(f"{text}; give it a value above 0, or leave it out of design", ("design", name))
+                yield Fault(
+                    f"{text}; give it a value above 0, or leave it out of design", ("design", name), kind="out-of-range"
+                )
 
     def conclude(self, study: AskedStudy, result: VariantValues) -> RobustOptimum:
         del result

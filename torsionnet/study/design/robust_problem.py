@@ -61,7 +61,9 @@ def random_shares(size: int, count: int, seed: int) -> FloatArray:
 
 def _enough(count: int) -> None:
     if count < 2:
-        raise UsageError(f"a robust design needs two samples or more of the tolerances, got {count}")
+        raise UsageError(
+            f"a robust design needs two samples or more of the tolerances, got {count}", kind="out-of-range"
+        )
 
 
 class RobustMeasure(Protocol):
@@ -91,7 +93,7 @@ class MeanAndDeviation:
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.k) and self.k >= 0):
-            raise UsageError(f"mean and k standard deviations need a k from 0, got {self.k:g}")
+            raise UsageError(f"mean and k standard deviations need a k from 0, got {self.k:g}", kind="out-of-range")
 
     def name(self, quantity: str, sign: float) -> str:
         more = f" {'+' if sign > 0 else '-'} {self.k:g} sigma" if self.k else ""
@@ -113,7 +115,7 @@ class SamplePercentile:
 
     def __post_init__(self) -> None:
         if not 0 < self.percent < 100:
-            raise UsageError(f"a percentile lies between 0 and 100 %, got {self.percent:g}")
+            raise UsageError(f"a percentile lies between 0 and 100 %, got {self.percent:g}", kind="out-of-range")
 
     def name(self, quantity: str, sign: float) -> str:
         return f"{self.percent if sign > 0 else 100 - self.percent:g} % percentile of {quantity}"
@@ -202,7 +204,7 @@ class RobustQuantities:
 def robust_problem(problem: DesignProblem, tolerances: DrawnTolerances, measure: RobustMeasure) -> DesignProblem:
     """Design problem whose quantities are robust measures over samples; limits hold for the measures."""
     if isinstance(measure, Rejects) and not problem.goals.limits:
-        raise UsageError("rejects are what exceeds limits: give limits")
+        raise UsageError("rejects are what exceeds limits: give limits", kind="missing-entry")
     if not isinstance(measure, Rejects):
         problem.goals.require_merit()
     robustly = RobustQuantities(problem, tolerances, measure)

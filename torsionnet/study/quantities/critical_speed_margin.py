@@ -99,7 +99,7 @@ class CriticalSpeedMargin(StudyQuantity):
         found = [excited_frequencies(line, speed_range) for line in every if self._counts(line.order)]
         if not found:
             orders = ", ".join(f"{order:g}" for order in self.orders)
-            raise UsageError(f"no order {orders} acts; there are {', '.join(map(str, every))}")
+            raise UsageError(f"no order {orders} acts; there are {', '.join(map(str, every))}", kind="unknown-order")
         return found
 
     def _counts(self, order: float) -> bool:
@@ -152,7 +152,11 @@ class Utilisation(SpeedQuantity):
 
     def contradictions(self) -> list[Fault]:
         if self.criterion and not self.limit:
-            return [Fault("a criterion is one of a limit; say which limit", ("criterion",), on_key=True)]
+            return [
+                Fault(
+                    "a criterion is one of a limit; say which limit", ("criterion",), on_key=True, kind="missing-entry"
+                )
+            ]
         return []
 
     def model_faults(self, model: Drivetrain, quantities: Mapping[str, StudyQuantity]) -> Iterator[Fault]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import CodeType
 from typing import Any, ClassVar
 
@@ -33,13 +33,13 @@ class QuantityFormula(Spec[Expression]):
         if isinstance(raw, Expression):
             return raw
         if not isinstance(raw, str):
-            raise EntryError(f"expected an expression of other quantities, as f_2/f_1, {got(raw)}")
+            raise EntryError(f"expected an expression of other quantities, as f_2/f_1, {got(raw)}", kind="wrong-form")
         try:
             found = parse_expression(raw)
         except ExpressionError as error:
-            raise EntryError(str(error)) from None
+            raise EntryError(error.fault) from None
         if not found.names:
-            raise EntryError(f'"{raw}" names no quantity')
+            raise EntryError(f'"{raw}" names no quantity', kind="wrong-form")
         return found
 
     def plain(self, value: Any) -> Json:
@@ -75,13 +75,15 @@ class QuantityExpression(StudyQuantity):
             yield unknown_name("quantity", name, quantities, ("of",), rest=f"there are {', '.join(quantities)}")
         circle = self.circle(quantities)
         if circle:
-            yield Fault(f"{' needs '.join(circle)}: quantities go round in a circle", ("of",))
+            yield Fault(
+                f"{' needs '.join(circle)}: quantities go round in a circle", ("of",), kind="circular-parameters"
+            )
         if circle or not self.has_all(quantities):
             return
         try:
             self.measured(model, quantities)
         except UsageError as error:
-            yield Fault(str(error), ("of",))
+            yield replace(error.fault, path=("of",))
 
     @property
     def parts(self) -> tuple[str, ...]:
@@ -119,7 +121,9 @@ class QuantityExpression(StudyQuantity):
         for one in curves[1:]:
             if one.over != curves[0].over or not np.array_equal(one.points, curves[0].points):
                 text = f"{self.of} combines curves over different points"
-                raise UsageError(f"{text}; give them the same frequencies or speeds, or take a number of each")
+                raise UsageError(
+                    f"{text}; give them the same frequencies or speeds, or take a number of each", kind="unlike-results"
+                )
         unit = self._unit(parts) if self.unit is None else self.unit
         return QuantityForm(unit, curves[0].over, curves[0].points) if curves else QuantityForm(unit)
 
@@ -127,13 +131,13 @@ class QuantityExpression(StudyQuantity):
         try:
             found = self.of.dimension({name: _dimension(one.unit) for name, one in parts.items()})
         except ExpressionError as error:
-            raise UsageError(str(error)) from None
+            raise UsageError(error.fault) from None
         return "" if found in (None, DIMENSIONS["1"]) else str(found)
 
     def evaluate(self, block: VariantBlock) -> FloatArray:
         circle = self.circle(block.quantities)
         if circle:
-            raise UsageError(f"{' needs '.join(circle)}: quantities go round in a circle")
+            raise UsageError(f"{' needs '.join(circle)}: quantities go round in a circle", kind="circular-parameters")
         values = {name: block.of(name) for name in self.of.names}
         with np.errstate(all="ignore"):
             return np.asarray(self.of.evaluate(values, ARRAYS), dtype=float)
@@ -180,12 +184,12 @@ class UserFunction(StudyQuantity):
         value = np.atleast_1d(np.asarray(self.of(model)))
         if value.dtype.kind not in "biuf":
             given = "complex values; take a magnitude, a phase or a part" if value.dtype.kind == "c" else "no numbers"
-            yield Fault(f"{self.function_name} gives {given}")
+            yield Fault(f"{self.function_name} gives {given}", kind="wrong-form")
             return
         expected, found = np.shape(self.points) or (1,), value.shape
         if found != (expected if self.over else (1,)):
             wanted = expected if self.over else "one number"
-            yield Fault(f"{self.function_name} gives values of shape {found}; expected {wanted}")
+            yield Fault(f"{self.function_name} gives values of shape {found}; expected {wanted}", kind="wrong-form")
 
     @property
     def words(self) -> str:
@@ -290,7 +294,9 @@ def function(
     [[11.3977]]
     """
     if not callable(of):
-        raise UsageError(f"expected a function of a drivetrain, got {of!r}")
+        raise UsageError(f"expected a function of a drivetrain, got {of!r}", kind="wrong-form")
     if over not in ("", *OVER) or bool(over) != bool(np.size(points)):
-        raise UsageError("a curve needs its points and over='frequency' or over='speed'; a number has neither")
+        raise UsageError(
+            "a curve needs its points and over='frequency' or over='speed'; a number has neither", kind="missing-entry"
+        )
     return UserFunction(of=of, unit_of_value=unit, over=over, points=tuple(np.ravel(np.asarray(points)).tolist()))

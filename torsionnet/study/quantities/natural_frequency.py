@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -53,7 +53,7 @@ class ModeQuantity(StudyQuantity):
         """Yield a fault where the model has only ``count`` modes of vibration and the quantity names a higher one."""
         if self.mode > count:
             there = f"{count} mode{'s' * (count != 1)} of vibration" if count else "no mode of vibration"
-            yield Fault(f"there is no mode {self.mode}; the model has {there}", ("mode",))
+            yield Fault(f"there is no mode {self.mode}; the model has {there}", ("mode",), kind="unknown-mode")
 
     def eigenvalue(self, block: VariantBlock) -> ComplexArray:
         """Eigenvalues (n_variants,), complex, in rad/s of the mode; NaN where a variant has no such vibration."""
@@ -103,7 +103,13 @@ class NaturalFrequency(ModeQuantity):
 
     def contradictions(self) -> list[Fault]:
         if self.which == UNDAMPED and self.order not in (None, ASCENDING):
-            return [Fault("undamped natural frequencies are counted by size: order is ascending", ("order",))]
+            return [
+                Fault(
+                    "undamped natural frequencies are counted by size: order is ascending",
+                    ("order",),
+                    kind="contradicting-entries",
+                )
+            ]
         return []
 
     def model_faults(self, model: Drivetrain, quantities: Mapping[str, StudyQuantity]) -> Iterator[Fault]:
@@ -115,7 +121,7 @@ class NaturalFrequency(ModeQuantity):
             try:
                 undamped_place(model, self.mode)
             except UsageError as error:
-                yield Fault(str(error), ("mode",))
+                yield replace(error.fault, path=("mode",))
 
     @property
     def words(self) -> str:

@@ -219,7 +219,7 @@ class OrderTorque(SpeedQuantity):
 
     def contradictions(self) -> list[Fault]:
         if self.order is not None and self.size is not None:
-            return [Fault("one order has its amplitude; leave out size", ("size",), on_key=True)]
+            return [Fault("one order has its amplitude; leave out size", ("size",), on_key=True, kind="needless-entry")]
         return []
 
     def model_faults(self, model: Drivetrain, quantities: Mapping[str, StudyQuantity]) -> Iterator[Fault]:

@@ -138,7 +138,7 @@ def wrong_unit(value: float | None, quantity: str, unit: str, path: EntryPath) -
         return
     if dimension is not None and dimension != own:
         shown = f"in {unit}" if unit else "a number without unit"
-        yield Fault(f"{quantity} is {shown}, not in {dimension}", path)
+        yield Fault(f"{quantity} is {shown}, not in {dimension}", path, kind="wrong-unit")
 
 
 def as_written(value: float, unit: str) -> str:
@@ -175,9 +175,15 @@ class QuantityLimit(Declared):
 
     def contradictions(self) -> list[Fault]:
         if self.below is None and self.above is None:
-            return [Fault("a limit of a quantity needs below: or above:", on_key=True)]
+            return [Fault("a limit of a quantity needs below: or above:", on_key=True, kind="missing-entry")]
         if self.below is not None and self.above is not None and self.above >= self.below:
-            return [Fault(f"nothing is above {self.above:g} and below {self.below:g}", on_key=True)]
+            return [
+                Fault(
+                    f"nothing is above {self.above:g} and below {self.below:g}",
+                    on_key=True,
+                    kind="contradicting-values",
+                )
+            ]
         return []
 
     def exceeded(self, values: FloatArray) -> NDArray[np.bool_]:

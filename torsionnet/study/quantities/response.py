@@ -29,7 +29,7 @@ class FrequencyList(Spec[tuple[float, ...]]):
             return (_FREQUENCY.coerce(raw),)
         found = tuple(coerce_part(place, _FREQUENCY, one) for place, one in enumerate(raw))
         if not found or any(second <= first for first, second in pairwise(found)):
-            raise EntryError(f"expected a frequency or a list of frequencies that rises, {got(raw)}")
+            raise EntryError(f"expected a frequency or a list of frequencies that rises, {got(raw)}", kind="wrong-form")
         return found
 
     def plain(self, value: Any) -> Json:
@@ -87,15 +87,18 @@ class ResponseQuantity(TransferQuantity):
 
     def contradictions(self) -> list[Fault]:
         if (self.at is None) == (self.band is None):
-            return [Fault("a response is asked for at: a frequency, or as a curve over a band:", on_key=True)]
+            text = "a response is asked for at: a frequency, or as a curve over a band:"
+            return [Fault(text, on_key=True, kind="missing-entry" if self.band is None else "contradicting-entries")]
         if self.band is None:
             return [
-                Fault(f"{name} belongs to a band, not to single frequencies", (name,), on_key=True)
+                Fault(
+                    f"{name} belongs to a band, not to single frequencies", (name,), on_key=True, kind="needless-entry"
+                )
                 for name in ("points", "spacing")
                 if getattr(self, name) is not None
             ]
         if self.spacing == "log" and self.band[0] == 0:
-            return [Fault("a band from 0 Hz has no points by equal factors", ("spacing",))]
+            return [Fault("a band from 0 Hz has no points by equal factors", ("spacing",), kind="contradicting-values")]
         return []
 
     @property

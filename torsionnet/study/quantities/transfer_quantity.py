@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
@@ -64,11 +64,11 @@ class TransferQuantity(StudyQuantity):
 
 
 def usage_faults(ask: Callable[[], object], *path: str) -> Iterator[Fault]:
-    """Yield a fault with the message of the UsageError that a call raises, if it raises one."""
+    """Yield a fault of the UsageError that a call raises, if it raises one."""
     try:
         ask()
     except UsageError as error:
-        yield Fault(str(error), path)
+        yield replace(error.fault, path=path)
 
 
 # Base class of quantities of a study over the speeds of the machinery.
@@ -114,7 +114,7 @@ class SpeedQuantity(StudyQuantity):
     def empty_range_faults(self, model: Drivetrain) -> Iterator[Fault]:
         """Yield a fault where none of the model's speeds lies in the range of the quantity."""
         if model.definition.speeds is not None and not len(self.at(model)):
-            yield Fault("none of the model's speeds lies in this range", ("speeds",))
+            yield Fault("none of the model's speeds lies in this range", ("speeds",), kind="out-of-range")
 
 
 def speed_words(speeds: tuple[float, float]) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -12,7 +12,7 @@ from torsionnet.base.entries.composite import Composite, Listed
 from torsionnet.base.entries.declared import nearby_file
 from torsionnet.base.entries.scalars import SCALAR_SCHEMA, Value
 from torsionnet.base.entries.spec import EntryError, Json, OneOf, Schema, Text, entry, not_none
-from torsionnet.base.errors import Fault, TorsionnetError, UsageError, got, remedy
+from torsionnet.base.errors import Fault, TorsionnetError, UsageError, fault_of, got, remedy
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.identification.plan.fit_entries import READING, FileReading
 from torsionnet.linear.assembly.rows import FloatArray
@@ -52,7 +52,7 @@ class TorqueHistoryEntry(Composite[TorqueHistory]):
         if isinstance(raw, Mapping) and set(raw) == {"rate", "values"}:
             return self._listed(raw)
         if not isinstance(raw, Mapping) or set(raw) - {"reading"} != {"file", "channel"}:
-            return None, [Fault(f"expected {HISTORY_FORM}, {got(raw)}")]
+            return None, [Fault(f"expected {HISTORY_FORM}, {got(raw)}", kind="wrong-form")]
         reading, wrong = READING.read(raw["reading"]) if "reading" in raw else (None, [])
         if wrong:
             return None, [fault.under("reading") for fault in wrong]
@@ -61,13 +61,13 @@ class TorqueHistoryEntry(Composite[TorqueHistory]):
         except EntryError as error:
             return None, [fault.under("file") for fault in error.faults]
         except TorsionnetError as error:
-            return None, [Fault(str(error), ("channel",))]
+            return None, [replace(fault_of(error, error.kind), path=("channel",))]
 
     def _listed(self, raw: Mapping[str, Any]) -> tuple[TorqueHistory | None, list[Fault]]:
         (rate, wrong), (values, others) = _RATE.read(raw["rate"]), _VALUES.read(raw["values"])
         faults = [fault.under("rate") for fault in wrong] + [fault.under("values") for fault in others]
         if not faults and len(values) < 2:
-            faults = [Fault("a torque over time has two samples or more", ("values",))]
+            faults = [Fault("a torque over time has two samples or more", ("values",), kind="too-short")]
         return (None if faults else TorqueHistory(not_none(rate), values)), faults
 
     def plain(self, value: Any) -> Json:
@@ -93,11 +93,15 @@ def _recorded(file: str, channel: str, reading: FileReading | None) -> TorqueHis
     record = read_even(nearby_file(file), names=[channel], **(reading or FileReading()).arguments)
     signal = record[channel]
     if signal.quantity != "torque":
-        raise EntryError(f'"{channel}" of {file} is no torque, but {signal.quantity or "of unknown quantity"}')
+        raise EntryError(
+            f'"{channel}" of {file} is no torque, but {signal.quantity or "of unknown quantity"}', kind="wrong-unit"
+        )
     if record.times is not None:
-        raise EntryError(f"{file} was not sampled at even steps; {remedy('resample=True')} makes them even")
+        raise EntryError(
+            f"{file} was not sampled at even steps; {remedy('resample=True')} makes them even", kind="uneven-samples"
+        )
     if not np.isfinite(signal.values).all() or len(signal.values) < 2:
-        raise EntryError(f'"{channel}" of {file} has gaps, or less than two samples')
+        raise EntryError(f'"{channel}" of {file} has gaps, or less than two samples', kind="missing-data")
     return TorqueHistory(record.sampling_rate, tuple(signal.values.tolist()))
 
 
@@ -171,10 +175,14 @@ class TransientPeak(StudyQuantity):
 
     def contradictions(self) -> list[Fault]:
         if (self.torque is None) == (self.history is None):
-            return [Fault("what comes is either a torque with its duration, or a history", on_key=True)]
+            kind = "missing-entry" if self.history is None else "contradicting-entries"
+            return [Fault("what comes is either a torque with its duration, or a history", on_key=True, kind=kind)]
         if self.history is not None:
             given = [name for name in ("shape", "rise", "duration", "rate") if getattr(self, name) is not None]
-            return [Fault(f"the history determines {name}; leave it out", (name,), on_key=True) for name in given]
+            return [
+                Fault(f"the history determines {name}; leave it out", (name,), on_key=True, kind="needless-entry")
+                for name in given
+            ]
         faults = []
         if self.duration is None:
             faults.append(
@@ -183,11 +191,22 @@ class TransientPeak(StudyQuantity):
                 )
             )
         if self.torque == 0:
-            faults.append(Fault("a torque of 0 moves nothing; give its size, as 500 N*m", ("torque",)))
+            faults.append(
+                Fault("a torque of 0 moves nothing; give its size, as 500 N*m", ("torque",), kind="out-of-range")
+            )
         if self.shape in (None, STEP) and self.rise is not None:
-            faults.append(Fault("a step has no rise; leave it out, or choose another shape", ("rise",), on_key=True))
+            faults.append(
+                Fault(
+                    "a step has no rise; leave it out, or choose another shape",
+                    ("rise",),
+                    on_key=True,
+                    kind="needless-entry",
+                )
+            )
         if self.shape not in (None, STEP) and self.rise is None:
-            faults.append(Fault(f"a {str(self.shape).replace('_', ' ')} needs its rise", on_key=True))
+            faults.append(
+                Fault(f"a {str(self.shape).replace('_', ' ')} needs its rise", on_key=True, kind="missing-entry")
+            )
         return faults
 
     def model_faults(self, model: Drivetrain, quantities: Mapping[str, StudyQuantity]) -> Iterator[Fault]:
@@ -237,7 +256,7 @@ class TransientPeak(StudyQuantity):
         )
         if rate * duration > MOST_SAMPLES:
             text = f"{duration:g} s at {rate:g} Hz are more than {MOST_SAMPLES} samples"
-            raise UsageError(f"{text}; give a lower rate or a shorter duration")
+            raise UsageError(f"{text}; give a lower rate or a shorter duration", kind="too-large")
         return rate
 
 

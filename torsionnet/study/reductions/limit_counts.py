@@ -139,7 +139,8 @@ class LimitTotals:
         if others:
             raise UsageError(
                 f"{', '.join(others)}: variants were counted by other limits as they were calculated, and of so many "
-                "the values are not kept; calculate the study anew with these limits"
+                "the values are not kept; calculate the study anew with these limits",
+                kind="unlike-results",
             )
 
     def _places(self, names: Sequence[str]) -> list[int]:

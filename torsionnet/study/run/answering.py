@@ -55,11 +55,16 @@ class Workers:
 
     def __post_init__(self) -> None:
         if self.processes < 1:
-            raise UsageError("a study needs one worker at least")
+            raise UsageError("a study needs one worker at least", kind="out-of-range")
         if os.name == "nt" and self.processes > MOST_ON_WINDOWS:
-            raise UsageError(f"Windows lets a program wait for {MOST_ON_WINDOWS} processes at most; give fewer workers")
+            raise UsageError(
+                f"Windows lets a program wait for {MOST_ON_WINDOWS} processes at most; give fewer workers",
+                kind="too-large",
+            )
         if self.processes > 1 and self.cluster:
-            raise UsageError("workers are processes or those of a cluster: give one of them")
+            raise UsageError(
+                "workers are processes or those of a cluster: give one of them", kind="contradicting-entries"
+            )
 
     @contextmanager
     def executor(self, folder: Path | None) -> Iterator[Executor]:
@@ -80,7 +85,9 @@ class Workers:
         from torsionnet.study.run.cluster.dask_executor import DaskExecutor, connected
 
         if folder is None:
-            raise UsageError("a study on a cluster needs a folder that all its workers see: -o FOLDER")
+            raise UsageError(
+                "a study on a cluster needs a folder that all its workers see: -o FOLDER", kind="missing-entry"
+            )
         with connected(self.cluster) as client:
             if self.announce is not None:
                 self.announce(str(client.dashboard_link))
@@ -198,7 +205,7 @@ def answer_study(
     place = None if folder is None else Path(folder)
     unanswered = [name for name, one in study.answers.items() if one.of_variants]
     if not study.count and unanswered:
-        raise UsageError(f"{', '.join(unanswered)}: {no_variants(study.space)}")
+        raise UsageError(f"{', '.join(unanswered)}: {no_variants(study.space)}", kind="nothing-varies")
     with (workers or Workers()).executor(place) as executor:
         result = None
         if study.count or not study.answers:

@@ -45,7 +45,9 @@ class PackedWork:
             return cls(pickle.dumps(work))
         except (pickle.PicklingError, AttributeError, TypeError) as error:
             text = "define functions of quantities at the top level of a module, or run it in one process"
-            raise UsageError(f"the study cannot be handed to other processes ({error}); {text}") from None
+            raise UsageError(
+                f"the study cannot be handed to other processes ({error}); {text}", kind="wrong-form"
+            ) from None
 
     def __call__(self, part: Any) -> Any:
         return _unpacked(self.data)(part)
@@ -159,7 +161,8 @@ class ProcessExecutor:
             raise SolveError(
                 f"{count} processes died while {part_name(part)} was in hand; see whether memory was short, and try "
                 "with fewer workers; a script starts a study under if __name__ == '__main__':, as its processes read "
-                "it too. What was calculated is kept: the study goes on from there when it is run again"
+                "it too. What was calculated is kept: the study goes on from there when it is run again",
+                kind="failed-program",
             )
 
     def _submitted(self, packed: PackedWork, part: S) -> Future[Any]:

@@ -93,7 +93,8 @@ class Workload:
             raise UsageError(
                 f"the study has {self.count:.4g} variants, about {shown_time(self.total)} on one core; vary fewer "
                 "parameters in ranges and lists, draw samples instead (sampling: {method: sobol, count: 10000}), or "
-                "let it take that long (--yes; longest= in Python)"
+                "let it take that long (--yes; longest= in Python)",
+                kind="too-large",
             )
 
 
@@ -187,13 +188,15 @@ def run_study(
         The folder cannot be written any more; what is in it stays valid.
     """
     if not study.count:
-        raise UsageError(no_variants(study.space))
+        raise UsageError(no_variants(study.space), kind="nothing-varies")
     workload = Workload.of(study)
     workload.require_shorter_than(longest)
     announce(workload)
     every = kept_every(study)
     if every > 1 and len(study.limits) > MOST_LIMITS:
-        raise UsageError(f"a study of so many variants has at most {MOST_LIMITS} limits, not {len(study.limits)}")
+        raise UsageError(
+            f"a study of so many variants has at most {MOST_LIMITS} limits, not {len(study.limits)}", kind="too-large"
+        )
     chunks = Chunks(len(study.configurations), study.space.count, workload.chunk_size)
     executor = executor or SerialExecutor()
     if folder is None:
@@ -230,7 +233,8 @@ def _stored(place: StudyFolder, work: ChunkWork) -> Callable[[int], ChunkValues]
         if found is None:
             raise SolveError(
                 f"chunk {number} in {place.path} cannot be read back after it was written; "
-                "check the disk, or choose another folder, and run it again"
+                "check the disk, or choose another folder, and run it again",
+                kind="unreadable-file",
             )
         return found
 

@@ -137,12 +137,16 @@ class StudyFolder:
         try:
             (self.path / CHUNKS).mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            raise UsageError(f"{self.path} cannot be a folder of results: {error.strerror}") from None
+            raise UsageError(
+                f"{self.path} cannot be a folder of results: {error.strerror}", kind="unusable-place"
+            ) from None
         file = self.path / RECORD
         if not file.exists():
             if any(any((self.path / part).glob("*.*")) for part in (CHUNKS, ANSWERS)):
                 text = f"{self.path} holds results but no {RECORD}, which says what study they are of"
-                raise UsageError(f"{text}; choose another folder, or put a copy of {RECORD} back")
+                raise UsageError(
+                    f"{text}; choose another folder, or put a copy of {RECORD} back", kind="unusable-place"
+                )
             write_text(file, record_text(record))
             return
         kept, wanted = self.record(), json.loads(record_text(record))
@@ -154,7 +158,8 @@ class StudyFolder:
         if differing:
             raise UsageError(
                 f"{self.path} holds results of something else; " + "; ".join(differing) + ". "
-                "Nothing in it was changed: choose another folder, or go back to what it was calculated with"
+                "Nothing in it was changed: choose another folder, or go back to what it was calculated with",
+                kind="unusable-place",
             )
 
     def _is_complete(self, record: dict[str, Any]) -> bool:
@@ -171,7 +176,8 @@ class StudyFolder:
         except (OSError, ValueError) as error:
             raise UsageError(
                 f"{self.path / RECORD} cannot be read: {error}. Nothing else says which study the results beside "
-                "it are of; choose another folder, or put a copy of it back"
+                "it are of; choose another folder, or put a copy of it back",
+                kind="unreadable-file",
             ) from None
         return found
 
@@ -202,7 +208,8 @@ def writing(folder: Path) -> Iterator[None]:
         full = error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
         why = "the disk is full" if full else f"it cannot be written: {error.strerror or error}"
         raise SolveError(
-            f"{folder}: {why}; the chunks in it are whole, and the study goes on from there when it is run again"
+            f"{folder}: {why}; the chunks in it are whole, and the study goes on from there when it is run again",
+            kind="unusable-place",
         ) from error
 
 
@@ -244,7 +251,7 @@ def _take(file: Path, own: dict[str, Any]) -> None:
                 _remove_if_dead(file)
             else:
                 return
-        raise UsageError(f"another run uses {file.parent}; wait for it, or end it")
+        raise UsageError(f"another run uses {file.parent}; wait for it, or end it", kind="unusable-place")
     finally:
         beside.unlink()
 
@@ -270,14 +277,15 @@ def _remove_if_dead(file: Path) -> None:
         host, process, began = platform.node(), 0, None
     if host != platform.node():
         raise UsageError(
-            f"a run on {host} (process {process}) uses {file.parent}; if it is not running any more, remove {file}"
+            f"a run on {host} (process {process}) uses {file.parent}; if it is not running any more, remove {file}",
+            kind="unusable-place",
         )
     if process and _is_alive(process, began):
         # Without its start time the number may be that of another program.
         remedy = (
             "wait for it, or end it" if began else f"wait for it, end it, or, if it is another program, remove {file}"
         )
-        raise UsageError(f"process {process} is running this study in {file.parent}; {remedy}")
+        raise UsageError(f"process {process} is running this study in {file.parent}; {remedy}", kind="unusable-place")
     aside = file.with_name(f".{uuid.uuid4().hex}")
     with suppress(FileNotFoundError):  # by name first, so that of two who find it dead only one removes it
         file.rename(aside)

@@ -42,9 +42,9 @@ class Correlation(Declared):
     def contradictions(self) -> list[Fault]:
         faults = []
         if len(self.between) < 2:
-            faults.append(Fault("a correlation is between two parameters or more", ("between",)))
+            faults.append(Fault("a correlation is between two parameters or more", ("between",), kind="wrong-count"))
         faults += [
-            Fault(f"{name} stands twice", ("between", index))
+            Fault(f"{name} stands twice", ("between", index), kind="repeated-name")
             for index, name in enumerate(self.between)
             if name in self.between[:index]
         ]
@@ -52,7 +52,7 @@ class Correlation(Declared):
             text = f"a correlation lies between -1 and 1, got {self.coefficient:g}"
             if abs(self.coefficient) == 1:
                 text = f"{text}; what follows another parameter exactly is an expression of that in the model"
-            faults.append(Fault(text, ("coefficient",)))
+            faults.append(Fault(text, ("coefficient",), kind="out-of-range"))
         return faults
 
     @property
@@ -72,14 +72,14 @@ def name_faults(correlations: Sequence[Correlation], random: Sequence[str], grid
                 text = (
                     f"{name} takes the values of a list or range one after the other, and can be correlated with none"
                 )
-                faults.append(Fault(f"{text}; give it a distribution", path))
+                faults.append(Fault(f"{text}; give it a distribution", path, kind="contradicting-entries"))
             elif name not in random:
                 rest = f"with a distribution there is {', '.join(random) or 'none'}"
                 faults.append(unknown_name("varied parameter", name, random, path, rest=rest))
         for pair in map(frozenset, one.pairs):
             if pair in seen:
                 text = f"the correlation of {' and '.join(sorted(pair))} is given twice"
-                faults.append(Fault(text, (index, "between")))
+                faults.append(Fault(text, (index, "between"), kind="contradicting-entries"))
             seen[pair] = index
     return faults
 
@@ -175,7 +175,7 @@ def normal_correlation(
         given[at] = given[at[::-1]] = coefficient
         if not low < coefficient < high:
             text = f"{first} and {second} can only be correlated from {low:.3f} to {high:.3f} with their distributions"
-            faults.append(Fault(f"{text}, got {coefficient:g}", (index, "coefficient")))
+            faults.append(Fault(f"{text}, got {coefficient:g}", (index, "coefficient"), kind="out-of-range"))
             continue
         # Nataf: the normal variables take the correlation with which the values have the given one.
         matrix[at] = matrix[at[::-1]] = pair.of_normals(coefficient)
@@ -221,10 +221,12 @@ def _contradiction(pairs: Sequence[Pair], group: Sequence[str], matrix: FloatArr
             repairs.append((min(abs(end - matrix[at]) for end in span), pair, span))
     if not repairs:
         index = next(index for index, *pair in pairs if set(pair) <= set(involved))
-        return Fault(f"{text}, and no change of a single one would do", (index, "coefficient"))
+        return Fault(
+            f"{text}, and no change of a single one would do", (index, "coefficient"), kind="contradicting-values"
+        )
     _, (index, first, second), (low, high) = min(repairs)
     text = f"{text}; with the others as they are, {first} and {second} can be correlated from {low:.3f} to {high:.3f}"
-    return Fault(text, (index, "coefficient"))
+    return Fault(text, (index, "coefficient"), kind="contradicting-values")
 
 
 def _least(matrix: FloatArray) -> float:

@@ -235,7 +235,7 @@ class Samples(Declared):
     def contradictions(self) -> list[Fault]:
         if self.method == SOBOL and self.count > 2**COORDINATE_BITS:
             text = f"a Sobol sequence has at most {2**COORDINATE_BITS} points; take method: {RANDOM} or {LATIN}"
-            return [Fault(text, ("count",))]
+            return [Fault(text, ("count",), kind="too-large")]
         return []
 
     def points(self, names: tuple[str, ...]) -> UnitPoints:
@@ -252,5 +252,8 @@ class Samples(Declared):
             return None
         near = 2 ** round(log2(self.count))
         return Fault(
-            f"a Sobol sequence is even only at powers of two; {near} draws serve better", ("count",), "warning"
+            f"a Sobol sequence is even only at powers of two; {near} draws serve better",
+            ("count",),
+            "warning",
+            kind="wrong-count",
         )

@@ -123,7 +123,7 @@ def _impossible(
         ends = (axes[name].low, axes[name].high)
         reasons = {value: reason for value in ends if (reason := spec.bound_fault(value))}
         for value, reason in reasons.items():
-            yield Fault(f"{name} would be {value:g}: {spec.description} {reason}")
+            yield Fault(f"{name} would be {value:g}: {spec.description} {reason}", kind="out-of-range")
         passes = spec.nonzero and not reasons and ends[0] < 0 < ends[1]
     else:
         if spec.lower is not None:
@@ -132,7 +132,10 @@ def _impossible(
         sides = float(marginals[name].cdf(0.0)), float(marginals[name].sf(0.0))
         passes = spec.nonzero and min(sides) > NEGLIGIBLE_SHARE
     if passes:
-        yield Fault(f"{name} would pass through 0: {spec.description} must not be zero; keep it on one side")
+        yield Fault(
+            f"{name} would pass through 0: {spec.description} must not be zero; keep it on one side",
+            kind="out-of-range",
+        )
 
 
 def _outside(
@@ -144,7 +147,7 @@ def _outside(
         return
     ends = dict.fromkeys(value for value in (axes[name].low, axes[name].high) if not bounds[0] <= value <= bounds[1])
     if ends:
-        yield Fault(f"{name} would be {' and '.join(f'{value:g}' for value in ends)}; {text}")
+        yield Fault(f"{name} would be {' and '.join(f'{value:g}' for value in ends)}; {text}", kind="out-of-range")
 
 
 def _tails(name: str, marginal: Marginal, lower: float, upper: float, what: str) -> Iterator[Fault]:
@@ -153,7 +156,7 @@ def _tails(name: str, marginal: Marginal, lower: float, upper: float, what: str)
     for share, side, limit, key in tails:
         if share > NEGLIGIBLE_SHARE:
             text = f"{100 * float(share):.2g} % of {name} would be {side} {limit:g} ({what})"
-            yield Fault(f"{text}; give {key}: {limit:g} to truncate")
+            yield Fault(f"{text}; give {key}: {limit:g} to truncate", kind="out-of-range")
 
 
 @dataclass(frozen=True, eq=False)
@@ -223,7 +226,7 @@ def _no_entry(element: Element, key: str, path: EntryPath) -> Fault:
     varying = [name for name, spec in element.specs() if isinstance(spec, QuantityKind)]
     if key in varying:
         text = f"{element.name} has no {key} in the model; give it a value there, then it can vary"
-        return Fault(text, path, on_key=True)
+        return Fault(text, path, on_key=True, kind="missing-entry")
     return unknown_name(f"value of {element.name}", key, varying, path, on_key=True)
 
 
@@ -234,7 +237,7 @@ def _sampling_faults(vary: Mapping[str, Variation], sampling: Samples | None) ->
     faults = [] if remark is None else [remark]
     if not any(one.is_random for one in vary.values()):
         text = "nothing is drawn: all parameters take the values of a list or range; leave sampling out"
-        faults.append(Fault(text, on_key=True))
+        faults.append(Fault(text, on_key=True, kind="needless-entry"))
     return faults
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from torsionnet.app.cli.command import TABLE, Answer, Command
-from torsionnet.app.cli.options import SETTINGS, EntryOption, argument, file_option, option
+from torsionnet.app.cli.options import SETTINGS, EntryOption, WrongUsage, argument, file_option, option
 from torsionnet.app.cli.pulse_options import PulseOptions
 from torsionnet.app.cli.record_options import RecordSpan
 from torsionnet.base.errors import UsageError
@@ -113,15 +113,22 @@ class CalibrateWheelCommand(Command):
 
     def _refuse_contradictions(self) -> None:
         if (self.second_pickup is None) != (self.between is None):
-            raise click.UsageError("--second-pickup and --pickup-angle go together: the second pickup and where it is")
+            raise WrongUsage(
+                "--second-pickup and --pickup-angle go together: the second pickup and where it is",
+                kind="missing-entry",
+            )
         if self.reading.pattern:
-            raise click.UsageError("a calibration finds the pitch pattern from the pulses alone: leave --pattern out")
+            raise WrongUsage(
+                "a calibration finds the pitch pattern from the pulses alone: leave --pattern out",
+                kind="needless-entry",
+            )
         if self.model and not (self.node and self.zero is not None):
-            raise click.UsageError(
-                "--model needs --node, where the wheel is, and --zero, the crank angle when its tooth 0 passes"
+            raise WrongUsage(
+                "--model needs --node, where the wheel is, and --zero, the crank angle when its tooth 0 passes",
+                kind="missing-entry",
             )
         if not self.model and (self.node or self.zero is not None or self.configuration or self.settings):
-            raise click.UsageError("--node, --zero, -c and --set belong to a --model")
+            raise WrongUsage("--node, --zero, -c and --set belong to a --model", kind="needless-entry")
 
     def _wheel(self) -> tuple[str, WheelChannel, dict[str, PulseReading]]:
         """Channel of the wheel that is calibrated, the wheel, and how other channels of its pulses are read."""

@@ -5,10 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-import click
-
 from torsionnet.app.cli.command import TABLE, Answer, Command
-from torsionnet.app.cli.options import argument, file_option, option
+from torsionnet.app.cli.options import WrongUsage, argument, file_option, option
 from torsionnet.app.cli.pulse_options import PulseOptions
 
 if TYPE_CHECKING:
@@ -60,10 +58,14 @@ class ClocksCommand(Command):
 
         wheels = self.reading.wheels()
         if (self.channel is None) == (len(wheels) != 1):
-            raise click.UsageError("name what both recorded: --channel of a signal, or --pulses of one wheel")
+            raise WrongUsage(
+                "name what both recorded: --channel of a signal, or --pulses of one wheel", kind="missing-entry"
+            )
         if self.channel is not None:
             if self.same_start:
-                raise click.UsageError("--same-start belongs to --pulses: a signal tells the offset by itself")
+                raise WrongUsage(
+                    "--same-start belongs to --pulses: a signal tells the offset by itself", kind="needless-entry"
+                )
             first, second = (self._signal(path, self.channel) for path in (self.record, self.other))
             theirs = read_recording(self.other, **self.reading.arguments)
             return replace(signal_clocks(first, second, self.channel), found_from=self.channel), theirs

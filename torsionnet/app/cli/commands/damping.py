@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from torsionnet.app.cli.command import TABLE, Answer, separated_by_lines
-from torsionnet.app.cli.options import EntryOption, FiniteFloat, band_option, option
+from torsionnet.app.cli.options import EntryOption, FiniteFloat, WrongUsage, band_option, option
 from torsionnet.app.cli.pulse_options import NamedWheel, PulseOptions
 from torsionnet.app.cli.record_options import RecordCommand
 from torsionnet.app.cli.terminal import print_warnings
@@ -110,7 +110,7 @@ class DampingCommand(RecordCommand):
         if self.kind == "ambient" and self.up_to is None:
             faults.append("give the highest frequency of interest, --up-to, in Hz")
         if faults:
-            raise click.UsageError("; ".join(faults))
+            raise WrongUsage("; ".join(faults), kind="missing-entry")
 
     def _found(self) -> OperationalModes:
         from torsionnet.modal import modes_from_ambient, modes_from_decay, modes_from_run_up
@@ -130,7 +130,7 @@ class DampingCommand(RecordCommand):
             )
         if (self.speed_channel is None) == (self.angle_channel is None):
             text = "the frequency of an order needs the speed of the shaft: give --speed-channel or --angle-channel"
-            raise click.UsageError(text)
+            raise WrongUsage(text, kind="missing-entry")
         return modes_from_run_up(
             record,
             self.channels[0],
@@ -149,7 +149,7 @@ class DampingCommand(RecordCommand):
 
         orders = self.orders or ()
         if len(orders) > 1:
-            raise click.UsageError("a tracked order is read alone: give one of --orders")
+            raise WrongUsage("a tracked order is read alone: give one of --orders", kind="wrong-count")
         tracked = {one.name: one for one in read_tracked_orders(self.record)}
         name = self.channels[0]
         if name not in tracked:
@@ -178,7 +178,7 @@ class DampingCommand(RecordCommand):
         unused = [name for name in wheels if name not in names]
         if unused and not self.reading.wheels_file:
             text = f"--pulses {unused[0]}: no --angle-channel, --speed-channel or --channel names this wheel"
-            raise click.UsageError(text)
+            raise WrongUsage(text, kind="unknown-channel")
         if used := {name: wheel for name, wheel in wheels.items() if name in names}:
             return self._turning(used, [name for name in names if name not in used])
         with progress("reading", None) as advance:

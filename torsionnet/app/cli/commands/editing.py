@@ -10,7 +10,7 @@ import click
 
 from torsionnet.app.cli.cases import ModelCommand
 from torsionnet.app.cli.command import Answer, Command
-from torsionnet.app.cli.options import STANDARD_INPUT, argument, band_option, option, standard_input_text
+from torsionnet.app.cli.options import STANDARD_INPUT, WrongUsage, argument, band_option, option, standard_input_text
 from torsionnet.app.cli.terminal import message, print_faults, print_line
 
 if TYPE_CHECKING:
@@ -74,7 +74,9 @@ class ExploreCommand(ModelCommand):
         self.require_one("the page begins with one configuration: name one with -c; all of them are tabs of the page")
         if self.band and not 0 < self.band[0] < self.band[1] <= HIGHEST_FREQUENCY:
             given = f"{self.band[0]:g} {self.band[1]:g}"
-            raise click.UsageError(f"--band needs 0 < LOW < HIGH <= {HIGHEST_FREQUENCY:g} Hz, got {given}")
+            raise WrongUsage(
+                f"--band needs 0 < LOW < HIGH <= {HIGHEST_FREQUENCY:g} Hz, got {given}", kind="unordered-rows"
+            )
         from torsionnet.app.explore import ExploreServer, open_documents
         from torsionnet.app.explore.session import read_pair
 

@@ -13,7 +13,7 @@ import click
 
 from torsionnet.app.cli.cases import ConfiguredCase, ModelCommand
 from torsionnet.app.cli.command import JSON, Answer
-from torsionnet.app.cli.options import SIMPLIFY, EntryOption, band_option, option
+from torsionnet.app.cli.options import SIMPLIFY, EntryOption, WrongUsage, band_option, option
 from torsionnet.app.cli.output import (
     ConfiguredMotion,
     TransferFunctionRecord,
@@ -70,13 +70,18 @@ class EquationsCommand(ModelCommand):
     def _refuse_what_would_be_ignored(self) -> None:
         for name, given in (("--form", self.form), ("--simplify", self.simplify)):
             if given is not None and not self.pairs:
-                raise click.UsageError(f"{name} is about a transfer function; say which by --tf OUTPUT/INPUT")
+                raise WrongUsage(
+                    f"{name} is about a transfer function; say which by --tf OUTPUT/INPUT", kind="missing-entry"
+                )
         if self.band is not None and self.simplify is None:
-            raise click.UsageError(
-                "--band has no effect without --simplify; write --simplify 1% --band 0.5 20, or leave it out"
+            raise WrongUsage(
+                "--band has no effect without --simplify; write --simplify 1% --band 0.5 20, or leave it out",
+                kind="needless-entry",
             )
         if self.latex and self.form == "python":
-            raise click.UsageError("--latex and --form python are two ways of writing; choose one")
+            raise WrongUsage(
+                "--latex and --form python are two ways of writing; choose one", kind="contradicting-entries"
+            )
 
     def _parts(self, cases: list[ConfiguredCase]) -> Iterator[str]:
         for number, case in enumerate(cases):

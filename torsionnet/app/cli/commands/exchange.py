@@ -10,7 +10,7 @@ import click
 
 from torsionnet.app.cli.cases import ModelCommand
 from torsionnet.app.cli.command import Answer, Command, result_path, text_answer
-from torsionnet.app.cli.options import argument, file_option, option
+from torsionnet.app.cli.options import WrongUsage, argument, file_option, option
 from torsionnet.app.cli.terminal import message, print_file_written
 from torsionnet.base.errors import UsageError
 
@@ -78,7 +78,9 @@ class ExportCommand(ModelCommand):
         for name in more:
             word, form, what = FORMAT_OPTIONS[name]
             if form != chosen:
-                raise click.UsageError(f"{word} applies only to {what}: leave it out, or choose that format")
+                raise WrongUsage(
+                    f"{word} applies only to {what}: leave it out, or choose that format", kind="needless-entry"
+                )
         cases = self.cases()
         import torsionnet.io as io
         from torsionnet.io.export_losses import export_losses
@@ -133,9 +135,14 @@ class ExportCommand(ModelCommand):
 def _format(ending: str, form: str | None) -> str:
     usual = FORMATS.get(ending)
     if form is None and usual is None:
-        raise click.UsageError(f'"{ending}" tells no format; end the file in {", ".join(FORMATS)}, or give --format')
+        raise WrongUsage(
+            f'"{ending}" tells no format; end the file in {", ".join(FORMATS)}, or give --format', kind="unknown-word"
+        )
     if form and usual and form != usual:
-        raise click.UsageError(f"a file ending in {ending} is of the format {usual}, not {form}; change one of the two")
+        raise WrongUsage(
+            f"a file ending in {ending} is of the format {usual}, not {form}; change one of the two",
+            kind="contradicting-entries",
+        )
     return form or str(usual)
 
 
@@ -175,7 +182,9 @@ class ImportCommand(Command):
             return text_answer(_of_sheet(self.source, said).to_yaml(), self.output_file)
         for name, value in (("--values", self.values), ("--factors", self.factors)):
             if value is not None:
-                raise click.UsageError(f"{name} applies only to a mass-elastic sheet ({', '.join(SHEETS)})")
+                raise WrongUsage(
+                    f"{name} applies only to a mass-elastic sheet ({', '.join(SHEETS)})", kind="needless-entry"
+                )
         from torsionnet.io.tors_reading import read_tors
 
         return text_answer(read_tors(self.source).to_yaml(), self.output_file)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from torsionnet.app.cli.command import TABLE, Answer, separated_by_lines
-from torsionnet.app.cli.options import option
+from torsionnet.app.cli.options import WrongUsage, option
 from torsionnet.app.cli.record_options import EstimateArguments
 from torsionnet.app.cli.terminal import print_warnings
 
@@ -48,8 +48,9 @@ class IdentifyModesCommand(EstimateArguments):
         from torsionnet.app.cli.commands.estimate import estimate_record
 
         if self.output.plot_file and self.method == "peaks":
-            raise click.UsageError(
-                "peak picking has no stabilisation diagram; leave --plot out, or choose another --method"
+            raise WrongUsage(
+                "peak picking has no stabilisation diagram; leave --plot out, or choose another --method",
+                kind="needless-entry",
             )
         response = estimate_record(
             self.record,

@@ -10,7 +10,7 @@ import click
 
 from torsionnet.app.cli.cases import ConfiguredCase, ModelCommand
 from torsionnet.app.cli.command import TABLE, Answer, separated_by_lines
-from torsionnet.app.cli.options import ANGLE, NONLINEAR, FiniteFloat, PairType, band_option, option
+from torsionnet.app.cli.options import ANGLE, NONLINEAR, FiniteFloat, PairType, band_option, option, refuse
 
 if TYPE_CHECKING:
     from torsionnet.base.conventions import Conventions
@@ -151,7 +151,9 @@ class BoundedParameter(PairType):
         name, equals, written = (part.strip() for part in value.partition("="))
         low, dots, high = (part.strip() for part in written.partition(".."))
         if not name or (equals and not (low and dots and high)):
-            self.fail(f'expected {self.name}, as in "c_dmp=10..90 kN*m*s/rad", got "{value}"', param, ctx)
+            refuse(
+                f'expected {self.name}, as in "c_dmp=10..90 kN*m*s/rad", got "{value}"', param, ctx, kind="wrong-form"
+            )
         if not equals:
             return name, None
         unit = high.partition(" ")[2]

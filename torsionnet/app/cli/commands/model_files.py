@@ -14,7 +14,7 @@ import click
 
 from torsionnet.app.cli.cases import ConfiguredCase, ModelCommand
 from torsionnet.app.cli.command import JSON, TABLE, Answer, Command, separated_by_lines, text_answer
-from torsionnet.app.cli.options import STANDARD_INPUT, OutputFile, argument, checked_model, option
+from torsionnet.app.cli.options import STANDARD_INPUT, OutputFile, WrongUsage, argument, checked_model, option, refuse
 from torsionnet.app.cli.terminal import message, print_line
 from torsionnet.base.errors import Fault, UsageError, in_brackets, readable_text
 from torsionnet.base.result_rows import Out
@@ -96,7 +96,12 @@ class NewFile(OutputFile):
             return value
         path = super().convert(value, param, ctx)
         if os.path.lexists(path):
-            self.fail(f'"{path}" exists already and is not overwritten; name another file by -o FILE', param, ctx)
+            refuse(
+                f'"{path}" exists already and is not overwritten; name another file by -o FILE',
+                param,
+                ctx,
+                kind="unusable-place",
+            )
         return path
 
 
@@ -133,7 +138,7 @@ class NewCommand(Command):
             from torsionnet.base.errors import did_you_mean
 
             hint = did_you_mean(self.kind, KINDS) or f"; there are {', '.join(KINDS)}"
-            raise click.UsageError(f'no kind of starting model is named "{self.kind}"{hint}')
+            raise WrongUsage(f'no kind of starting model is named "{self.kind}"{hint}', kind="unknown-word")
         path, name = _path_and_name(self.kind if self.name is None else self.name, is_path=self.output_file is None)
         file = self.output_file or MODEL_FILE.convert(path, None, None)
         return text_answer(starting_model(self.kind, name), None if file == STDOUT else file)
@@ -154,9 +159,11 @@ def _path_and_name(given: str, *, is_path: bool) -> tuple[str, str]:
     if is_path:
         name = "" if given.endswith(("/", os.sep)) else Path(name).name
     if not name.strip().strip("."):
-        raise click.UsageError(f'"{given}" is no name of a model: give one, as in "torsionnet new ship sagafjord"')
+        raise WrongUsage(
+            f'"{given}" is no name of a model: give one, as in "torsionnet new ship sagafjord"', kind="invalid-name"
+        )
     if name == STDOUT:
-        raise click.UsageError("- is no name of a model: give one, and -o - prints the file")
+        raise WrongUsage("- is no name of a model: give one, and -o - prints the file", kind="invalid-name")
     return path, name.strip()
 
 
@@ -215,9 +222,9 @@ class CheckCommand(Command):
 
         if self.output.as_json:
             text = "--watch prints for a reader; a program calls check --json when it wants to know"
-            raise click.UsageError(f"{text}, or speaks with torsionnet language-server")
+            raise WrongUsage(f"{text}, or speaks with torsionnet language-server", kind="contradicting-entries")
         if STANDARD_INPUT in self.models:
-            raise click.UsageError("standard input does not change; --watch needs files")
+            raise WrongUsage("standard input does not change; --watch needs files", kind="contradicting-entries")
         for model in self.models:
             find_model(model)  # a name that is wrong from the start is told at once
 

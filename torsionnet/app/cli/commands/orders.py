@@ -9,7 +9,7 @@ import click
 
 from torsionnet.app.cli.cases import ConfiguredCase, ModelCommand
 from torsionnet.app.cli.command import TABLE, Answer, separated_by_lines
-from torsionnet.app.cli.options import ANGLE, NONLINEAR, REFERRED_TO, EntryOption, option, referred_outputs
+from torsionnet.app.cli.options import ANGLE, NONLINEAR, REFERRED_TO, EntryOption, WrongUsage, option, referred_outputs
 from torsionnet.base.errors import UsageError
 
 if TYPE_CHECKING:
@@ -288,8 +288,9 @@ class HolzerCommand(ModelCommand):
 
     def answer(self) -> Answer:
         if (self.mode is None) == (self.at is None):
-            raise click.UsageError(
-                "a Holzer table needs a frequency: give a mode, as --mode 1, or --at HZ for a trial frequency"
+            raise WrongUsage(
+                "a Holzer table needs a frequency: give a mode, as --mode 1, or --at HZ for a trial frequency",
+                kind="missing-entry",
             )
         cases = self.cases()
         found = self.each("Holzer table", cases, self._run)

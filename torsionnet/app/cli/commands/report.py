@@ -15,6 +15,7 @@ from torsionnet.app.cli.options import (
     SIMPLIFY,
     STANDARD_INPUT,
     FiniteFloat,
+    WrongUsage,
     band_option,
     file_option,
     load_model,
@@ -199,7 +200,7 @@ def _shown(show: ShowProgress, stage: str) -> Callable[[int, int], None]:
 
 def _band(option: str, band: tuple[float, float] | None) -> tuple[float, float] | None:
     if band and not 0 <= band[0] < band[1] < float("inf"):
-        raise click.UsageError(f"{option} needs 0 <= LOW < HIGH in Hz, got {band[0]:g} {band[1]:g}")
+        raise WrongUsage(f"{option} needs 0 <= LOW < HIGH in Hz, got {band[0]:g} {band[1]:g}", kind="unordered-rows")
     return band
 
 

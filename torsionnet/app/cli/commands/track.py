@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from torsionnet.app.cli.command import TABLE, Answer, Command
-from torsionnet.app.cli.options import ANGLE, EntryOption, PairOption, argument, file_option, option
+from torsionnet.app.cli.options import ANGLE, EntryOption, PairOption, WrongUsage, argument, file_option, option
 from torsionnet.app.cli.pulse_options import NamedWheel, PulseOptions, TeethOption
 from torsionnet.app.cli.record_options import RecordSpan
 from torsionnet.base.errors import UsageError, did_you_mean
@@ -168,17 +168,19 @@ class TrackCommand(Command):
 
     def _refuse_contradictions(self) -> None:
         if self.method == METHODS[0] and (self.bandwidth or self.poles):
-            raise click.UsageError("--bandwidth and --filter-poles belong to --method vold-kalman")
+            raise WrongUsage("--bandwidth and --filter-poles belong to --method vold-kalman", kind="needless-entry")
         if self.method == METHODS[1] and self.cycles:
-            raise click.UsageError("--cycles belongs to --method average")
+            raise WrongUsage("--cycles belongs to --method average", kind="needless-entry")
         if self.cycles and self.step:
-            raise click.UsageError("--cycles and --speed-step both say over what is averaged: leave one out")
+            raise WrongUsage(
+                "--cycles and --speed-step both say over what is averaged: leave one out", kind="contradicting-entries"
+            )
         if (self.further is None) != (self.further_orders is None):
-            raise click.UsageError("--further-shaft and --further-orders go together")
+            raise WrongUsage("--further-shaft and --further-orders go together", kind="missing-entry")
         if self.further and self.method == METHODS[0]:
-            raise click.UsageError("orders of a second shaft need --method vold-kalman")
+            raise WrongUsage("orders of a second shaft need --method vold-kalman", kind="contradicting-entries")
         if self.stiffness and not self.twists:
-            raise click.UsageError("--stiffness belongs to --twist")
+            raise WrongUsage("--stiffness belongs to --twist", kind="needless-entry")
 
     def _method(self) -> CycleAverage | VoldKalman:
         from torsionnet.signals.orders.cycle_average import CycleAverage

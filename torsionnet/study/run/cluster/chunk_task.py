@@ -45,7 +45,7 @@ def scheduler_errors(client: Client) -> Iterator[None]:
     except Exception as error:
         if client.status == "running" and not isinstance(error, CancelledError | CommClosedError | TimeoutError):
             raise
-        raise ClusterError(f"the connection to the scheduler is lost; {KEPT}") from error
+        raise ClusterError(f"the connection to the scheduler is lost; {KEPT}", kind="failed-program") from error
 
 
 @contextmanager
@@ -60,10 +60,11 @@ def worker_errors(parts: Sequence[object]) -> Iterator[None]:
     except KilledWorker as error:
         raise ClusterError(
             f"{error.allowed_failures + 1} workers died, one after the other, on {chunks}, the last of them "
-            f"{error.last_worker.address}; see in their logs whether memory was short; {KEPT}"
+            f"{error.last_worker.address}; see in their logs whether memory was short; {KEPT}",
+            kind="failed-program",
         ) from error
     except MemoryError as error:
-        raise ClusterError(f"a worker's memory does not suffice for {chunks}; {KEPT}") from error
+        raise ClusterError(f"a worker's memory does not suffice for {chunks}; {KEPT}", kind="failed-program") from error
 
 
 def cancel_tasks(client: Client, tasks: Iterable[Future]) -> None:
@@ -208,7 +209,7 @@ def refuse_faults(faults: list[str], remedy: str) -> None:
         shown = "\n".join(faults[:MOST_LISTED_FAULTS])
         if len(faults) > MOST_LISTED_FAULTS:
             shown += f"\n... and {len(faults) - MOST_LISTED_FAULTS} more"
-        raise ClusterError(f"{shown}\n{remedy}; what was calculated before is kept.")
+        raise ClusterError(f"{shown}\n{remedy}; what was calculated before is kept.", kind="failed-program")
 
 
 def _of_process(reported: Mapping[str, Any]) -> Versions:

@@ -156,7 +156,9 @@ class DaskExecutor:
             The scheduler is lost, or workers cannot do the work.
         """
         if getattr(work, "folder", self.folder) is None:
-            raise UsageError("on a cluster a study needs a folder for its results, which all workers share")
+            raise UsageError(
+                "on a cluster a study needs a folder for its results, which all workers share", kind="missing-entry"
+            )
         with scheduler_errors(self.client):
             await_workers(lambda: sum(self.client.nthreads().values()), self.notify)
             needed = self._versions
@@ -252,21 +254,23 @@ def require_scheduler(address: str, patience: float) -> None:
     except (OSError, TimeoutError) as error:
         raise UsageError(
             f"no scheduler answers at {address} within {patience:g} s; see that it runs (dask scheduler), that address "
-            f"and port are those it prints, and that no firewall is between ({_first_line(error)})"
+            f"and port are those it prints, and that no firewall is between ({_first_line(error)})",
+            kind="failed-program",
         ) from None
     except ValueError as error:
         raise UsageError(
-            f"{address} is no address of a scheduler, as tcp://host:8786 is ({_first_line(error)})"
+            f"{address} is no address of a scheduler, as tcp://host:8786 is ({_first_line(error)})", kind="wrong-form"
         ) from None
     except (TypeError, ImportError, MemoryError, AttributeError) as error:
         raise UsageError(
-            f"what answers at {address} is no scheduler of dask, or one of another version ({_first_line(error)})"
+            f"what answers at {address} is no scheduler of dask, or one of another version ({_first_line(error)})",
+            kind="failed-program",
         ) from None
     finally:
         runner.stop()
     if found.get("type") != "Scheduler":
         what = str(found.get("type", "something else")).lower()
-        raise UsageError(f"{address} is the address of a {what}; give that of the scheduler")
+        raise UsageError(f"{address} is the address of a {what}; give that of the scheduler", kind="wrong-form")
 
 
 async def _identity(address: str, patience: float) -> dict[str, Any]:
@@ -312,7 +316,7 @@ def local_workers(count: int | None = None) -> Iterator[str]:
 
     cores = os.cpu_count() or 1
     if count == 0:
-        raise UsageError("a cluster of local:0 has no workers; give local:1 or more")
+        raise UsageError("a cluster of local:0 has no workers; give local:1 or more", kind="out-of-range")
     kept = {name: os.environ.get(name) for name in SURROUNDINGS}
     try:
         with (
@@ -366,7 +370,7 @@ def connected(where: str, patience: float = ANSWER_SECONDS) -> Iterator[Client]:
     """
     local = LOCAL.fullmatch(where)
     if local is None and "://" not in where and not where.endswith(".json"):
-        raise UsageError(f'"{where}" is no cluster; give {ADDRESS_FORMS}')
+        raise UsageError(f'"{where}" is no cluster; give {ADDRESS_FORMS}', kind="wrong-form")
     _needs_distributed()
     if local is not None:
         with (
@@ -394,12 +398,17 @@ def _address_in(file: Path) -> str:
     except FileNotFoundError:
         raise UsageError(
             f"there is no scheduler file {file}; the scheduler writes it when it starts (dask scheduler "
-            f"--scheduler-file {file}), into a folder that this machine sees too"
+            f"--scheduler-file {file}), into a folder that this machine sees too",
+            kind="missing-file",
         ) from None
     except OSError as error:
-        raise UsageError(f"the scheduler file {file} cannot be read: {error.strerror}") from None
+        raise UsageError(
+            f"the scheduler file {file} cannot be read: {error.strerror}", kind="unreadable-file"
+        ) from None
     except (ValueError, KeyError, TypeError):
-        raise UsageError(f"{file} is no scheduler file; it has no address of a scheduler in it") from None
+        raise UsageError(
+            f"{file} is no scheduler file; it has no address of a scheduler in it", kind="wrong-file"
+        ) from None
     return str(address)
 
 

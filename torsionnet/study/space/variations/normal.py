@@ -91,13 +91,21 @@ def truncated(whole: Marginal, low: Number | None, high: Number | None, reader: 
         for key, number, default in (("low", low, -np.inf), ("high", high, np.inf))
     ]
     if ends[0] >= ends[1]:
-        reader.fault(f"low ({ends[0]:g}) must be below high ({ends[1]:g})", "low" if low is not None else "high")
+        reader.fault(
+            f"low ({ends[0]:g}) must be below high ({ends[1]:g})",
+            "low" if low is not None else "high",
+            kind="unordered-rows",
+        )
     if reader.faults:
         return whole
     found = TruncatedMarginal(whole, *ends)
     if not found.share >= LEAST_SHARE_LEFT:
         key = "low" if low is not None else "high"
-        reader.fault(f"hardly any value of {reader.nominal.name} is left from {ends[0]:g} to {ends[1]:g}", key)
+        reader.fault(
+            f"hardly any value of {reader.nominal.name} is left from {ends[0]:g} to {ends[1]:g}",
+            key,
+            kind="out-of-range",
+        )
     return found
 
 
@@ -250,7 +258,7 @@ class Lognormal(Variation):
         deviation = reader.spread(self.deviation, mean, "deviation")
         if mean <= 0:
             text = f"lognormal values are above 0, but the mean of {reader.nominal.name} is {mean:g}"
-            reader.fault(f"{text}; take another type", "mean")
+            reader.fault(f"{text}; take another type", "mean", kind="out-of-range")
         if reader.faults:
             return None
         limited = truncated(LognormalMarginal(mean, deviation), self.low, self.high, reader)

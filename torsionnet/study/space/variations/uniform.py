@@ -80,7 +80,7 @@ class Uniform(Variation):
     def bound(self, reader: NominalReader) -> Marginal | None:
         low, high = reader.value(self.low, "low"), reader.value(self.high, "high")
         if low >= high:
-            reader.fault(f"low ({low:g}) must be below high ({high:g})", "low")
+            reader.fault(f"low ({low:g}) must be below high ({high:g})", "low", kind="unordered-rows")
         return None if reader.faults else UniformMarginal(low, high)
 
 
@@ -157,12 +157,12 @@ class Triangular(Variation):
         low, high = reader.value(self.low, "low"), reader.value(self.high, "high")
         mode = reader.value(self.mode, "mode")
         if low >= high:
-            reader.fault(f"low ({low:g}) must be below high ({high:g})", "low")
+            reader.fault(f"low ({low:g}) must be below high ({high:g})", "low", kind="unordered-rows")
         elif mode < low or mode > high:
             text = f"the most frequent value ({mode:g}) must lie between low ({low:g}) and high ({high:g})"
             if self.mode is None:
                 text += "; it is the value in the model where mode: is not given"
-            reader.fault(text, *(() if self.mode is None else ("mode",)))
+            reader.fault(text, *(() if self.mode is None else ("mode",)), kind="out-of-range")
         return None if reader.faults else TriangularMarginal(low, mode, high)
 
 
@@ -211,10 +211,12 @@ class ValueRange(Variation):
     def bound(self, reader: NominalReader) -> GridAxis | None:
         low, high = reader.value(self.low, "low"), reader.value(self.high, "high")
         if low >= high:
-            reader.fault(f"low ({low:g}) must be below high ({high:g})", "low")
+            reader.fault(f"low ({low:g}) must be below high ({high:g})", "low", kind="unordered-rows")
         in_ratios = self.spacing == LOG
         if in_ratios and low <= 0:
-            reader.fault(f"equal ratios need values above 0, got {low:g}; take spacing: linear", "low")
+            reader.fault(
+                f"equal ratios need values above 0, got {low:g}; take spacing: linear", "low", kind="out-of-range"
+            )
         return None if reader.faults else GridAxis(self.count, Steps(low, high, self.count, in_ratios), low, high)
 
 
@@ -260,7 +262,7 @@ class ListOfValues(Variation):
     values: tuple[Number, ...] = entry(Listed("the values", ParameterValue("a value"), form="a list of values"))
 
     def contradictions(self) -> list[Fault]:
-        return [] if self.values else [Fault("the list holds no value", ("values",))]
+        return [] if self.values else [Fault("the list holds no value", ("values",), kind="missing-entry")]
 
     @property
     def words(self) -> str:
@@ -274,7 +276,7 @@ class ListOfValues(Variation):
         found = [reader.value(number, "values", index) for index, number in enumerate(self.values)]
         for index, value in enumerate(found):
             if value in found[:index]:
-                reader.fault(f"{value:g} stands twice in the list", "values", index)
+                reader.fault(f"{value:g} stands twice in the list", "values", index, kind="repeated-entry")
         return None if reader.faults else GridAxis(len(found), ValueTable(np.array(found)), min(found), max(found))
 
 

@@ -104,8 +104,8 @@ class NominalReader:
         self.nominal = nominal
         self.faults: list[Fault] = []
 
-    def fault(self, text: str, *path: str | int) -> float:
-        self.faults.append(Fault(text, path))
+    def fault(self, text: str, *path: str | int, kind: str) -> float:
+        self.faults.append(Fault(text, path, kind=kind))
         return nan
 
     def value(self, number: Number | None, *path: str | int) -> float:
@@ -113,7 +113,9 @@ class NominalReader:
         nominal = self.nominal
         if number is None:
             if nominal.value is None:
-                self.faults.append(Fault(f"{self._without_value}; give {path[-1]}:", path[:-1], on_key=True))
+                self.faults.append(
+                    Fault(f"{self._without_value}; give {path[-1]}:", path[:-1], on_key=True, kind="missing-entry")
+                )
                 return nan
             return nominal.value
         if not is_share(number):
@@ -123,25 +125,31 @@ class NominalReader:
         text = (number.text or "").strip()
         if number.value and text[0] not in "+-":
             return self.fault(
-                f'"{text}" leaves open what is meant; write "+{text}" for a change from the value in the model', *path
+                f'"{text}" leaves open what is meant; write "+{text}" for a change from the value in the model',
+                *path,
+                kind="ambiguous-number",
             )
         if nominal.value is None:
-            return self.fault(f'{self._without_value}; "{text}" is relative to none', *path)
+            return self.fault(f'{self._without_value}; "{text}" is relative to none', *path, kind="missing-entry")
         if nominal.value == 0 and number.value:
-            return self.fault(f'{nominal.name} is 0 in the model, and so is "{text}" of it; give a value', *path)
+            return self.fault(
+                f'{nominal.name} is 0 in the model, and so is "{text}" of it; give a value', *path, kind="out-of-range"
+            )
         # A percentage is of the size: +5 % raises a negative value, too.
         return nominal.value + float(number.value) * abs(nominal.value)
 
     def spread(self, number: Number, of: float, *path: str | int) -> float:
         """Standard deviation in SI, above 0, from a number or a percentage ``of`` a value."""
         if number.value <= 0:
-            return self.fault(f"must be greater than 0, got {number}", *path)
+            return self.fault(f"must be greater than 0, got {number}", *path, kind="out-of-range")
         if not is_share(number):
             return self._no_slip(self._absolute(number, path), number, of, path)
         if self._is_ambiguous(number, path):
             return nan
         if of == 0:
-            return self.fault(f'the mean is 0, and so is "{number}" of it; give a value with unit', *path)
+            return self.fault(
+                f'the mean is 0, and so is "{number}" of it; give a value with unit', *path, kind="out-of-range"
+            )
         return float(number.value) * abs(of)
 
     def _no_slip(self, found: float, number: Number, of: float, path: tuple[str | int, ...]) -> float:
@@ -149,20 +157,24 @@ class NominalReader:
         nominal = self.nominal
         if number.unit_dimension is None and nominal.unit and found < min(1, LEAST_BARE_DEVIATION * abs(of)):
             text = f"{found:g} {nominal.unit} is only {found / abs(of):.1g} of {nominal.name}"
-            return self.fault(f'{text}; write "{found * 100:g} %" for a share, or "{found:g} {nominal.unit}"', *path)
+            return self.fault(
+                f'{text}; write "{found * 100:g} %" for a share, or "{found:g} {nominal.unit}"',
+                *path,
+                kind="implausible-size",
+            )
         return found
 
     def _absolute(self, number: Number, path: tuple[str | int, ...]) -> float:
         wanted, found = self.nominal.dimension, number.unit_dimension
         if None not in (wanted, found) and wanted != found:
             expected = f"expected a unit such as {self.nominal.unit}, or percent"
-            return self.fault(f'"{number}" is not a value of {self.nominal.name}; {expected}', *path)
+            return self.fault(f'"{number}" is not a value of {self.nominal.name}; {expected}', *path, kind="wrong-unit")
         return float(number.value)
 
     def _is_ambiguous(self, number: Number, path: tuple[str | int, ...]) -> bool:
         if self.nominal.in_percent:
             text = f'{self.nominal.name} is itself in percent: "{number}" could be its value or a share of it'
-            self.fault(f"{text}; write {float(number.value):g} for the value", *path)
+            self.fault(f"{text}; write {float(number.value):g} for the value", *path, kind="ambiguous-number")
         return self.nominal.in_percent
 
     @property
@@ -260,7 +272,10 @@ class ParameterValue(Spec[Number]):
     def coerce(self, raw: object) -> Number:
         value = raw if isinstance(raw, Number) else read_scalar(raw)
         if not isinstance(value, Number):
-            raise EntryError(f'expected a number with unit or in percent; "{value}" is an expression of parameters')
+            raise EntryError(
+                f'expected a number with unit or in percent; "{value}" is an expression of parameters',
+                kind="expression-not-allowed",
+            )
         return value
 
     def plain(self, value: Any) -> Json:
