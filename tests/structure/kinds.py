@@ -1,14 +1,12 @@
 """Kinds of faults: each that the package writes stands in the table, each of the table is written, and none is missing.
 
-``PYTHONPATH=tests python -m structure.kinds base model/files`` lists the places in these folders that still lack a kind.
-How many they may be in each room stands in kinds.txt beside this module; the numbers only fall.
+``PYTHONPATH=tests python -m structure.kinds base model/files`` lists the places in these folders that lack a kind.
 """
 
 from __future__ import annotations
 
 import ast
 import sys
-from collections import Counter
 from collections.abc import Collection, Iterable, Iterator
 from pathlib import Path
 
@@ -16,7 +14,6 @@ from structure.modules import Module, modules_below
 from structure.rules import Fault
 
 ROOT = Path(__file__).parents[2]
-ALLOWED = Path(__file__).with_name("kinds.txt")
 TABLE = ROOT / "torsionnet" / "app" / "text" / "faults"
 MADE_OF_MESSAGES = {
     *("Fault", "EntryError", "UsageError", "UnitError", "ModelError", "DampingError", "SolveError", "ExpressionError"),
@@ -46,25 +43,10 @@ def kinds_faults(modules: list[Module]) -> Iterator[Fault]:
     for name in sorted(table.keys() - written - UNKNOWN_NAMES):
         place = f"torsionnet/app/text/faults/{table[name].group}.yaml"
         yield Fault(place, f"no fault has the kind {name}", "leave it out, or give it to the faults that are meant")
-    yield from _ratchet(modules)
-
-
-def _ratchet(modules: list[Module]) -> Iterator[Fault]:
-    """Rooms in which more, or fewer, faults lack a kind than kinds.txt says."""
-    lines = [line.split() for line in ALLOWED.read_text(encoding="utf-8").splitlines()]
-    allowed = {room: int(number) for room, number in lines}
-    count = Counter(_room(module) for module in modules for _ in without_kind(module))
-    for room in sorted({*allowed, *count}):
-        if count[room] > allowed.get(room, 0):
-            what = f"{count[room]} faults of {room} have no kind, {allowed.get(room, 0)} are allowed"
-            yield Fault(f"torsionnet/{room}", what, f"give them one; python -m structure.kinds {room} lists them")
-        elif count[room] < allowed.get(room, 0):
-            what = f"only {count[room]} faults of {room} have no kind"
-            yield Fault(f"tests/structure/{ALLOWED.name}", what, f"write {room} {count[room]}")
-
-
-def _room(module: Module) -> str:
-    return module.path.relative_to(module.root).parts[0]
+    for module in modules:
+        for line, source in without_kind(module):
+            remedy = "give it one of the table, which torsionnet explain lists"
+            yield Fault(f"{module.relative}:{line}", f"a fault has no kind: {source[:60]}", remedy)
 
 
 def _given_kinds(module: Module) -> Iterator[tuple[int, str]]:

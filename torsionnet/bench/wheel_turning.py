@@ -129,7 +129,7 @@ class TurningWheel:
             at = float(grid[int(np.argmax(np.diff(course) <= 0))])
             rpm = float(motion.mean.speed(np.array([at]))[0]) * RPM
             text = f"{self.channel}: the wheel turns back at {at:.4g} s, at a mean speed of {rpm:.4g} rpm"
-            raise UsageError(f"{text}; teeth would pass the pickup twice", kind="disordered-teeth")
+            raise UsageError(f"{text}; teeth would pass the pickup twice", kind="turning-back")
         inside = (wanted >= course[0]) & (wanted <= course[-1])
         wanted, numbers = wanted[inside], numbers[inside]
         # Newton's method for alpha(t) = alpha_k, from the course between the points of the grid.
@@ -169,7 +169,7 @@ def true_places(channel: str, wheel: ToothedWheel, generator: GeneratorFor) -> F
     # Tooth k of z stands at 2 pi k/z and its error, which has to rise from tooth to tooth.
     if (np.diff(places) <= -pitch).any():
         raise UsageError(
-            f"{channel}: errors of the pitch let teeth change places; make them smaller", kind="disordered-teeth"
+            f"{channel}: errors of the pitch let teeth change places; make them smaller", kind="contradicting-values"
         )
     places[there] -= places[there].mean()
     places[~there] = 0.0

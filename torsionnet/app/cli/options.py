@@ -141,11 +141,7 @@ def kind_of_usage(error: click.UsageError) -> str:
         return str(error.kind)
     if isinstance(error, click.NoSuchOption):
         return "unknown-word"
-    if isinstance(error, click.BadOptionUsage):
-        flags = error.ctx.command.params if error.ctx is not None else []
-        is_flag = any(error.option_name in one.opts and getattr(one, "is_flag", False) for one in flags)
-        return "needless-entry" if is_flag else "missing-entry"
-    if isinstance(error, click.MissingParameter):
+    if isinstance(error, click.MissingParameter | click.BadOptionUsage):
         return "missing-entry"
     if not isinstance(error, click.BadParameter):
         return "needless-entry"  # an argument too many
