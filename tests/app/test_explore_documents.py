@@ -64,7 +64,7 @@ class TestTexts:
         assert (found["sound"], found["model"]) == (False, None)
         (fault,) = found["faults"]
         assert broken[fault["from"] : fault["to"]] == "stifness"
-        assert (fault["line"], fault["column"], fault["severity"]) == (6, 48, "error")
+        assert (fault["line"], fault["column"], fault["severity"], fault["kind"]) == (6, 48, "error", "unknown-entry")
         assert 'did you mean "stiffness"' in fault["message"]
         assert [fix["edits"][0]["text"] for fix in fault["fixes"]] == ["stiffness"]
         answer = page.ask("answer")

@@ -409,6 +409,7 @@ def faults_data(text: str, faults: list[LocatedFault]) -> list[Answer]:
     for one in [*faults[:MOST_FAULTS], *(more if rest > 0 else ())]:
         line, column = lines.place(one.span.start)
         fixes = [{"title": fix.title, "edits": counting.edits(fix.edits)} for fix in one.fixes]
-        said = {"severity": one.fault.severity, "message": one.fault.text, "line": line + 1, "column": column + 1}
+        said = {"severity": one.fault.severity, "kind": one.fault.kind, "message": one.fault.text}
+        said |= {"line": line + 1, "column": column + 1}
         found.append(said | counting.span(one.span) | {"fixes": fixes})
     return found

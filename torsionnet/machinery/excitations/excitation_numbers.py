@@ -97,7 +97,7 @@ def excitation_number(excitations: Mapping[str, OrderExcitation], name: str) -> 
         tables = [f"{owner}.{entry}.{number}" for entry in NEUTRAL_VALUES for number in cylinders]
         known = [*tables, *(f"{owner}.{each}" for each in _names(excitations[owner]))]
         hint = did_you_mean(name, known) or (f"; it has {', '.join(known)}" if known else "")
-        raise UsageError(f'{owner} has no number "{".".join(tokens)}" to vary{hint}', kind="unknown-entry")
+        raise UsageError(f'{owner} has no number "{".".join(tokens)}" to vary{hint}', kind="unknown-name")
     path, value, spec, absent = found
     high = LARGEST_BY_ENTRY.get(str(path[0]), inf if spec.below is None else spec.below)
     bounds = (-inf if spec.lower is None else spec.lower, high)

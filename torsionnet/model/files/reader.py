@@ -43,7 +43,7 @@ def located_faults(faults: Iterable[Fault], document: LocatedDocument) -> list[F
     """Faults with their positions, in the order of the file, each cause once and each message one printable line."""
     found = [fault if fault.position else _place(_reworded(fault, document), document) for fault in faults]
     # That a key is missing which is only misspelt follows from that.
-    meant = {(fault.path[:-1], fault.meant) for fault in found if fault.kind == "unknown-entry"}
+    meant = {(fault.path[:-1], fault.meant) for fault in found if fault.kind == "unknown-entry" and fault.meant}
     return presentable_faults(
         fault for fault in found if fault.kind != "missing-entry" or (_parent(fault), fault.about) not in meant
     )
@@ -125,8 +125,8 @@ def _reworded(fault: Fault, document: LocatedDocument) -> Fault:
         return fault
     key, entries = str(fault.path[-1]), entry_at(document.data, fault.path[:-1])
     names = list(entries) if isinstance(entries, Mapping) else []
-    before = entries[names[names.index(key) - 1]] if names.index(key) else None
-    if entries.get(key) is not None or not isinstance(before, int):
+    before = entries[names[names.index(key) - 1]] if key in names[1:] else None
+    if not isinstance(before, int) or entries.get(key) is not None:
         return fault
     return replace(misread(f"{before},{key}"), path=fault.path, on_key=True)
 

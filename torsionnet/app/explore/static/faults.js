@@ -41,9 +41,9 @@ export function makeFaults(view) {
   return { show, mend, count: () => faults.length };
 }
 
-function diagnostic({ from, to, severity, message, fixes }) {
+function diagnostic({ from, to, severity, kind, message, fixes }) {
   const actions = fixes.map(({ title, edits }) => ({ name: title, apply: (view) => applyEdits(view, edits, "fix") }));
-  return { from, to: Math.max(from, to), severity: severity === "note" ? "info" : severity, message, actions };
+  return { from, to: Math.max(from, to), severity: severity === "note" ? "info" : severity, source: kind || undefined, message, actions };
 }
 
 function counted(faults) {
@@ -64,7 +64,8 @@ function row(view, fault, k) {
   node.dataset.at = k;
   const place = Object.assign(document.createElement("span"), { className: "place", textContent: `${fault.line}:${fault.column}` });
   const go = Object.assign(document.createElement("button"), { type: "button", className: "go" });
-  go.append(place, fault.message);
+  const code = Object.assign(document.createElement("code"), { textContent: fault.kind });
+  go.append(place, fault.message, ...(fault.kind ? [" ", code] : []));
   go.setAttribute("aria-label", `${node.className}, ${said(fault)}`);
   go.addEventListener("click", () => select(view, fault.from, fault.to));
   const fixes = fault.fixes.map(({ title, edits }) => {
