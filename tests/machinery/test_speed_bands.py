@@ -12,9 +12,10 @@ from support.limit_cases import RPM, hump, m68, stressed
 import torsionnet as tn
 from torsionnet.machinery import LimitConclusion, instruction_table
 from torsionnet.machinery.verdicts.limit_check import LimitCheck
-from torsionnet.machinery.verdicts.operating_instructions import operating_instructions
+from torsionnet.machinery.verdicts.operating_instructions import operating_instructions, passed_ranges, refused_ranges
 from torsionnet.machinery.verdicts.settled_verdicts import settled
 from torsionnet.machinery.verdicts.speed_spans import SpeedSpan
+from torsionnet.model.condition_titles import ConditionTitles
 
 STIFFNESS, DAMPING, AMPLITUDE = 60e3, 400.0, 1e3
 SET = """torsionnet: 1
@@ -115,7 +116,49 @@ class TestBandThatIsNotReached:
 
     def test_all_that_is_not_kept_is_named(self, failing):
         first, *_ = instruction_table([failing]).notes
-        assert first.startswith("Not to be run as it is: crank, rubber, flicker not kept;")
+        assert first.startswith("Not kept in normal operation: crank, rubber, flicker; only the remaining speeds")
+
+
+FLICKER_END = 740.0
+
+
+def electrical(rpm):
+    """Electrical angle of the rotor in rad: 4 pole pairs times the mechanical one."""
+    s = 1j * rpm * RPM
+    one, two = 40 * s**2 + STIFFNESS, 30 * s**2 + DAMPING * s + STIFFNESS
+    return 4 * abs(AMPLITUDE * STIFFNESS / (one * two - STIFFNESS**2))
+
+
+@pytest.fixture(scope="module")
+def flickering():
+    text = SET.format(crank="30 kN*m", angle=f"{electrical(FLICKER_END)} rad").replace("110..115 %", "90..115 %")
+    return tn.loads(text).check_limits()
+
+
+class TestFlicker:
+    """What is too large in the low part of the generator's band is not run; it is passed without harm."""
+
+    def test_the_rest_of_the_band_is_permitted(self, flickering):
+        assert electrical(675) > electrical(FLICKER_END) > electrical(862)
+        assert flickering.of("flicker").verdict == flickering.verdict == "fail"
+        assert flickering.highest is None
+        assert [(one.low / RPM, one.high / RPM) for one in flickering.permitted] == [
+            pytest.approx((FLICKER_END, 862.5), rel=1e-3)
+        ]
+        assert flickering.permits(750 * RPM)
+
+    def test_it_may_be_passed(self, flickering):
+        (row,) = operating_instructions([flickering])
+        assert (row.from_rpm, row.to_rpm) == (675, 740)
+        assert row.action == "not to be run with load; it may be passed"
+        assert row.besides == ""
+        assert passed_ranges([flickering]) == refused_ranges([flickering]) == ()
+
+    def test_rated_speed_is_told_where_no_condition_permits_it(self, flickering):
+        assert "permitted in no condition" not in LimitConclusion((flickering,), ConditionTitles({})).sentence
+        text = SET.format(crank="30 kN*m", angle=f"{electrical(760)} rad").replace("110..115 %", "90..115 %")
+        found = LimitConclusion((tn.loads(text).check_limits(),), ConditionTitles({})).findings
+        assert "rated speed, 750 rpm of e, is permitted in no condition examined" in found
 
 
 class TestSettled:

@@ -153,7 +153,7 @@ class TestPassage:
             "Not kept in single conditions: flange, tail; there only the remaining speeds may be run, "
         )
         (note,) = instruction_table(checks[::-1]).notes
-        assert note.startswith("Not to be run as it is: flange, tail not kept; ")
+        assert note.startswith("Not kept in normal operation: flange, tail; only the remaining speeds may be run, ")
 
 
 def test_a_range_below_one_with_rated_speed_in_it_is_still_passed():

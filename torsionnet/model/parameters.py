@@ -13,7 +13,7 @@ from typing import Any, ClassVar
 
 from torsionnet.base.entries.composite import Nested, superfluous
 from torsionnet.base.entries.declared import Declared
-from torsionnet.base.entries.scalars import AnyQuantity, plain_scalar, read_scalar
+from torsionnet.base.entries.scalars import AnyQuantity, Value, plain_scalar, read_scalar
 from torsionnet.base.entries.spec import (
     EntryError,
     Json,
@@ -183,7 +183,7 @@ class Parameter(Declared):
     """A named value.
 
     ``value`` is a number, a quantity or an expression of other parameters; ``bounds`` (lower, upper) in SI say what is
-    plausible and limit fits.
+    plausible and limit fits; ``tolerance`` is the share by which an assumed value may be off.
     """
 
     kind: ClassVar[str] = "parameter"
@@ -194,6 +194,15 @@ class Parameter(Declared):
     )
     description: str = entry(Text("what the parameter is"), "")
     bounds: tuple[float, float] | None = entry(BoundsEntry("[lower, upper]: what is plausible; limits of a fit"), None)
+    tolerance: float | None = entry(
+        Value(
+            "how far an assumed value may be off, as 10 % of it; reports say what that moves",
+            "1",
+            exclusive=True,
+            below=1,
+        ),
+        None,
+    )
     by: str | None = entry(
         OneOf("instead of a value: the part of the operating point it follows", tuple(FOLLOWED_QUANTITIES)), None
     )

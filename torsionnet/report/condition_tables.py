@@ -18,7 +18,8 @@ from torsionnet.machinery.orders.order_amplitudes import SummedOrder
 from torsionnet.machinery.verdicts.condition_peaks import ConditionPeaks, CriticalRecord, JudgedPoint, SumPeak
 from torsionnet.machinery.verdicts.limit_check import LimitCheck
 from torsionnet.machinery.verdicts.limit_verdict import LimitVerdict
-from torsionnet.machinery.verdicts.order_peaks import LEAST_SHARE, SMALL_SHARE, largest_orders, order_shares
+from torsionnet.machinery.verdicts.order_peaks import LEAST_SHARE, SMALL_SHARE, largest_orders
+from torsionnet.report.critical_remarks import cancelling_sources, notes_on_criticals
 from torsionnet.report.document_tree import Cell, Heading, Paragraph, TableBlock, Text
 from torsionnet.report.document_tree import TableGroup as Group
 from torsionnet.report.report_data import Case, ReportData
@@ -29,8 +30,6 @@ SAME_VALUE = 0.05
 """Relative difference up to which values of two conditions count as the same: readings on board differ by as much."""
 MOST_ROWS = 40
 """Largest number of critical speeds of the normal condition in the table, those of which the limits are used most."""
-MOST_NAMED = 40
-"""Largest number of further critical speeds that a note names."""
 MOST_SHARES, SMALLEST_SHARE_NAMED = 3, 0.05
 """Number of elements whose share in the damping of a mode is named, and the share below which they are summed up."""
 MOST_ORDERS = 3
@@ -52,15 +51,7 @@ VALUES = (
     Heading("Allowed", numeric=True),
     Heading("In passing", numeric=True),
 )
-CRITICAL_NOTES = (
-    "Critical speed: where the order meets the natural frequency with damping. Peak at: where the order alone is "
-    "largest in the component, apart from it by damping. The sum of all orders is largest at speeds of its own.",
-    "Order alone: its amplitude, peak value; all orders: half range of their sum at the same speed. Allowed: in "
-    "continuous operation; in passing: while the speed is passed, where a rule says it.",
-)
-"""Notes below the table of critical speeds that say what its columns are."""
 NO_CRITICAL = "No order of note meets a natural frequency within the speeds examined."
-NO_PEAK = "Without a speed of its peak the order has no maximum of its own; values are those at the critical speed."
 SUM_NOTE = (
     "Peaks of the sum are its local maxima; the order named makes it, as its amplitude drops most beside it. Orders of "
     "several sources at one frequency are given as their sum, as measured."
@@ -102,7 +93,9 @@ def normal_criticals(subject: ReportData) -> TableBlock | Paragraph:
         )
         groups.append(Group(tuple(rows), title))
     caption = phrase("Critical speeds in normal operation{where}", where=_where(case))
-    return without_empty(TableBlock((caption,), columns, tuple(groups), tuple(_notes(subject, peaks, shown))))
+    return without_empty(
+        TableBlock((caption,), columns, tuple(groups), tuple(notes_on_criticals(subject, peaks, shown)))
+    )
 
 
 def _with_sums(records: Sequence[CriticalRecord]) -> Iterator[tuple[CriticalRecord, SummedOrder | None]]:
@@ -177,7 +170,8 @@ def further_criticals(subject: ReportData) -> TableBlock | None:
     )
     usual = [as_words(one.name) for one in first if one in worst and _matters(one)]
     rest = phrase("Normal operation is the worst of all conditions at {names}.", names=first_names(usual))
-    notes = ((rule,), *([(rest,)] if usual else []))
+    listed = [one for _, records in kept for one in records]
+    notes = ((rule,), *([(rest,)] if usual else []), *((note,) for note in cancelling_sources(listed)))
     return without_empty(TableBlock(("Critical speeds in further conditions",), columns, tuple(groups), notes))
 
 
@@ -256,81 +250,6 @@ def damping_cell(case: Case, one: CriticalSpeed) -> str:
     rest = 100 * (sum(found.values()) - sum(share for _, share in named))
     more = [phrase("others {share:.0f} %", share=rest)] if rest >= 1 else []
     return joined(", ", [*texts, *more])
-
-
-def _notes(subject: ReportData, peaks: ConditionPeaks, shown: Sequence[CriticalRecord]) -> Iterator[Text]:
-    yield from ((note,) for note in CRITICAL_NOTES)
-    if any(not one.is_peak for one in shown):
-        yield (NO_PEAK,)
-    rest = [one for one in peaks.criticals if one.point is not None and one not in shown]
-    if rest:
-        yield (
-            phrase(
-                "At other critical speeds in the range the order alone uses at most {share:.2g} % of a limit: {names}.",
-                share=100 * max(one.share for one in rest),
-                names=_places(rest),
-            ),
-        )
-    shares = zip(peaks.check.lines, order_shares(peaks.check).tolist(), strict=True)
-    small = [as_words(line) for line, share in shares if share < SMALL_SHARE]
-    if small:
-        yield (
-            phrase(
-                "Every other order alone uses less than {share:g} % of a limit at all speeds examined: {names}.",
-                share=100 * SMALL_SHARE,
-                names=first_names(small, MOST_NAMED),
-            ),
-        )
-    strongest = max((one.critical.resonant_amplitude for one in shown), default=0.0)
-    beyond = [
-        one
-        for one in peaks.criticals
-        if one.point is None and one.critical.resonant_amplitude >= LEAST_SHARE * strongest
-    ]
-    if beyond:
-        low, high = peaks.check.rpm[0], peaks.check.rpm[-1]
-        text = "Beside the range of {low:.6g} to {high:.6g} rpm, not examined: {names}."
-        yield (phrase(text, low=low, high=high, names=_places(beyond)),)
-    yield from _distances(subject, shown)
-
-
-def _places(records: Sequence[CriticalRecord]) -> str:
-    """Text with order, mode and critical speed in rpm of some critical speeds."""
-    return first_names(
-        [
-            phrase(
-                "{order}, mode {mode} at {speed:.1f}",
-                order=as_words(one.name),
-                mode=one.critical.mode.number,
-                speed=one.critical.natural_speed * RPM,
-            )
-            for one in records
-        ],
-        MOST_NAMED,
-    )
-
-
-def _distances(subject: ReportData, shown: Sequence[CriticalRecord]) -> Iterator[Text]:
-    """Sentence on how far the critical speeds listed lie from rated speed, the nearest of each order; or nothing."""
-    speeds = subject.model.definition.speeds
-    if speeds is None or not speeds.rated:
-        return
-    nearest: dict[str, float] = {}
-    for one in shown:
-        off = one.critical.natural_speed / speeds.rated - 1
-        if abs(off) < abs(nearest.get(one.name, math.inf)):
-            nearest[one.name] = off
-    closest = sorted(nearest.items(), key=lambda pair: abs(pair[1]))
-    shares = [f"{100 * off:+.1f}".replace("-", "\N{MINUS SIGN}") for _, off in closest]
-    each = [f"{as_words(name)} {share} %" for (name, _), share in zip(closest, shares, strict=True)]
-    if each:
-        yield (
-            phrase(
-                "Distance of the critical speeds from rated speed, {speed:.6g} rpm: {distances}.",
-                speed=speeds.rated * RPM,
-                distances=", ".join(each),
-            ),
-        )
 
 
 def _unbroken(text: str) -> str:

@@ -109,7 +109,8 @@ class Rewording:
             replace(
                 self.reworded(group),
                 rows=tuple(
-                    tuple(self.reworded(row[i]) if own[i] else row[i] for i in range(len(own))) for row in group.rows
+                    tuple(self.reworded(row[i]) if own[i] else self.cell(row[i]) for i in range(len(own)))
+                    for row in group.rows
                 ),
             )
             for group in table.groups
@@ -117,6 +118,12 @@ class Rewording:
         more = [(self.wording(phrase("… and {count} more", count=table.more)),)] if table.more else []
         said = {name: self.reworded(getattr(table, name)) for name in ("caption", "columns", "notes")}
         return replace(table, **said | {"groups": tuple(groups), "notes": (*said["notes"], *more), "more": 0})
+
+    def cell(self, cell: Any) -> Any:
+        """Cell of a column of names, in which phrases of the report alone are replaced."""
+        if isinstance(cell, tuple):
+            return tuple(map(self.cell, cell))
+        return self.wording(cell) if isinstance(cell, Phrase) else cell
 
 
 # Replacement of words and symbols in a finished report by those of a classification society.

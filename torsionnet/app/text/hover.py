@@ -330,6 +330,8 @@ def _parameter(place: NamedPlace, scope: Scope, names: NamesInText) -> str:
     if parameter.bounds is not None:
         low, high = (screen_text(bound) for bound in parameter.bounds)
         lines.append(f"bounds {low} to {high} in SI units")
+    if parameter.tolerance is not None:
+        lines.append(f"may be off by {100 * parameter.tolerance:g} %")
     source = scope.data.get("source")
     lines.append(used + (f"; numbers of the model: {prose(source)}" if isinstance(source, str) and source else ""))
     return "\n\n".join(lines)

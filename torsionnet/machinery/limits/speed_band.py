@@ -122,6 +122,11 @@ class InSpeedBand(Limit):
         above = spans_above(evidence.speeds, line.values, line.allowed) if self.speed_band else []
         if not above:
             return super().continuous(line, name, evidence)
+        if self.holds_in_band_alone:
+            # Whoever passes the range does no harm with it: it is not run, and what lies above is reached.
+            spans = [span.widened(self.tolerance).within(evidence.examined) for span in above]
+            text = f"exceeded from {above[0]} in the speed band: not to be run there, passing does no harm"
+            return self._verdict(line, name, evidence, FAIL, joined_spans(spans), (text,))
         # Below the band, where a condition runs that permits no speed of it, ranges can be barred.
         low = self._edges(evidence)[0]
         below = [self._up_to_permitted(span, evidence) for span in above if span.high < low]

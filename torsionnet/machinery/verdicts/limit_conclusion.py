@@ -13,6 +13,7 @@ from torsionnet.base.errors import UsageError
 from torsionnet.base.phrases import joined, phrase
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Column, Table
+from torsionnet.base.units import RPM
 from torsionnet.machinery.verdicts.limit_check import (
     ALL_EXAMINED_HOLD,
     ALL_HOLD,
@@ -59,6 +60,10 @@ class WorstLimit:
     def utilisation(self) -> float | None:
         """Largest ratio of value to allowed value of a limit over configurations and speeds, None if not judged."""
         return self.verdict.worst_utilisation
+
+
+RATED_NOT_REACHED = "rated speed, {speed:.6g} rpm of {shaft}, is permitted in no condition examined"
+"""Finding where limits permit rated speed nowhere."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,7 +198,8 @@ class LimitConclusion:
 
     def _found(self) -> list[str]:
         failed, unjudged, restricted = self._of(FAIL), self._of(OPEN), self._restrictions()
-        parts = [phrase("{limit} does not hold{where}", limit=name, where=where) for name, where in failed.items()]
+        parts = [*self._rated_not_reached()]
+        parts += [phrase("{limit} does not hold{where}", limit=name, where=where) for name, where in failed.items()]
         if restricted:
             parts += restricted
         elif not failed and not unjudged:
@@ -202,6 +208,13 @@ class LimitConclusion:
             *parts,
             *(phrase("{limit} not judged{where}", limit=name, where=where) for name, where in unjudged.items()),
         ]
+
+    def _rated_not_reached(self) -> Iterator[str]:
+        """Sentence that no condition examined permits rated speed; nothing where one does, or none examines it."""
+        reach = [one for one in self.checks if one.rated and one.speeds[0] <= one.rated <= one.speeds[-1]]
+        if reach and not any(one.permits(one.rated or 0.0) for one in reach):
+            rated = (reach[0].rated or 0.0) * RPM
+            yield phrase(RATED_NOT_REACHED, speed=rated, shaft=self._shaft)
 
     def _all_hold(self) -> Iterator[str]:
         template = ALL_EXAMINED_HOLD if self.left_out else ALL_HOLD
@@ -223,23 +236,25 @@ class LimitConclusion:
 
     def _restrictions(self) -> list[str]:
         """Texts on the speeds in rpm that are not permitted, for each condition, or several that have the same."""
-        alike: dict[tuple[str, bool], list[str]] = {}
+        alike: dict[tuple[str, bool, bool], list[str]] = {}
         for check in self.checks:
-            holds = check.highest is None and check.verdict != FAIL
+            reduced = check.highest is not None
+            holds = not reduced and check.verdict != FAIL
             if check.restriction:
-                alike.setdefault((check.restriction, holds), []).append(check.configuration)
+                alike.setdefault((check.restriction, holds, reduced), []).append(check.configuration)
         parts: list[str] = []
-        for (restriction, holds), names in [*alike.items()][:MOST_RESTRICTIONS]:
+        for (restriction, holds, reduced), names in [*alike.items()][:MOST_RESTRICTIONS]:
             if holds:
                 template = "limits hold with {speeds} barred{where}"
                 parts.append(phrase(template, speeds=restriction, where=self._where(names)))
             else:
-                parts.append(in_condition(restriction, self._named(names)))
+                text = restriction if reduced else phrase("to be barred: {speeds}", speeds=restriction)
+                parts.append(in_condition(text, self._named(names)))
         rest = sum(map(len, [*alike.values()][MOST_RESTRICTIONS:]))
         if rest:
             parts.append(phrase("{count} further conditions are restricted by the operating instructions", count=rest))
         calm = [one.configuration for one in self.checks if one.verdict == PASS]
-        if calm and parts and not any(holds for _, holds in alike):
+        if calm and parts and not any(holds for _, holds, _ in alike):
             return [phrase("limits hold{where}", where=self._where(calm)), *parts]
         return parts
 

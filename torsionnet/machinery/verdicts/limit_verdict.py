@@ -146,6 +146,13 @@ class LimitVerdict:
         """Speed ranges (rad/s) barred by a limit below the highest speed permitted, to be passed without stopping."""
         return spans_below(self.barred, self.highest)
 
+    @property
+    def harmless(self) -> bool:
+        """Whether what exceeds the limit does no harm while it is passed, as flicker of a generator's voltage."""
+        # In its band a limit bars nothing else: what others bar lies below.
+        band = self.running if self.verdict == FAIL else None
+        return band is not None and any(one.high > band.low for one in self.barred)
+
     @cached_property
     def refused(self) -> tuple[SpeedSpan, ...]:
         """Speed ranges (rad/s) that a limit permits neither to run nor to pass: those exceeded that it does not bar."""

@@ -92,10 +92,13 @@ UNRESTRICTED = "No restrictions from {low:g} to {high:g} rpm of {shaft}{where}; 
 UNRESTRICTED_ELSEWHERE = "No other restrictions from {low:g} to {high:g} rpm of {shaft}{where}; {starts}."
 """Notes on the speeds that no instruction restricts."""
 FAILS = "Not to be run as it is: {limits} not kept; {starts}."
+FAILS_NORMALLY = (
+    "Not kept in normal operation: {limits}; only the remaining speeds may be run, which the conditions list; {starts}."
+)
 FAILS_ELSEWHERE = (
     "Not kept in single conditions: {limits}; there only the remaining speeds may be run, if there are any; {starts}."
 )
-"""Notes on limits that do not hold, in the first condition or in others."""
+"""Notes on limits that do not hold: where the first condition permits no speed, or some, and in other conditions."""
 RED, NOTICE = "tachometer red, notice at each control station", "notice at each control station"
 """Markings for the crew of a ship, of a range and of a highest speed."""
 NOT_FREE = "the speed for safe navigation, {speed:.5g} rpm, does not stay free"
@@ -175,6 +178,11 @@ class PassedRange:
         return max(place.utilisation for place in self.places)
 
     @property
+    def harmless(self) -> bool:
+        """Whether the range is not to be run, but does no harm in passing, by all limits that restrict it."""
+        return all(place.verdict.harmless for place in self.places)
+
+    @property
     def seconds_to_pass(self) -> float | None:
         """Shortest time in s in which a limit wants the speed range to be passed; None where none is given."""
         return min((at for one in self.places if (at := one.verdict.seconds_to_pass) is not None), default=None)
@@ -183,9 +191,10 @@ class PassedRange:
 def passed_ranges(checks: Sequence[LimitCheck]) -> tuple[PassedRange, ...]:
     """Speed ranges (rad/s) to be passed without stopping in each condition, joined where those of limits overlap.
 
-    Ranges that one limit lets pass and another does not are not among them.
+    Ranges that one limit lets pass and another does not are not among them, nor those that do no harm in passing.
     """
-    return tuple(found for check in checks for found in restricted_ranges(check) if found.passage != NOT_AT_ALL)
+    ranges = (found for check in checks for found in restricted_ranges(check))
+    return tuple(found for found in ranges if found.passage != NOT_AT_ALL and not found.harmless)
 
 
 def refused_ranges(checks: Sequence[LimitCheck]) -> tuple[PassedRange, ...]:
@@ -239,7 +248,9 @@ def last_notes(checks: Sequence[LimitCheck], named: Callable[[Sequence[str]], st
     failed |= dict.fromkeys(name for check in checks if check.run_up for name in check.run_up.names(FAIL))
     starts, outside = starts_words(checks), list(_only_passed(checks, named))
     if failed:
-        template = FAILS if checks[0].verdict == FAIL else FAILS_ELSEWHERE
+        template = FAILS_ELSEWHERE
+        if checks[0].verdict == FAIL:
+            template = FAILS_NORMALLY if checks[0].permitted else FAILS
         return [phrase(template, limits=listed_names(list(failed)), starts=starts), *outside]
     template = UNRESTRICTED_ELSEWHERE if any(map(restricted_ranges, checks)) else UNRESTRICTED
     notes, ranges = [], by_range(checks, running=True)
@@ -301,7 +312,7 @@ def _besides(found: PassedRange, decisive: _Place) -> str:
     free = {one.not_free for one in found.verdicts if one.not_free is not None and found.span.holds(one.not_free)}
     said = [phrase(NOT_FREE, speed=speed * RPM) for speed in sorted(free)]
     said += [phrase(BEGINS, limit=first.named)] if begins and first.named != decisive.named else []
-    said += _not_judged(found) if found.passage != NOT_AT_ALL else []
+    said += _not_judged(found) if found.passage != NOT_AT_ALL and not found.harmless else []
     return joined("; ", said) if said else ""
 
 
@@ -324,6 +335,8 @@ def _action(found: PassedRange) -> tuple[int, int | None, str, str]:
     """Ends of a range in whole rpm, what the crew does about it, and how it is marked."""
     (low, high), check = found.span.rpm_outward, found.check
     marked = phrase(RED) if check.propels else ""
+    if found.harmless:
+        return low, high, phrase("not to be run with load; it may be passed"), marked
     if found.passage == PASS_QUICKLY:
         return low, high, phrase("pass without stopping"), marked
     if found.passage == PASS_WITHIN:
@@ -366,9 +379,10 @@ def _way(check: LimitCheck, span: SpeedSpan, title: Callable[[str], str]) -> str
     """Text of how a range is passed in a condition that permits it."""
     condition = title(check.configuration)
     barred = [one for one in check.passed if one.low <= span.high and one.high >= span.low]
+    run = [one.within(span) for one in check.permitted if one.low < span.high and one.high > span.low]
     if barred:
         return phrase("pass {speeds} in condition {condition}", speeds=span_words(barred), condition=condition)
-    return phrase("{speeds} are free in condition {condition}", speeds=span_words([span]), condition=condition)
+    return phrase("{speeds} are free in condition {condition}", speeds=span_words(run or [span]), condition=condition)
 
 
 def _in_units(one: Instruction, conventions: Conventions) -> Instruction:

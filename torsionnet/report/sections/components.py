@@ -83,7 +83,9 @@ def components_section(subject: ReportData) -> Section | None:
         return None
     uses = component_uses(found, subject.model.definition, subject.conventions, subject.normal_peaks)
     blocks: list[Block] = [*_m68_shafts(subject, found), _all_components(subject, found, uses)]
-    crankshafts = {use.worst.verdict.limit: use for use in uses if use.group == "crankshaft" and use.value is not None}
+    judged = [use for use in uses if use.group == "crankshaft" and use.value is not None]
+    # Of each limit the criterion that is used most: in continuous operation or in passing.
+    crankshafts = {use.worst.verdict.limit: use for use in sorted(judged, key=lambda use: use.worst.utilisation or 0.0)}
     for use in crankshafts.values():
         blocks += _throws(subject, use)
     blocks += [Paragraph((NO_M53,))] if crankshafts else []

@@ -271,6 +271,7 @@ def _parameters(rig: Drivetrain, settings: dict[str, str]) -> TableBlock:
         Heading("SI value", numeric=True),
         Heading("SI unit"),
         Heading("Plausible"),
+        Heading("Tolerance", "%", numeric=True),
         Heading("Description", wide=True),
     )
     rows = [
@@ -280,6 +281,7 @@ def _parameters(rig: Drivetrain, settings: dict[str, str]) -> TableBlock:
             NumberText(rig.parameters[name], 6),
             unit(units[name]),
             _bounds(parameter),
+            "" if parameter.tolerance is None else NumberText(100 * parameter.tolerance, 3),
             parameter.description + ("; changed for this report" if name in settings else ""),
         )
         for name, parameter in rig.parameter_definitions.items()

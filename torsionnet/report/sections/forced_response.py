@@ -161,7 +161,7 @@ def _free_end(subject: ReportData) -> Picture:
     worst = int(np.argmax(run.half_range[:, 0]))
     caption = (
         phrase(
-            "Amplitude at the free end, {node},{where}: largest orders and their sum.",
+            "Amplitude at the free end, {node}{where}: largest orders and their sum.",
             node=as_words(node),
             where=where,
         ),

@@ -14,7 +14,8 @@ from torsionnet.base.phrases import joined, phrase
 from torsionnet.base.units import RPM
 from torsionnet.machinery.criticals.critical_speeds import CriticalSpeed
 from torsionnet.machinery.verdicts.limit_verdict import listed_names
-from torsionnet.machinery.verdicts.order_peaks import LEAST_SHARE
+from torsionnet.machinery.verdicts.order_peaks import LEAST_SHARE, SMALL_SHARE
+from torsionnet.report.assumed_values import assumed_values
 from torsionnet.report.condition_tables import damping_cell, further_criticals, normal_criticals
 from torsionnet.report.document_tree import (
     Block,
@@ -291,11 +292,15 @@ def resonances_section(subject: ReportData) -> Section | None:
         kept, listed = _without_limits(case)
         blocks.append(listed)
         lines = [f"{one.excitation} {one.line}" for one in kept]
+        criticals = kept
     else:
         blocks.append(normal_criticals(subject))
         further = further_criticals(subject)
         blocks += [further] if further else []
         lines = [one.name for one in peaks.criticals if one.share >= LEAST_SHARE]
+        criticals = [one.critical for one in peaks.criticals if one.share >= SMALL_SHARE]
+    moved = assumed_values(case, criticals)
+    blocks += [moved] if moved else []
     blocks += separation_margins(subject)
     return Section("resonances", ("Critical speeds",), (*blocks, _diagram(case, list(dict.fromkeys(lines)) or None)))
 

@@ -1,0 +1,151 @@
+"""Remarks below a report's tables of critical speeds: what columns are, what is left out, and what cancels."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+from torsionnet.base.phrases import joined, phrase
+from torsionnet.base.units import RPM
+from torsionnet.machinery.excitations.reciprocating_engine import ReciprocatingEngine
+from torsionnet.machinery.verdicts.condition_peaks import ConditionPeaks, CriticalRecord
+from torsionnet.machinery.verdicts.order_peaks import LEAST_SHARE, SMALL_SHARE, order_shares
+from torsionnet.report.document_tree import Text
+from torsionnet.report.report_data import ReportData
+from torsionnet.report.report_text import as_words, first_names
+
+MOST_NAMED = 40
+"""Largest number of further critical speeds that a note names."""
+CANCELLING = 0.1
+"""Vector sum of an order on a mode, over what the same torques would make in phase, below which they count as
+cancelling: uneven cylinders then decide what is left."""
+CANCELLING_SOURCES = 0.5
+"""Sum of the orders of several sources at one frequency, over the largest of them, below which they count as
+cancelling."""
+CRITICAL_NOTES = (
+    "Critical speed: where the order meets the natural frequency with damping. Peak at: where the order alone is "
+    "largest in the component, apart from it by damping. The sum of all orders is largest at speeds of its own.",
+    "Order alone: its amplitude, peak value; all orders: half range of their sum at the same speed. Allowed: in "
+    "continuous operation; in passing: while the speed is passed, where a rule says it.",
+)
+"""Notes below the table of critical speeds that say what its columns are."""
+NO_PEAK = "Without a speed of its peak the order has no maximum of its own; values are those at the critical speed."
+
+
+def notes_on_criticals(subject: ReportData, peaks: ConditionPeaks, shown: Sequence[CriticalRecord]) -> Iterator[Text]:
+    """Yield the notes below the table of critical speeds in the normal condition, of which ``shown`` are listed."""
+    yield from ((note,) for note in CRITICAL_NOTES)
+    if any(not one.is_peak for one in shown):
+        yield (NO_PEAK,)
+    yield from ((note,) for note in (*cancelling_sources(shown), *cancelling_cylinders(subject, shown)))
+    rest = [one for one in peaks.criticals if one.point is not None and one not in shown]
+    if rest:
+        yield (
+            phrase(
+                "At other critical speeds in the range the order alone uses at most {share:.2g} % of a limit: {names}.",
+                share=100 * max(one.share for one in rest),
+                names=_places(rest),
+            ),
+        )
+    shares = zip(peaks.check.lines, order_shares(peaks.check).tolist(), strict=True)
+    small = [as_words(line) for line, share in shares if share < SMALL_SHARE]
+    if small:
+        yield (
+            phrase(
+                "Every other order alone uses less than {share:g} % of a limit at all speeds examined: {names}.",
+                share=100 * SMALL_SHARE,
+                names=first_names(small, MOST_NAMED),
+            ),
+        )
+    strongest = max((one.critical.resonant_amplitude for one in shown), default=0.0)
+    beyond = [
+        one
+        for one in peaks.criticals
+        if one.point is None and one.critical.resonant_amplitude >= LEAST_SHARE * strongest
+    ]
+    if beyond:
+        low, high = peaks.check.rpm[0], peaks.check.rpm[-1]
+        text = "Beside the range of {low:.6g} to {high:.6g} rpm, not examined: {names}."
+        yield (phrase(text, low=low, high=high, names=_places(beyond)),)
+    yield from _distances(subject, shown)
+
+
+def cancelling_sources(records: Sequence[CriticalRecord]) -> Iterator[str]:
+    """Yield the sentence on orders of several sources at one frequency whose sum is much less than the largest."""
+    found: dict[tuple[str, int], str] = {}
+    for one in records:
+        if one.point is None:
+            continue
+        summed = next(those for those in one.point.check.summed if one.line in those.places)
+        largest = max(one.point.order((line,)) for line in summed.places)
+        share = one.point.order(summed.places) / largest if largest else 1.0
+        if len(summed.places) > 1 and share < CANCELLING_SOURCES:
+            mode = one.critical.mode.number
+            template = "{order}, mode {mode} ({share:.2g} % of the largest)"
+            text = phrase(template, order=as_words(summed.name), mode=mode, share=100 * share)
+            found.setdefault((summed.name, mode), text)
+    if found:
+        yield phrase(
+            "Sources at one frequency cancel each other: {names}. What is measured is the sum, in the row that names "
+            "them all; rows of single sources are what each of them would make alone.",
+            names=joined("; ", list(found.values())),
+        )
+
+
+def cancelling_cylinders(subject: ReportData, records: Sequence[CriticalRecord]) -> Iterator[str]:
+    """Yield the sentence on orders whose cylinders cancel each other on a mode, so that their force is small."""
+    found, excitations = [], subject.normal_case.drivetrain.definition.excitations
+    for one in records:
+        star = one.critical.star
+        if star is None or one.critical.case or not isinstance(excitations[star.excitation], ReciprocatingEngine):
+            continue
+        whole = float(abs(star.vectors).sum())
+        if abs(star.sum) < CANCELLING * whole:
+            template = "{order}, mode {mode} ({share:.2g} %)"
+            share = 100 * abs(star.sum) / whole
+            found.append(phrase(template, order=as_words(one.name), mode=one.critical.mode.number, share=share))
+    if found:
+        yield phrase(
+            "Cylinders that are alike cancel each other: {names} of what they would make in phase. Differences between "
+            "cylinders raise these most.",
+            names=joined("; ", found),
+        )
+
+
+def _places(records: Sequence[CriticalRecord]) -> str:
+    """Text with order, mode and critical speed in rpm of some critical speeds."""
+    return first_names(
+        [
+            phrase(
+                "{order}, mode {mode} at {speed:.1f}",
+                order=as_words(one.name),
+                mode=one.critical.mode.number,
+                speed=one.critical.natural_speed * RPM,
+            )
+            for one in records
+        ],
+        MOST_NAMED,
+    )
+
+
+def _distances(subject: ReportData, shown: Sequence[CriticalRecord]) -> Iterator[Text]:
+    """Sentence on how far the critical speeds listed lie from rated speed, the nearest of each order; or nothing."""
+    speeds = subject.model.definition.speeds
+    if speeds is None or not speeds.rated:
+        return
+    nearest: dict[str, float] = {}
+    for one in shown:
+        off = one.critical.natural_speed / speeds.rated - 1
+        if abs(off) < abs(nearest.get(one.name, math.inf)):
+            nearest[one.name] = off
+    closest = sorted(nearest.items(), key=lambda pair: abs(pair[1]))
+    shares = [f"{100 * off:+.1f}".replace("-", "\N{MINUS SIGN}") for _, off in closest]
+    each = [f"{as_words(name)} {share} %" for (name, _), share in zip(closest, shares, strict=True)]
+    if each:
+        yield (
+            phrase(
+                "Distance of the critical speeds from rated speed, {speed:.6g} rpm: {distances}.",
+                speed=speeds.rated * RPM,
+                distances=", ".join(each),
+            ),
+        )
