@@ -42,7 +42,7 @@ def _first(one: PeriodicProblem, motion: PeriodicMotion) -> complex:
 
 def _doubled(one: PeriodicProblem, doubling: Doubling, harmonics: int = 40) -> MotionBranch:
     tracer = Tracer(one.with_subharmonics(2), harmonics)
-    return MotionBranch(tracer, tuple(doubled_branch(one, doubling, harmonics, 150)), "doubled")
+    return MotionBranch(tracer, tuple(doubled_branch(tracer, doubling, 150)), "doubled")
 
 
 def test_multipliers_of_a_cubic_spring():

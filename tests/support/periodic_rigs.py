@@ -78,6 +78,17 @@ def car(**more: object) -> tn.Drivetrain:
     return tn.Drivetrain("car", elements, **more)
 
 
+def sink(damping: float = 0.2) -> tn.Drivetrain:
+    """Mass on a spring with a small one on a cubic spring, of 0.1 and 0.001 g + 0.4/3 g^3, which takes energy from it."""
+    elements = [
+        tn.Inertia("mass", node="a", inertia=1),
+        tn.Spring("hold", nodes=("a", "ground"), stiffness=1),
+        tn.Inertia("sink", node="b", inertia=0.1),
+        tn.Spring("link", nodes=("a", "b"), stiffness=0.001, cubic=0.4 / 3, damping=0.1 * damping),
+    ]
+    return tn.Drivetrain("sink", elements)
+
+
 CAR_LOADS = {"engine": [60, 300, -60j], "vehicle": [-60, 0, 0]}
 """Torques 60 + 300 cos 2 phi + 60 sin 4 phi of the engine, and the mean of the vehicle, by order 2."""
 

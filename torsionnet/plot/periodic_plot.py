@@ -17,7 +17,7 @@ from torsionnet.plot.drawing.style import GivenAxes
 if TYPE_CHECKING:
     from torsionnet.motion.periodic.periodic_result import FoundMotion, PeriodicResponse
 
-TURNS = {"fold": "o", "doubling": "D"}
+TURNS = {"fold": "o", "doubling": "D", "second frequency": "s"}
 """Marker of matplotlib of each kind of place at which a branch turns."""
 
 
@@ -26,7 +26,8 @@ def periodic_response(
 ) -> Figure:
     """Figure of the peak to peak of every output over frequency or speed, branch by branch; what is unstable is dashed.
 
-    Dotted parts are those whose stability is not determined. Circles are folds, diamonds doublings.
+    Dotted parts are those whose stability is not determined. Circles are folds, diamonds doublings, squares
+    onsets of a second frequency.
 
     Parameters
     ----------

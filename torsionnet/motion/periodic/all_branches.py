@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from itertools import islice
 
 import numpy as np
 
 from torsionnet.linear.assembly.rows import ComplexArray
 from torsionnet.motion.periodic.branch import BranchPoint, MotionBranch, Tracer
+from torsionnet.motion.periodic.crossings import second_frequencies
 from torsionnet.motion.periodic.doubling import Doubling, doubled_branch, doublings
 from torsionnet.motion.periodic.harmonic_balance import fitted
 from torsionnet.motion.periodic.periodic_problem import Harmonics, PeriodicMotion, PeriodicProblem
@@ -35,10 +35,15 @@ STARTS = tuple((size, phase) for size in (0.3, 2.0, 10.0) for phase in (1.0, -1.
 
 @dataclass(frozen=True, eq=False)
 class FoundBranch:
-    """Branch with its doublings, and the doubling at which it begins, if it does."""
+    """Branch with its doublings, and the doubling at which it begins, if it does.
+
+    ``second_frequencies`` are the motions at which a second frequency sets in or ends, each with the number of the
+    point before it.
+    """
 
     branch: MotionBranch
     doublings: tuple[Doubling, ...]
+    second_frequencies: tuple[tuple[int, PeriodicMotion], ...] = ()
     begins: Doubling | None = None
 
     @property
@@ -57,11 +62,11 @@ def all_branches(
     for at in dict.fromkeys((high, low, middle)):
         for motion in from_rest(problem, at):
             if not _known(found, motion):
-                found.append(_with_doublings(_both_ways(problem, motion, (low, high), traced, "from rest")))
+                found.append(_with_crossings(_both_ways(problem, motion, (low, high), traced, "from rest")))
     for motion in _other_starts(problem, (middle, low, high), traced):
         if not _known(found, motion):
             way = "from a start of another size, joined to no other"
-            found.append(_with_doublings(_both_ways(problem, motion, (low, high), traced, way)))
+            found.append(_with_crossings(_both_ways(problem, motion, (low, high), traced, way)))
     place = 0
     while place < len(found):
         one = found[place]
@@ -71,12 +76,12 @@ def all_branches(
         for doubling in one.doublings:
             branch = _doubled(one.problem, doubling, (low, high), 2 * traced)
             if branch is not None and not _known(found, branch.tracer.motion(branch.points[len(branch.points) // 2])):
-                found.append(replace(_with_doublings(branch), begins=doubling))
+                found.append(replace(_with_crossings(branch), begins=doubling))
     return found
 
 
-def _with_doublings(branch: MotionBranch) -> FoundBranch:
-    return FoundBranch(branch, tuple(doublings(branch)))
+def _with_crossings(branch: MotionBranch) -> FoundBranch:
+    return FoundBranch(branch, tuple(doublings(branch)), tuple(second_frequencies(branch)))
 
 
 def _known(found: list[FoundBranch], motion: PeriodicMotion) -> bool:
@@ -102,17 +107,21 @@ def _both_ways(
     """Branch through a motion, in both directions to the ends of the range."""
     tracer = Tracer(problem, harmonics)
     parts: list[list[BranchPoint]] = []
+    stops: list[tuple[PeriodicMotion, str]] = []
     for direction in (1.0, -1.0):
         first = tracer.first(motion.parameter, motion.x, direction)
         if first is None:
             continue
         parts.append([first, *_inside(tracer.along(first, MOST_POINTS), ends, first)])
+        if tracer.stopped:
+            stops.append((tracer.motion(parts[-1][-1]), tracer.stopped))
+            tracer.stopped = ""
     if not parts:
         return MotionBranch(tracer, (), way)
     forth, back = parts[0], parts[-1] if len(parts) > 1 else parts[0][:1]
     # Backwards the tangents point the other way.
     turned = [BranchPoint(one.p, one.u, -one.tangent, one.scale) for one in reversed(back[1:])]
-    return MotionBranch(tracer, (*turned, *forth), way)
+    return MotionBranch(tracer, (*turned, *forth), way, tuple(stops))
 
 
 def _inside(points: Iterator[BranchPoint], ends: tuple[float, float], first: BranchPoint) -> Iterator[BranchPoint]:
@@ -148,11 +157,14 @@ def _doubled(
     problem: PeriodicProblem, doubling: Doubling, ends: tuple[float, float], harmonics: int
 ) -> MotionBranch | None:
     tracer = Tracer(problem.with_subharmonics(2 * problem.subharmonics), harmonics)
-    traced = doubled_branch(problem, doubling, harmonics, MOST_POINTS)
+    traced = doubled_branch(tracer, doubling, MOST_POINTS)
     low, high = ends[0] * (1 - WIDER), ends[1] * (1 + WIDER)
     points: list[BranchPoint] = []
-    for point in islice(traced, MOST_POINTS):
+    for point in traced:
         points.append(point)
         if not low <= point.p <= high:
             break
-    return MotionBranch(tracer, tuple(points), "doubled") if len(points) > 1 else None
+    if len(points) < 2:
+        return None
+    stops = ((tracer.motion(points[-1]), tracer.stopped),) if tracer.stopped else ()
+    return MotionBranch(tracer, tuple(points), "doubled", stops)

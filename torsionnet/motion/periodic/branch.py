@@ -60,7 +60,12 @@ class Fold:
 
 
 class Tracer:
-    """Steps along branches of a problem with a fixed number of harmonics."""
+    """Steps along branches of a problem with a fixed number of harmonics.
+
+    ``stopped`` says why the last way along a branch went no further, empty where nothing stopped it.
+    """
+
+    stopped = ""
 
     def __init__(self, problem: PeriodicProblem, harmonics: int) -> None:
         self.problem, self.harmonics = problem, harmonics
@@ -132,7 +137,7 @@ class Tracer:
 
     def along(self, point: BranchPoint, most: int) -> Iterator[BranchPoint]:
         """Yield points along the branch, each some length further, until it gets lost or ``most`` are found."""
-        ds = FIRST_STEP
+        ds, self.stopped = FIRST_STEP, ""
         for _ in range(most):
             while True:
                 found = self.step(point, ds)
@@ -142,11 +147,13 @@ class Tracer:
                         break
                 ds /= 2
                 if ds < SHORTEST_STEP:
+                    self.stopped = "Newton's method finds no motion further on, however short the step"
                     return
             point, count = found
             yield point
             if count <= FEW:
                 ds = min(1.5 * ds, LONGEST_STEP)
+        self.stopped = f"it goes on, but only {most} points of it are followed"
 
     def motion(self, point: BranchPoint) -> PeriodicMotion:
         """Motion of a point."""
@@ -156,11 +163,15 @@ class Tracer:
 
 @dataclass(frozen=True, eq=False)
 class MotionBranch:
-    """Points along a branch in their order, and how it was found in words."""
+    """Points along a branch in their order, and how it was found in words.
+
+    ``stops`` are the motions at which it could not be followed further inside the range, each with the reason.
+    """
 
     tracer: Tracer
     points: tuple[BranchPoint, ...]
     way: str
+    stops: tuple[tuple[PeriodicMotion, str], ...] = ()
 
     def at(self, parameter: float) -> list[PeriodicMotion]:
         """Motions of the branch at a parameter, with as many harmonics as they need, in the order of the branch."""

@@ -13,7 +13,7 @@ The product over a period is the monodromy; its eigenvalues are the multipliers 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -324,19 +324,35 @@ class ContactMarch:
 
     def read(self, passage: Passage, readings: Sequence[Functional], points: int) -> FloatArray:
         """Readings (n_out, n) of a period in SI units, at points in every look and at all corners."""
+        return np.vstack(list(self._stretches_read(passage, readings, points))).T
+
+    def extremes(self, passage: Passage, readings: Sequence[Functional], points: int) -> tuple[FloatArray, FloatArray]:
+        """Lowest and highest values (n_out,) of readings over a period, from parabolas through their points."""
+        tops = [[-_tops(-values), _tops(values)] for values in self._stretches_read(passage, readings, points)]
+        return np.min([low for low, _ in tops], axis=0), np.max([high for _, high in tops], axis=0)
+
+    def _stretches_read(self, passage: Passage, readings: Sequence[Functional], points: int) -> Iterator[FloatArray]:
+        """Yield readings (n, n_out) of every stretch, its two ends included."""
         plan = reading_plan(self.states.plant, readings, self.problem.plant.inputs)
-        found = []
         for one in passage.stretches:
             form = self.states.form(one.contact)
             rows = reading_rows(self.states.plant, readings, self.problem.plant.inputs, form, self.at, plan)
             count = max(2, math.ceil(points * one.length / self.period))
             step = np.asarray(scipy.linalg.expm(form.A * (one.length / count)))
-            z = one.z
+            z = [one.z]
             for _ in range(count):
-                found.append(rows @ z)
-                z = step @ z
-            found.append(rows @ z)
-        return np.array(found).T
+                z.append(step @ z[-1])
+            yield np.array(z) @ rows.T
+
+
+def _tops(values: FloatArray) -> FloatArray:
+    """Highest values (n_out,) of courses (n, n_out): at an end, or the top of the parabola through three points."""
+    places, columns = values.argmax(axis=0), np.arange(values.shape[1])
+    inner = np.clip(places, 1, len(values) - 2)
+    before, here, after = (values[inner + step, columns] for step in (-1, 0, 1))
+    bend = before - 2 * here + after
+    top = here - (after - before) ** 2 / (8 * np.where(bend, bend, 1.0))
+    return np.asarray(np.where((inner == places) & (bend < 0), top, values[places, columns]))
 
 
 def without_turning(monodromy: FloatArray, plant: MotionPlant, at: Layout) -> FloatArray:

@@ -15,22 +15,25 @@ import numpy as np
 
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.motion.periodic.branch import LONGEST_STEP, BranchPoint, MotionBranch, Tracer
+from torsionnet.motion.periodic.crossings import located_crossing
 from torsionnet.motion.periodic.harmonic_balance import fitted, packed, unpacked
 from torsionnet.motion.periodic.periodic_problem import PeriodicMotion, PeriodicProblem
 from torsionnet.motion.periodic.stability import stability_of
 
-LOCATED = 1e-8
-"""Share of the parameter to which a doubling is located."""
 ENDS = 0.3
 """Share of the largest odd harmonics along a branch of doubled motions below which its end is near."""
 
 
 @dataclass(frozen=True, eq=False)
 class Doubling:
-    """Motion at which a multiplier passes -1, and the harmonics over two periods of the way to the doubled motion."""
+    """Motion at which a multiplier passes -1, and the harmonics over two periods of the way to the doubled motion.
+
+    ``place`` is the number of the point of the branch before it.
+    """
 
     motion: PeriodicMotion
     way: ComplexArray
+    place: int = 0
 
 
 def odd_part(problem: PeriodicProblem, motion: PeriodicMotion) -> FloatArray:
@@ -61,57 +64,30 @@ def doublings(branch: MotionBranch) -> Iterator[Doubling]:
     """Yield the doublings along a branch in its order."""
     problem, tracer = branch.tracer.problem, branch.tracer
     signs = [np.linalg.slogdet(odd_part(problem, tracer.motion(point)))[0] for point in branch.points]
-    for (before, first), (after, second) in pairwise(zip(branch.points, signs, strict=True)):
+    for place, ((before, first), (after, second)) in enumerate(pairwise(zip(branch.points, signs, strict=True))):
         if first * second < 0:
-            found = located_doubling(problem, before, after, tracer.n_laws)
+            found = located_doubling(problem, before, after, tracer.n_laws, place)
             if found is not None:
                 yield found
 
 
-def located_doubling(problem: PeriodicProblem, before: BranchPoint, after: BranchPoint, n_laws: int) -> Doubling | None:
-    """Doubling between two points of a branch, by the rule of false positions (Illinois) over the parameter.
+def located_doubling(
+    problem: PeriodicProblem, before: BranchPoint, after: BranchPoint, n_laws: int, place: int = 0
+) -> Doubling | None:
+    """Doubling between two points of a branch, of which the first has the number ``place``.
 
     What passes zero is the product of 1 + multiplier, and without multipliers the determinant of the odd part.
     """
 
-    def at(parameter: float) -> tuple[PeriodicMotion, float] | None:
-        share = (parameter - before.p) / (after.p - before.p)
-        start = unpacked(before.u + share * (after.u - before.u), n_laws)
-        motion = problem.solve(parameter, start)
-        if motion is None:
-            return None
+    def value(motion: PeriodicMotion) -> float:
         stability = stability_of(problem, motion)
         if stability.undetermined:
             sign, size = np.linalg.slogdet(odd_part(problem, motion))
-            return motion, float(sign * np.exp(min(size, 500.0)))
-        return motion, stability.doubling
+            return float(sign * np.exp(min(size, 500.0)))
+        return stability.doubling
 
-    span = after.p - before.p
-    ends = at(before.p), at(after.p)
-    # Few harmonics may see a doubling a little beside its place.
-    for _ in range(3):
-        if ends[0] is None or ends[1] is None or ends[0][1] * ends[1][1] <= 0:
-            break
-        before_p, after_p = ends[0][0].parameter - span / 2, ends[1][0].parameter + span / 2
-        ends = at(before_p), at(after_p)
-    if ends[0] is None or ends[1] is None or ends[0][1] * ends[1][1] > 0:
-        return None
-    (motion, fb), (other, fa) = ends[1], ends[0]
-    a, b = other.parameter, motion.parameter
-    for _ in range(60):
-        c = (a * fb - b * fa) / (fb - fa)
-        found = at(c)
-        if found is None:
-            return None
-        motion, fc = found
-        if fc * fb < 0:
-            a, fa = b, fb
-        else:
-            fa /= 2
-        moved, b, fb = abs(c - b), c, fc
-        if moved <= LOCATED * abs(c) or fc == 0:
-            break
-    return Doubling(motion, _way(problem, motion))
+    motion = located_crossing(problem, before, after, n_laws, value)
+    return None if motion is None else Doubling(motion, _way(problem, motion), place)
 
 
 def _way(problem: PeriodicProblem, motion: PeriodicMotion) -> ComplexArray:
@@ -122,15 +98,16 @@ def _way(problem: PeriodicProblem, motion: PeriodicMotion) -> ComplexArray:
     return unpacked(u, len(problem.forces))
 
 
-def doubled_branch(problem: PeriodicProblem, doubling: Doubling, harmonics: int, most: int) -> Iterator[BranchPoint]:
-    """Yield points of the branch of doubled motions from a doubling on, until it ends at another or comes back."""
-    motion = doubling.motion
-    twice = problem.with_subharmonics(2 * motion.subharmonics)
-    tracer = Tracer(twice, harmonics)
+def doubled_branch(tracer: Tracer, doubling: Doubling, most: int) -> Iterator[BranchPoint]:
+    """Yield points of the branch of doubled motions from a doubling on, until it ends at another or comes back.
+
+    ``tracer`` is that of the problem of twice the period.
+    """
+    motion, harmonics = doubling.motion, tracer.harmonics
     u = packed(doubled(motion.x, harmonics))
     scale = tracer.scale(u, motion.parameter)
     along = np.append(packed(fitted(doubling.way, harmonics)), 0.0) / scale
-    odd = _odd(harmonics, len(problem.forces))
+    odd = _odd(harmonics, tracer.n_laws)
     largest = 0.0
     for point in tracer.along(BranchPoint(motion.parameter, u, along / np.linalg.norm(along), scale), most):
         yield point

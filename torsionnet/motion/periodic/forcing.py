@@ -24,6 +24,8 @@ from torsionnet.motion.steady_start import nodes_of
 
 Torques: TypeAlias = Mapping[str, complex | Mapping[int, complex]]
 """Torques by input or node: the amplitude of harmonic 1 in N m, or amplitudes by harmonic, 0 being the mean."""
+MOST_ORDERS = 200
+"""Highest harmonic of the common period of orders that is followed: beyond, orders count as without one."""
 MOST_KEPT = 4096
 """Most speeds at which the torques of excitations are kept."""
 
@@ -127,6 +129,10 @@ def over_speed(
     mean_inputs = resolve_inputs(drivetrain, list(means), None).excitations if means else ()
     inputs = tuple(dict.fromkeys((*first.inputs, *mean_inputs)))
     harmonics = [int(one / base) for one in relative]
+    if max(harmonics) > MOST_ORDERS:
+        text = f"orders {', '.join(f'{float(one):.8g}' for one in sorted(set(relative)))} have a period in common only"
+        text += f" after {float(1 / base):.6g} turns of {request.reference}; periodic motion needs shorter ones: take"
+        raise UsageError(f"{text} fewer excitations together, or simulate", kind="no-period")
 
     @lru_cache(MOST_KEPT)
     def loads(speed: float) -> ComplexArray:

@@ -153,6 +153,27 @@ class PeriodicProblem:
         """Harmonics (H + 1, n_laws) of the motions g of the laws, without what laws with steps have beside."""
         return np.asarray(x - torques * np.array([one.yielding for one in self.forces]))
 
+    def beyond(self, motion: PeriodicMotion) -> str:
+        """Message that a law is left: its motion lies beyond an end of its table; else empty."""
+        n, k = samples(motion.harmonics), np.arange(motion.harmonics + 1)
+        twists = self.twists(motion.x, motion.torques)
+        for one, force, own in zip(self.plant.laws, self.forces, twists.T, strict=True):
+            # of friction behind a spring, and of laws with steps over the rate, g itself is the rate
+            rate = over_time(own if force.power else 1j * motion.omega * k * own, n)
+            twist = np.zeros(n) if force.power else over_time(own, n)
+            for place in (int(twist.argmin()), int(twist.argmax()), int(rate.argmin()), int(rate.argmax())):
+                message = one.law.curve.left(float(twist[place]), float(rate[place]))
+                if message:
+                    return f"{one.owner}: {message}"
+        return ""
+
+    def largest_twist(self, motion: PeriodicMotion) -> tuple[str, float]:
+        """Element of the law whose motion swings most, and its peak to peak, in rad of twists."""
+        twists = self.twists(motion.x, motion.torques)
+        swings = [float(np.ptp(over_time(own, samples(motion.harmonics)))) for own in twists.T]
+        place = int(np.argmax(swings))
+        return self.plant.laws[place].owner, swings[place]
+
     def coordinates(self, motion: PeriodicMotion) -> tuple[ComplexArray, ComplexArray]:
         """Harmonics (H + 1, n_q) of the coordinates in rad, and (H + 1, n_in) of the torques on the inputs in N m."""
         found = self.plant.receptances(motion.omega, range(motion.harmonics + 1))

@@ -22,19 +22,18 @@ from torsionnet.model.channels import Channels, Sensor
 from torsionnet.motion.periodic.all_branches import FoundBranch, all_branches
 from torsionnet.motion.periodic.branch import BranchPoint, located_fold
 from torsionnet.motion.periodic.condensed import CondensedPlant
-from torsionnet.motion.periodic.doubling import Doubling
 from torsionnet.motion.periodic.forcing import Forcing, Torques, over_frequency, over_speed
 from torsionnet.motion.periodic.harmonic_balance import unpacked
+from torsionnet.motion.periodic.periodic_notes import periodic_notes
 from torsionnet.motion.periodic.periodic_problem import Harmonics, PeriodicMotion, PeriodicProblem, peak_to_peak
 from torsionnet.motion.periodic.periodic_result import FoundMotion, PeriodicResponse
 from torsionnet.motion.periodic.stability import Stability, stability_of
+from torsionnet.motion.periodic.starts import without_start
 
 POINTS_READ = 1000
 """Points in a period at which outputs are read for their extremes, besides all corners."""
 AMPLITUDES = 16
 """Harmonics of the torques' period whose amplitudes a result keeps."""
-FEW_HARMONICS = "with {count} harmonic{s}, further ones would move the twist of a law by up to {share:.1g} of its swing"
-MORE = "there may be more: branches that none of these starts leads to are not found"
 
 
 def periodic_response(
@@ -78,7 +77,7 @@ def periodic_response(
     UsageError
         Unknown names, mean torques that do not balance, no laws of motion.
     SolveError
-        No periodic motion was found.
+        No periodic motion was found, or all lie beyond the table of a law.
 
     Examples
     --------
@@ -110,9 +109,7 @@ def periodic_response(
         branches = _branches(forcing, problem, excitation, (low, high), harmonics, subharmonics)
         if branches:
             return _result(forcing, readings, branches, harmonics)
-    text = "from rest no periodic motion was reached; a time simulation shows what the drivetrain does"
-    unit = "rad/s" if forcing.reference else "Hz"
-    raise SolveError(f"{text} between {low:.6g} and {high:.6g} {unit}", kind="no-period")
+        raise SolveError(without_start(problem, low, "rad/s" if forcing.reference else "Hz"), kind="no-period")
 
 
 def _branches(
@@ -153,13 +150,20 @@ def _result(
 ) -> PeriodicResponse:
     over: Literal["frequency", "speed"] = "speed" if forcing.reference else "frequency"
     motions: list[FoundMotion] = []
+    beyond: list[tuple[int, float, str]] = []
     for number, one in enumerate(branches):
         for motion, turn in motions_along(one, forcing.parameters, harmonics):
-            motions.append(_found(one.problem, motion, turn, number, readings))
-    drivetrain = forcing.drivetrain
+            left = one.problem.beyond(motion)
+            if left:
+                beyond.append((number, motion.parameter, left))
+            else:
+                motions.append(_found(one.problem, motion, turn, number, readings))
+    if not motions:
+        what = beyond[0][2] if beyond else "no motion was found where one was asked for; ask for more places"
+        raise SolveError(what, kind="beyond-table" if beyond else "no-period")
     found = PeriodicResponse(
         over, forcing.reference, forcing.order, tuple(one.channel for one in readings), tuple(motions),
-        tuple(one.branch.way for one in branches), drivetrain.title,
+        tuple(one.branch.way for one in branches), forcing.drivetrain.title,
     )  # fmt: skip
     doubled = {
         number: f"doubled at {found.shown(one.begins.motion.parameter):.8g} {found.unit}"
@@ -167,37 +171,16 @@ def _result(
         if one.begins is not None
     }
     ways = tuple(doubled.get(number, way) for number, way in enumerate(found.ways))
-    return replace(found, ways=ways, notes=tuple(_notes(found)))
-
-
-def _notes(found: PeriodicResponse) -> Iterator[str]:
-    off = [one for one in found.motions if one.left_out > 1e-5]
-    if off:
-        worst = max(off, key=lambda one: one.left_out)
-        s = "" if worst.harmonics == 1 else "s"
-        yield FEW_HARMONICS.format(count=worst.harmonics, s=s, share=worst.left_out)
-    doubled = {one.periods for one in found.motions}
-    for one in found.turns("doubling"):
-        follow = "" if 2 * one.periods in doubled else f"; subharmonics={2 * one.periods} follows it"
-        at = f"at {found.shown(one.at):.8g} {found.unit}"
-        yield f"{at} the motion of branch {one.branch + 1} doubles its period{follow}"
-    places = sorted({one.at for one in found.motions if not one.turn})
-    lonely = [at for at in places if found.motions_at(at) and not found.stable_at(at)]
-    sure = [at for at in lonely if all(one.is_stable is False for one in found.motions_at(at))]
-    if sure:
-        span = f"{found.shown(sure[0]):.6g} to {found.shown(sure[-1]):.6g} {found.unit}"
-        text = "none of the motions found is stable: what is met doubles, has a second frequency, or is chaotic"
-        yield f"at {len(sure)} places from {span} {text}; simulate shows it"
-    yield MORE
+    return replace(found, ways=ways, notes=tuple(periodic_notes(found, branches, beyond)))
 
 
 def motions_along(
     one: FoundBranch, parameters: FloatArray, harmonics: Harmonics
 ) -> Iterator[tuple[PeriodicMotion, str]]:
-    """Yield the motions of a branch in its order: those at parameters asked for, its folds and its doublings."""
-    points = one.branch.points
-    folds = {id(before): fold for before, fold in _folds(one)}
-    for before, after in pairwise(points):
+    """Yield the motions of a branch in its order: those at parameters asked for, and where it turns with the kind."""
+    crossings = [(each.place, each.motion, "doubling") for each in one.doublings]
+    crossings += [(place, motion, "second frequency") for place, motion in one.second_frequencies]
+    for number, (before, after) in enumerate(pairwise(one.branch.points)):
         lines: list[tuple[float, PeriodicMotion, str]] = []
         lower, upper = sorted((before.p, after.p))
         inside = parameters[(parameters >= lower) & (parameters < upper)] if before.p < after.p else (
@@ -207,23 +190,12 @@ def motions_along(
             motion = _between(one.problem, before, after, at, harmonics)
             if motion is not None:
                 lines.append((abs(at - before.p), motion, ""))
-        here = (
-            each.motion
-            for each in one.doublings
-            if lower <= each.motion.parameter < upper and _near(each, before, after)
-        )
-        lines += [(abs(each.parameter - before.p), each, "doubling") for each in here]
+        lines += [(abs(each.parameter - before.p), each, kind) for place, each, kind in crossings if place == number]
         yield from ((motion, turn) for _, motion, turn in sorted(lines, key=lambda line: line[0]))
-        if id(before) in folds:
-            yield folds[id(before)], "fold"
-
-
-def _folds(one: FoundBranch) -> Iterator[tuple[BranchPoint, PeriodicMotion]]:
-    for before, after in pairwise(one.branch.points):
         if before.turns * after.turns < 0:
-            found = located_fold(one.problem, before, after, one.branch.tracer.n_laws)
-            if found is not None:
-                yield before, found.motion
+            fold = located_fold(one.problem, before, after, one.branch.tracer.n_laws)
+            if fold is not None:
+                yield fold.motion, "fold"
 
 
 def _between(
@@ -231,16 +203,6 @@ def _between(
 ) -> PeriodicMotion | None:
     share = (at - before.p) / (after.p - before.p)
     return problem.solve(at, unpacked(before.u + share * (after.u - before.u), len(problem.forces)), harmonics)
-
-
-def _near(doubling: Doubling, before: BranchPoint, after: BranchPoint) -> bool:
-    """Whether a doubling lies on the branch between two points, not on another part of it at the same parameter."""
-    n_laws = doubling.motion.x.shape[1]
-    share = (doubling.motion.parameter - before.p) / (after.p - before.p)
-    between = unpacked(before.u + share * (after.u - before.u), n_laws)
-    apart = np.abs(between[:2] - doubling.motion.x[:2]).max()
-    step = np.abs(unpacked(after.u - before.u, n_laws)[:2]).max()
-    return bool(apart <= max(step, 0.1 * np.abs(between[1]).max()))
 
 
 def _found(
@@ -262,8 +224,7 @@ def _extremes(stability: Stability, amplitudes: Any, readings: Sequence[Function
     """Lowest and highest values (n_out,), over contact states where the motion has a passage through them."""
     ends = np.array([peak_to_peak(column) for column in amplitudes.T]).reshape(-1, 2)
     if stability.march is not None and stability.passage is not None and len(amplitudes) > 2:
-        read = stability.march.read(stability.passage, readings, POINTS_READ)
-        return read.min(axis=1), read.max(axis=1)
+        return stability.march.extremes(stability.passage, readings, POINTS_READ)
     return ends[:, 0], ends[:, 1]
 
 

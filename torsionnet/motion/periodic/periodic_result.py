@@ -30,7 +30,8 @@ class FoundMotion:
     branch : int
         Number of its branch.
     turn : str
-        ``"fold"`` or ``"doubling"`` where the branch turns there, else empty: a place that was asked for.
+        ``"fold"``, ``"doubling"`` or ``"second frequency"`` (Neimark-Sacker) where the branch turns there, else empty:
+        a place that was asked for.
     periods : int
         Periods of the torques after which it repeats.
     harmonics : int
@@ -142,8 +143,8 @@ class PeriodicResponse(SavedResult):
         """Stable motions at a frequency in Hz or speed in rad/s that was asked for: those that can be met."""
         return tuple(one for one in self.motions_at(at) if one.is_stable)
 
-    def turns(self, kind: Literal["fold", "doubling"] | None = None) -> tuple[FoundMotion, ...]:
-        """Motions at which branches turn, folds and doublings, or those of one kind."""
+    def turns(self, kind: Literal["fold", "doubling", "second frequency"] | None = None) -> tuple[FoundMotion, ...]:
+        """Motions at which branches turn, or those of one kind: folds, doublings, onsets of a second frequency."""
         return tuple(one for one in self.motions if one.turn and kind in (None, one.turn))
 
     def peak_to_peak(self, motion: FoundMotion, output: str | None = None) -> float:

@@ -14,7 +14,7 @@ from itertools import pairwise
 import numpy as np
 
 from torsionnet.linear.assembly.rows import ComplexArray
-from torsionnet.motion.periodic.branch import Tracer
+from torsionnet.motion.periodic.branch import BranchPoint, Tracer
 from torsionnet.motion.periodic.harmonic_balance import HarmonicBalance, fitted, unpacked
 from torsionnet.motion.periodic.periodic_problem import PeriodicDrive, PeriodicMotion, PeriodicProblem
 
@@ -64,24 +64,43 @@ def mean_start(problem: PeriodicProblem, parameter: float) -> ComplexArray | Non
 
 def from_rest(problem: PeriodicProblem, parameter: float) -> Iterator[PeriodicMotion]:
     """Yield motions at a parameter to which torques that grow from nothing lead."""
-    rest = mean_start(problem, parameter)
-    if rest is None:
-        return
-    way = problem.with_drive(_scaled_loads(problem, parameter, vibrates=True), parameter_scale=1.0)
-    harmonics = TRACED_HARMONICS * problem.subharmonics
-    tracer = Tracer(way, harmonics)
-    point = tracer.first(0.0, fitted(rest, harmonics), 1.0)
-    if point is None:
-        return
-    points = [point]
-    for following in tracer.along(point, MOST_POINTS):
-        points.append(following)
-        if not 0 <= following.p <= FURTHEST:
-            break
-    for before, after in pairwise(points):
+    for before, after in pairwise(_way(problem, parameter)[1]):
         if (before.p - 1) * (after.p - 1) <= 0 and before.p != after.p:
             share = (1 - before.p) / (after.p - before.p)
             between = before.u + share * (after.u - before.u)
             found = problem.solve(parameter, unpacked(between, len(problem.forces)))
             if found is not None:
                 yield found
+
+
+def _way(problem: PeriodicProblem, parameter: float) -> tuple[Tracer | None, list[BranchPoint]]:
+    """Points on the way on which torques that vibrate grow from nothing, none without a start at rest."""
+    rest = mean_start(problem, parameter)
+    if rest is None:
+        return None, []
+    way = problem.with_drive(_scaled_loads(problem, parameter, vibrates=True), parameter_scale=1.0)
+    harmonics = TRACED_HARMONICS * problem.subharmonics
+    tracer = Tracer(way, harmonics)
+    point = tracer.first(0.0, fitted(rest, harmonics), 1.0)
+    if point is None:
+        return tracer, []
+    points = [point]
+    for following in tracer.along(point, MOST_POINTS):
+        points.append(following)
+        if not 0 <= following.p <= FURTHEST:
+            break
+    return tracer, points
+
+
+def without_start(problem: PeriodicProblem, parameter: float, unit: str) -> str:
+    """Message that no periodic motion was reached at a parameter, with how far the way from rest went, and why."""
+    tracer, points = _way(problem, parameter)
+    text = f"from rest no periodic motion was reached at {parameter:.6g} {unit}"
+    if tracer is None or not points:
+        reached = "under the mean torques alone nothing stays at rest"
+    else:
+        furthest = max(points, key=lambda point: point.p)
+        owner, swing = tracer.problem.largest_twist(tracer.motion(furthest))
+        reached = f"torques that grow reach {100 * furthest.p:.3g} % of theirs, where {owner} swings by {swing:.4g} rad"
+        reached += f", and there {tracer.stopped}" if tracer.stopped else ""
+    return f"{text}: {reached}; a time simulation shows what the drivetrain does"

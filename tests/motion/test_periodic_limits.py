@@ -1,0 +1,127 @@
+"""Where periodic motions end: second frequencies, cascades, tables that are left, branches that stop, no period."""
+
+from __future__ import annotations
+
+from math import pi
+
+import numpy as np
+import pytest
+from support.periodic_rigs import duffing, gear_pair, problem, sink
+
+import torsionnet as tn
+from torsionnet.base.errors import SolveError, UsageError
+from torsionnet.motion.periodic import all_branches
+from torsionnet.motion.periodic.starts import without_start
+
+
+def _multipliers_of_the_sink(W: float, state: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """State and multipliers of the motion of the rig ``sink`` near a state (a, b, a', b'), by shooting with DOP853."""
+    from scipy.integrate import solve_ivp
+
+    def rates(t: float, y: np.ndarray) -> np.ndarray:
+        a, b, va, vb = y[:4]
+        g, rate = a - b, va - vb
+        link = 0.001 * g + 0.4 / 3 * g**3 + 0.02 * rate
+        k = 0.001 + 0.4 * g**2
+        J = np.array([[0, 0, 1, 0], [0, 0, 0, 1], [-1 - k, k, -0.02, 0.02], [10 * k, -10 * k, 0.2, -0.2]])
+        return np.concatenate(
+            [[va, vb, -a - link + 0.03 * np.cos(W * t), 10 * link], (J @ y[4:].reshape(4, 4)).ravel()]
+        )
+
+    for _ in range(4):
+        start = np.concatenate([state, np.eye(4).ravel()])
+        end = solve_ivp(rates, (0, 2 * pi / W), start, method="DOP853", rtol=1e-10, atol=1e-12).y[:, -1]
+        monodromy = end[4:].reshape(4, 4)
+        state = state - np.linalg.solve(monodromy - np.eye(4), end[:4] - state)
+    return state, np.linalg.eigvals(monodromy)
+
+
+def test_second_frequency_sets_in_where_shooting_has_a_pair_on_the_unit_circle():
+    found = sink().periodic_response(
+        "twist(link)", frequencies=np.array([0.95, 1.0, 1.02]) / (2 * pi), excitation={"a": 0.03}
+    )
+    (onset,) = found.turns("second frequency")
+    state = np.array([*(onset.angles[node] for node in "ab"), *(onset.speeds[node] for node in "ab")])
+    sizes = []
+    for W in onset.at * 2 * pi * np.array([1 - 1e-4, 1 + 1e-4]):
+        _, multipliers = _multipliers_of_the_sink(W, state)
+        pair = multipliers[np.abs(multipliers.imag) > 0.1]
+        sizes.append(np.abs(pair).max() - 1)
+    # The size of the pair passes one in between, straight over so short a way.
+    crossing = 1e-4 * (sizes[0] + sizes[1]) / (sizes[0] - sizes[1])
+    assert sizes[0] < 0 < sizes[1]
+    assert abs(crossing) < 1e-5
+    assert any("motions with a second frequency, which no period repeats" in note for note in found.notes)
+    assert [one.stability for one in found.motions_at(1.0 / (2 * pi))] == ["unstable: a second frequency grows"]
+
+
+def _repeats(W: float, after: int) -> float:
+    """Change of the gear pair with 0.06 after so many periods, once 400 have passed, by DOP853."""
+    from scipy.integrate import solve_ivp
+
+    def rates(t: float, y: np.ndarray) -> list[float]:
+        f = y[0] - np.clip(y[0], -1, 1)
+        return [y[1], 0.12 + 0.6 * np.cos(W * t) - 0.06 * y[1] - f]
+
+    times = 2 * pi / W * np.array([0, 400, 400 + after])
+    found = solve_ivp(
+        rates, (0, times[-1]), [1.1, 0], method="DOP853", rtol=1e-8, atol=1e-10, t_eval=times, max_step=0.3
+    )
+    return float(np.abs(found.y[:, 2] - found.y[:, 1]).max())
+
+
+@pytest.mark.slow
+def test_cascade_of_doublings_is_said_and_stepped_motions_have_its_periods():
+    found = gear_pair(0.06).periodic_response(
+        "x", frequencies=np.array([1.75, 1.8, 1.9, 2]) / (2 * pi), excitation={"x": {0: 0.12, 1: 0.6}}, subharmonics=4
+    )
+    four, eight = (one.at * 2 * pi for one in found.turns("doubling")[1:])
+    assert any("a cascade without an end, beyond about 0.28494 Hz chaos" in note for note in found.notes)
+    between = (four + eight) / 2
+    assert _repeats(between, 4) < 1e-3 < _repeats(between, 2)
+
+
+def _table_rig() -> tn.Drivetrain:
+    stages = [{"stiffness": 100, "to": "0.2 rad"}, {"stiffness": 300, "to": "0.5 rad"}]
+    spring = tn.Spring("disc", nodes=("a", "ground"), stages=stages, damping=1.0)
+    return tn.Drivetrain("table", [tn.Inertia("mass", node="a", inertia=1), spring])
+
+
+def test_motions_beyond_the_table_of_a_spring_are_left_out_and_told():
+    found = _table_rig().periodic_response("a", frequencies=[1.5, 2.0, 2.2, 3.0], excitation={"a": 10})
+    assert max(float(one.highest[0]) for one in found.motions) < 0.5
+    assert len(found.motions_at(2.0)) == 3
+    assert len(found.motions_at(2.2)) == 2
+    assert any("are left out: disc: the torque is given from -0.5 rad to 0.5 rad" in note for note in found.notes)
+    with pytest.raises(SolveError, match=r"(?s)disc: .*extend the table or the last stage.*beyond-table"):
+        _table_rig().periodic_response("a", frequencies=[1.5, 1.6], excitation={"a": 1000})
+
+
+def test_branch_that_stops_says_where_and_why(monkeypatch):
+    monkeypatch.setattr(all_branches, "MOST_POINTS", 12)
+    found = duffing().periodic_response("a", frequencies=np.array([0.5, 1.5]) / (2 * pi), excitation={"a": 0.18})
+    stops = [note for note in found.notes if " stops at " in note]
+    assert any("where spring swings by" in note and "only 12 points of it are followed" in note for note in stops)
+    assert len(found.motions_at(0.5 / (2 * pi))) == 1
+
+
+def test_no_rest_under_more_torque_than_a_softening_spring_carries():
+    spring = tn.Spring("spring", nodes=("a", "ground"), stiffness=1, cubic=-0.1, damping=0.05)
+    soft = tn.Drivetrain("soft", [tn.Inertia("mass", node="a", inertia=1), spring])
+    # It carries 2/3 sqrt(1/0.3) = 1.217 N m.
+    text = without_start(problem(soft, {"a": [3, 0.1]}, 0.2), 0.2, "Hz")
+    assert text.startswith("from rest no periodic motion was reached at 0.2 Hz: under the mean torques alone")
+    grown = without_start(problem(soft, {"a": [0, 0.1]}, 0.2), 0.2, "Hz")
+    assert "torques that grow reach" in grown
+
+
+def test_orders_without_a_short_period_in_common_are_refused():
+    orders = {1: {"amplitude": "5 N*m"}, "0.137": {"amplitude": "1 N*m"}}
+    rig = tn.Drivetrain(
+        "two", list(_table_rig().elements.values()),
+        excitations={"gas": {"type": "harmonic", "node": "a", "orders": orders}},
+    )  # fmt: skip
+    with pytest.raises(
+        UsageError, match=r"(?s)orders 0.137, 1 have a period in common only after 1000 turns.*no-period"
+    ):
+        rig.periodic_response("a", speeds=[9.0], speed_of="a")

@@ -1,0 +1,90 @@
+"""Notes of a periodic response: what was left out, where branches stop and motions change, and what may be missing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import groupby
+
+import numpy as np
+
+from torsionnet.motion.periodic.all_branches import FoundBranch
+from torsionnet.motion.periodic.periodic_result import PeriodicResponse
+
+FEW_HARMONICS = "with {count} harmonic{s}, further ones would move the twist of a law by up to {share:.1g} of its swing"
+MORE = "there may be more: branches that none of these starts leads to are not found"
+CLOSER = 4.669201609
+"""Factor by which doublings of a cascade follow each other ever closer (M. J. Feigenbaum, 1978)."""
+MANY = 3
+"""Doublings one after the other from which on a cascade is expected."""
+
+
+def periodic_notes(
+    found: PeriodicResponse, branches: Sequence[FoundBranch], beyond: Sequence[tuple[int, float, str]]
+) -> Iterator[str]:
+    """Yield the notes of a response; ``beyond`` are motions beyond tables by branch and place, with the reason."""
+    off = [one for one in found.motions if one.left_out > 1e-5]
+    if off:
+        worst = max(off, key=lambda one: one.left_out)
+        s = "" if worst.harmonics == 1 else "s"
+        yield FEW_HARMONICS.format(count=worst.harmonics, s=s, share=worst.left_out)
+    doubled = {one.periods for one in found.motions}
+    for one in found.turns("doubling"):
+        follow = "" if 2 * one.periods in doubled else f"; subharmonics={2 * one.periods} follows it"
+        yield f"at {_at(found, one.at)} the motion of branch {one.branch + 1} doubles its period{follow}"
+    for one in found.turns("second frequency"):
+        text = "passes into motions with a second frequency, which no period repeats; simulate shows them"
+        yield f"at {_at(found, one.at)} the motion of branch {one.branch + 1} {text}"
+    yield from _cascades(found, branches)
+    for number, each in enumerate(branches):
+        for motion, why in each.branch.stops:
+            owner, swing = each.problem.largest_twist(motion)
+            place = f"at {_at(found, motion.parameter)}, where {owner} swings by {swing:.4g} rad"
+            yield f"branch {number + 1} stops {place}: {why}; simulate shows what follows"
+    for number, group in groupby(beyond, key=lambda each: each[0]):
+        places = list(group)
+        span = _span(found, sorted(at for _, at, _ in places))
+        yield f"{span} motions of branch {number + 1} are left out: {places[0][2]}"
+    yield from _unstable(found)
+    yield MORE
+
+
+def _at(found: PeriodicResponse, at: float) -> str:
+    return f"{found.shown(at):.8g} {found.unit}"
+
+
+def _span(found: PeriodicResponse, places: Sequence[float]) -> str:
+    if len(places) == 1:
+        return f"at {found.shown(places[0]):.6g} {found.unit}"
+    return f"at {len(places)} places from {found.shown(places[0]):.6g} to {found.shown(places[-1]):.6g} {found.unit}"
+
+
+def _cascades(found: PeriodicResponse, branches: Sequence[FoundBranch]) -> Iterator[str]:
+    """Yield a note for each row of doublings that goes on, with the place at which it would have become chaos."""
+    for one in branches:
+        if not one.doublings:
+            continue
+        last, chain = one, []
+        while last.begins is not None:
+            chain.append(last.begins.motion.parameter)
+            last = next(each for each in branches if last.begins in each.doublings)
+        if len(chain) + 1 < MANY:
+            continue
+        nearest = min((each.motion.parameter for each in one.doublings), key=lambda at: abs(at - chain[0]))
+        row = np.array([*reversed(chain), nearest])[-MANY:]
+        steps = np.diff(row)
+        if steps[0] * steps[1] <= 0 or abs(steps[1]) >= abs(steps[0]):
+            continue
+        # what is left of the row is a geometric series of steps
+        chaos = row[-1] + steps[1] / (CLOSER - 1)
+        shown = ", ".join(f"{found.shown(at):.6g}" for at in row)
+        text = f"doublings follow each other ever closer, at {shown} {found.unit}: a cascade without an end"
+        yield f"{text}, beyond about {found.shown(chaos):.5g} {found.unit} chaos; simulate shows it"
+
+
+def _unstable(found: PeriodicResponse) -> Iterator[str]:
+    places = sorted({one.at for one in found.motions if not one.turn})
+    lonely = [at for at in places if found.motions_at(at) and not found.stable_at(at)]
+    sure = [at for at in lonely if all(one.is_stable is False for one in found.motions_at(at))]
+    if sure:
+        text = "none of the motions found is stable: what is met doubles, has a second frequency, or is chaotic"
+        yield f"{_span(found, sure)} {text}; simulate shows it"
