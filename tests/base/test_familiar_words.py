@@ -1,5 +1,6 @@
 """What users of other programs try first gets an answer that names what there is."""
 
+import inspect
 import re
 from importlib import import_module
 
@@ -45,6 +46,12 @@ def message(text):
 )
 def test_model_files(kind, entries, said):
     assert said in message(SPRING.format(kind=kind, entries=entries))
+
+
+@pytest.mark.parametrize("key", ["damping", "modal_damping"])
+def test_damping_of_a_whole_model_belongs_to_its_springs(key):
+    said = message(f"{key}: 2 %\n{SPRING.format(kind='spring', entries='stiffness: 1e4')}")
+    assert "write damping: {zeta: 2 %, at: 12 Hz} in the springs" in said
 
 
 def test_a_damper_is_not_told_of_damping_ratios():
@@ -123,6 +130,16 @@ def test_what_is_named_exists():
             assert there(then, getattr(tn, name)), (name, then)
         if (start, name) == ("model", "modes") and then:
             assert there(then, tn.Modes), then
+
+
+def test_arguments_in_hints_are_those_of_the_methods():
+    texts = [
+        text for table in (*familiar_words.PYTHON.values(), *familiar_words.METHODS.values()) for text in table.values()
+    ]
+    calls = [call for text in texts for call in re.findall(r"(?:model|tn\.Drivetrain)\.(\w+)\(([a-z_, ]+)\)", text)]
+    assert len(calls) > 10
+    for method, arguments in calls:
+        assert {*arguments.split(", ")} <= {*inspect.signature(getattr(tn.Drivetrain, method)).parameters}, method
 
 
 def test_no_word_hides_something_that_exists():

@@ -307,8 +307,8 @@ def test_sources_of_two_units_in_one_program(tmp_path):
         (one_mass, "rig.zip", {}, "ending in .fmu"),
         (one_mass, "rig.fmu", {"step": 0}, "positive time in s"),
         (one_mass, "rig.fmu", {"step": float("nan")}, "positive time in s"),
-        (one_mass, "rig.fmu", {"version": "1.0"}, "of version 2.0 and 3.0"),
-        (lambda: tn.Drivetrain("x", [tn.Inertia("i", node="a", inertia=2)]), "rig.fmu", {}, "one input and one sensor"),
+        (one_mass, "rig.fmu", {"version": "1.0"}, r"(?s)2\.0.*3\.0.*unknown-word"),
+        (lambda: tn.Drivetrain("x", [tn.Inertia("i", node="a", inertia=2)]), "rig.fmu", {}, "missing-entry"),
         (
             lambda: tn.load("six_cylinder_diesel").configured("viscous_and_hysteretic"),
             "rig.fmu", {}, "depends on frequency",
@@ -318,14 +318,14 @@ def test_sources_of_two_units_in_one_program(tmp_path):
                 "driven", [tn.Inertia("i", node="b", inertia=1), tn.Spring("s", nodes=("a", "b"), stiffness=5)],
                 inputs={"phi": {"angle": "a"}}, sensors={"b": {"angle": "b"}},
             ),
-            "rig.fmu", {}, "phi: an FMU is driven by torques",
+            "rig.fmu", {}, "no-counterpart",
         ),
         (
             lambda: tn.Drivetrain(
                 "loose", [tn.Damper("d", nodes=("a", "ground"), damping=3), tn.Spring("s", nodes=("a", "b"), stiffness=5)],
                 inputs={"T": {"torque": "b"}}, sensors={"rate": {"velocity": "b"}},
             ),
-            "rig.fmu", {}, "rate contains the rate of change of an input",
+            "rig.fmu", {}, "no-state-space",
         ),
         (
             lambda: tn.Drivetrain(
@@ -349,7 +349,7 @@ def test_without_any_compiler_the_command_is_named(tmp_path, monkeypatch):
     monkeypatch.setitem(extras.EXTRA_PACKAGES, "fmu", ("no_such_module", "ziglang", "FMU"))
     monkeypatch.setattr(compiling, "COMPILERS", ())
     monkeypatch.delenv("CC", raising=False)
-    with pytest.raises(MissingExtraError, match=r'pip install "torsionnet\[fmu\]"; a C compiler'):
+    with pytest.raises(MissingExtraError, match="missing-package"):
         write_fmu(one_mass(), tmp_path / "rig.fmu")
     assert list(tmp_path.iterdir()) == []
 

@@ -354,7 +354,7 @@ class TestUniversalFiles:
     def test_names_without_room_are_refused(self, tmp_path, pyuff, name):
         del pyuff
         given = replace(response([1.0, 2.0], 1, 1), outputs=(Channel(name, "rad"),))
-        with pytest.raises(UsageError, match="has no room for the names"):
+        with pytest.raises(UsageError, match="no-counterpart"):
             write_frequency_response(given, tmp_path / "r.uff")
         assert list(tmp_path.iterdir()) == []
 
@@ -378,7 +378,7 @@ class TestUniversalFiles:
 
 class TestFaultsOfFiles:
     def test_unknown_ending(self, tmp_path):
-        with pytest.raises(UsageError, match=r'no ending of a frequency response; did you mean "\.csv"\?'):
+        with pytest.raises(UsageError, match=r'(?s)did you mean "\.csv".*wrong-file'):
             read_frequency_response(tmp_path / "r.cvs")
 
     def test_no_file(self, tmp_path):
@@ -401,12 +401,12 @@ class TestFaultsOfFiles:
 
         path = tmp_path / f"r{ending}"
         (savemat if ending == ".mat" else lambda file, data: np.savez(file, **data))(path, {"x": np.arange(3)})
-        with pytest.raises(ModelError, match="no frequency response of torsionnet; it has x"):
+        with pytest.raises(ModelError, match="wrong-file"):
             read_frequency_response(path)
 
     def test_description_that_does_not_fit_the_numbers(self, tmp_path):
         path = tmp_path / "r.csv"
         write_frequency_response(response([1.0, 2.0]), path)
         path.write_text(path.read_text().replace('["y", "rad"], ', ""))
-        with pytest.raises(ModelError, match="cannot be read as CSV"):
+        with pytest.raises(ModelError, match="unreadable-file"):
             read_frequency_response(path)

@@ -210,7 +210,7 @@ class TestFaults:
             {"name": "p", "type": "GearElement", "inertia": 0, "diameter": 50.0},
             {"name": "w", "type": "GearElement", "inertia": 1, "teeth": 30, "parent": "p"},
         ]
-        with pytest.raises(ModelError, match="give both teeth, or both a diameter"):
+        with pytest.raises(ModelError, match=r"components\.0\.elements\.2: .*missing-entry"):
             from_tors(file_of(("box", disk("a"), *wheels)))
 
     def test_all_at_once_with_their_places(self, tmp_path):
@@ -234,7 +234,7 @@ class TestFaults:
 
     def test_no_json(self, tmp_path):
         (tmp_path / "f.tors").write_text('{"components": [\n}', encoding="utf-8")
-        with pytest.raises(ModelError, match=r"f\.tors:2:1: error: this is no JSON"):
+        with pytest.raises(ModelError, match=r":2:1: .*wrong-file"):
             read_tors(tmp_path / "f.tors")
 
     @pytest.mark.parametrize("content", [b"", b"\xff\xfe\x00", b"[" * 100_000, b"null", b"{}", b"[1]"])
@@ -333,14 +333,14 @@ class TestWriting:
     def test_what_a_configuration_takes_apart_is_no_tree(self):
         masses = [tn.Inertia(node, node=node, inertia=1) for node in "ab"]
         clutch = tn.RigidCoupling("clutch", nodes=("a", "b"), enabled=False)
-        with pytest.raises(UsageError, match="nothing connects a and b in this configuration"):
+        with pytest.raises(UsageError, match="no-counterpart"):
             to_tors(tn.Drivetrain("x", [*masses, clutch]))
 
     def test_negative_damping_is_written_for_opentorsion_and_not_read(self):
         load = tn.ConstantPowerLoad("load", node="a", power=200, speed=10)
         data = to_tors(tn.Drivetrain("x", [tn.Inertia("a", node="a", inertia=1), load]))
         assert data["components"][0]["elements"][1]["damping"] == -2
-        with pytest.raises(ModelError, match=r"damping to ground in N m s/rad must not be less than 0, got -2\.0"):
+        with pytest.raises(ModelError, match=r"components\.0\.elements\.1\.damping: .*-2\.0.*out-of-range"):
             from_tors(data)
 
     def test_a_damper_alone_is_a_shaft_without_stiffness(self):

@@ -79,7 +79,7 @@ def test_loops_springs_to_ground_and_parallel_ones(tmp_path):
 def test_what_a_sheet_has_no_column_for():
     with pytest.raises(UsageError, match="no column for"):
         to_mass_elastic(tn.load("planetary_set"))
-    with pytest.raises(UsageError, match='no node is named "enigne"; did you mean "engine"'):
+    with pytest.raises(UsageError, match=r'(?s)did you mean "engine".*unknown-node'):
         to_mass_elastic(tn.load("oil_engine"), referred_to="enigne")
 
 
@@ -120,5 +120,5 @@ def test_a_controller_is_no_rigid_connection_to_ground(tmp_path):
     masses = [tn.Inertia("J", node="a", inertia=3), tn.Inertia("I", node="b", inertia=1)]
     governor = tn.Controller("governor", sense={"velocity": "b"}, act="a", law=-4)
     rig = tn.Drivetrain("x", [*masses, tn.Spring("k", nodes=("a", "b"), stiffness=100), governor])
-    with pytest.raises(UsageError, match=r"no column for governor \(controller\)"):
+    with pytest.raises(UsageError, match="no-counterpart"):
         write_mass_elastic(rig, tmp_path / "x.csv")

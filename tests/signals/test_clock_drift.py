@@ -181,18 +181,16 @@ class TestRefused:
     def test_nothing_in_common(self):
         chance = np.random.default_rng(0)
         first, second = (Recording((Signal("T", "torque", chance.normal(size=9000)),), 1000.0) for _ in range(2))
-        with pytest.raises(
-            UsageError, match="too little in common to compare their clocks; record one rotation or one"
-        ):
+        with pytest.raises(UsageError, match="no-common-time"):
             signal_clocks(first, second, "T")
 
     def test_two_machines(self):
         first = rotation(pulses(run_up, 60, 20), 60, "n1")
         second = rotation(pulses(steady, 60, 20), 60, "n2")
-        with pytest.raises(UsageError, match="n1 and n2 do not show one rotation, or have no time in common; record"):
+        with pytest.raises(UsageError, match="no-common-time"):
             rotation_clocks(first, second)
 
     def test_too_few_turns(self):
         first = rotation(pulses(steady, 60, 0.3), 60)
-        with pytest.raises(UsageError, match="turns in common, clocks are compared from 16 on; record one rotation"):
+        with pytest.raises(UsageError, match=r"(?s)16.*too-short"):
             rotation_clocks(first, first)

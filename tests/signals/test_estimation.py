@@ -214,11 +214,11 @@ class TestNoise:
 
     def test_references_that_cannot_be(self):
         record = recorded(T0=white(4000, 1), T=white(4000, 2), T2=white(4000, 3), t=white(4000, 4))
-        with pytest.raises(UsageError, match="Hr needs a reference for each input"):
+        with pytest.raises(UsageError, match="wrong-count"):
             estimate(record, "t", "T", "Hr")
-        with pytest.raises(UsageError, match="Hr needs a reference for each input, such as the set-point: 1 for 2"):
+        with pytest.raises(UsageError, match="wrong-count"):
             estimate(record, "t", ["T", "T2"], reference="T0")
-        with pytest.raises(UsageError, match="a reference belongs to Hr; H1 has no use for T0"):
+        with pytest.raises(UsageError, match="needless-entry"):
             estimate(record, "t", "T", "H1", reference="T0")
         (warning,) = [note for note in estimate(record, "t", "T", reference="T0").notes if "hardly" in note]
         assert re.match(r"warning: T0 explains \d(\.\d)? % of T: hardly what drives it", str(warning))
@@ -302,7 +302,7 @@ class TestUncertainty:
     def test_too_few_averages_for_the_inputs(self):
         record = recorded(T1=white(400, 1), T2=white(400, 2), t=white(400, 3))
         spectra = cross_spectra(record)
-        with pytest.raises(UsageError, match="cannot tell 2 inputs from noise"):
+        with pytest.raises(UsageError, match="too-short"):
             random_errors(spectra, estimate(spectra, "t", ["T1", "T2"]))
 
 
@@ -340,11 +340,11 @@ class TestBlocks:
     @pytest.mark.parametrize(
         ("blocks", "message"),
         [
-            ([recorded(T=white(500)), recorded(T1=white(500))], "same signals: T; then T1"),
-            ([recorded(T=white(500)), recorded(T=white(500), rate=100)], "200 Hz, then 100 Hz"),
+            ([recorded(T=white(500)), recorded(T1=white(500))], "unlike-results"),
+            ([recorded(T=white(500)), recorded(T=white(500), rate=100)], r"(?s)200.*100.*unlike-results"),
             ([replace(recorded(T=white(500)), times=np.arange(500.0))], "not uniform"),
-            ([recorded(T=np.full(500, np.nan))], "T has 500 values that are not finite"),
-            ([recorded(T=white(300))], "1.5 s is too short for one window of 2 s"),
+            ([recorded(T=np.full(500, np.nan))], r"(?s)500.*not-finite"),
+            ([recorded(T=white(300))], r"(?s)1\.5.*too-short"),
             ([], "too short"),
         ],
     )
@@ -448,7 +448,7 @@ class TestRemarks:
         assert resolution_limit(f, 10.0 - f, step=0.01) == pytest.approx(9.96)
         assert resolution_limit(f, f, step=0.01) == 10
         assert resolution_limit(f, f, step=100.0) == 0
-        with pytest.raises(UsageError, match="must be a positive angle"):
+        with pytest.raises(UsageError, match="out-of-range"):
             resolution_limit(f, f, step=0.0)
 
 
@@ -456,9 +456,9 @@ class TestQuestions:
     @pytest.mark.parametrize(
         ("arguments", "message"),
         [
-            (("t", "T", "H3"), 'no estimator is named "H3"; there is H1, H2, Hv, Hs'),
-            (("t", "t22"), r'(?m)^no signal is named "t22"; did you mean "t2"\?; there is T, t, t2$'),
-            (("t", ["T", "t2"], "H2"), "as many outputs as inputs; there are 1 and 2"),
+            (("t", "T", "H3"), "unknown-word"),
+            (("t", "t22"), r'(?s)did you mean "t2".*unknown-channel'),
+            (("t", ["T", "t2"], "H2"), "wrong-count"),
             (("t", ["T", "t2"], "Hs"), "needs a noise ratio"),
             (("t", "T", "H1", None, 2.0), "belongs to Hs"),
             (("t", "T", "Hs", None, -2.0), "positive number"),
@@ -472,7 +472,7 @@ class TestQuestions:
         spectra = cross_spectra(recorded(T=white(1000), t=white(1000, 1)))
         with pytest.raises(UsageError, match="averaged already"):
             estimate(spectra, "t", "T", settings=PAPER)
-        with pytest.raises(UsageError, match='no signal is named "u"'):
+        with pytest.raises(UsageError, match="unknown-channel"):
             estimate(spectra, "u", "T")
 
     @pytest.mark.parametrize("wrong", [{"overlap": 1.0}, {"seconds": 0.0}, {"detrend": "constant"}])
@@ -511,8 +511,8 @@ class TestComparison:
     @pytest.mark.parametrize(
         ("other", "message"),
         [
-            ({"frequencies": (1.0, 2.0, 3.1)}, "calculate the model at the frequencies of the test"),
-            ({"unit": "rad/s"}, "outputs differ: t in rad against t in rad/s"),
+            ({"frequencies": (1.0, 2.0, 3.1)}, "unlike-results"),
+            ({"unit": "rad/s"}, "unlike-results"),
         ],
     )
     def test_not_comparable(self, other, message):

@@ -88,15 +88,15 @@ def test_burst_of_the_whole_period_is_never_silent():
     ("make", "message"),
     [
         (lambda: LinearChirp(start=1, stop=1, duration=5), "same frequency"),
-        (lambda: LinearChirp(start=-1, stop=5, duration=5), "start must be a positive number, got -1"),
-        (lambda: LogarithmicSweep(start=0, stop=5, duration=5), "start must be a positive number, got 0"),
+        (lambda: LinearChirp(start=-1, stop=5, duration=5), "out-of-range"),
+        (lambda: LogarithmicSweep(start=0, stop=5, duration=5), "out-of-range"),
         (lambda: LogarithmicSweep(start=1, stop=5, duration=np.nan, amplitude=-2), "amplitude.*; duration"),
         (lambda: SteppedSine(frequencies=(), hold=1), "at least one"),
-        (lambda: Multisine(start=5, stop=2, period=4), "start must be below stop"),
+        (lambda: Multisine(start=5, stop=2, period=4), "out-of-range"),
         (lambda: Multisine(start=1.01, stop=1.02, period=4), "no line between"),
-        (lambda: Multisine(start=1, stop=20, period=1.23456789).samples(1000), "not a whole number of samples"),
-        (lambda: BurstRandom(start=1, stop=20, period=4, share=1.5), "share must be at most 1"),
-        (lambda: LinearChirp(start=1, stop=600, duration=5).samples(1000), "needs more than twice that rate"),
+        (lambda: Multisine(start=1, stop=20, period=1.23456789).samples(1000), "contradicting-values"),
+        (lambda: BurstRandom(start=1, stop=20, period=4, share=1.5), "out-of-range"),
+        (lambda: LinearChirp(start=1, stop=600, duration=5).samples(1000), "beyond-sampling"),
     ],
 )
 def test_signals_that_make_no_sense(make, message):

@@ -65,12 +65,12 @@ class TestWav:
         whole = (tmp_path / "r.wav").read_bytes()
         for end in range(0, len(whole) - 1, 7):
             (tmp_path / "r.wav").write_bytes(whole[:end])
-            with pytest.raises(ModelError, match="cannot be read as WAV"):
+            with pytest.raises(ModelError, match="unreadable-file"):
                 read_recording(tmp_path / "r.wav")
 
     def test_is_not_written(self, tmp_path):
         record = Recording((Signal("T", "torque", np.ones(3)),), sampling_rate=10.0)
-        with pytest.raises(UsageError, match=r"WAV files are read only; write .npz"):
+        with pytest.raises(UsageError, match="wrong-file"):
             write_recording(record, tmp_path / "r.wav")
 
 
@@ -121,7 +121,7 @@ def test_universal_files_of_other_things_are_named(tmp_path, case):
     assert message in result.stderr
     assert "--sampling-rate" not in result.stderr
     if case != "responses":
-        with pytest.raises(ModelError, match=r"there is no frequency response .* it holds nodes of a mesh"):
+        with pytest.raises(ModelError, match="wrong-file"):
             read_frequency_response(tmp_path / "r.uff")
 
 
@@ -163,7 +163,7 @@ class TestArraysOfAResponse:
         from scipy.io import savemat
 
         savemat(tmp_path / "h.mat", {"Freq": FREQUENCIES[::-1], "H": RESPONSE})
-        with pytest.raises(ModelError, match="the frequencies in Freq do not increase"):
+        with pytest.raises(ModelError, match="unordered-rows"):
             read_frequency_response(tmp_path / "h.mat")
 
 

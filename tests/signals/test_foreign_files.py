@@ -317,7 +317,7 @@ class TestClaims:
     @pytest.mark.parametrize("read", [read_recording, tn.io.read_frequency_response])
     def test_npz_pickle(self, tmp_path, read):
         path = self.npz(tmp_path / "r.npz", x=np.array([{"a": 1}], dtype=object), y=np.zeros(3))
-        with pytest.raises(ModelError, match="x holds Python objects, which are not unpacked"):
+        with pytest.raises(ModelError, match="unreadable-file"):
             read(path)
 
     @pytest.mark.parametrize("compressed", [False, True])
@@ -446,7 +446,7 @@ class TestEarlyEnds:
             with pytest.raises(ForeignFileError, match="ends early"):
                 check_end(raw[:length])
         (tmp_path / "cut.uff").write_bytes(raw[: raw.index(b"    -1\n    58b")])
-        with pytest.raises(ModelError, match="there is no frequency response"):
+        with pytest.raises(ModelError, match="wrong-file"):
             tn.io.read_frequency_response(tmp_path / "cut.uff")
 
     @pytest.mark.parametrize(

@@ -95,7 +95,7 @@ class TestSound:
         found = read_recording(write(tmp_path, f"{head}Comment\n{''.join(lines)}"))
         assert (found.names, found.sampling_rate) == (("Torque", "Angle"), 1000.0)
         lines[7] = lines[7].replace("\t0.007", "\t0.0072")
-        with pytest.raises(ModelError, match=r"r.lvm:23:1: error: Angle has other times than Torque: X_Value differs"):
+        with pytest.raises(ModelError, match=r":23:1: .*unlike-results"):
             read_recording(write(tmp_path, f"{head}Comment\n{''.join(lines)}"))
 
     def test_an_export_without_the_first_line(self, tmp_path):
@@ -118,7 +118,7 @@ class TestSound:
 
     def test_is_not_written(self, tmp_path):
         record = read_recording(write(tmp_path, FILE + segment()))
-        with pytest.raises(UsageError, match=r".lvm files of LabVIEW are read only; write .tdms"):
+        with pytest.raises(UsageError, match="wrong-file"):
             write_recording(record, tmp_path / "new.lvm")
 
 
@@ -140,8 +140,8 @@ class TestSegments:
     @pytest.mark.parametrize(
         ("second", "message"),
         [
-            (segment(20, COUNT, x0=0.02, interval="0.002"), "segment 2 has other channels, units or Delta_X"),
-            (segment(20, COUNT, x0=0.02, Y_Unit_Label=["Nm", "deg"]), "than segment 1 in line 23"),
+            (segment(20, COUNT, x0=0.02, interval="0.002"), r":54:1: .*unlike-results"),
+            (segment(20, COUNT, x0=0.02, Y_Unit_Label=["Nm", "deg"]), r":54:1: .*23.*unlike-results"),
         ],
     )
     def test_of_other_channels_are_refused(self, tmp_path, second, message):
@@ -183,7 +183,7 @@ class TestBlocksAfterTriggers:
     @pytest.mark.parametrize("case", TRIGGERED)
     def test_are_no_single_record(self, tmp_path, case):
         path = write(tmp_path, TRIGGERED[case])
-        with pytest.raises(ModelError, match=r"holds 3 blocks that do not follow each other, .* first of 20 samples"):
+        with pytest.raises(ModelError, match=r"(?s)20.*unlike-results"):
             read_recording(path)
         result = run("spectrogram", path, "--seconds", "0.01", code=1)
         assert "3 blocks that do not follow each other" in result.stderr
@@ -220,43 +220,43 @@ class TestBlocksAfterTriggers:
         )
 
     def test_a_cut_block_is_told(self, tmp_path):
-        with pytest.raises(ModelError, match="ends early: Samples says 20 rows, there are 11 in block 3"):
+        with pytest.raises(ModelError, match=r":74:1: .*20.*11.*truncated-file"):
             list(iter_blocks(write(tmp_path, HEADED + rows(RANDOM[:51])), 1.0))
 
     def test_pulses_of_several_blocks_are_refused(self, tmp_path):
-        with pytest.raises(ModelError, match="blocks that do not follow each other"):
+        with pytest.raises(ModelError, match="unlike-results"):
             read_recording(write(tmp_path, TRIGGERED["rows beyond Samples"]), pulses={"Torque": 60})
 
 
 WHOLE = FILE + segment()
 HOSTILE = {
-    "no end of the file's header": (WHOLE.replace("***End_of_Header***\t\n", "", 1), r":13:1: error: \*\*\*End_of_Header\*\*\* is missing above this line: the header of the file"),
-    "no end of the channels' header": (WHOLE.replace("***End_of_Header***\t\t\t\n", ""), r":22:1: error: .*: the header of the channels ends"),
+    "no end of the file's header": (WHOLE.replace("***End_of_Header***\t\n", "", 1), r":13:1: .*wrong-file"),
+    "no end of the channels' header": (WHOLE.replace("***End_of_Header***\t\t\t\n", ""), r":22:1: .*wrong-file"),
     "no end at all": (WHOLE.replace("***End_of_Header***", ""), r"End_of_Header\*\*\* is missing above"),
-    "a header alone": (FILE, r"r.lvm:13:1: error: the file ends within its header"),
-    "no row of names": (WHOLE.replace("X_Value\tTorque\tAngle\tComment\n", ""), r"r.lvm:23:1: error: numbers begin without a row of names"),
+    "a header alone": (FILE, r":13:1: .*wrong-file"),
+    "no row of names": (WHOLE.replace("X_Value\tTorque\tAngle\tComment\n", ""), r":23:1: .*wrong-file"),
     "Delta_X of 0": (FILE + segment(interval="0"), r"r.lvm:21:9: error: Delta_X is 0 s; the time between two samples is positive"),
     "Delta_X below 0": (FILE + segment(interval="-0.001"), r"r.lvm:21:9: error: Delta_X is -0.001 s"),
     "Delta_X as text": (FILE + segment(interval="fast"), r'r.lvm:21:9: error: Delta_X: "fast" is not a number up to'),
     "Delta_X of nan": (FILE + segment(interval="NaN"), r'Delta_X: "NaN" is not a number'),
-    "no Delta_X": (FILE + segment(Delta_X=[]), "nothing in the file tells the sampling rate"),
-    "two Delta_X": (FILE + segment(Delta_X=["0.001", "0.002"]), r"r.lvm:21:15: error: channels have Delta_X of 0.001 and 0.002 s"),
-    "two X0": (FILE + segment(X0=["0", "0.5"]), "channels have X0 of 0 and 0.5 s: they were not sampled together"),
-    "two Time": (FILE + segment(Time=["10:12:13.001", "10:12:13.251"]), r"r.lvm:17:19: error: channels began at 10:12:13.001 and 10:12:13.251, as Time says"),
-    "Channels": (FILE + segment(Channels=["3"]), r"r.lvm:23:1: error: the row of names has 2 channels, Channels in line 14 says 3"),
-    "Channels as text": (FILE + segment(Channels=["two"]), 'Channels: "two" is not a number'),
-    "Samples beyond all": (FILE + segment(Samples=["1e999"]), 'Samples: "1e999" is not a number up to'),
-    "columns too many": (WHOLE + "\t1\t2\t\t5\n", r"r.lvm:64:1: error: the row has 5 cells, the others have 4"),
-    "columns too few": (WHOLE + "\t1\n", r"r.lvm:64:1: error: the row has 2 cells"),
-    "early end": (WHOLE[: WHOLE.rindex("\n", 0, -1) + 1], r"the file ends early: Samples says 40 rows, there are 39"),
-    "early end in a row": (WHOLE[:-12], r"r.lvm:63:1: error: the file ends early: the last row lacks Angle"),
+    "no Delta_X": (FILE + segment(Delta_X=[]), "missing-entry"),
+    "two Delta_X": (FILE + segment(Delta_X=["0.001", "0.002"]), r":21:15: .*0\.001.*0\.002.*unlike-results"),
+    "two X0": (FILE + segment(X0=["0", "0.5"]), r":20:6: .*0\.5.*unlike-results"),
+    "two Time": (FILE + segment(Time=["10:12:13.001", "10:12:13.251"]), r":17:19: .*10.*12.*unlike-results"),
+    "Channels": (FILE + segment(Channels=["3"]), r":23:1: .*14.*wrong-count"),
+    "Channels as text": (FILE + segment(Channels=["two"]), r":14:10: .*not-a-number"),
+    "Samples beyond all": (FILE + segment(Samples=["1e999"]), r":15:9: .*not-a-number"),
+    "columns too many": (WHOLE + "\t1\t2\t\t5\n", r":64:1: .*wrong-count"),
+    "columns too few": (WHOLE + "\t1\n", r":64:1: .*wrong-count"),
+    "early end": (WHOLE[: WHOLE.rindex("\n", 0, -1) + 1], r":62:1: .*40.*39.*truncated-file"),
+    "early end in a row": (WHOLE[:-12], r":63:1: .*truncated-file"),
     "a spectrum": (FILE + segment(X_Dimension=["Frequency"] * 2), "the values are over Frequency; only values over time"),
-    "a word": (WHOLE.replace("\t0.000000\t", "\tx\t"), r'r.lvm:24:2: error: "x" is not a number'),
-    "commas": (WHOLE.replace("0.841471", "0,841471"), r'"0,841471" is not a number; Decimal_Separator is "."'),
-    "a separator": (WHOLE.replace("Separator\tTab", "Separator\tBlank"), r'r.lvm:4:1: error: Separator is "Blank"; expected Tab'),
+    "a word": (WHOLE.replace("\t0.000000\t", "\tx\t"), r":24:2: .*not-a-number"),
+    "commas": (WHOLE.replace("0.841471", "0,841471"), r":25:2: .*841471.*not-a-number"),
+    "a separator": (WHOLE.replace("Separator\tTab", "Separator\tBlank"), r":4:1: .*unknown-word"),
     "a decimal sign": (WHOLE.replace("Separator\t.", "Separator\t;"), 'Decimal_Separator is ";"; expected'),
-    "X_Value against Delta_X": (with_times(WHOLE, 0.002), r"r.lvm:21:9: error: Delta_X says 0.001 s between samples, X_Value goes in steps of 0.002 s; correct"),
-    "X_Value falls back": (with_times(WHOLE).replace("0.030000\t", "0.020000\t"), r"r.lvm:54:1: error: the time stamp 0.02 s follows 0.029 s in X_Value"),
+    "X_Value against Delta_X": (with_times(WHOLE, 0.002), r":21:9: .*0\.001.*0\.002.*contradicting-values"),
+    "X_Value falls back": (with_times(WHOLE).replace("0.030000\t", "0.020000\t"), r":54:1: .*0\.02.*0\.029.*unordered-rows"),
 }  # fmt: skip
 
 

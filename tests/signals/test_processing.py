@@ -89,7 +89,7 @@ class TestDecimation:
             decimate(recorded(np.ones(1000), 100), factor)
 
     def test_too_short(self):
-        with pytest.raises(UsageError, match="100 samples are too few to decimate by 10; it takes 101"):
+        with pytest.raises(UsageError, match=r"(?s)100.*10.*too-short"):
             decimate(recorded(np.ones(100), 1000), 10)
 
 
@@ -148,12 +148,12 @@ class TestCalculus:
     @pytest.mark.parametrize(
         ("quantity", "ask", "message"),
         [
-            ("torque", differentiate, "x is torque, not one of angle"),
-            ("", differentiate, "x is of unknown quantity"),
-            ("acceleration", differentiate, "the last of angle, velocity, acceleration"),
+            ("torque", differentiate, "unfit-channel"),
+            ("", differentiate, "unfit-channel"),
+            ("acceleration", differentiate, "unfit-channel"),
             ("angle", integrate, "the first of angle"),
-            ("angle", lambda r, n: convert(r, n, "speed"), '"speed" is not a motion'),
-            ("angle", lambda r, n: differentiate(r, n, ends="taper"), 'mirror or periodic, got "taper"'),
+            ("angle", lambda r, n: convert(r, n, "speed"), "unknown-word"),
+            ("angle", lambda r, n: differentiate(r, n, ends="taper"), "unknown-word"),
         ],
     )
     def test_refusals(self, quantity, ask, message):
@@ -213,7 +213,7 @@ class TestSpectrogram:
         assert spectrogram(recorded(np.ones(400), self.RATE), "x").amplitude.shape == (201, 1)
 
     def test_too_short(self):
-        with pytest.raises(UsageError, match=r"1\.995 s is too short for one window of 2 s"):
+        with pytest.raises(UsageError, match=r"(?s)1\.995.*too-short"):
             spectrogram(recorded(np.ones(399), self.RATE), "x")
 
     def test_picture_ends_where_nothing_is_left(self):
@@ -251,9 +251,9 @@ class TestHarmonics:
     @pytest.mark.parametrize(
         ("arguments", "message"),
         [
-            ((FREQUENCY[:-1],), "for each of the 40000 samples"),
-            ((FREQUENCY - 2,), "must be a positive number"),
-            ((np.full(40_000, 0.1),), "the sweep of 4 periods is too short for windows of 6"),
+            ((FREQUENCY[:-1],), r"(?s)40000.*out-of-range"),
+            ((FREQUENCY - 2,), "out-of-range"),
+            ((np.full(40_000, 0.1),), "too-short"),
         ],
     )
     def test_refusals(self, arguments, message):
@@ -293,10 +293,10 @@ class TestOrders:
     @pytest.mark.parametrize(
         ("speed", "message"),
         [
-            (SPEED[1:], "for each of the 20000 samples"),
+            (SPEED[1:], r"(?s)20000.*out-of-range"),
             (-SPEED, "positive number of rad/s"),
-            (np.maximum(SPEED - 2 * np.pi * 5, 1e-3), "steps of angle too fine"),
-            (np.full(20_000, 1.0), "3.18 revolutions is too short for one window of 8"),
+            (np.maximum(SPEED - 2 * np.pi * 5, 1e-3), "out-of-range"),
+            (np.full(20_000, 1.0), r"(?s)3\.18.*too-short"),
         ],
     )
     def test_refusals(self, speed, message):
@@ -324,5 +324,5 @@ class TestUnfitRecords:
     def test_values_that_are_not_finite(self, process):
         holes = self.RECORD["x"].values.copy()
         holes[[3, 500]] = np.nan, np.inf
-        with pytest.raises(UsageError, match="x has 2 values that are not finite"):
+        with pytest.raises(UsageError, match="not-finite"):
             process(recorded(holes, 100, "angle"))

@@ -76,7 +76,7 @@ class TestFiles:
 
 @pytest.mark.parametrize("ending", [".csv", ".uff", ".parquet"])
 def test_files_of_columns_of_one_length_refuse_pulses(tmp_path, ending):
-    with pytest.raises(UsageError, match=r"pulses have their own \(n 1, none, once\); write one of .npz, .mat"):
+    with pytest.raises(UsageError, match="no-counterpart"):
         write_recording(recording(), tmp_path / f"run{ending}")
     assert not list(tmp_path.iterdir())
 
@@ -93,13 +93,13 @@ def test_damaged_pulses_are_named(tmp_path):
     content = dict(np.load(path))
     content["n 1"][7] = content["n 1"][3]
     np.savez(path, **content)
-    with pytest.raises(ModelError, match="n 1: times of pulses are finite and rise; pulse 7 does not"):
+    with pytest.raises(ModelError, match=r"channels\.n 1: .*unordered-rows"):
         read_recording(path)
 
 
 def test_one_name_twice_is_refused(tmp_path):
     twice = replace(recording(), pulses=(PulseChannel("T", np.array([1.0])),))
-    with pytest.raises(UsageError, match="two channels of one name: T"):
+    with pytest.raises(UsageError, match="repeated-name"):
         write_recording(twice, tmp_path / "run.npz")
 
 
@@ -153,7 +153,7 @@ class TestCounts:
         """From 1500 to 900 rpm: the interval passes the time of a wrap near pulse 2000."""
         speed = np.linspace(1500, 900, 4000)
         times = np.cumsum(1 / speed)
-        with pytest.raises(UsageError, match=r"has wrapped more often than its counts show; cut the record where"):
+        with pytest.raises(UsageError, match="wrapped-count"):
             pulse_channel("n1", wrapped(times, 80e6, 16), PulseReading(clock="80 MHz", bits=16))
         with pytest.raises(UsageError, match=r"has wrapped more often"):
             pulse_channel("n1", wrapped(times[-1] - times[::-1], 80e6, 16), PulseReading(clock="80 MHz", bits=16))
@@ -174,13 +174,13 @@ class TestCounts:
     @pytest.mark.parametrize(
         ("values", "reading", "message"),
         [
-            ([1, 2.5], {"tick": 1e-6}, "counts are whole numbers, pulse 1 has 2.5; if these are times, leave tick"),
-            ([65000, 200], {"tick": 1e-6}, r"falls from 65000 to 200 after pulse 0.*give its bits \(16 if it wraps at"),
-            ([1, 70000], {"tick": 1e-6, "bits": 16}, "counts from 0 to 65535, pulse 1 has 70000; correct bits"),
+            ([1, 2.5], {"tick": 1e-6}, r"(?s)2\.5.*wrong-form"),
+            ([65000, 200], {"tick": 1e-6}, r"(?s)65000.*200.*wrapped-count"),
+            ([1, 70000], {"tick": 1e-6, "bits": 16}, r"(?s)65535.*70000.*contradicting-values"),
             ([1, 2**60], {"tick": 1e-6}, r"counts above 2\^53"),
-            ([1, 3, 2], {}, r"2 s follows 3 s at pulse 2; if the channel holds the counts of a clock, give its tick"),
-            ([1, np.nan, 2], {}, "values among the pulses are no numbers, 1 of them: pulses 1; mend"),
-            ([np.nan], {}, "there are no pulses, none of its 1 values is a number"),
+            ([1, 3, 2], {}, "unordered-rows"),
+            ([1, np.nan, 2], {}, "not-a-number"),
+            ([np.nan], {}, "lost-pulses"),
         ],
     )
     def test_refused_with_what_would_help(self, values, reading, message):
@@ -188,9 +188,9 @@ class TestCounts:
             pulse_channel("n1", values, PulseReading(**reading))
 
     def test_contradictions(self):
-        with pytest.raises(ModelError, match="tick and clock say the same thing"):
+        with pytest.raises(ModelError, match=r"clock: .*contradicting-entries"):
             PulseReading(tick="1 us", clock="1 MHz")
-        with pytest.raises(ModelError, match="needs the time of its tick, or its clock"):
+        with pytest.raises(ModelError, match=r"bits: .*missing-entry"):
             PulseReading(bits=16)
 
 

@@ -100,7 +100,7 @@ class TestBetweenPulses:
 
     def test_a_speed_that_jumps_is_refused(self):
         times = np.cumsum(np.where(np.arange(2000) % 2 == 0, 1.0, 3.0))
-        with pytest.raises(SolveError, match=r"the speed changes too fast around \d+\.?\d* s to interpolate the angle"):
+        with pytest.raises(SolveError, match="lost-pulses"):
             angle_from_pulses(times, LINES, 1.0, fill=False)
 
 
@@ -168,31 +168,29 @@ class TestRepairs:
     @pytest.mark.parametrize("after", [2e-4, 2.6e-4])  # of the 6.7e-4 s from pulse to pulse
     def test_both_flanks_of_each_tooth_are_no_double_pulses(self, after):
         times = pulses_of(self.angle)
-        with pytest.raises(
-            UsageError, match=r"every second interval is [12]\.\d+ times as long: are rising and falling"
-        ):
+        with pytest.raises(UsageError, match="lost-pulses"):
             repaired_pulses(np.sort(np.concatenate([times, times + after])), 120)
 
     def test_a_seventh_of_the_pulses_too_many_is_the_wheel(self):
         """Six teeth, and one between two of them, as a camshaft has it; 60 pulses were left out."""
         turns = np.add.outer(360 * np.arange(60), [0, 15, 60, 120, 180, 240, 300]).ravel() / 7200
-        with pytest.raises(UsageError, match="60 pulses would be too many and 0 missing of 420: these are no faults"):
+        with pytest.raises(UsageError, match=r"(?s)60.*420.*unfit-wheel"):
             repaired_pulses(turns)
 
     def test_a_wheel_with_another_number_of_teeth(self):
         every = pulses_of(self.angle)
         with pytest.raises(
             UsageError,
-            match=r"missing every 36 pulses, first at 0.02\d* s: .* 36 steps per revolution .*; give this number instead of 60",
+            match=r"(?s)36.*36.*unfit-wheel",
         ):
             angle_from_pulses(every[np.arange(len(every)) % 36 < 35], 60, RATE)
 
     @pytest.mark.parametrize(
         ("times", "message"),
         [
-            (lambda t: np.delete(t, slice(301, None, 2)), r"either side of pulse 300 at 0\.2\d* s differ by a factor of 2\.00"),
-            (lambda t: np.concatenate([t[:500], t[500:] + 5e-4]), r"after pulse 499 at 0\.33\d* s is 1\.7\d to 1\.7\d times as long"),
-            (lambda t: np.concatenate([t[:500], 1.2 * (t[560:] - t[560]) + t[560]]), "how many pulses are missing cannot be told; cut the record there"),
+            (lambda t: np.delete(t, slice(301, None, 2)), r"(?s)300.*0\.2.*lost-pulses"),
+            (lambda t: np.concatenate([t[:500], t[500:] + 5e-4]), r"(?s)499.*lost-pulses"),
+            (lambda t: np.concatenate([t[:500], 1.2 * (t[560:] - t[560]) + t[560]]), "lost-pulses"),
         ],
     )  # fmt: skip
     def test_what_cannot_be_repaired_is_refused_with_its_place(self, times, message):
@@ -205,7 +203,7 @@ class TestRepairs:
         assert found[-1] == pytest.approx(99 * 2 * np.pi / 100)
         slower, _ = angle_from_pulses(np.delete(even, 50), 100, 100.0, fill=False)
         assert slower[51] == pytest.approx(50 * 2 * np.pi / 100)
-        with pytest.raises(SolveError, match=r"the speed changes too fast around 2\.5"):
+        with pytest.raises(SolveError, match=r"(?s)2\.5.*lost-pulses"):
             angle_from_pulses(np.delete(np.arange(400) / 100, slice(240, 270)), 100, 100.0, fill=False)
 
     @pytest.mark.slow
@@ -232,8 +230,9 @@ class TestRepairs:
     def test_check_tells_of_double_pulses(self):
         times = np.sort(np.append(np.arange(1000) / 100, 5.001))
         record = Recording((Signal("phi", "angle", np.arange(1001) * 0.01),), 100.0, times=times)
-        texts = [str(fault) for fault in check_recording(record)]
-        assert "time: error: 1 encoder pulses too many: at 5.001 s; angle_from_pulses() leaves them out" in texts
+        (fault,) = (fault for fault in check_recording(record) if fault.kind == "lost-pulses")
+        assert fault.path == ("time",)
+        assert "5.001 s" in fault.message
 
     def test_missing_pulses_alone(self):
         assert missing_pulses(np.delete(np.arange(20.0), [7, 8])).counts.tolist() == [2]
@@ -256,7 +255,7 @@ class TestTrain:
         ("values", "message"),
         [
             (np.ones(1000), "there are no pulses"),
-            (np.arange(1000.0) % 2, "only 2 samples from pulse to pulse, 4 are needed"),
+            (np.arange(1000.0) % 2, "beyond-sampling"),
         ],
     )
     def test_refused(self, values, message):
@@ -321,8 +320,8 @@ class TestFiles:
     @pytest.mark.parametrize(
         ("pulses", "message"),
         [
-            ({"n2": 60}, 'no channel is named "n2"'),
-            ({"n1": 0}, "must be a positive number, got 0"),
+            ({"n2": 60}, r"channels: .*unknown-channel"),
+            ({"n1": 0}, r"channels\.n1: .*out-of-range"),
             ({"T": 60, "n1": 60}, "T: "),
         ],
     )

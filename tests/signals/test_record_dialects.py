@@ -38,9 +38,9 @@ class TestQuotedNumbers:
     @pytest.mark.parametrize(
         ("row", "message"),
         [
-            ('"0,030","x,5"\n', r'r.csv:32:10: error: "x,5" is not a number'),
-            ("0,030,30,5\n", "the row has 4 cells, the others have 2"),
-            ('"0,030","1.234,5"\n', '"1.234,5" is not a number'),
+            ('"0,030","x,5"\n', r":32:10: .*not-a-number"),
+            ("0,030,30,5\n", r":32:1: .*wrong-count"),
+            ('"0,030","1.234,5"\n', r":32:10: .*1\.234.*not-a-number"),
         ],
     )
     def test_other_rows_are_refused(self, tmp_path, row, message):
@@ -50,12 +50,12 @@ class TestQuotedNumbers:
     def test_quotes_that_begin_late(self, tmp_path):
         """Beyond the lines that are looked at first."""
         rows = "".join(f"{row},{row}\n" for row in range(500))
-        with pytest.raises(ModelError, match='"1,5" is not a number'):
+        with pytest.raises(ModelError, match=r":502:6: .*not-a-number"):
             read_recording(write(tmp_path, "t [ms],T [Nm]\n" + rows + '500,"1,5"\n'))
 
     def test_both_as_commas_without_quotes(self, tmp_path):
         path = write(tmp_path, "t,T [Nm]\n0,1,2,5\n0,2,2,6\n")
-        with pytest.raises(ModelError, match="commas separate the cells, so they cannot be decimal signs too"):
+        with pytest.raises(ModelError, match="unreadable-file"):
             read_recording(path, separator=",", decimal=",")
 
 
@@ -106,7 +106,7 @@ class TestClockWithoutUnit:
         assert not any("warning" in note for note in found.notes)
         other = read_recording(clocked(tmp_path, 1.0, name="Abscissa"), units={"Abscissa": "msec"})
         assert (other.names, other.sampling_rate) == (("T",), 1000.0)
-        with pytest.raises(ModelError, match='t was taken for the time stamps, and "Nm" is no unit of time'):
+        with pytest.raises(ModelError, match="wrong-unit"):
             read_recording(clocked(tmp_path, 1.0), units={"t": "Nm"})
 
     def test_in_blocks(self, tmp_path):
@@ -135,11 +135,9 @@ class TestTdms:
         assert not any("warning" in note for note in found.notes)
 
     def test_offsets_that_differ_and_several_rates_are_refused(self, tmp_path):
-        with pytest.raises(ModelError, match=r"no time in common: a \(1000 Hz from 0 s\), b \(1000 Hz from 0.5 s\)"):
+        with pytest.raises(ModelError, match=r"(?s)1000.*1000.*no-common-time"):
             self.waves(tmp_path, (0.0, 0.5))
-        with pytest.raises(
-            ModelError, match=r"500 Hz from 0.5 s \(b\); 1000 Hz from 0 s \(a\); sampling_rate= chooses"
-        ):
+        with pytest.raises(ModelError, match=r"(?s)500.*0\.5.*unlike-results"):
             self.waves(tmp_path, (0.0, 0.5), (1e-3, 2e-3))
 
 
@@ -198,12 +196,12 @@ class TestOscilloscopes:
         assert read_recording(write(tmp_path, text))["Channel A"].values[6:9].tolist() == [1.5, -np.inf, 1.5]
 
     def test_an_interval_of_zero_is_refused(self, tmp_path):
-        with pytest.raises(ModelError, match="the heading says 0 s between samples"):
+        with pytest.raises(ModelError, match="unreadable-file"):
             read_recording(write(tmp_path, SCOPES["Rigol DS1000Z"][0].replace("1.00E-04", "0")))
 
     def test_a_fault_has_its_place_below_a_blank_line(self, tmp_path):
         text = SCOPES["PicoScope"][0].replace(f"{VOLTS[3, 1]}\n", "x\n")
-        with pytest.raises(ModelError, match=r'r.csv:7:\d+: error: "x" is not a number'):
+        with pytest.raises(ModelError, match=r":7:19: .*not-a-number"):
             read_recording(write(tmp_path, text))
 
 
@@ -239,8 +237,8 @@ class TestNumbersThatTellTheClock:
             read_recording(tmp_path / "r.mat")
 
     @pytest.mark.parametrize(("numbers", "message"), [
-        ({"dt": 0.0}, "a sampling rate of inf Hz, which no recorder has"), ({"fs": -1.0}, "a sampling rate of -1 Hz, which no recorder has"),
-        ({"fs": 999.0, "dt": 0.001}, "fs says 999 Hz, dt 0.001 s between samples: 1000 Hz"),
+        ({"dt": 0.0}, "implausible-size"), ({"fs": -1.0}, "implausible-size"),
+        ({"fs": 999.0, "dt": 0.001}, r"(?s)999.*0\.001.*unreadable-file"),
     ])  # fmt: skip
     def test_that_contradict_are_refused(self, tmp_path, numbers, message):
         from scipy.io import savemat
@@ -370,9 +368,7 @@ class TestWhatIsNoColumnOfNumbers:
 
     def test_no_rate_is_asked_for_where_there_is_nothing(self, tmp_path):
         np.savez(tmp_path / "r.npz", table=np.zeros(5, dtype=[("t", "f8"), ("T", "f8")]))
-        with pytest.raises(
-            ModelError, match=r"there is no channel of numbers in the file\nnote: left out, .* table\n1 err"
-        ):
+        with pytest.raises(ModelError, match=r"wrong-file\]\nnote: left out, .* table\n1 err"):
             read_recording(tmp_path / "r.npz")
 
 

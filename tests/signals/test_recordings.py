@@ -135,7 +135,7 @@ class TestRoundTrip:
     def test_two_channels_of_one_name_are_refused(self, tmp_path, ending):
         needs(ending)
         twice = Signal("T", "torque", np.zeros(3))
-        with pytest.raises(UsageError, match="two channels of one name: T"):
+        with pytest.raises(UsageError, match="repeated-name"):
             write_recording(Recording((twice, twice), 1.0), tmp_path / f"r{ending}")
         assert list(tmp_path.iterdir()) == []
 
@@ -146,7 +146,7 @@ class TestRoundTrip:
                 write_recording(given, tmp_path / "r.mat")
                 assert read_recording(tmp_path / "r.mat").names == given.names
             else:
-                with pytest.raises(UsageError, match=r"names of 63 characters .* write an \.h5 or \.npz file"):
+                with pytest.raises(UsageError, match=r"(?s)63.*too-large"):
                     write_recording(given, tmp_path / "r.mat")
 
 
@@ -163,9 +163,9 @@ class TestForeignFiles:
     @pytest.mark.parametrize(
         ("name", "dialect", "message"),
         [
-            ("r.npz", {"separator": ";"}, "separator cannot be given for a NPZ file"),
-            ("r.csv", {"delimiter": ";"}, "delimiter cannot be given for a text file"),
-            ("r.csv", {"separator": ";", "quote": "'"}, "separator, quote cannot be given for a text file"),
+            ("r.npz", {"separator": ";"}, "needless-entry"),
+            ("r.csv", {"delimiter": ";"}, "needless-entry"),
+            ("r.csv", {"separator": ";", "quote": "'"}, "needless-entry"),
         ],
     )
     def test_what_cannot_be_said_of_a_file(self, tmp_path, name, dialect, message):
@@ -266,7 +266,7 @@ class TestForeignFiles:
 
     def test_missing_extra_names_the_command(self, tmp_path, monkeypatch):
         monkeypatch.setitem(extras.EXTRA_PACKAGES, "tdms", ("no_such_module", "npTDMS", "TDMS"))
-        with pytest.raises(MissingExtraError, match=r'TDMS .* npTDMS: pip install "torsionnet\[tdms\]"'):
+        with pytest.raises(MissingExtraError, match="missing-package"):
             write_recording(recording(), tmp_path / "r.tdms")
 
 
@@ -300,7 +300,7 @@ class TestFaultyFiles:
 
     def test_unit_of_another_quantity(self, tmp_path):
         path = write(tmp_path, "time,T [deg]\n0,1\n1,2\n")
-        with pytest.raises(ModelError, match='"deg" is no unit of torque; expected one like N'):
+        with pytest.raises(ModelError, match=r":1:1: .*wrong-unit"):
             read_recording(path, {"T": "torque"})
 
     def test_a_file_is_closed_though_it_is_not_read_to_its_end(self, tmp_path, monkeypatch):
@@ -319,7 +319,7 @@ class TestFaultyFiles:
 
     def test_unequal_lengths_of_arrays(self, tmp_path):
         np.savez(tmp_path / "r.npz", a=np.zeros(5), b=np.zeros(7), c=np.zeros(7), fs=1.0)
-        with pytest.raises(ModelError, match="b, c have 7; a has 5 values"):
+        with pytest.raises(ModelError, match="unlike-results"):
             read_recording(tmp_path / "r.npz")
 
     @pytest.mark.parametrize("ending", [ending for ending in ENDINGS if ending != ".csv"])
@@ -333,7 +333,7 @@ class TestFaultyFiles:
 
     def test_rate_against_stamps(self, tmp_path):
         path = write(tmp_path, "time,T [Nm]\n0,1\n1,2\n")
-        with pytest.raises(ModelError, match="the time stamps say 1 Hz, sampling_rate=2 was given"):
+        with pytest.raises(ModelError, match="contradicting-values"):
             read_recording(path, sampling_rate=2.0)
 
     def test_unknown_ending_and_missing_file(self, tmp_path):
@@ -478,7 +478,7 @@ def test_check_with_a_range_given():
 
 @pytest.mark.parametrize("rate", [0.0, -1.0, np.inf, np.nan])
 def test_sampling_rate_is_positive(rate):
-    with pytest.raises(UsageError, match="the sampling rate must be a positive number of Hz"):
+    with pytest.raises(UsageError, match="out-of-range"):
         Recording((Signal("x", "torque", np.zeros(3)),), rate)
 
 
@@ -514,9 +514,9 @@ class TestResampled:
     @pytest.mark.parametrize(
         ("given", "rate", "message"),
         [
-            (FAULTS["gap"][0], None, "cannot resample across 1 gaps"),
-            (FAULTS["nan"][0], 2000.0, "some values are not finite"),
-            (FAULTS["jitter"][0], 100.0, "decimate with a filter instead"),
+            (FAULTS["gap"][0], None, "uneven-samples"),
+            (FAULTS["nan"][0], 2000.0, "not-finite"),
+            (FAULTS["jitter"][0], 100.0, "out-of-range"),
         ],
     )
     def test_refuses(self, given, rate, message):
@@ -553,7 +553,7 @@ def test_a_time_stamp_next_to_zero_divides_nothing(tmp_path):
     stamps = [*(f"{0.001 * count:.3f}" for count in range(16)), "4.94065646e-324", "0.017"]
     path = tmp_path / "record.csv"
     path.write_text("\n".join(["time [s],T [N*m]", *(f"{stamp},1.5" for stamp in stamps)]), encoding="utf-8")
-    with pytest.raises(ModelError, match=r"the time stamp 4\.94065646e-324 s follows 0\.015 s"):
+    with pytest.raises(ModelError, match=r":18:1: .*324.*0\.015.*unordered-rows"):
         read_recording(path)
 
 

@@ -33,17 +33,17 @@ def fast(rate):
 
 
 CASES = {
-    "ticks as s": (lambda: angle_from_pulses(TICKS, 60, 10e3), "6001 pulses over 3.2e.08 s, .* give their unit"),
+    "ticks as s": (lambda: angle_from_pulses(TICKS, 60, 10e3), r"(?s)6001.*too-large"),
     "a gap of ages": (
         lambda: angle_from_pulses(GAP, 60, 1e-9),
-        "most would be missing ones: cut the record at its gaps",
+        "too-large",
     ),
-    "gaps of ages": (lambda: repaired_pulses(BLOCKS, 60), "pulses are missing every 10000000000 pulses"),
-    "slow stamps": (lambda: resampled(SLOW, 1000.0), "4 samples over 3.1e.13 s, .* lower rate"),
+    "gaps of ages": (lambda: repaired_pulses(BLOCKS, 60), r"(?s)10000000000.*unfit-wheel"),
+    "slow stamps": (lambda: resampled(SLOW, 1000.0), r"(?s)13.*too-large"),
     "overlap": (lambda: spectrogram(fast(1e3), "T", Welch(seconds=10.0, overlap=0.99999)), "take less overlap"),
-    "a filter": (lambda: decimate(fast(1e3), 10**10), "20000 samples are too few to decimate"),
-    "windows": (lambda: estimate(fast(1e12), "phi", "T"), "too short for one window"),
-    "windows without end": (lambda: estimate(fast(1e15), "phi", "T", Welch(seconds=1e6)), "too short for one window"),
+    "a filter": (lambda: decimate(fast(1e3), 10**10), r"(?s)20000.*too-short"),
+    "windows": (lambda: estimate(fast(1e12), "phi", "T"), "too-short"),
+    "windows without end": (lambda: estimate(fast(1e15), "phi", "T", Welch(seconds=1e6)), "too-short"),
 }
 
 
@@ -76,7 +76,7 @@ def test_times_end_where_a_rounding_error_would_lose_the_last():
 @pytest.mark.parametrize("rate", [1e300, np.inf, np.nan, -5.0])
 def test_a_rate_that_nothing_has_is_a_fault_of_the_file(tmp_path, rate):
     np.savez(tmp_path / "r.npz", fs=rate, T=NOISE[0])
-    with pytest.raises(ModelError, match=r"the file has a sampling rate of .* which no recorder has"):
+    with pytest.raises(ModelError, match="implausible-size"):
         read_recording(tmp_path / "r.npz", {"T": "torque"})
     assert read_recording(tmp_path / "r.npz", {"T": "torque"}, sampling_rate=10.0).sampling_rate == 10.0
 
@@ -88,15 +88,13 @@ def test_a_window_longer_than_any_record_is_none():
 class TestFiles:
     def test_ticks(self, tmp_path):
         np.savez(tmp_path / "ticks.npz", n1=TICKS)
-        with pytest.raises(ModelError, match=r"n1: error: 6001 pulses over 3.2e.08 s, sampled at 1 Hz, would become"):
+        with pytest.raises(ModelError, match=r"channels\.n1: .*6001.*too-large"):
             read_recording(tmp_path / "ticks.npz", pulses={"n1": 60}, units={"n1": "s"})
 
     def test_few_ticks_are_doubted(self, tmp_path):
         """Which fit into memory: an eighth of a turn in five days."""
         np.savez(tmp_path / "ticks.npz", n1=TICKS[:9])
-        with pytest.raises(
-            ModelError, match="n1: the times of the pulses have no unit: taken for s the shaft turns at"
-        ):
+        with pytest.raises(ModelError, match=r"channels\.n1: .*missing-unit"):
             read_recording(tmp_path / "ticks.npz", pulses={"n1": 60})
         in_us = tmp_path / "us.npz"
         np.savez(in_us, n1=TICKS[:9] / 80)
@@ -114,5 +112,5 @@ class TestFiles:
 
     def test_pulses_of_two_shafts_at_other_times(self, tmp_path):
         np.savez(tmp_path / "two.npz", n1=np.arange(100) / 1500, n2=9 + np.arange(90) / 1500)
-        with pytest.raises(ModelError, match=r"the pulses have no time in common: n1 from 0 to 0.066 s; n2 from 9 to"):
+        with pytest.raises(ModelError, match=r"channels\.n1: .*0\.066.*no-common-time"):
             read_recording(tmp_path / "two.npz", pulses={"n1": 60, "n2": 60})

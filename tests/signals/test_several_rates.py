@@ -44,11 +44,9 @@ READING = {"wheel/n1": PulseReading(tick="1 us")}
 
 
 def test_the_rates_are_named(file):
-    with pytest.raises(
-        ModelError, match=r"100 Hz from 0.5037 s \(slow/M\); 1000 Hz from 0 s \(fast/M\); sampling_rate="
-    ):
+    with pytest.raises(ModelError, match=r"(?s)100.*0\.5037.*unlike-results"):
         read_recording(file, names=NAMES)
-    with pytest.raises(ModelError, match="sampling_rate=300 is none of them"):
+    with pytest.raises(ModelError, match=r"(?s)300.*unlike-results"):
         read_recording(file, names=NAMES, sampling_rate=300)
 
 
@@ -60,7 +58,7 @@ def test_one_rate_is_read_and_the_others_are_left_out_with_a_note(file):
 
 
 def test_a_channel_named_is_never_left_out(file):
-    with pytest.raises(ModelError, match=r"fast/M \(1000 Hz from 0 s\) were not sampled at 100 Hz; give resample=True"):
+    with pytest.raises(ModelError, match=r"(?s)1000.*100.*unlike-results"):
         read_recording(file, names=NAMES, sampling_rate=100)
 
 
@@ -114,9 +112,7 @@ def test_channels_of_one_rate_that_begin_at_different_times(tmp_path):
         turning = np.exp(-2j * np.pi * 150 * record.time[middle])
         return np.degrees(np.angle(np.mean(turning * record[name].values[middle])))
 
-    with pytest.raises(
-        ModelError, match=r"a \(1000 Hz from 0 s\), b \(1000 Hz from 0.0001 s\); resample=True moves them"
-    ):
+    with pytest.raises(ModelError, match=r"(?s)1000.*1000.*unlike-results"):
         read_recording(path)
     found = read_recording(path, resample=True)
     assert phase(found, "b") - phase(found, "a") == pytest.approx(0.0, abs=0.01)
@@ -132,7 +128,7 @@ def test_values_that_are_not_finite_are_not_interpolated(tmp_path):
                 nptdms.ChannelObject("g", "b", np.full(10, np.nan), {"wf_increment": 0.1, "unit_string": "N*m"}),
             ]
         )
-    with pytest.raises(ModelError, match="cannot be interpolated: 10 of its values are not finite"):
+    with pytest.raises(ModelError, match=r"channels\.b: .*10.*not-finite"):
         read_recording(path, sampling_rate=100, resample=True)
 
 

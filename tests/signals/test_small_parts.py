@@ -215,5 +215,5 @@ class TestBenchFiles:
 
     @pytest.mark.parametrize("seconds", [1e-150, 0, 1e9, 1e308, float("nan")])
     def test_length_of_a_segment(self, seconds):
-        with pytest.raises(UsageError, match="a segment must have a length from 1e-06 to 1e"):
+        with pytest.raises(UsageError, match=r"out-of-range"):
             Welch("hann", seconds)

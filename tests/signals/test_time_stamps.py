@@ -139,7 +139,7 @@ class TestMidnight:
 
     def test_day_or_month_first_where_none_tells(self, tmp_path):
         path = write(tmp_path, texts(FORMS["either"], datetime.fromisoformat("2024-05-03T23:59:59")))
-        with pytest.raises(ModelError, match=r"r.csv:1002:1: error: the date changes from 03/05/2024 to 04/05/2024"):
+        with pytest.raises(ModelError, match=r":1002:1: .*03.*05.*unreadable-time"):
             read_recording(path)
 
 
@@ -150,19 +150,19 @@ def other(at, text):
 
 
 FAULTS = {
-    "another form": (other(20, "03.05.2024 10:12:13,021"), r'r.csv:22:1: error: "03.05.2024 10:12:13,021" is written otherwise than the time stamps above it, like "2024-05-03T10:12:13.001000"; write all alike'),
-    "a blank for T": (other(20, "2024-05-03 10:12:13.021"), r"r.csv:22:1: error: .* is written otherwise"),
+    "another form": (other(20, "03.05.2024 10:12:13,021"), r":22:1: .*03\.05.*10.*unreadable-time"),
+    "a blank for T": (other(20, "2024-05-03 10:12:13.021"), r":22:1: .*unreadable-time"),
     "a zone": (other(20, "2024-05-03T10:12:13.021Z"), "is written otherwise"),
     "a comma": (other(20, "2024-05-03T10:12:13,021"), "is written otherwise"),
     "a clock": (other(20, "10:12:13.021"), "is written otherwise"),
-    "no such time": (other(20, "2024-05-03T10:72:13.021"), r'r.csv:22:1: error: "2024-05-03T10:72:13.021" is not a time stamp; write it like'),
-    "no such day": (other(20, "2024-02-30T10:12:13.021"), r'r.csv:22:1: error: "2024-02-30" is not a date of the calendar'),
-    "a number": (other(20, "0.021"), r'r.csv:22:1: error: "0.021" is not a time stamp; write it like'),
-    "none": (other(20, ""), r"r.csv:22:1: error: sample 21 has no time stamp in time"),
+    "no such time": (other(20, "2024-05-03T10:72:13.021"), r":22:1: .*2024.*05.*unreadable-time"),
+    "no such day": (other(20, "2024-02-30T10:12:13.021"), r":22:1: .*2024.*02.*unreadable-time"),
+    "a number": (other(20, "0.021"), r":22:1: .*0\.021.*unreadable-time"),
+    "none": (other(20, ""), r":22:1: .*21.*not-finite"),
     "back": (other(20, "2024-05-03T10:12:13.003"), "time has to increase"),
-    "whole seconds": (texts("%d.%m.%Y %H:%M:%S"), r"r.csv:3:1: error: 2996 of 3000 time stamps in time equal the one before: they are written in steps of 1 s, too coarse for the sampling; export them with more decimals, or give sampling_rate="),
-    "one second": (texts("%H:%M:%S", count=500), r"499 of 500 time stamps in time equal the one before: too coarse"),
-    "ms at 3 kHz": ([stamp[:-3] for stamp in texts(FORMS["ISO"], step=1 / 3000)], "in steps of 0.001 s, too coarse"),
+    "whole seconds": (texts("%d.%m.%Y %H:%M:%S"), r":3:1: .*2996.*3000.*unordered-rows"),
+    "one second": (texts("%H:%M:%S", count=500), r":3:1: .*499.*500.*unordered-rows"),
+    "ms at 3 kHz": ([stamp[:-3] for stamp in texts(FORMS["ISO"], step=1 / 3000)], r":3:1: .*0\.001.*unordered-rows"),
 }  # fmt: skip
 
 
@@ -177,7 +177,7 @@ def test_far_down_in_the_file(tmp_path):
     """Beyond what is looked at first, and beyond the first rows that are parsed at once."""
     stamps = texts(FORMS["ISO"], count=21_000)
     stamps[20_500] = "03.05.2024 10:12:34,001"
-    with pytest.raises(ModelError, match=r"r.csv:20502:1: error: .* is written otherwise"):
+    with pytest.raises(ModelError, match=r":20502:1: .*unreadable-time"):
         read_recording(write(tmp_path, stamps))
 
 
@@ -188,18 +188,18 @@ class TestCoarse:
         assert (found.sampling_rate, found.start, found.times) == (1000.0, 0.0, None)
         assert warning("the time stamps are coarser than the sampling: the rate given was taken") in found.notes
         assert [block.start for block in iter_blocks(path, 1.0, sampling_rate=1000.0)] == pytest.approx([0, 1, 2])
-        with pytest.raises(ModelError, match="the time stamps do not fit samples at 100 Hz"):
+        with pytest.raises(ModelError, match=r"(?s)100.*contradicting-values"):
             read_recording(path, sampling_rate=100.0)
 
     def test_numbers_too(self, tmp_path):
         path = write(tmp_path, [f"{at / 1000:.2f}" for at in range(COUNT)])
-        with pytest.raises(ModelError, match=r"r.csv:3:1: .* in steps of 0.01 s, too coarse for the sampling"):
+        with pytest.raises(ModelError, match=r":3:1: .*0\.01.*unordered-rows"):
             read_recording(path)
 
     def test_one_sample_twice_is_another_fault(self, tmp_path):
         stamps = texts(FORMS["ISO"], count=300)
         stamps[100] = stamps[99]
-        with pytest.raises(ModelError, match=r"r.csv:102:1: error: the time stamp 0.099 s follows 0.099 s in time"):
+        with pytest.raises(ModelError, match=r":102:1: .*0\.099.*0\.099.*unordered-rows"):
             read_recording(write(tmp_path, stamps))
 
     def test_exit_code(self, tmp_path):

@@ -61,7 +61,7 @@ class TestInductive:
         assert len(found) == len(self.true())
 
     def test_read_as_one_that_switches_it_is_refused(self):
-        with pytest.raises(UsageError, match=r"n1: the signal of the teeth is between .*pickup: inductive"):
+        with pytest.raises(UsageError, match="disturbed-signal"):
             wheel_pulses(record(n1=self.signal()), "n1", PulseReading())
         found = wheel_rotation(
             wheel_pulses(record(n1=self.signal()), "n1", PulseReading(pickup="inductive")), Wheel(teeth=60)
@@ -87,7 +87,7 @@ class TestFlanks:
             assert np.allclose((found * RATE) % 80, 40 + 40 * share)
 
     def test_a_level_that_the_signal_never_passes(self):
-        with pytest.raises(UsageError, match=r"lies between 0 and 5, and 7 was taken for the level"):
+        with pytest.raises(UsageError, match="lost-pulses"):
             pulse_times(self.values, self.time, level=7.0)
 
     @pytest.mark.parametrize(("share", "wrong"), [(0.0, True), (0.49, False), (0.5, True)])
@@ -95,7 +95,7 @@ class TestFlanks:
         assert bool(PulseReading.read_entries({"hysteresis": share})[1]) is wrong
 
     def test_a_counter_has_no_level(self):
-        with pytest.raises(ModelError, match="a counter has no level"):
+        with pytest.raises(ModelError, match=r"tick: .*needless-entry"):
             WheelChannel(teeth=60, tick="1 us", level=2)
 
 
@@ -164,12 +164,12 @@ class TestQuadrature:
     def test_times_of_pulses_have_no_second_track(self):
         times = Recording((), RATE, pulses=(PulseChannel("a", np.arange(20.0)), PulseChannel("b", np.arange(20.0))))
         assert len(wheel_pulses(times, "a", PulseReading())) == 20
-        with pytest.raises(UsageError, match="a: the record holds times of its pulses, and b tells the direction only"):
+        with pytest.raises(UsageError, match="missing-data"):
             wheel_pulses(times, "a", PulseReading(second="b"))
 
     def test_tracks_that_are_not_of_one_wheel(self):
         one = self.tracks(self.angle)["a"]
-        with pytest.raises(UsageError, match="the two tracks do not change in turn"):
+        with pytest.raises(UsageError, match="unfit-wheel"):
             wheel_pulses(record(a=one, b=one), "a", PulseReading(second="b"))
 
 

@@ -335,17 +335,17 @@ def test_a_reference_that_is_missing_or_unclear_is_refused():
     values, omega = six_cylinder(), 30 * np.pi
     seen = wheel(pulses_of(900, 40, values))
     mean = mean_rotation(seen)
-    with pytest.raises(UsageError, match=r"no mark .* once per turn \(--phase CHANNEL\)"):
+    with pytest.raises(UsageError, match="ambiguous-tooth"):
         phase_reference(mean, seen, offset=0.5)
     twice = PulseChannel("twice", marks(np.arange(1, 70) * np.pi, values, omega))
     with pytest.raises(UsageError, match="and should come once"):
         phase_reference(mean, seen, index=twice)
     index = PulseChannel("index", marks(np.arange(1, 35) * 2 * np.pi, values, omega))
     near = PulseChannel("cam", marks(np.arange(1, 17) * 4 * np.pi + 0.02, values, omega))
-    with pytest.raises(UsageError, match="which of the two is first cannot be told"):
+    with pytest.raises(UsageError, match="ambiguous-tooth"):
         phase_reference(mean, seen, index=index, cam=near)
     late = PulseChannel("index", index.times + 1000)
-    with pytest.raises(UsageError, match="are both on one clock"):
+    with pytest.raises(UsageError, match="lost-pulses"):
         phase_reference(mean, seen, index=late)
     assert phase_reference(mean, seen).words == ""
 
@@ -365,7 +365,7 @@ def test_mean_rotation_of_a_once_per_turn_record_counts_missing_and_double_pulse
 def test_an_angle_that_begins_again_each_turn_is_refused():
     time = np.arange(5000) / 1000
     record = Recording((Signal("a", "angle", 60 * time % (2 * np.pi)),), 1000)
-    with pytest.raises(UsageError, match=r"a jumps back by 35[0-9.]+ deg at 0.104 s, as an angle that begins again"):
+    with pytest.raises(UsageError, match=r"(?s)0\.104.*wrapped-count"):
         mean_rotation(record, "a")
 
 
@@ -378,32 +378,32 @@ def test_orders_that_alias_in_the_channels_are_refused(method):
     mean = mean_rotation(record, "n")
     (found,) = track_orders(record, mean, ["T"], orders=[1, 29], method=method, phase_reference=TOP)
     assert np.median(np.abs(found.along(29))) == pytest.approx(1, abs=0.02)
-    with pytest.raises(UsageError, match=r"order 31 is above half the sampling rate of 1000 Hz at 99[0-9.]+ r/min"):
+    with pytest.raises(UsageError, match=r"(?s)31.*1000.*beyond-sampling"):
         track_orders(record, mean, ["T"], orders=[1, 31], method=method)
     if isinstance(method, VoldKalman):
-        with pytest.raises(UsageError, match="order 31 is above half the sampling rate"):
+        with pytest.raises(UsageError, match=r"(?s)31.*beyond-sampling"):
             track_orders(record, mean, ["T"], orders=[1], method=method, further=[(mean, [2, 31])])
 
 
 def test_orders_that_cannot_be_told_are_refused():
     seen = wheel(pulses_of(900, 20, six_cylinder()))
-    with pytest.raises(UsageError, match="order 54 would read as 6"):
+    with pytest.raises(UsageError, match=r"(?s)54.*beyond-sampling"):
         track_orders(None, seen, wheels=[seen], orders=[54])
-    with pytest.raises(UsageError, match=r"order 1\.3 is no multiple of 1/2"):
+    with pytest.raises(UsageError, match=r"(?s)1\.3.*unfit-order"):
         track_orders(None, seen, wheels=[seen], orders=[1.3])
     for orders in ([], [0], [0, 3], [-1, 3], [np.nan, 3], [3, np.inf]):
         with pytest.raises(UsageError, match="positive numbers"):
             track_orders(None, seen, wheels=[seen], orders=orders)
-    with pytest.raises(UsageError, match="too short for a bandwidth"):
+    with pytest.raises(UsageError, match="too-short"):
         track_orders(None, seen, wheels=[seen], orders=[1], method=VoldKalman(0.2))
     short = wheel(pulses_of(900, 3, six_cylinder()))
-    with pytest.raises(UsageError, match="1 whole cycles of 2 revolutions"):
+    with pytest.raises(UsageError, match="too-short"):
         mean_rotation(short)
     falling = Recording((Signal("a", "angle", -np.arange(2000) / 10),), sampling_rate=100.0)
     with pytest.raises(UsageError, match="turns backwards"):
         mean_rotation(falling, "a")
     torque = Recording((Signal("T", "torque", np.arange(2000) / 10),), sampling_rate=100.0)
-    with pytest.raises(UsageError, match="T is torque, and the rotation needs an angle or a speed"):
+    with pytest.raises(UsageError, match="unfit-channel"):
         mean_rotation(torque, "T")
 
 
@@ -486,7 +486,7 @@ def test_pulses_that_go_on_after_the_last_block_are_refused_by_name(method):
     wave = 5 * np.cos(300 * np.arange(5_000) / 1000)
     blocks = [Recording((Signal("T", "torque", wave),), sampling_rate=1000.0, start=start) for start in (0.0, 5.0)]
     rotation = mean_rotation(PulseChannel("n", np.arange(400) * 2 * np.pi / 100))
-    with pytest.raises(UsageError, match=r"channels end at 9\.999 s, but the pulses go on"):
+    with pytest.raises(UsageError, match=r"(?s)9\.999.*too-short"):
         track_orders(iter(blocks), rotation, ["T"], orders=[3], method=method)
 
 

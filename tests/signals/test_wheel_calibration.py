@@ -124,7 +124,7 @@ class TestEngineOrders:
         """A pattern without its lower orders came out, 0.1 degrees off."""
         positions, angle = wheel_errors(), np.radians(114)
         short, long = (engine_test(engine_orders[900], 900, positions, n, angle) for n in (turns, 17))
-        with pytest.raises(UsageError, match=r"one window of 8 revolutions tells no order .* record 17 revolutions"):
+        with pytest.raises(UsageError, match=r"(?s)17.*too-short"):
             calibrate_wheel([short], Wheel(teeth=TEETH), pickup_angle=angle)
         found = calibrate_wheel([long], Wheel(teeth=TEETH), pickup_angle=angle).pattern
         assert np.degrees(np.abs(found.positions - positions + positions.mean()).max()) < 1e-3

@@ -69,7 +69,7 @@ class TestTwoPickups:
 
     def test_an_angle_half_a_pitch_away_is_refused(self):
         test = record(teeth(), 100.0, angle=100 * DEGREE)
-        with pytest.raises(UsageError, match="measure the angle between the pickups anew"):
+        with pytest.raises(UsageError, match="ambiguous-tooth"):
             calibrate_wheel([test], Wheel(teeth=Z), pickup_angle=107 * DEGREE)
 
     def test_records_are_aligned_by_the_pattern(self):
@@ -130,9 +130,7 @@ class TestOnePickup:
         assert found.orders[1].value == pytest.approx(position_amplitude(positions, 2), abs=2e-4 * DEGREE)
 
     def test_one_speed_is_refused_and_what_helps_is_said(self):
-        with pytest.raises(
-            UsageError, match=r"range of speeds, 954\.9 rpm, is too small .* run-up, add a second pickup"
-        ):
+        with pytest.raises(UsageError, match=r"(?s)954\.9.*unfit-order"):
             calibrate_wheel([record(teeth(), 100.0, turns=40)], Wheel(teeth=Z))
 
     def test_a_small_range_says_how_far_the_vibration_changes_against_the_scatter(self):
@@ -146,7 +144,7 @@ class TestOnePickup:
 
     def test_records_without_an_index_are_refused(self):
         tests = [record(teeth(), speed, index=False) for speed in (60.0, 100.0)]
-        with pytest.raises(UsageError, match="record an index pulse once per turn"):
+        with pytest.raises(UsageError, match="ambiguous-tooth"):
             calibrate_wheel(tests, Wheel(teeth=Z))
 
     def test_a_wheel_that_turns_at_another_ratio_shares_no_order_with_its_vibration(self):
@@ -217,9 +215,7 @@ class TestCalculated:
     def test_speeds_beyond_the_calculated_ones_are_refused(self):
         calculated = CalculatedOrders(np.array([50.0, 60.0]), ORDERS, np.zeros((5, 2)), np.zeros((0, 5, 2)))
         tests = [record(teeth(), speed) for speed in (60.0, 100.0)]
-        with pytest.raises(
-            UsageError, match=r"the test turns at 573 to 954\.9 rpm, but orders were calculated for 477\.5"
-        ):
+        with pytest.raises(UsageError, match=r"(?s)573.*954\.9.*beyond-table"):
             calibrate_wheel(tests, Wheel(teeth=Z), calculated=calculated)
 
     def test_a_cylinder_that_misfires_in_turn_is_refused(self):
@@ -309,7 +305,5 @@ class TestStoredPattern:
 
     def test_a_pattern_of_another_wheel_is_refused_with_all_reasons(self):
         pattern = WheelPattern(np.zeros(60), np.zeros(60), missing=2, reversed=True)
-        with pytest.raises(
-            UsageError, match=r"n1: a pattern of 60 teeth .* wheel of 36; .* lacks 2 teeth.* against the"
-        ):
+        with pytest.raises(UsageError, match=r"(?s)60.*36.*unfit-wheel"):
             check_pattern("n1", Wheel(teeth=36), pattern)

@@ -95,9 +95,7 @@ class TestOrders:
     def test_both_flanks_of_teeth_nearly_as_wide_as_gaps(self):
         _, angle = shaft(1500 * RPM, {6: TENTH})
         channel = PulseChannel("n1", pulses(angle, 120, positions=np.tile([0.0, 0.1], 60) * 2 * np.pi / 120))
-        with pytest.raises(
-            UsageError, match=r"every second pulse stands 0\.1 pitches beside the middle .*edge: rising"
-        ):
+        with pytest.raises(UsageError, match=r"(?s)0\.1.*unfit-wheel"):
             wheel_rotation(channel, Wheel(teeth=120))
 
     def test_order_54_of_60_teeth_reads_as_6_and_is_refused(self):
@@ -109,9 +107,7 @@ class TestOrders:
         assert abs(order_of(read, mean(at), 54)) < 1e-3 * TENTH
         assert (found.aliased(54), found.alias_order, found.highest_order) == (6, 30, 25)
         found.check_orders([0.5, 12, 25])
-        with pytest.raises(
-            UsageError, match=r"order 54: 60 teeth tell orders up to 25, .* order 54 would read as 6; .*pickup"
-        ):
+        with pytest.raises(UsageError, match=r"(?s)54.*60.*beyond-sampling"):
             found.check_orders([6, 54])
 
     @pytest.mark.parametrize(
@@ -232,9 +228,7 @@ class TestStatedPatterns:
     def test_every_sixth_tooth_that_is_missing_is_a_pattern_of_the_wheel(self):
         _, angle = shaft(1200 * RPM, {4: TENTH})
         channel = PulseChannel("n1", seen_at(angle, np.flatnonzero(np.arange(60) % 6) * 6.0))
-        with pytest.raises(
-            UsageError, match=r"1 pulses are missing in every turn of 60, .* pattern: 5 teeth, 1 missing, "
-        ) as refused:
+        with pytest.raises(UsageError, match=r"(?s)60.*unfit-wheel") as refused:
             wheel_rotation(channel, Wheel(teeth=60))
         told = re.search(r"pattern: ([^:]*) if the wheel", str(refused.value))[1]
         wheel = Wheel(teeth=60, pattern=told)
@@ -260,23 +254,19 @@ class TestStatedPatterns:
         "text", ["0, 80, 180, 270", "0 80 180 270 deg", "0°, 80°, 180°, 270°", "0, 80..5, 270 deg"]
     )
     def test_words_that_are_nearly_a_pattern_are_no_name_of_a_file(self, text):
-        faults = [str(fault) for fault in WheelChannel.read({"teeth": 4, "pattern": text})[1]]
-        assert faults == [
-            f"pattern: error: {text!r} is neither runs of teeth, as '16 teeth, 2 missing, 10 teeth, 2 missing', nor "
-            "angles, as '0, 80, 180, 270 deg'"
-        ]
+        (fault,) = WheelChannel.read({"teeth": 4, "pattern": text})[1]
+        assert (fault.kind, fault.path) == ("wrong-form", ("pattern",))
         assert Wheel(teeth=4, pattern="4_teeth.yaml").pattern_file == "4_teeth.yaml"
 
     def test_what_does_not_follow_the_pattern_is_refused(self):
         _, angle = shaft(1200 * RPM)
         times, wheel = seen_at(angle, GAPS_AT), Wheel(teeth=36, pattern=GAPS)
-        with pytest.raises(UsageError, match=r"from pulse 299 at 0\.\d+ s on the pulses do not follow the pattern"):
+        with pytest.raises(UsageError, match=r"(?s)299.*lost-pulses"):
             wheel_rotation(PulseChannel("n1", np.delete(times, 300)), wheel)
-        with pytest.raises(UsageError, match="do not tell which tooth of the pattern comes first"):
+        with pytest.raises(UsageError, match="ambiguous-tooth"):
             wheel_rotation(PulseChannel("n1", times), replace(wheel, pattern="9 teeth, 9 missing, 9 teeth, 9 missing"))
-        assert [str(fault) for fault in WheelChannel.read({"teeth": 30, "pattern": GAPS})[1]] == [
-            "pattern: error: the pattern has 36 places, 30 with teeth; teeth: 30 counts both"
-        ]
+        (fault,) = WheelChannel.read({"teeth": 30, "pattern": GAPS})[1]
+        assert (fault.kind, fault.path) == ("wrong-count", ("pattern",))
 
 
 class TestUncertainty:
@@ -352,7 +342,7 @@ class TestTooth0:
     def test_an_index_that_does_not_fit_the_teeth(self):
         _, angle = shaft(1500 * RPM)
         index = PulseChannel("cam", pulse_times(angle, 2 * np.pi * np.arange(2, 39), 3.0))
-        with pytest.raises(UsageError, match=r"60\.00 to 60\.00 pulses, not whole turns of 59"):
+        with pytest.raises(UsageError, match=r"(?s)60\.00.*60\.00.*unfit-wheel"):
             wheel_rotation(PulseChannel("n1", pulses(angle)), Wheel(teeth=59), index=index)
 
     def test_two_candidates_for_a_gap(self):
@@ -362,7 +352,7 @@ class TestTooth0:
         channel, wheel = PulseChannel("n1", twice), Wheel(teeth=60, missing_teeth=2)
         with pytest.raises(
             UsageError,
-            match=r"2 gaps of 2 teeth in every turn, after pulse 9 .* and after pulse 44 .*pattern: 23 teeth, 2 missing, 33 teeth",
+            match=r"(?s)44.*23.*ambiguous-tooth",
         ):
             wheel_rotation(channel, wheel)
         assert wheel_rotation(channel, wheel, first=48).numbers[0] == 48
@@ -370,9 +360,9 @@ class TestTooth0:
     @pytest.mark.parametrize(
         ("teeth", "missing", "message"),
         [
-            (60, 0, "2 pulses are missing in every turn of 60.*missing_teeth: 2"),
-            (60, 1, r"no gap of 1 missing teeth returns every 60 pulses; gaps that return there: of 2 after pulse 50"),
-            (58, 2, "pulses are missing every 60 pulses"),
+            (60, 0, r"(?s)60.*unfit-wheel"),
+            (60, 1, r"(?s)60.*50.*unfit-wheel"),
+            (58, 2, r"(?s)60.*unfit-wheel"),
         ],
     )
     def test_wheels_that_do_not_fit_their_gap(self, teeth, missing, message):
@@ -412,7 +402,7 @@ class TestRefused:
         assert wheel_rotation(PulseChannel("n1", times), Wheel(teeth=60)).remarks == ()
 
     def test_a_pattern_of_other_teeth(self):
-        with pytest.raises(UsageError, match="a pattern of 36 teeth does not fit a wheel of 60"):
+        with pytest.raises(UsageError, match=r"(?s)36.*60.*unfit-wheel"):
             wheel_rotation(
                 PulseChannel("n1", np.arange(9.0)), Wheel(teeth=60), WheelPattern(np.zeros(36), np.zeros(36))
             )

@@ -114,7 +114,10 @@ class Table:
         return "\n".join([*lines, *notes])
 
     def to_csv(self, path: str | Path | None = None) -> str:
-        """Table as CSV text in full precision, title and notes as ``#`` lines; also written to ``path`` if given."""
+        """Table as CSV text in full precision, title and notes as ``#`` lines; also written to ``path`` if given.
+
+        pandas reads it by ``read_csv(path, comment="#")``; :meth:`to_dataframe` needs no file.
+        """
         buffer = io.StringIO()
         for note in (self.title, *self.notes):
             buffer.write(f"# {note}\n")

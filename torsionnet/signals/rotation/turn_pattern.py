@@ -217,4 +217,4 @@ def check_pattern(name: str, wheel: Wheel, pattern: WheelPattern) -> None:
             f"{senses[wheel.reversed]}: the pickup sees the other edges in the other sequence; calibrate in this sense"
         )
     if faults:
-        raise UsageError(f"{name}: {'; '.join(faults)}", kind="wrong-form")
+        raise UsageError(f"{name}: {'; '.join(faults)}", kind="unfit-wheel")
