@@ -101,6 +101,19 @@ EVERY_ELEMENT = {
     "pendulum_absorber": tn.PendulumAbsorber(
         "e", node="a", mass=4, pivot_radius=0.5, path_radius=0.2, speed=9, count=2, own_inertia=0.1, damping=0.3
     ),
+    "arc_spring": tn.ArcSpring(
+        "e",
+        nodes=("a", "b"),
+        stiffness=200,
+        arc_angle=2.6,
+        friction_coefficient=0.1,
+        spring_mass=0.9,
+        spring_radius=0.1,
+        speed=150,
+        torque=90,
+        swing=0.02,
+        damping=1,
+    ),
     "dual_mass_flywheel": tn.DualMassFlywheel(
         "e",
         nodes=("a", "b"),

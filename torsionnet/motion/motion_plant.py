@@ -151,7 +151,7 @@ def motion_plant(drivetrain: AssembledModel) -> MotionPlant:
         A delay, or a law that depends on frequency, beside laws of motion.
     """
     found = placed_plant(drivetrain)
-    _refuse(found.assembly)
+    _refuse(drivetrain, found.assembly)
     return replace(found, actions=law_states(found.assembly))
 
 
@@ -174,9 +174,15 @@ def placed_plant(drivetrain: AssembledModel) -> MotionPlant:
     return MotionPlant(plain, moving, ())
 
 
-def _refuse(assembly: Assembly) -> None:
+def _refuse(drivetrain: AssembledModel, assembly: Assembly) -> None:
     system = assembly.system
     over_frequency = {assembly.owners[number] for number, _ in system.dynamic}
+    slow = [one for one in drivetrain.definition.switched_on if one.without_motion]
+    if slow:
+        names = ", ".join(one.name for one in slow)
+        text = f"{slow[0].without_motion}, which has no law beside other laws of motion, nor from a given start"
+        advice = "leave out arc_angle for friction of a torque of its own, or use at() for small motion about a point"
+        raise UsageError(f"{names}: {text}; {advice}", kind="unsupported-law")
     delayed = {one.owner for one in system.actions if one.delay}
     if over_frequency:
         names = ", ".join(sorted(over_frequency))

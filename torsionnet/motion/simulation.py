@@ -94,6 +94,12 @@ def simulate_torques(
         record = simulate_linear(drivetrain, outputs, inputs, sampling_rate, between)  # type: ignore[arg-type]
         notes = [f"{text}; its law acts in full beside other laws, or from a given start" for text in
                  _linear_notes(drivetrain, laws=True)]  # fmt: skip
+        notes += [
+            f"linear about the working point in its entries: {one.name}; {one.without_motion}, "
+            "which motion over time has no law for"
+            for one in drivetrain.definition.switched_on
+            if one.without_motion
+        ]
         return record.with_notes(*notes, *([NOTHING_TO_CHECK] if check else []))
     lists: dict[str, Any] = {name: one for name, one in inputs.items() if not isinstance(one, TimeHistory)}
     if lists:

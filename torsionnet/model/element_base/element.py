@@ -261,6 +261,11 @@ class Element(Declared, ArgumentHints):
         return type(self).own_whole_parts is not Element.own_whole_parts
 
     @property
+    def without_motion(self) -> str:
+        """Reason why motion over time, too, takes the element as linear about its working point; mostly empty."""
+        return ""
+
+    @property
     def has_own_working_point(self) -> bool:
         """Whether entries of the element name the working point about which :meth:`parts` is linear."""
         return any(getattr(self, name) is not None for name in self.working_point)

@@ -41,6 +41,8 @@ from torsionnet.model.motion_laws.piece_curve import Hold, PieceCurve, Slope, fr
 _STUCK = 1
 """Number of the step of :func:`.friction_curve`, between the pieces on either side of it."""
 _CENTRIFUGAL = ("friction_coefficient", "spring_mass", "spring_radius", "speed")
+_ARC = ("stiffness", *_CENTRIFUGAL, "torque", "swing")
+"""Entries that springs on an arc need."""
 
 
 @register
@@ -55,6 +57,11 @@ class DualMassFlywheel(Element):
     balance; J. P. Den Hartog, Mechanical Vibrations, 4th ed., chapter 8), so that the law is
     k (1 + j (eta + 4 M/(pi k alpha))) + c s. M is the basic friction and that of springs pressed outward against
     their channel, M = M_0 + mu m r^2 Omega^2, m and r the mass and radius of all of them.
+
+    With an ``arc_angle`` psi the springs are those of ``arc_spring``: friction grows with the spring force as well, coils
+    that it locks need no ``blocked``, and ``torque``, ``swing`` and the four entries of the pressed springs give k' and
+    k''/k' in place of k and M. A lumped friction M cannot do this: its loss 4 M alpha is in proportion to the swing and
+    nothing at standstill, that of arc springs grows with alpha^1.5 and with the torque, and their stiffness falls.
 
     Its law of motion in time is T(gamma/(1 - b)) + M sgn(gamma') + c gamma'; at rest the friction takes any torque from
     -M to M beside the springs. A loss factor has no motion in time: give the losses as friction and damping. Small
@@ -107,9 +114,28 @@ class DualMassFlywheel(Element):
     spring_mass: Expression | None = entry(PhysicalQuantity("mass of all arc springs", "mass", "m"), None)
     spring_radius: Expression | None = entry(PhysicalQuantity("radius on which they lie", "length", "r"), None)
     speed: Expression | None = entry(PhysicalQuantity("speed that presses them outward", "speed", "Omega", None), None)
+    arc_angle: Expression | None = entry(
+        PhysicalQuantity(
+            "angle on which a spring lies; with it friction grows with the spring force", "angle", "psi", exclusive=True
+        ),
+        None,
+    )
 
     def contradictions(self) -> list[Fault]:
-        return [*self._spring_faults(), *self._friction_faults()]
+        return [*self._spring_faults(), *self._friction_faults(), *self._arc_faults()]
+
+    def _arc_faults(self) -> list[Fault]:
+        """Faults of springs on an arc that lack entries, or say twice how friction holds them."""
+        if self.arc_angle is None:
+            return []
+        given = [name for name in _ARC if getattr(self, name) is not None]
+        if len(given) < len(_ARC):
+            missing = " and ".join(name for name in _ARC if name not in given)
+            return [Fault(f"arc_angle needs {', '.join(_ARC)}; here is no {missing}", kind="missing-entry")]
+        if self.blocked != Number(0):
+            text = "with arc_angle the coils that friction locks follow from the swing; leave out blocked"
+            return [Fault(text, ("blocked",), on_key=True, kind="contradicting-entries")]
+        return []
 
     def _spring_faults(self) -> list[Fault]:
         wrong = one_exactly(self, "stiffness", "stages")
@@ -154,7 +180,7 @@ class DualMassFlywheel(Element):
                 )
             ]
         given = [name for name in _CENTRIFUGAL if getattr(self, name) is not None]
-        if given and len(given) < len(_CENTRIFUGAL):
+        if given and self.arc_angle is None and len(given) < len(_CENTRIFUGAL):
             missing = " and ".join(name for name in _CENTRIFUGAL if name not in given)
             return [
                 Fault(
@@ -170,7 +196,16 @@ class DualMassFlywheel(Element):
 
     @property
     def has_motion_laws(self) -> bool:
-        return bool(self.stages) or self._rubs
+        # On an arc friction depends on the spring force, which no law of motion does.
+        return self.arc_angle is None and (bool(self.stages) or self._rubs)
+
+    @property
+    def without_motion(self) -> str:
+        if self.arc_angle is None:
+            return ""
+        from torsionnet.model.elements.arc_spring import WITHOUT_MOTION  # few flywheels give an arc
+
+        return WITHOUT_MOTION
 
     @property
     def has_own_working_point(self) -> bool:
@@ -185,6 +220,8 @@ class DualMassFlywheel(Element):
 
         Without states the mean torque tells the stage, and the swing how friction acts.
         """
+        if self.arc_angle is not None:
+            return (self._arc_law(value), *self._masses(value))
         given = iter(states)
         springs = next(given, None) if self.stages else None
         friction = next(given, AT_REST) if self._rubs else None
@@ -200,6 +237,18 @@ class DualMassFlywheel(Element):
         row = difference(*self.nodes)
         law = Law(row, damping=damping, stiffness=stiffness, loss_factor=eta)
         return (law, *([Constraint(row)] if held else []), *self._masses(value))
+
+    def _arc_law(self, value: Values) -> Law:
+        """Springs on an arc at their swing, with basic friction and a loss factor of their own beside them."""
+        from torsionnet.model.arc_spring.linear_law import arc_stiffness  # few flywheels give an arc
+        from torsionnet.model.elements.arc_spring import arc_values
+
+        stiffness, eta = arc_stiffness(value.algebra, *(value(one) for one in arc_values(self)))
+        eta = eta + loss_factor(self.loss_factor, value.parameters, value.algebra)
+        if self.friction != Number(0):
+            eta = eta + 4 * value(self.friction) / (value.algebra.pi * stiffness * value(self.swing))
+        damping = viscous(self.damping, stiffness, value)
+        return Law(difference(*self.nodes), damping=damping, stiffness=stiffness, loss_factor=eta)
 
     def _tangent(self, springs: MotionState | None, value: Values) -> tuple[Any, bool]:
         """Stiffness in force at a state of springs in stages, and whether a preload lets them stand still there."""
