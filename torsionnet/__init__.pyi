@@ -41,6 +41,7 @@ from torsionnet.loading import load as load
 from torsionnet.loading import loads as loads
 from torsionnet.model.damping import convert_damping as convert_damping
 from torsionnet.model.elements import Element as Element
+from torsionnet.model.elements.element_types import ArcSpring as ArcSpring
 from torsionnet.model.elements.element_types import Belt as Belt
 from torsionnet.model.elements.element_types import ChainDrive as ChainDrive
 from torsionnet.model.elements.element_types import Clearance as Clearance
@@ -86,6 +87,7 @@ from torsionnet.study import load_study as load_study
 __all__ = [
     "__version__",
     "Adaptive",
+    "ArcSpring",
     "Belt",
     "Bench",
     "ChainDrive",

@@ -55,7 +55,9 @@ class TestLinearLaw:
     def test_at_standstill_too(self):
         """Friction of the spring force alone: ±10 deg about 20 deg lose 23.530755 J."""
         found = law(arcs(speed=0, swing="10 deg", torque=252.4414689))
-        assert math.pi * found.stiffness * found.loss_factor * math.radians(10) ** 2 == pytest.approx(23.530755, rel=1e-6)
+        assert math.pi * found.stiffness * found.loss_factor * math.radians(10) ** 2 == pytest.approx(
+            23.530755, rel=1e-6
+        )
 
     def test_basic_friction_and_a_loss_factor_add_to_it(self):
         """4 M/(pi a) and eta k'."""

@@ -42,6 +42,8 @@ def _while_locked(algebra: Algebra, *given: Any) -> Any:
     k' = 8/(3 pi) k_s = 8/(3 pi) sqrt(2 k e (u - (3/4 - 2/pi) S^2)/a), with u = abs(T) + C/psi.
     """
     k, psi, mu, mass, radius, speed, amplitude, torque = given
+    if not k > 0 or not psi > 0 or mu < 0 or not amplitude > 0:
+        raise ArithmeticError("stiffness, arc_angle and swing of arc springs must be above 0, friction not below 0")
     base = mass * radius**2 * speed**2 / psi
     square = 2 * k * mu * psi * amplitude
     u = (-torque if torque < 0 else torque) + base - (Fraction(3, 4) - 2 / algebra.pi) * square
@@ -61,6 +63,8 @@ def _tangent(given: Sequence[Any]) -> tuple[Any, Any]:
     Numbers with derivatives, and those that record what is done, get the tangent at their present values.
     """
     at = [float(one) for one in given]
+    if not all(map(math.isfinite, at)):
+        raise ArithmeticError("the values of arc springs must be finite")
     found = _stiffness(at)
     parts: tuple[Any, Any] = (found.real, found.imag)
     for place, one in enumerate(given):

@@ -58,10 +58,10 @@ class DualMassFlywheel(Element):
     k (1 + j (eta + 4 M/(pi k alpha))) + c s. M is the basic friction and that of springs pressed outward against
     their channel, M = M_0 + mu m r^2 Omega^2, m and r the mass and radius of all of them.
 
-    With an ``arc_angle`` psi the springs are those of ``arc_spring``: friction grows with the spring force as well, coils
-    that it locks need no ``blocked``, and ``torque``, ``swing`` and the four entries of the pressed springs give k' and
-    k''/k' in place of k and M. A lumped friction M cannot do this: its loss 4 M alpha is in proportion to the swing and
-    nothing at standstill, that of arc springs grows with alpha^1.5 and with the torque, and their stiffness falls.
+    With an ``arc_angle`` psi the springs are those of ``arc_spring``: friction grows with the spring force as well,
+    ``blocked`` follows from the swing, and ``torque``, ``swing`` and the entries of pressed springs give k' and k''/k'
+    in place of k and M. A lumped friction M cannot do this: its loss 4 M alpha is in proportion to the swing, and
+    nothing at standstill; that of arc springs grows with alpha^1.5 and with the torque, and their stiffness falls.
 
     Its law of motion in time is T(gamma/(1 - b)) + M sgn(gamma') + c gamma'; at rest the friction takes any torque from
     -M to M beside the springs. A loss factor has no motion in time: give the losses as friction and damping. Small

@@ -10,6 +10,7 @@ from torsionnet.model.element_base.stiffness_table import StiffnessTable
 from torsionnet.model.element_base.viscoelastic import FilmGap, ShearedBush, ShearedDisc, Viscoelastic
 from torsionnet.model.sheets.mass_elastic_sheet import MassElasticSheet
 from typing import Literal, overload
+from torsionnet.model.elements.arc_spring import ArcSpring as _ArcSpring
 from torsionnet.model.elements.loop_drives import Belt as _Belt
 from torsionnet.model.elements.loop_drives import ChainDrive as _ChainDrive
 from torsionnet.model.elements.contacts import Clearance as _Clearance
@@ -48,6 +49,82 @@ from torsionnet.model.elements.dampers import TunedDamper as _TunedDamper
 from torsionnet.model.elements.vehicles import Tyre as _Tyre
 from torsionnet.model.elements.vehicles import Vehicle as _Vehicle
 from torsionnet.model.elements.dampers import ViscousDamper as _ViscousDamper
+
+class ArcSpring(_ArcSpring):
+    r"""Arc springs in a curved channel, which rub under their centrifugal force and the spring force turned with them.
+
+    With C = m r^2 Omega^2, u = T + C/psi and e = mu psi the torque falls along sliding coils as du/ds = -e u over the
+    share s of the arc. A swing of amplitude a about a mean torque moves the coils to a depth z and locks those beyond.
+    Linear results take the first harmonic of the slow loop at the amplitude ``swing``, k' + j k'': while coils are
+    locked k''/k' = 1/2, and the secant stiffness is k_s = 3 pi/8 k', its loss factor 4/(3 pi). Both fall with the
+    root of the swing and rise with mean torque and speed. Where the flange leaves the springs in a cycle, a chain of
+    segments with Coulomb's friction is marched instead.
+
+    ``torque`` and ``speed`` follow the operating point as parameters ``by: mean_torque`` and ``by: speed``; ``swing``
+    follows the vibration as one ``by: vibratory_torque`` with a table. Loops are slow: the coils' own first frequency,
+    sqrt(k/J)/2 in Hz with J = m r^2, about 100 Hz, is far above. In time the friction depends on the spring force, so
+    that ``simulate`` has no law for it.
+
+    Parameters
+    ----------
+    nodes: the two nodes it connects, one may be ground; twist is the angle of the first minus the second
+    stiffness: stiffness of all arc springs without friction [N*m/rad]
+    arc_angle: angle on which a spring lies [rad]
+    friction_coefficient: between springs and channel
+    spring_mass: mass of all arc springs [kg]
+    spring_radius: radius on which they lie [m]
+    speed: speed that presses them outward [rad/s]
+    torque: mean torque about which they swing [N*m]
+    swing: amplitude of the twist [rad]
+    damping: viscous damping in parallel [N*m*s/rad]
+    description: free text for tables and reports
+    enabled: whether the element takes part before a configuration says otherwise
+    catalogue: a table from which it takes the entries that are not given here, as couplings.csv
+    size: the row of the catalogue
+    referred_to: a node of the shaft at whose speed the values are quoted; default: its own shaft
+    """
+    @overload
+    def __init__(
+        self,
+        name: str,
+        nodes: TwoNames,
+        stiffness: Scalar,
+        arc_angle: Scalar,
+        friction_coefficient: Scalar,
+        spring_mass: Scalar,
+        spring_radius: Scalar,
+        speed: Scalar,
+        torque: Scalar,
+        swing: Scalar,
+        damping: Scalar | DampingMeasure | Mapping[str, Scalar] = 0,
+        *,
+        description: str = '',
+        enabled: bool = True,
+        catalogue: PurePath | Catalogue | CatalogueRow | None = None,
+        size: str | float = '',
+        referred_to: str | None = None,
+    ) -> None: ...
+    @overload
+    def __init__(
+        self,
+        name: str,
+        nodes: TwoNames,
+        stiffness: Scalar | None,
+        arc_angle: Scalar | None,
+        friction_coefficient: Scalar | None,
+        spring_mass: Scalar | None,
+        spring_radius: Scalar | None,
+        speed: Scalar | None,
+        torque: Scalar | None,
+        swing: Scalar | None,
+        damping: Scalar | DampingMeasure | Mapping[str, Scalar] = 0,
+        *,
+        description: str = '',
+        enabled: bool = True,
+        catalogue: PurePath | Catalogue | CatalogueRow,
+        size: str | float = '',
+        referred_to: str | None = None,
+    ) -> None: ...
 
 class Belt(_Belt):
     r"""A belt over two pulleys or more, rigid or with elastic spans, and with a tensioner arm if wanted.
@@ -669,6 +746,11 @@ class DualMassFlywheel(_DualMassFlywheel):
     k (1 + j (eta + 4 M/(pi k alpha))) + c s. M is the basic friction and that of springs pressed outward against
     their channel, M = M_0 + mu m r^2 Omega^2, m and r the mass and radius of all of them.
 
+    With an ``arc_angle`` psi the springs are those of ``arc_spring``: friction grows with the spring force as well,
+    ``blocked`` follows from the swing, and ``torque``, ``swing`` and the entries of pressed springs give k' and k''/k'
+    in place of k and M. A lumped friction M cannot do this: its loss 4 M alpha is in proportion to the swing, and
+    nothing at standstill; that of arc springs grows with alpha^1.5 and with the torque, and their stiffness falls.
+
     Its law of motion in time is T(gamma/(1 - b)) + M sgn(gamma') + c gamma'; at rest the friction takes any torque from
     -M to M beside the springs. A loss factor has no motion in time: give the losses as friction and damping. Small
     vibrations that friction holds do not move the springs at all, so that without ``swing`` linear results take a
@@ -691,6 +773,7 @@ class DualMassFlywheel(_DualMassFlywheel):
     spring_mass: mass of all arc springs [kg]
     spring_radius: radius on which they lie [m]
     speed: speed that presses them outward [rad/s]
+    arc_angle: angle on which a spring lies; with it friction grows with the spring force [rad]
     description: free text for tables and reports
     enabled: whether the element takes part before a configuration says otherwise
     catalogue: a table from which it takes the entries that are not given here, as couplings.csv
@@ -716,6 +799,7 @@ class DualMassFlywheel(_DualMassFlywheel):
         spring_mass: Scalar | None = None,
         spring_radius: Scalar | None = None,
         speed: Scalar | None = None,
+        arc_angle: Scalar | None = None,
         *,
         description: str = '',
         enabled: bool = True,
@@ -742,6 +826,7 @@ class DualMassFlywheel(_DualMassFlywheel):
         spring_mass: Scalar | None = None,
         spring_radius: Scalar | None = None,
         speed: Scalar | None = None,
+        arc_angle: Scalar | None = None,
         *,
         description: str = '',
         enabled: bool = True,
