@@ -315,9 +315,15 @@ class ReportData:
         return (*normal, *(one for peaks in self.further_peaks for one in peaks.criticals))
 
     def _peaks(self, check: LimitCheck, lines: Sequence[str], *, refine: bool) -> ConditionPeaks:
+        from torsionnet.machinery.criticals.critical_speed_search import excited_lines
+        from torsionnet.machinery.orders.refined_response import is_periodic
         from torsionnet.machinery.verdicts.condition_peaks import condition_peaks
 
         drivetrain, speeds = self.judged_case(check).drivetrain, self.model.definition.speeds
+        if is_periodic(drivetrain, None):
+            # Orders that the motion makes itself meet no mode: there only those that excite count.
+            excited = excited_lines(drivetrain, None, None, None)[0].values()
+            lines = [str(line) for group in excited for line in group]
         found = drivetrain.critical_speeds(lines=lines)
         return condition_peaks(drivetrain, check, found, speeds.rated if speeds else None, refine=refine)
 

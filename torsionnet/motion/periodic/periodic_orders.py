@@ -142,7 +142,7 @@ def largest_met(found: PeriodicResponse, at: float, place: int) -> FoundMotion:
     UsageError
         No motion was found at this speed.
     """
-    here = [one for one in found.motions if one.turn != "doubling" and math.isclose(one.at, at, rel_tol=1e-9)]
+    here = [one for one in found.motions if one.turn in ("", "fold") and math.isclose(one.at, at, rel_tol=1e-9)]
     if not here:
         text = f"at {found.shown(at):.6g} {found.unit} no periodic motion was found; simulate shows what happens there"
         raise UsageError(text, kind="no-period")

@@ -67,6 +67,7 @@ def _turns(found: PeriodicResponse) -> Iterator[tuple[str, FoundMotion]]:
     folds = {one.at: one for one in found.turns("fold")}
     yield from ((way.capitalize(), folds[at]) for way, at in found.jumps)
     yield from (("Period doubles", one) for one in found.turns("doubling"))
+    yield from (("Second frequency", one) for one in found.motions if one.turn == "second frequency")
 
 
 def _turn_table(

@@ -223,7 +223,9 @@ def point_for_comma(place: FaultPlace) -> Iterator[TextFix]:
     """A decimal point, also where a comma in brackets split the number; or no comma, where it may part thousands."""
     if place.fault.kind not in ("decimal-comma", "ambiguous-number") or place.remedy(WRITE) is not None:
         return
-    parts = {".": "write a decimal point"} | ({"": "leave the comma out"} if place.fault.kind == "ambiguous-number" else {})
+    parts = {".": "write a decimal point"} | (
+        {"": "leave the comma out"} if place.fault.kind == "ambiguous-number" else {}
+    )
     start, text = place.span.start, place.written.text
     found = re.search(r"(\d),(\d)", place.shown)
     before = re.search(r"\d(\s*,\s*)$", text[:start])
