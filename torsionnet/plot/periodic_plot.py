@@ -63,17 +63,29 @@ def _draw_branch(
 ) -> None:
     place, scale = shown
     color = style.PALETTE[number % len(style.PALETTE)]
-    at = np.array([found.shown(one.at) for one in motions])
-    sizes = np.array([scale * float(one.highest[place] - one.lowest[place]) for one in motions])
+    line = [*_begins(found, motions[0]), *motions]
+    at = np.array([found.shown(one.at) for one in line])
+    sizes = np.array([scale * float(one.highest[place] - one.lowest[place]) for one in line])
     label: str | None = f"branch {number + 1}: {found.ways[number]}"
-    for (i, one), (j, other) in pairwise(enumerate(motions)):
-        panel.plot(at[[i, j]], sizes[[i, j]], color=color, linewidth=1.6, linestyle=_dashes(one, other), label=label)
-        label = None
-    if len(motions) == 1:
+    if len(line) == 1:
         panel.plot(at, sizes, ".", color=color, label=label)
+    first = 0
+    # One line for all steps of a style: in lines shorter than a dash, dashes would not show.
+    for dashes, steps in groupby(_dashes(one, other) for one, other in pairwise(line)):
+        last = first + len(list(steps))
+        panel.plot(
+            at[first : last + 1], sizes[first : last + 1], color=color, linewidth=1.6, linestyle=dashes, label=label
+        )
+        first, label = last, None
     for kind, marker in TURNS.items():
-        turns = [i for i, one in enumerate(motions) if one.turn == kind]
+        turns = [i for i, one in enumerate(line) if one.turn == kind and one.branch == number]
         panel.plot(at[turns], sizes[turns], marker, color=color, markersize=5, fillstyle="none")
+
+
+def _begins(found: PeriodicResponse, first: FoundMotion) -> list[FoundMotion]:
+    """Doubling next to the first motion of a branch of doubled motions, at which it begins; none for other branches."""
+    doublings = [one for one in found.turns("doubling") if 2 * one.periods == first.periods]
+    return sorted(doublings, key=lambda one: abs(one.at - first.at))[:1]
 
 
 def _dashes(one: FoundMotion, other: FoundMotion) -> str:
