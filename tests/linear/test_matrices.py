@@ -1,5 +1,7 @@
 """Matrices M, C and K in numbers."""
 
+import re
+
 import numpy as np
 import pytest
 from support.models import geared_line
@@ -91,3 +93,9 @@ def test_what_has_no_matrices_says_so():
         turned.matrices()
     with pytest.raises(AttributeError, match=r"model.matrices\(\)"):
         _ = controlled(law=1).M
+
+
+def test_a_notebook_shows_a_table_of_each_by_coordinates():
+    shown = tn.load("amt_rig").configured("V").matrices()._repr_html_()
+    assert re.findall("<caption>(.*?)</caption>", shown) == ["M [kg*m^2]", "C [N*m*s/rad]", "K [N*m/rad]"]
+    assert "input_shaft</td><td>-460</td><td>1617.36</td>" in shown

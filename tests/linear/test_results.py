@@ -231,10 +231,10 @@ class TestTable:
         }
         assert json.loads(replace(self.TABLE, rows=(("a", np.inf),)).to_json())["rows"] == [["a", None]]
 
-    def test_html_is_escaped(self):
+    def test_html_has_texts_at_the_left_and_is_escaped(self):
         text = replace(self.TABLE, title="<b>", rows=(("a & b", 2.0),)).to_html()
         assert "<caption>&lt;b&gt;<br><small>n</small></caption>" in text
-        assert "<tr><td>a &amp; b</td><td>2</td></tr>" in text
+        assert '<tr><td style="text-align:left">a &amp; b</td><td>2</td></tr>' in text
 
 
 class TestPhase:

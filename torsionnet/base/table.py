@@ -183,9 +183,12 @@ class Table:
 
     def to_html(self) -> str:
         """Table as HTML text with title and notes in its caption."""
+        # Notebooks align every cell to the right, which only numbers bear.
+        sides = ["" if self.is_numeric(at) else ' style="text-align:left"' for at in range(len(self.columns))]
 
         def line(cells: Sequence[str], tag: str) -> str:
-            return "<tr>" + "".join(f"<{tag}>{html.escape(cell)}</{tag}>" for cell in cells) + "</tr>"
+            there = zip(cells, sides, strict=True)
+            return f"<tr>{''.join(f'<{tag}{side}>{html.escape(cell)}</{tag}>' for cell, side in there)}</tr>"
 
         head = line([column.heading for column in self.columns], "th")
         body = "\n".join(line(row, "td") for row in self.cells())

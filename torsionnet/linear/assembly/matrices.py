@@ -49,6 +49,17 @@ class SystemMatrices:
     T: FloatArray
     frequency: float | None = None
 
+    def _repr_html_(self) -> str:
+        from torsionnet.base.table import Column, Table
+
+        columns = tuple(map(Column, ("", *self.coordinates)))
+        at = "" if self.frequency is None else f" at {self.frequency:g} Hz"
+        matrices = {"M [kg*m^2]": self.M, "C [N*m*s/rad]": self.C, f"K [N*m/rad]{at}": self.K}
+        return "\n".join(
+            Table(title, columns, tuple(zip(self.coordinates, *matrix.T.tolist(), strict=True))).to_html()
+            for title, matrix in matrices.items()
+        )
+
 
 def matrices(drivetrain: AssembledModel, *, at: float | str | None = None) -> SystemMatrices:
     """Matrices M, C and K of the drivetrain in SI units, reflected through its gears to the coordinates kept.
