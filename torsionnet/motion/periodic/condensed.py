@@ -105,6 +105,14 @@ class CondensedPlant:
         """
         return split_plant(self.drivetrain, motion_plant(self.drivetrain))
 
+    @cached_property
+    def has_states(self) -> bool:
+        """Whether the plant has states over time: nothing in it has a delay or depends on frequency."""
+        try:
+            return self.in_time is not None
+        except UsageError:
+            return False
+
     def _require_own_motion(self) -> None:
         for one in self.laws:
             if one.law.sensed or one.law.lag:
@@ -154,6 +162,13 @@ class CondensedPlant:
         n_in = self.columns.shape[1]
         return Receptances(s, found[:, :, :n_in], found[:, :, n_in:])
 
+    @cached_property
+    def free(self) -> FloatArray:
+        """Motions (n_q, n) that turn freely as a whole."""
+        scaled, scale = _scaled(self.stiffness(np.zeros(1, dtype=complex))[0].real)
+        left, sizes, _ = np.linalg.svd(scaled)
+        return np.asarray(left[:, sizes <= FREE * sizes.max(initial=0.0)] * scale[:, None])
+
     def require_balance(self, means: FloatArray) -> None:
         """Require that mean torques (n_in,) in N m balance on what turns freely.
 
@@ -162,9 +177,7 @@ class CondensedPlant:
         UsageError
             A torque is left over.
         """
-        D = self.stiffness(np.zeros(1, dtype=complex))[0].real
-        left, sizes, _ = np.linalg.svd(_scaled(D)[0])
-        free = left[:, sizes <= FREE * sizes.max(initial=0.0)] * _scaled(D)[1][:, None]
+        free = self.free
         torques = self.columns @ means
         over = free.T @ torques
         if (np.abs(over) > BALANCED * (np.abs(free.T) @ np.abs(torques))).any():

@@ -77,6 +77,8 @@ def second_frequencies(branch: MotionBranch) -> Iterator[tuple[int, PeriodicMoti
     Every few points are looked at: a frequency that sets in and ends between two looks is not seen.
     """
     problem, points = branch.tracer.problem, branch.points
+    if not problem.plant.has_states:
+        return
 
     def value(motion: PeriodicMotion) -> float | None:
         stability = stability_of(problem, motion)

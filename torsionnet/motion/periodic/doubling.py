@@ -80,8 +80,7 @@ def located_doubling(
     """
 
     def value(motion: PeriodicMotion) -> float:
-        stability = stability_of(problem, motion)
-        if stability.undetermined:
+        if not problem.plant.has_states or not (stability := stability_of(problem, motion)).has_all:
             sign, size = np.linalg.slogdet(odd_part(problem, motion))
             return float(sign * np.exp(min(size, 500.0)))
         return stability.doubling

@@ -107,10 +107,10 @@ class HarmonicBalance:
     def _change(self, answer: LawAnswer) -> ComplexArray:
         """Harmonics (H + 1, 2 H + 1) of the torque of a law over those of its motion."""
         H = self.harmonics
-        found = slope_matrix(_coefficients(answer.slope, H), H)
+        found = slope_matrix(coefficients(answer.slope, H), H)
         if answer.rate_slope is not None:
             s = 1j * self.omega * np.arange(H + 1)
-            over_rate = slope_matrix(_coefficients(answer.rate_slope, H), H)
+            over_rate = slope_matrix(coefficients(answer.rate_slope, H), H)
             # x' has the harmonics s x: its real part follows -w k Im x, its imaginary part w k Re x.
             real, imag = over_rate[:, 1 : H + 1], over_rate[:, H + 1 :]
             wk = s.imag[1:]
@@ -119,7 +119,7 @@ class HarmonicBalance:
         n = len(answer.torque)
         for mask, at in answer.since:
             # Friction that sticks: the torque follows x less x where it last stopped slipping.
-            stuck = 2 * _coefficients(mask * answer.slope, H)[: H + 1]
+            stuck = 2 * coefficients(mask * answer.slope, H)[: H + 1]
             stuck[0] *= 0.5
             turn = np.exp(2j * np.pi * at / n * np.arange(1, H + 1))
             there = np.concatenate([[1.0], turn.real, -turn.imag])
@@ -147,7 +147,7 @@ def harmonics_of(values: FloatArray, harmonics: int) -> ComplexArray:
     return found
 
 
-def _coefficients(values: FloatArray, harmonics: int) -> ComplexArray:
+def coefficients(values: FloatArray, harmonics: int) -> ComplexArray:
     """Coefficients S_0 .. S_2H of samples s(t) = sum S_n e^(jnwt)."""
     return np.asarray(np.fft.rfft(values)[: 2 * harmonics + 1] / len(values))
 

@@ -3,7 +3,8 @@
 Laws of straight pieces: the monodromy over the contact states of a period that closes to rounding. Laws without steps:
 the equation x' = (A - sum_l a_l s_l(t) b_l^T) x with the slopes s_l of the laws along the motion, stepped by the method
 of Magnus of fourth order (S. Blanes et al., The Magnus expansion and some of its applications, Physics Reports 470,
-2009). Delays, and laws that depend on frequency, have no finite state: there stability is said to be not determined.
+2009). Delays, and laws that depend on frequency, have no finite state: there Hill's determinant counts what grows, or
+stability is said to be not determined.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from torsionnet.motion.contact_form import contact_form, relative_form
 from torsionnet.motion.motion_plant import Drive, Layout
 from torsionnet.motion.periodic.contact_passage import ContactMarch, Passage, multipliers_of, without_turning
 from torsionnet.motion.periodic.harmonic_balance import over_time
+from torsionnet.motion.periodic.hill import hill_multipliers
 from torsionnet.motion.periodic.law_forces import CurveForce, PieceForce
 from torsionnet.motion.periodic.periodic_problem import PeriodicMotion, PeriodicProblem
 
@@ -39,19 +41,23 @@ ON_CIRCLE = 1e-7
 class Stability:
     """Multipliers (n,) of a motion, the largest first, or the reason for which they are not determined.
 
-    ``passage`` is the period over contact states, where laws have straight pieces.
+    ``passage`` is the period over contact states, where laws have straight pieces. ``growing`` is the number of
+    disturbances that grow where Hill's determinant counts them; the multipliers are then some of all that there are.
     """
 
     multipliers: ComplexArray
     undetermined: str = ""
     march: ContactMarch | None = None
     passage: Passage | None = None
+    growing: int | None = None
 
     @property
     def is_stable(self) -> bool | None:
         """Whether the motion is stable; None where that is not determined."""
         if self.undetermined:
             return None
+        if self.growing is not None:
+            return not self.growing
         return bool(np.abs(self.multipliers).max(initial=0.0) < 1 + ON_CIRCLE)
 
     @property
@@ -61,10 +67,17 @@ class Stability:
             return "stability not determined"
         if self.is_stable:
             return "stable"
+        if not (np.abs(self.multipliers) > 1).any():
+            return "unstable"
         worst = self.multipliers[0]
         if abs(worst.imag) > ON_CIRCLE * abs(worst):
             return "unstable: a second frequency grows"
         return "unstable: leaves" if worst.real > 0 else "unstable: doubles"
+
+    @property
+    def has_all(self) -> bool:
+        """Whether the multipliers are all that there are."""
+        return not self.undetermined and self.growing is None
 
     @property
     def doubling(self) -> float:
@@ -77,7 +90,10 @@ def stability_of(problem: PeriodicProblem, motion: PeriodicMotion, *, turns: boo
     try:
         split = problem.plant.in_time
     except UsageError as error:
-        return Stability(np.zeros(0, dtype=complex), str(error))
+        counted = hill_multipliers(problem, motion)
+        if counted is None:
+            return Stability(np.zeros(0, dtype=complex), str(error))
+        return Stability(counted[1], growing=counted[0])
     if not split.smooth:
         return _over_contacts(problem, motion, 0 if turns else MOST_CLOSED)
     if all(isinstance(one, CurveForce | PieceForce) for one in problem.forces):
