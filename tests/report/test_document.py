@@ -32,7 +32,7 @@ from torsionnet.report.plan import SECTIONS
 from torsionnet.report.report_data import document_kind
 from torsionnet.report.report_request import Measured
 
-RUNNING = ("excitations", "mean_torques", "critical_speeds", "orders", "limits")
+RUNNING = ("excitations", "mean_torques", "critical_speeds", "orders", "periodic_motions", "limits")
 """Sections of models in which machinery runs."""
 
 

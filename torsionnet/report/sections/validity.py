@@ -11,6 +11,7 @@ import numpy as np
 
 from torsionnet.base.errors import Fault, FreeTurningWarning, UsageError
 from torsionnet.base.phrases import joined, phrase
+from torsionnet.machinery.orders.refined_response import is_periodic
 from torsionnet.model.elements import (
     Differential,
     Gear,
@@ -60,6 +61,10 @@ LAWS = (
     "Laws of motion ({names}) are linear about the operating point, each with its slope there. A vibration that opens "
     "a gap, reaches another stage or makes friction slip is larger than these results hold for; a simulation over time "
     "has the laws in full. Stops and gaps that no element describes are not in the model."
+)
+IN_FULL = (
+    "Orders and limits over speed are those of periodic motions, with these laws in full; natural frequencies, "
+    "critical speeds and passages are linear."
 )
 LUMPED = (
     "Lumped: what is no shaft from its dimensions is a disc or a spring between discs. It holds well below the first "
@@ -134,6 +139,8 @@ def _notes(subject: ReportData) -> Iterator[Cell]:
     if laws:
         yield phrase(SMALL, about=about)
         yield phrase(LAWS, names=laws)
+        if subject.has_excitations and any(is_periodic(case.drivetrain, None) for case in subject.cases):
+            yield IN_FULL
     else:
         yield phrase(LINEAR, about=about)
     yield LUMPED
