@@ -36,9 +36,9 @@ SMALLEST_ORDER = 1e-6
 """Amplitude of an order, over the largest half range of its output, below which it is left out."""
 TAKEN = "laws of motion in full: at every speed the largest motion of each output that is stable"
 """Text of the note on the motions whose orders an order response holds."""
-UNMET = "from {low:.6g} to {high:.6g} rpm no motion found is stable: the values there are of one that is not met"
+UNMET = "{where} no motion found is stable: the values there are of one that is not met"
 """Text of the note on the speeds at which the motion of an order response is not stable."""
-OPEN = "from {low:.6g} to {high:.6g} rpm it is not determined whether the largest motion is stable"
+OPEN = "{where} it is not determined whether the largest motion is stable"
 """Text of the note on the speeds at which the motion of an order response may not be stable."""
 
 
@@ -201,4 +201,6 @@ def unsettled(at: FloatArray, taken: Sequence[Sequence[FoundMotion]]) -> Iterato
     for state, text in ((False, UNMET), (None, OPEN)):
         speeds = at[[state in one for one in states]] * RPM
         if len(speeds):
-            yield phrase(text, low=float(speeds[0]), high=float(speeds[-1]))
+            one, several = "at {at:.6g} rpm", "from {low:.6g} to {high:.6g} rpm"
+            where = phrase(several, low=speeds[0], high=speeds[-1]) if len(speeds) > 1 else phrase(one, at=speeds[0])
+            yield phrase(text, where=where)
