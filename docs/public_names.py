@@ -84,6 +84,7 @@ RESULTS: dict[str, str] = {
     "torsionnet.signals.rotation.pitch_order": "PitchOrder",
     "torsionnet.signals.rotation.wheel_rotation": "WheelRotation",
     "torsionnet.signals.spectra": "Spectrogram",
+    "torsionnet.signals.torque_loops.loop_result": "LoopStage LoopValue TorqueLoop TorqueLoops",
     "torsionnet.study.design.best_damper": "DamperInCondition",
     "torsionnet.study.quantities.expression": "UserFunction",
     "torsionnet.study.reductions.summaries": "Summary",

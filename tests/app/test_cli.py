@@ -658,6 +658,7 @@ def test_documented_output_is_real_output(tmp_path, monkeypatch):
         "limits",
         "margins",
         "periodic",
+        "loops",
     }
     assert {command.split()[0] for command, _ in blocks} == set(COMMANDS) - elsewhere - servers
     for command, output in blocks:

@@ -40,7 +40,7 @@ OWN = [
     "laws_of_motion",
 ]
 PAGES = [DOCS / f"{name}.md" for name in OWN] + sorted((DOCS / "how_to").glob("*.md"))
-PRINTED = ["fit_speed", "trust_a_fit"]
+PRINTED = ["characterise_a_flywheel", "fit_speed", "trust_a_fit"]
 """Pages whose blocks of text are what their programs print."""
 LONG = {
     "compressor",

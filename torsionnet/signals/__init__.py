@@ -33,6 +33,7 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "frac": "torsionnet.signals.comparison",
         "iter_blocks": "torsionnet.signals.records.recording_files",
         "iter_wheel_rotations": "torsionnet.signals.rotation.rotations_of_wheels",
+        "loops": "torsionnet.signals.torque_loops.loops",
         "lowest_speed": "torsionnet.signals.rotation.counter",
         "mean_rotation": "torsionnet.signals.orders.mean_rotation",
         "on_first_clock": "torsionnet.signals.rotation.clock_drift",

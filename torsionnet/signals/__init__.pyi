@@ -40,6 +40,7 @@ from torsionnet.signals.rotation.wheel_calibration import WheelTest as WheelTest
 from torsionnet.signals.rotation.wheel_calibration import calibrate_wheel as calibrate_wheel
 from torsionnet.signals.rotation.wheel_rotation import wheel_rotation as wheel_rotation
 from torsionnet.signals.spectra import spectrogram as spectrogram
+from torsionnet.signals.torque_loops.loops import loops as loops
 from torsionnet.signals.uncertainty import resolution_limit as resolution_limit
 from torsionnet.signals.welch import PAPER as PAPER
 from torsionnet.signals.welch import Welch as Welch
@@ -72,6 +73,7 @@ __all__ = [
     "frac",
     "iter_blocks",
     "iter_wheel_rotations",
+    "loops",
     "lowest_speed",
     "mean_rotation",
     "on_first_clock",

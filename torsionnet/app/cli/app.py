@@ -161,6 +161,7 @@ GROUPS = {  # by what a user does; the texts stand here so that the list of comm
         "identify-modes": "Natural frequencies and damping ratios from a record, without a model.",
         "damping": "Natural frequencies and damping ratios from a run-up, a free decay or ambient vibration.",
         "spectrogram": "Level over time and frequency of a record.",
+        "loops": "Stages, friction, free play and loss from loops of torque over twist.",
         "angle": "Angle and speed from pulses of toothed wheels, with their uncertainty.",
         "calibrate-wheel": "Pitch errors of a toothed wheel, from its own pulses.",
         "clocks": "Drift and offset between the clocks of two systems that recorded one test.",

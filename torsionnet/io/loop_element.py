@@ -1,0 +1,76 @@
+"""Component of a model file from the loops of a test: spring with stages, friction, clearance, with their intervals."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.model.elements import Clearance, Friction, Lock, Spring
+from torsionnet.signals.torque_loops.loop_result import LoopStage, LoopValue, TorqueLoop, TorqueLoops
+
+NODES = ("driving", "driven")
+DIGITS = 6
+
+
+def write_loop_element(found: TorqueLoops, path: str | Path) -> None:
+    """Write the component that the largest loop of a test shows as a model file."""
+    loop_element(found).to_yaml(path)
+
+
+def loop_element(found: TorqueLoops) -> Drivetrain:
+    """Component that the largest loop of a test shows, with its driven side clamped.
+
+    Values are parameters, whose descriptions have interval and source. Where drive and coast have the same stages, the
+    spring has their means; else rows of torque over twist, which hold for either side. Behind free play with a single
+    stage stands a clearance.
+    """
+    loop = max(found.loops, key=lambda one: one.amplitude.value)
+    source = f"{loop.cycles} cycles of {found.torque} over {found.twist}" + (
+        f" in {found.title}" if found.title else ""
+    )
+    parameters: dict[str, Any] = {}
+
+    def parameter(name: str, value: LoopValue, unit: str) -> str:
+        half = "" if value.half_width is None else f" +- {value.half_width:.2g} {unit} (95 %)"
+        text = f"{value.value:.{DIGITS}g} {unit}"
+        parameters[name] = {"value": text, "description": f"{text}{half}, {source}"}
+        return name
+
+    both = loop.side("both")
+    if loop.free_play is not None and len(both) == 1:
+        gap, stiffness = parameter("gap", loop.free_play, "rad"), parameter("k_1", both[0].stiffness, "N*m/rad")
+        spring: Any = Clearance("contact", nodes=NODES, gap=gap, stiffness=stiffness)
+    elif both and loop.free_play is None:
+        spring = Spring("springs", nodes=NODES, stages=_stages(both, parameter))
+    else:
+        spring = Spring("springs", nodes=NODES, torque_over_twist=_rows(loop))
+    elements = [spring, Lock("clamp", node=NODES[1])]
+    if loop.friction.value > 0 and (loop.friction.half_width or 0.0) < loop.friction.value:
+        torque = parameter("M", loop.friction, "N*m")
+        elements.insert(1, Friction("friction", nodes=NODES, torque=torque))
+    return Drivetrain("component", elements, parameters=parameters, description=f"From loops: {source}")
+
+
+def _stages(stages: Sequence[LoopStage], parameter: Any) -> list[Any]:
+    """Entries of stages, each up to where the next one begins."""
+    found: list[dict[str, str]] = []
+    for one in stages:
+        if one.begins is not None:
+            found[-1]["to_twist"] = parameter(f"g_{one.number - 1}", one.begins, "rad")
+        found.append({"stiffness": parameter(f"k_{one.number}", one.stiffness, "N*m/rad")})
+    return found
+
+
+def _rows(loop: TorqueLoop) -> list[list[str]]:
+    """Rows of twist and torque at the ends and breaks of a spring line."""
+    begins = [one.begins.value * (1 if one.side == "drive" else -1) for one in loop.stages if one.begins is not None]
+    inside = [at for at in begins if loop.twist[0] < at < loop.twist[-1]]
+    twists = np.array(sorted({float(loop.twist[0]), *inside, float(loop.twist[-1])}))
+    torques = np.interp(twists, loop.twist, loop.spring_line)
+    return [
+        [f"{twist:.{DIGITS}g} rad", f"{torque:.{DIGITS}g} N*m"] for twist, torque in zip(twists, torques, strict=True)
+    ]

@@ -1,0 +1,327 @@
+"""Numbers of a loop out of its samples: stages, free play and friction, secant, loss and first harmonic.
+
+Every cycle is evaluated alone, and intervals are those of the mean over cycles, by Student's distribution. Residuals
+of all samples would tell too little: a drifting meter moves all samples of a cycle together.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import cast
+
+import numpy as np
+
+from torsionnet.signals.recording import FloatArray
+from torsionnet.signals.torque_loops.cycles import (
+    END_SHARE,
+    FEWEST,
+    Cycle,
+    end_value,
+    even_bounds,
+    noise_of,
+    rising_of,
+    smooth_twist,
+)
+from torsionnet.signals.torque_loops.joined_lines import JoinedLines, LoopSamples, fitted, joined_lines, with_breaks
+from torsionnet.signals.torque_loops.loop_result import LoopStage, LoopValue, TorqueLoop
+
+AT_REVERSAL = 0.02
+"""Share of the swing next to a reversal that the branches leave out, as the torque turns from stick to slip there."""
+AT_BREAK = 0.03
+"""Share of the amplitude on either side of a break that the friction torque of a stage leaves out."""
+FREE = 0.01
+"""Largest stiffness of free play over that of the piece behind it."""
+SAME_SLOPE = 0.03
+"""Smallest change of slope, as a share of the larger, that makes a stage."""
+REPEATED = 0.99
+"""Confidence with which the change of slope of a stage repeats from cycle to cycle, where at least three tell."""
+TIES = 1e-9
+"""Noise of a signal that shows none, as a share of its range."""
+GRID = 201
+"""Number of twists of the common grid of both branches."""
+CONFIDENCE = 0.95
+
+
+@dataclass(frozen=True, eq=False)
+class LoopRecord:
+    """Torque in N m and twist in rad over time in s, each (n,), with the noise of both."""
+
+    time: FloatArray
+    torque: FloatArray
+    twist: FloatArray
+    torque_noise: float
+    twist_noise: float
+
+    @classmethod
+    def of(cls, time: FloatArray, torque: FloatArray, twist: FloatArray) -> LoopRecord:
+        """Record with noise read from its samples."""
+        noises = (max(noise_of(one), TIES * float(np.ptp(one))) for one in (torque, twist))
+        return cls(time, torque, twist, *noises)
+
+    def branches(self, cycles: Sequence[Cycle]) -> LoopSamples:
+        """Samples of a run of cycles away from their reversals."""
+        places, sense = rising_of(cycles)
+        twist = self.twist[places]
+        low, high = float(np.mean([one.low for one in cycles])), float(np.mean([one.high for one in cycles]))
+        away = AT_REVERSAL * (high - low)
+        # Chosen without the noise: samples that noise puts beyond a threshold make steep flanks steeper.
+        smooth = np.concatenate([smooth_twist(self.twist, one) for one in cycles])
+        inside = (smooth > low + away) & (smooth < high - away)
+        found = LoopSamples(twist, self.torque[places], sense, self.twist_noise, self.torque_noise)
+        return found.chosen(inside)
+
+
+def student(freedom: int, confidence: float = CONFIDENCE) -> float:
+    """Quantile of Student's distribution for the half width of an interval.
+
+    >>> round(student(4), 3)
+    2.776
+    """
+    from scipy.special import stdtrit
+
+    return float(stdtrit(freedom, 0.5 + confidence / 2))
+
+
+def pooled_branches(record: LoopRecord, cycles: Sequence[Cycle]) -> LoopSamples:
+    """Samples of all cycles of a run, each without its mean torque: else the drift between them is noise."""
+    parts = [_without_mean(record.branches([one])) for one in cycles]
+    twist, torque, sense = (
+        np.concatenate(one) for one in zip(*((part.twist, part.torque, part.sense) for part in parts), strict=True)
+    )
+    return LoopSamples(twist, torque, sense, record.twist_noise, record.torque_noise)
+
+
+def _without_mean(samples: LoopSamples) -> LoopSamples:
+    return replace(samples, torque=samples.torque - samples.torque.mean())
+
+
+def common_lines(record: LoopRecord, cycles: Sequence[Cycle]) -> tuple[JoinedLines, bool]:
+    """Joined lines of all cycles of a run, with the breaks that each of them repeats, and whether the line bends on.
+
+    Noise that wanders makes breaks in single cycles, which an F test over all samples takes for true.
+    """
+    parts = [_without_mean(record.branches([one])) for one in cycles]
+    pooled = pooled_branches(record, cycles)
+    lines, bends = joined_lines(pooled, len(cycles))
+    while len(lines.breaks):
+        each = [fitted(lines, one)[0] for one in parts]
+        changes = np.array([np.diff(one.slopes) for one in each])
+        weak = np.abs(changes.mean(axis=0)) / np.maximum(np.abs(lines.slopes[:-1]), np.abs(lines.slopes[1:]))
+        surely = np.full(len(weak), np.inf)
+        if len(parts) > 2:
+            scatter = changes.std(axis=0, ddof=1) / np.sqrt(len(parts))
+            surely = np.abs(changes.mean(axis=0)) / np.maximum(scatter * student(len(parts) - 1, REPEATED), 1e-300)
+        worst = np.minimum(weak / SAME_SLOPE, surely)
+        if worst.min() >= 1:
+            break
+        steepness = lines.slopes[lines.piece(pooled.twist)]
+        kept, _ = with_breaks(np.delete(lines.breaks, int(worst.argmin())), pooled, steepness)
+        lines, bends = fitted(kept, pooled)[0], False
+    return lines, bends
+
+
+def line_numbers(lines: JoinedLines, samples: LoopSamples) -> dict[str, float]:
+    """Stages, free play, friction and torque offset of joined lines, by names as "drive 2 stiffness", SI units.
+
+    Samples give the friction torque of a piece: the mean distance of both branches, breaks left out.
+    """
+    low, high = float(samples.twist.min()), float(samples.twist.max())
+    ends = np.r_[low, lines.breaks, high]
+    flat = _flat_piece(lines)
+    has_zero = low < 0 < high
+    above, below = _home_pieces(lines, flat, AT_BREAK * (high - low) / 2)
+    found: dict[str, float] = {}
+    if flat is not None:
+        found["free play"] = float(lines.breaks[flat] - lines.breaks[flat - 1])
+    if has_zero:
+        found["torque offset"] = float(lines.torque(np.zeros(1))[0])
+    friction = _friction(lines, samples, AT_BREAK * (high - low) / 2, ends)
+    last = len(lines.slopes)
+    sides = {"drive": range(above, last), "coast": range(below, -1, -1)}
+    if not has_zero:
+        sides.pop("coast" if low + high > 0 else "drive")
+    for side, pieces in sides.items():
+        for number, piece in enumerate(pieces, 1):
+            name = f"{side} {number}"
+            found[f"{name} stiffness"] = float(lines.slopes[piece])
+            found[f"{name} friction"] = float(friction[piece])
+            if number > 1 or flat is not None:  # behind free play the first one as well
+                found[f"{name} begins"] = abs(float(ends[piece] if side == "drive" else ends[piece + 1]))
+    # Over the whole loop each piece counts by its samples and by how well they tell the torque there.
+    counts = np.bincount(lines.piece(samples.twist), minlength=last)
+    weights = counts / (samples.torque_noise**2 + (lines.slopes * samples.twist_noise) ** 2)
+    found["friction"] = float(friction @ weights / weights.sum())
+    return _with_both(found)
+
+
+def _home_pieces(lines: JoinedLines, flat: int | None, near: float) -> tuple[int, int]:
+    """Pieces from which stages count up and down: those beside free play or a break at zero twist, or the one there."""
+    if flat is not None:
+        return flat + 1, flat - 1
+    for place, at in enumerate(lines.breaks.tolist()):
+        if abs(at) < near:
+            return place + 1, place
+    home = int(lines.piece(np.zeros(1))[0])
+    return home, home
+
+
+def _flat_piece(lines: JoinedLines) -> int | None:
+    """Piece between two others without stiffness: free play."""
+    for piece in range(1, len(lines.slopes) - 1):
+        if abs(lines.slopes[piece]) < FREE * min(lines.slopes[piece - 1], lines.slopes[piece + 1]):
+            return piece
+    return None
+
+
+def _friction(lines: JoinedLines, samples: LoopSamples, away: float, ends: FloatArray) -> FloatArray:
+    """Friction torque of each piece in N m: half of the distance of branches, away from breaks, or that fitted."""
+    twist = samples.twist
+    found = lines.friction.copy()
+    # Steep pieces: the friction torque is fitted by distance in both channels, torque alone is biased by twist noise.
+    if np.abs(lines.slopes).max() * samples.twist_noise > samples.torque_noise:
+        return found
+    rest = samples.torque - lines.torque(twist)
+    for piece, (low, high) in enumerate(pairwise(ends)):
+        inside = (twist > low + away * (piece > 0)) & (twist < high - away * (piece < len(found) - 1))
+        up, down = (rest[inside & (samples.sense == sense)] for sense in (1.0, -1.0))
+        if len(up) and len(down):
+            found[piece] = (up.mean() - down.mean()) / 2
+    return found
+
+
+def _with_both(found: dict[str, float]) -> dict[str, float]:
+    """Numbers with the means of drive and coast, where both have as many stages."""
+    sides = {side: [name[6:] for name in found if name.startswith(side)] for side in ("drive", "coast")}
+    if not sides["drive"] or sides["drive"] != sides["coast"]:
+        return found
+    both = {name: (found[f"drive {name}"] + found[f"coast {name}"]) / 2 for name in sides["drive"]}
+    return {**found, **{f"both {name}": one for name, one in both.items()}}
+
+
+def cycle_numbers(record: LoopRecord, one: Cycle, begin: float, end: float) -> dict[str, float]:
+    """Numbers of a cycle as a whole, by name, SI units: amplitude, secant, loss, first harmonic."""
+    inside = slice(one.first, one.last + 1)
+    twist, torque = record.twist[inside], record.torque[inside]
+    reach = min(max(FEWEST, int(END_SHARE * (one.last - one.first))), (one.top - one.first) // 2)
+    away = max(1, reach // 5)  # the reversal is known to a few samples
+    # At a tip the torque is that at the end of the branch that leads there; behind it the friction turns.
+    top, low = (end_value(record.torque[at - 2 * reach : at - away], beyond=away + 1) for at in (one.top, one.last))
+    amplitude = one.swing / 2
+    secant = (top - low) / (2 * amplitude)
+    closed = np.r_[twist, twist[0]], np.r_[torque, torque[0]]
+    loss = float(np.trapezoid(closed[1], closed[0]))
+    count = one.last - one.first
+    times = begin + (end - begin) * np.arange(count) / count
+    turn = np.exp(-2j * np.pi * np.arange(count) / count)
+    torques, twists = (np.interp(times, record.time, values) for values in (record.torque, record.twist))
+    harmonic = complex((torques @ turn) / (twists @ turn))
+    return {
+        "amplitude": amplitude,
+        "mean twist": float(twists.mean()),
+        "mean torque": float(torques.mean()),
+        "secant": secant,
+        "loss": loss,
+        "eta_s": loss / (np.pi * secant * amplitude**2),
+        "storage": harmonic.real,
+        "loss stiffness": harmonic.imag,
+        "eta_1": harmonic.imag / harmonic.real,
+    }
+
+
+def run_numbers(
+    record: LoopRecord, cycles: Sequence[Cycle], lines: JoinedLines
+) -> tuple[list[dict[str, float]], list[JoinedLines]]:
+    """Numbers of each cycle of a run by name, and its joined lines."""
+    bounds = even_bounds(cycles, record.time)
+    numbers, each = [], []
+    for one, (begin, end) in zip(cycles, pairwise(bounds.tolist()), strict=True):
+        samples = record.branches([one])
+        mine, _ = fitted(replace(lines, level=lines.level + float(samples.torque.mean())), samples)
+        each.append(mine)
+        numbers.append({**line_numbers(mine, samples), **cycle_numbers(record, one, begin, end)})
+    return numbers, each
+
+
+def drift_of(lines: Sequence[JoinedLines]) -> LoopValue:
+    """Rise of the torque from a cycle to the next at the same twist in N m, by the levels of their lines."""
+    levels = np.array([one.level for one in lines])
+    return mean_value(np.diff(levels), 0.0) if len(levels) > 1 else LoopValue(0.0)
+
+
+def mean_value(values: FloatArray, further: float) -> LoopValue:
+    """Mean over cycles with its interval, to which a standard deviation that all cycles share is added."""
+    count = len(values)
+    if count < 2:
+        return LoopValue(float(values[0]))
+    half = student(count - 1) * float(values.std(ddof=1)) / np.sqrt(count)
+    return LoopValue(float(values.mean()), float(np.hypot(half, student(10**6) * further)))
+
+
+def loop_of(
+    record: LoopRecord,
+    cycles: Sequence[Cycle],
+    speed: float | None,
+    further: Mapping[str, float],
+    found: tuple[list[dict[str, float]], list[JoinedLines], bool],
+) -> TorqueLoop:
+    """Loop of a run of cycles from the numbers and lines of each; ``further``: deviations that all cycles share."""
+    numbers, lines, bends = found
+    names = [name for name in numbers[0] if all(name in one for one in numbers)]
+    value = {name: mean_value(np.array([one[name] for one in numbers]), further.get(name, 0.0)) for name in names}
+    grid, upper, lower = mean_branches(record, cycles)
+    bounds = even_bounds(cycles, record.time)
+    return TorqueLoop(
+        cycles=len(cycles),
+        frequency=len(cycles) / float(bounds[-1] - bounds[0]),
+        speed=speed,
+        mean_torque=value["mean torque"].value,
+        mean_twist=value["mean twist"].value,
+        amplitude=value["amplitude"],
+        stages=_stages(value),
+        friction=value["friction"],
+        free_play=value.get("free play"),
+        torque_offset=value.get("torque offset"),
+        secant_stiffness=value["secant"],
+        loss=value["loss"],
+        eta_s=value["eta_s"],
+        storage_stiffness=value["storage"],
+        loss_stiffness=value["loss stiffness"],
+        eta_1=value["eta_1"],
+        drift=drift_of(lines),
+        twist=grid,
+        upper=upper,
+        lower=lower,
+        spring_line=np.asarray(np.mean([one.torque(grid) for one in lines], axis=0)),
+        bends=bends,
+    )
+
+
+def _stages(value: Mapping[str, LoopValue]) -> tuple[LoopStage, ...]:
+    found = []
+    for name in value:
+        side, _, rest = name.partition(" ")
+        number, _, what = rest.partition(" ")
+        if what == "stiffness" and number.isdigit():
+            own = f"{side} {number}"
+            found.append(
+                LoopStage(side, int(number), value[name], value.get(f"{own} begins"), value[f"{own} friction"])
+            )
+    return tuple(found)
+
+
+def mean_branches(record: LoopRecord, cycles: Sequence[Cycle]) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Common grid of twists in rad, and the mean torques in N m of rising and falling branches there, each (n,)."""
+    samples = record.branches(cycles)
+    grid = np.linspace(samples.twist.min(), samples.twist.max(), GRID)
+    branches = []
+    for sense in (1.0, -1.0):
+        mine = samples.sense == sense
+        order = np.argsort(samples.twist[mine], kind="stable")
+        twist, torque = samples.twist[mine][order], samples.torque[mine][order]
+        # Means of as many neighbours as there are cycles: one of each.
+        width = min(len(cycles), len(twist))
+        weights = np.ones(width) / width
+        branches.append(np.interp(grid, np.convolve(twist, weights, "valid"), np.convolve(torque, weights, "valid")))
+    return grid, cast("FloatArray", branches[0]), cast("FloatArray", branches[1])
