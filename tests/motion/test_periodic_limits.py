@@ -6,12 +6,23 @@ from math import pi
 
 import numpy as np
 import pytest
-from support.periodic_rigs import duffing, gear_pair, problem, sink
+from support.periodic_rigs import (
+    duffing,
+    free_clearance,
+    gear_pair,
+    problem,
+    rubbing_mass,
+    sink,
+    swing,
+    two_stage_rig,
+)
 
 import torsionnet as tn
 from torsionnet.base.errors import SolveError, UsageError
 from torsionnet.motion.periodic import all_branches
+from torsionnet.motion.periodic.periodic_problem import peak_to_peak
 from torsionnet.motion.periodic.starts import without_start
+from torsionnet.motion.periodic.stepped_starts import from_simulation
 
 
 def _multipliers_of_the_sink(W: float, state: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -103,6 +114,49 @@ def test_branch_that_stops_says_where_and_why(monkeypatch):
     stops = [note for note in found.notes if " stops at " in note]
     assert any("where spring swings by" in note and "only 12 points of it are followed" in note for note in stops)
     assert len(found.motions_at(0.5 / (2 * pi))) == 1
+
+
+def test_branches_that_only_a_simulation_leads_to(monkeypatch):
+    asked = {"frequencies": np.array([0.75, 0.8]) / (2 * pi), "excitation": {"x": {0: 0.1, 1: 0.032}}}
+    known = gear_pair().periodic_response("x", **asked)
+    large = min(known.motions_at(0.8 / (2 * pi)), key=lambda one: float(one.lowest[0]))
+    # Nothing else leads anywhere.
+    monkeypatch.setattr(all_branches, "from_rest", lambda *_: iter(()))
+    monkeypatch.setattr(all_branches, "STARTS", ())
+    with pytest.raises(SolveError, match="no-period"):
+        gear_pair().periodic_response("x", **asked)
+    state = tn.motion.MotionStart(angles=large.angles, speeds=large.speeds)
+    found = gear_pair().periodic_response("x", **asked, initial_state=state)
+    assert found.ways == ("from a simulated motion",)
+    (again,) = found.motions_at(0.8 / (2 * pi))
+    # The large motion of the reference, which hammers through the dead zone.
+    assert abs(float(again.lowest[0]) - 0.76157005) < 1e-5
+    assert abs(float(again.highest[0]) - 1.33300931) < 1e-5
+
+
+@pytest.mark.parametrize(
+    ("rig", "loads", "at", "periods", "lowest", "highest"),
+    [
+        (free_clearance, {"a": [25, 40], "b": [-25, 0]}, 45.0, 2, 0.00605751, 0.02761135),
+        (two_stage_rig, {"motor": [40, 60]}, 10.0, 1, None, None),
+    ],
+)
+def test_simulation_from_rest_comes_to_the_motion_that_is_met(rig, loads, at, periods, lowest, highest):
+    one = problem(rig(), loads, at)
+    (motion,) = from_simulation(one, at, "rest", 2)
+    found = swing(one, motion)
+    assert motion.subharmonics == periods
+    if lowest is None:
+        assert abs(found[1] - found[0] - 0.73213888) < 1e-5
+    else:
+        assert np.abs(np.array(found) - [lowest, highest]).max() < 1e-6
+
+
+def test_simulated_friction_behind_a_spring_gives_its_start():
+    one = problem(rubbing_mass(), {"x": [0, 10]}, 10.10376)
+    (motion,) = from_simulation(one, 10.10376, "rest", 1)
+    low, high = peak_to_peak(one.coordinates(motion)[0][:, 0])
+    assert abs((high - low) / 2 - 0.52849625) < 1e-5
 
 
 def test_no_rest_under_more_torque_than_a_softening_spring_carries():

@@ -1,7 +1,8 @@
 """Search for all branches of periodic motions over a range of a parameter, each with the way by which it was found.
 
 From rest at both ends and in the middle of the range; from starts of other sizes and phases, for branches that nothing
-joins to these; from doublings. There may be more: nothing short of a search of all starts would rule that out.
+joins to these; from motions simulated from a given state; from doublings. There may be more: nothing short of a search
+of all starts would rule that out.
 """
 
 from __future__ import annotations
@@ -12,12 +13,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from torsionnet.linear.assembly.rows import ComplexArray
+from torsionnet.motion.contact_states import MotionStart
 from torsionnet.motion.periodic.branch import BranchPoint, MotionBranch, Tracer
 from torsionnet.motion.periodic.crossings import second_frequencies
 from torsionnet.motion.periodic.doubling import Doubling, doubled_branch, doublings
 from torsionnet.motion.periodic.harmonic_balance import fitted
 from torsionnet.motion.periodic.periodic_problem import Harmonics, PeriodicMotion, PeriodicProblem
 from torsionnet.motion.periodic.starts import from_rest
+from torsionnet.motion.periodic.stepped_starts import from_simulation
+from torsionnet.motion.scenarios.scenario import REST
 
 TRACED = 20
 """Harmonics with which branches are followed; motions at the parameters asked for have as many as they need."""
@@ -53,9 +57,17 @@ class FoundBranch:
 
 
 def all_branches(
-    problem: PeriodicProblem, low: float, high: float, harmonics: Harmonics = "auto", subharmonics: int = 1
+    problem: PeriodicProblem,
+    low: float,
+    high: float,
+    harmonics: Harmonics = "auto",
+    subharmonics: int = 1,
+    state: str | MotionStart | None = None,
 ) -> list[FoundBranch]:
-    """Branches between two parameters, with motions of up to ``subharmonics`` periods of the torques."""
+    """Branches between two parameters, with motions of up to ``subharmonics`` periods of the torques.
+
+    From a ``state`` motions are simulated as well, at both ends and in the middle.
+    """
     traced = TRACED if harmonics == "auto" else harmonics
     found: list[FoundBranch] = []
     middle = np.sqrt(low * high)
@@ -67,6 +79,13 @@ def all_branches(
         if not _known(found, motion):
             way = "from a start of another size, joined to no other"
             found.append(_with_crossings(_both_ways(problem, motion, (low, high), traced, way)))
+    for at in dict.fromkeys((high, low, middle)) if state is not None else ():
+        for motion in from_simulation(problem, at, state or REST, subharmonics):
+            if not _known(found, motion):
+                own = problem.with_subharmonics(motion.subharmonics)
+                count = traced * motion.subharmonics
+                branch = _both_ways(own, motion, (low, high), count, "from a simulated motion")
+                found.append(_with_crossings(branch))
     place = 0
     while place < len(found):
         one = found[place]

@@ -19,6 +19,7 @@ from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.linear.dynamic_stiffness.transfer_request import named_output
 from torsionnet.linear.responses.shared_response import shared_by_conditions
 from torsionnet.model.channels import Channels, Sensor
+from torsionnet.motion.contact_states import MotionStart
 from torsionnet.motion.periodic.all_branches import FoundBranch, all_branches
 from torsionnet.motion.periodic.branch import BranchPoint, located_fold
 from torsionnet.motion.periodic.condensed import CondensedPlant
@@ -46,6 +47,7 @@ def periodic_response(
     excitation: Torques | str | Iterable[str] | None = None,
     harmonics: Harmonics = "auto",
     subharmonics: int = 1,
+    initial_state: str | MotionStart | None = None,
 ) -> PeriodicResponse:
     """Periodic motions with all laws of motion in full: every branch found, its stability, and where it jumps.
 
@@ -71,6 +73,9 @@ def periodic_response(
     subharmonics : int
         Most periods of the torques after which a motion may repeat: 2 follows the doubled motions, 4 those doubled
         again. Where motions double is told in any case.
+    initial_state : str or MotionStart, optional
+        State as for :meth:`simulate`, from which motions are also simulated at both ends and in the middle of the
+        range, for branches that no other start leads to.
 
     Raises
     ------
@@ -106,7 +111,7 @@ def periodic_response(
     low, high = float(forcing.parameters[0]), float(forcing.parameters[-1])
     problem = PeriodicProblem(plant, forcing.drive, high)
     with one_thread():
-        branches = _branches(forcing, problem, excitation, (low, high), harmonics, subharmonics)
+        branches = _branches(forcing, problem, excitation, (low, high), harmonics, subharmonics, initial_state)
         if branches:
             return _result(forcing, readings, branches, harmonics)
         raise SolveError(without_start(problem, low, "rad/s" if forcing.reference else "Hz"), kind="no-period")
@@ -119,10 +124,11 @@ def _branches(
     ends: tuple[float, float],
     harmonics: Harmonics,
     subharmonics: int,
+    state: str | MotionStart | None,
 ) -> list[FoundBranch]:
     """Branches between two parameters; those over speed are kept, since orders and limits ask for other outputs."""
-    if not forcing.reference:
-        return all_branches(problem, *ends, harmonics, subharmonics)
+    if not forcing.reference or state is not None:
+        return all_branches(problem, *ends, harmonics, subharmonics, state)
     acting = tuple(map(Same, forcing.drivetrain.definition.excitations.values()))
     key = ("branches", acting, excitation, forcing.reference, ends, harmonics, subharmonics)
 
