@@ -40,6 +40,8 @@ def kinds_faults(modules: list[Module]) -> Iterator[Fault]:
                 yield Fault(f"{module.relative}:{line}", f"the kind of fault {name} is not in the table", remedy)
     from torsionnet.base.errors import UNKNOWN_NAMES
 
+    for name in sorted(UNKNOWN_NAMES - table.keys()):
+        yield Fault("torsionnet/base/errors.py", f"the kind of fault {name} is not in the table", "add it there")
     for name in sorted(table.keys() - written - UNKNOWN_NAMES):
         place = f"torsionnet/app/text/faults/{table[name].group}.yaml"
         yield Fault(place, f"no fault has the kind {name}", "leave it out, or give it to the faults that are meant")

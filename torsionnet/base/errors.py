@@ -49,7 +49,7 @@ class Position:
     source: str = ""
 
 
-NAMED = ("node", "element", "parameter", "configuration", "axis", "part", "port", "channel", "sensor", "input")
+NAMED = ("node", "element", "parameter", "configuration", "axis", "part", "port", "channel")
 """Things of a model that have a name; that of none of them has the kind of fault "unknown-node" and so on."""
 UNKNOWN_NAMES = frozenset(("unknown-name", *(f"unknown-{one}" for one in NAMED)))
 """Kinds of faults of a name that nothing defines."""
@@ -365,7 +365,8 @@ def unknown_name(
     ``no node is named "x"; did you mean "y"?``; ``rest`` says which there are.
     """
     text = phrase('no {} is named "{}"', what, ModelName(name))
-    kind = f"unknown-{what.split(' ', 1)[0].rstrip(',')}"
+    thing = what.split(" ", 1)[0].rstrip(",")
+    kind = f"unknown-{'channel' if thing in ('sensor', 'input') else thing}"
     kind = kind if kind in UNKNOWN_NAMES else "unknown-name"
     return unfit_word(text, name, known, path, rest, on_key=on_key, kind=kind)
 
