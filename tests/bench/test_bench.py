@@ -100,13 +100,13 @@ def test_analog_output_has_so_many_levels():
 @pytest.mark.parametrize(
     ("entries", "message"),
     [
-        ({"bits": 13}, "bits and full_scale belong together"),
+        ({"bits": 13}, r"bits: .*missing-entry"),
         ({"compensated": True}, "nothing to compensate"),
         ({"bandwidth": 0}, "greater than 0"),
-        ({"bandwidth": "60 N*m"}, "not a value of frequency"),
+        ({"bandwidth": "60 N*m"}, r"bandwidth: .*wrong-unit"),
         ({"harmonics": {1: 0.1}}, "from 2 to 20"),
         ({"harmonics": {2: "1 Hz"}}, "plain number"),
-        ({"limit": "k_1"}, "is an expression of parameters"),
+        ({"limit": "k_1"}, r"limit: .*expression-not-allowed"),
     ],
 )
 def test_impossible_exciters_are_refused(entries, message):
@@ -170,7 +170,7 @@ def test_channel_delay_is_a_phase(delay):
 
 
 def test_cut_off_above_half_the_rate_is_refused():
-    with pytest.raises(ModelError, match="below half the sampling rate, 1000 Hz"):
+    with pytest.raises(ModelError, match=r"anti_alias: .*1000.*out-of-range"):
         Acquisition(rate=2000, anti_alias=1000)
 
 
@@ -342,55 +342,53 @@ def test_the_bench_of_a_file_fits_the_schema():
         assert not schema.is_valid(as_json(compose(BENCH.replace(good, bad), "x").data)), bad
 
 
-FAULTS = [  # what is exchanged, for what, line, part of the message
-    ("bench:\n", "bench: 3\nold:\n", 8, "expected the entries drive, excitation"),
+FAULTS = [  # what is exchanged, for what, line, kind of fault
+    ("bench:\n", "bench: 3\nold:\n", 8, "wrong-form"),
     (
         "type: stepped sine",
         "type: steped sine",
         9,
-        'no excitation type is named "steped sine"; did you mean "stepped sine"?',
+        "unknown-word",
     ),
-    (", hold: 1 s", "", 9, "stepped sine needs hold: time for each frequency"),
-    (", amplitude: 5 N*m", "", 9, "stepped sine needs amplitude"),
-    ("hold: 1 s", "hlod: 1 s", 9, 'unknown key "hlod"; did you mean "hold"?'),
-    ("hold: 1 s", "hold: 1 Hz", 9, '"1 Hz" is not a value of time'),
-    ("to: 20 Hz", "to: 0.5 Hz", 9, "steps go from a frequency"),
-    ("count: 5", "cuont: 5", 9, "expected from, to and count"),
-    ("bandwidth: 80 Hz", "bandwith: 80 Hz", 10, 'unknown key "bandwith"; did you mean "bandwidth"?'),
-    ("{2: 2 %}", "{2: 2 %, x: 1}", 10, 'an order is a whole number from 2 to 20, got "x"'),
-    ("range: 20 N*m", "range: 20 kg", 12, '"20 kg" is not a value of torque'),
-    ("range: 20 N*m, ", "", 12, "12 bits divides a range; give the transducer one"),
-    ("range: 20 N*m", "range: 0", 12, "greater than 0"),
-    ("    M: {", "    N: {", 12, 'no sensor is named "N"'),
-    ("phi: {type: encoder", "M2: {type: encoder, sensor: M", 13, "an encoder measures an angle; torque(shaft)"),
-    ("lines: 500", "lines: 0", 13, "expected a whole number from 1"),
-    ("lines: 500, ", "", 13, "encoder needs lines"),
-    ("type: encoder", "type: encdoer", 13, 'no sensor type is named "encdoer"; did you mean "encoder"?'),
-    ("quadrature: true", "quadrature: 4", 13, "expected true or false"),
-    ("sensor: velocity(a)", "sensor: speed(a)", 14, 'no sensor is named "speed(a)"'),
-    ("noise: 2 rpm", "noise: 2 deg", 14, '"2 deg" is not a value of speed'),
-    ("rate: 1 kHz", "rate: 500 Hz", 15, "must be below half the sampling rate, 250 Hz"),
-    ("rate: 1 kHz, ", "", 15, "acquisition needs rate"),
+    (", hold: 1 s", "", 9, "missing-entry"),
+    (", amplitude: 5 N*m", "", 9, "missing-entry"),
+    ("hold: 1 s", "hlod: 1 s", 9, "unknown-entry"),
+    ("hold: 1 s", "hold: 1 Hz", 9, "wrong-unit"),
+    ("to: 20 Hz", "to: 0.5 Hz", 9, "out-of-range"),
+    ("count: 5", "cuont: 5", 9, "wrong-form"),
+    ("bandwidth: 80 Hz", "bandwith: 80 Hz", 10, "unknown-entry"),
+    ("{2: 2 %}", "{2: 2 %, x: 1}", 10, "out-of-range"),
+    ("range: 20 N*m", "range: 20 kg", 12, "wrong-unit"),
+    ("range: 20 N*m, ", "", 12, "missing-entry"),
+    ("range: 20 N*m", "range: 0", 12, "out-of-range"),
+    ("    M: {", "    N: {", 12, "unknown-channel"),
+    ("phi: {type: encoder", "M2: {type: encoder, sensor: M", 13, "unfit-channel"),
+    ("lines: 500", "lines: 0", 13, "out-of-range"),
+    ("lines: 500, ", "", 13, "missing-entry"),
+    ("type: encoder", "type: encdoer", 13, "unknown-word"),
+    ("quadrature: true", "quadrature: 4", 13, "wrong-form"),
+    ("sensor: velocity(a)", "sensor: speed(a)", 14, "unknown-channel"),
+    ("noise: 2 rpm", "noise: 2 deg", 14, "wrong-unit"),
+    ("rate: 1 kHz", "rate: 500 Hz", 15, "out-of-range"),
+    ("rate: 1 kHz, ", "", 15, "missing-entry"),
     (
         "  acquisition: {rate: 1 kHz, bits: 12, anti_alias: 300 Hz}\n",
         "",
         8,
-        "a bench needs acquisition: {rate: 10 kHz}",
+        "missing-entry",
     ),
-    ("seed: 5", "seed: -5", 16, "expected a whole number from 0"),
-    ("  seed: 5", "  drive: T_M", 16, 'no torque input is named "T_M"'),
+    ("seed: 5", "seed: -5", 16, "out-of-range"),
+    ("  seed: 5", "  drive: T_M", 16, "unknown-channel"),
 ]
 GOOD = BENCH.replace("noise: 2 rpm", "noise: 2 rpm, range: 100 rad/s")
 
 
-@pytest.mark.parametrize(("good", "bad", "line", "message"), FAULTS)
-def test_faults_of_a_bench_are_located(good, bad, line, message):
+@pytest.mark.parametrize(("good", "bad", "line", "kind"), FAULTS)
+def test_faults_of_a_bench_are_located(good, bad, line, kind):
     assert GOOD.count(good) == 1
     with pytest.raises(ModelError) as caught:
         tn.loads(GOOD.replace(good, bad), "rig.yaml")
-    matching = [fault for fault in caught.value.faults if message in fault.message]
-    assert matching, caught.value
-    assert matching[0].position.line == line
+    assert (line, kind) in [(fault.position.line, fault.kind) for fault in caught.value.faults], caught.value
 
 
 def test_all_faults_at_once():
@@ -430,21 +428,21 @@ def test_a_bench_of_its_own_names_the_model_from_its_folder(own):
 
 
 @pytest.mark.parametrize(
-    ("good", "bad", "line", "message"),
+    ("good", "bad", "line", "kind"),
     [
-        ("drive.yaml", "drvie.yaml", 2, 'did you mean "drive.yaml"?'),
-        ("drive.yaml", "dmf_rigg", 2, 'did you mean "dmf_rig"?'),
-        ("drive.yaml", "[a]", 2, "expected the name of a library model"),
-        ("bench:", "configuration: soft\nbench:", 3, "soft"),
-        ("bench:", "beench:", 3, 'unknown key "beench"; did you mean "bench"?'),
-        ("phi:", "psi:", 5, 'no sensor is named "psi"; did you mean "phi"?'),
-        ("torsionnet: 1", "torsionnet: 2", 1, "version of the format"),
+        ("drive.yaml", "drvie.yaml", 2, "missing-file"),
+        ("drive.yaml", "dmf_rigg", 2, "missing-file"),
+        ("drive.yaml", "[a]", 2, "wrong-form"),
+        ("bench:", "configuration: soft\nbench:", 3, "unknown-configuration"),
+        ("bench:", "beench:", 3, "unknown-entry"),
+        ("phi:", "psi:", 5, "unknown-channel"),
+        ("torsionnet: 1", "torsionnet: 2", 1, "wrong-version"),
     ],
 )
-def test_faults_of_a_bench_file_are_located(own, good, bad, line, message):
+def test_faults_of_a_bench_file_are_located(own, good, bad, line, kind):
     with pytest.raises(ModelError) as caught:
         tn.load_bench(own(OWN.replace(good, bad)))
-    assert any(message in fault.message and fault.position.line == line for fault in caught.value.faults), caught.value
+    assert (line, kind) in [(fault.position.line, fault.kind) for fault in caught.value.faults], caught.value
 
 
 def test_faults_of_the_model_keep_their_own_places(own, tmp_path):
@@ -456,9 +454,7 @@ def test_faults_of_the_model_keep_their_own_places(own, tmp_path):
 
 
 def test_a_model_without_a_bench_says_where_there_are_some():
-    with pytest.raises(
-        UsageError, match="add bench:, or take one of amt_bench, dmf_bench, engine_generator_bench, marine_run_up"
-    ):
+    with pytest.raises(UsageError, match="missing-entry"):
         tn.load_bench("dmf_rig")
     with pytest.raises(UsageError, match='did you mean "amt_bench"'):
         tn.load_bench("amt_bnech")

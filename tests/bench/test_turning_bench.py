@@ -183,7 +183,7 @@ def test_a_coast_down_takes_one_time_at_whichever_shaft_it_is_told(node, ratio):
 
 @pytest.mark.slow
 def test_a_load_that_absorbs_nothing_lets_nothing_coast_down():
-    with pytest.raises(UsageError, match="absorbs nothing at some of these speeds; give a time_constant"):
+    with pytest.raises(UsageError, match="missing-entry"):
         coast_down(tn.load("engine_generator_set"), "fly", 900 * RPM, 600 * RPM)
 
 
@@ -299,7 +299,7 @@ def test_the_truth_of_a_bench_with_wheels_is_written_and_read(tmp_path):
 
 def test_a_wheel_that_turns_back_is_refused():
     rig = shafts(excitations={"engine": {"type": "harmonic", "node": "a", "orders": {0.5: {"amplitude": "9 kN*m"}}}})
-    with pytest.raises(UsageError, match=r"b: the wheel turns back at .* teeth would pass the pickup twice"):
+    with pytest.raises(UsageError, match="turning-back"):
         bench({"b": WHEEL}, SteadyPoints(speeds=["150 rpm"], duration="4 s"), rig).run()
 
 
@@ -465,46 +465,44 @@ bench:
   systems: {telemetry: {channels: [T], drift: 50 ppm}}
 """
 WRONG = [
-    ("stop: 1200 rpm", "stop: 1600 rpm", 10, "600 to 1600 rpm leaves the speeds of the model, 500 to 1500 rpm"),
-    ("stop: 1200 rpm", "stop: 500 rpm", 10, "a run-up goes to a higher speed; from 600 rpm to 500 rpm is none"),
-    ("duration: 5 s}", "duration: 5 s, rate: 1 rpm/s}", 10, "takes a duration or has a rate; here is both"),
-    ("type: run-up", "type: runup", 10, 'no motion type is named "runup"; did you mean "run-up"?'),
+    ("stop: 1200 rpm", "stop: 1600 rpm", 10, "out-of-range"),
+    ("stop: 1200 rpm", "stop: 500 rpm", 10, "contradicting-values"),
+    ("duration: 5 s}", "duration: 5 s, rate: 1 rpm/s}", 10, "contradicting-entries"),
+    ("type: run-up", "type: runup", 10, "unknown-word"),
     (
         "duration: 5 s}",
         "duration: 5 s, without: [engin]}",
         10,
-        'no excitation is named "engin"; did you mean "engine"?',
+        "unknown-name",
     ),
-    ("duration: 5 s}", "duration: 500 h}", 15, "samples; at most 1e+08"),
+    ("duration: 5 s}", "duration: 500 h}", 15, "too-large"),
     (
         "excitations: {engine: {type: harmonic, node: a, orders: {2: {amplitude: 50 N*m}}}}\n",
         "",
         9,
-        "vibrates by excitations: of its model, which has none",
+        "missing-entry",
     ),
-    ("sensor: angle(b)", "sensor: angle(ground)", 12, "a wheel on the ground does not turn"),
-    ("sensor: angle(b)", "sensor: velocity(b)", 12, "a toothed wheel measures an angle"),
-    ("missing_teeth: 2", "missing_teeth: 59", 12, "a wheel of 60 teeth cannot lack 59"),
-    ("teeth: 60, missing_teeth: 2", "index: true", 12, "a toothed wheel needs teeth: 60"),
-    ("teeth: 60,", "teeth: 60, pitch_errors: {list: [0.1 deg]},", 12, "1 places do not fit a wheel of 60 teeth"),
-    ("teeth: 60,", "teeth: 60, radial_vibration: {amplitude: 1 mm, order: 1},", 12, "give the radius"),
-    ("teeth: 60,", "teeth: 60, gearing: 5000,", 12, "2.9e+07 pulses are more than 2e+07"),
-    ("wheel: b,", "wheel: T,", 13, 'no channel with a wheel of its own is named "T"'),
-    ("wheel: b,", "wheel: b, teeth: 60,", 13, "a further pickup takes it from the wheel of b"),
-    ("value: 1 kN*m", "value: 1 kN", 14, '"1 kN" is not a value of torque'),
-    ("channels: [T]", "channels: [TT]", 16, 'no channel is named "TT"; did you mean "T"?'),
-    ("  motion: {type: run-up, start: 600 rpm, stop: 1200 rpm, duration: 5 s}\n", "", 9, "a bench needs excitation:"),
+    ("sensor: angle(b)", "sensor: angle(ground)", 12, "grounded-node"),
+    ("sensor: angle(b)", "sensor: velocity(b)", 12, "unfit-channel"),
+    ("missing_teeth: 2", "missing_teeth: 59", 12, "contradicting-values"),
+    ("teeth: 60, missing_teeth: 2", "index: true", 12, "missing-entry"),
+    ("teeth: 60,", "teeth: 60, pitch_errors: {list: [0.1 deg]},", 12, "wrong-count"),
+    ("teeth: 60,", "teeth: 60, radial_vibration: {amplitude: 1 mm, order: 1},", 12, "missing-entry"),
+    ("teeth: 60,", "teeth: 60, gearing: 5000,", 12, "too-large"),
+    ("wheel: b,", "wheel: T,", 13, "unknown-channel"),
+    ("wheel: b,", "wheel: b, teeth: 60,", 13, "needless-entry"),
+    ("value: 1 kN*m", "value: 1 kN", 14, "wrong-unit"),
+    ("channels: [T]", "channels: [TT]", 16, "unknown-channel"),
+    ("  motion: {type: run-up, start: 600 rpm, stop: 1200 rpm, duration: 5 s}\n", "", 9, "missing-entry"),
 ]
 
 
-@pytest.mark.parametrize(("good", "bad", "line", "message"), WRONG)
-def test_faults_of_a_bench_that_turns_are_located(good, bad, line, message):
+@pytest.mark.parametrize(("good", "bad", "line", "kind"), WRONG)
+def test_faults_of_a_bench_that_turns_are_located(good, bad, line, kind):
     assert RIG.count(good) == 1
     with pytest.raises(ModelError) as caught:
         tn.loads(RIG.replace(good, bad), "rig.yaml")
-    matching = [fault for fault in caught.value.faults if message in fault.message]
-    assert matching, caught.value
-    assert matching[0].position.line == line
+    assert (line, kind) in [(fault.position.line, fault.kind) for fault in caught.value.faults], caught.value
 
 
 def test_all_faults_of_a_bench_that_turns_at_once(tmp_path):
@@ -516,7 +514,7 @@ def test_all_faults_of_a_bench_that_turns_at_once(tmp_path):
     path.write_text(RIG)
     rig = tn.load_bench(path)
     assert list(rig.records()) == ["", "telemetry"]
-    with pytest.raises(UsageError, match="this test has 2 records, that of the first system, telemetry"):
+    with pytest.raises(UsageError, match="wrong-count"):
         rig.run()
     again = Plan.read(rig.plan.to_data())[0]
     assert again == rig.plan
@@ -524,7 +522,7 @@ def test_all_faults_of_a_bench_that_turns_at_once(tmp_path):
 
 def test_a_bench_that_shakes_takes_no_wheel():
     excitation = tn.signals.LinearChirp(start=1, stop=20, duration=10, amplitude=15)
-    with pytest.raises(ModelError, match="a toothed wheel gives pulses where it turns; give motion:"):
+    with pytest.raises(ModelError, match=r"channels\.b: .*missing-entry"):
         Plan(excitation=excitation, channels={"b": WHEEL}, acquisition=Acquisition(rate="1 kHz"))
     with pytest.raises(ModelError, match="leave one out"):
         Plan(excitation=excitation, motion=STEADY, channels={"b": WHEEL}, acquisition=Acquisition(rate="1 kHz"))

@@ -75,7 +75,7 @@ class TestOneInertia:
 
     @pytest.mark.parametrize("level", [0.0, 1.0, 1.5])
     def test_level_is_a_share(self, level):
-        with pytest.raises(UsageError, match="confidence level is a number between 0 and 1"):
+        with pytest.raises(UsageError, match="out-of-range"):
             fitted().intervals(level)
 
     def test_chi_squared_and_what_follows_from_it(self):
@@ -178,7 +178,7 @@ class TestProfileAtBounds:
 
     def test_of_a_fit_that_was_saved(self, tmp_path):
         fitted().to_yaml(tmp_path / "fit.yaml")
-        with pytest.raises(UsageError, match="has no data to profile"):
+        with pytest.raises(UsageError, match="missing-data"):
             tn.identification.load_fit(tmp_path / "fit.yaml").profile("J")
 
 

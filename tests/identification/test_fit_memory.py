@@ -150,7 +150,7 @@ def noise(rate, seconds):
 
 def test_a_fit_that_takes_too_much_is_refused_before_it_starts():
     test = tn.Measurement(noise(5000, 12), "theta_1", "T_T", settings=Welch(), band=(0.5, 2400), name="fast")
-    with pytest.raises(UsageError, match=r"fast: comparing 4800 lines from 0.5 to 2400 Hz takes \d+\.\d GB of memory"):
+    with pytest.raises(UsageError, match=r"(?s)4800.*0\.5.*too-large"):
         make_block(tn.load("dmf_rig"), test, ("c_2",), "complex")
 
 

@@ -210,23 +210,22 @@ def test_intervals_cover_the_true_values():
 def test_faults_of_orders_are_named():
     test = tracked(dense_orders(), SIGMA, 0)
     rig = engine_model()
-    for given, names, said in (
-        ({"orders_used": (0.5, 7.0)}, ["k_cpl"], "order 7 was not measured"),
-        ({"speeds": (1.0, 2.0)}, ["k_cpl"], "nothing was measured from 9.5493 to 19.0986 rpm"),
-        ({"output": "phi"}, ["k_cpl"], "phi is in N*m in the data, in rad in the model"),
-        ({}, ["engine.misfire_share.7"], "engine has no cylinder 7"),
-        ({"input": "T"}, ["k_cpl"], "orders have no input"),
+    for given, names, kind in (
+        ({"orders_used": (0.5, 7.0)}, ["k_cpl"], "unknown-order"),
+        ({"speeds": (1.0, 2.0)}, ["k_cpl"], "empty-band"),
+        ({"output": "phi"}, ["k_cpl"], "wrong-unit"),
+        ({}, ["engine.misfire_share.7"], "unknown-name"),
+        ({"input": "T"}, ["k_cpl"], "needless-entry"),
     ):
-        with pytest.raises(UsageError) as caught:
+        with pytest.raises(UsageError, match=kind):
             identify(rig, Measurement(test, **given), names)
-        assert said in str(caught.value)
     odd = replace(test, orders=test.orders + 0.25)
-    with pytest.raises(UsageError, match=r"the model excites none of the measured orders 0\.75"):
+    with pytest.raises(UsageError, match="unknown-order"):
         identify(rig, Measurement(odd), ["k_cpl"])
     blind = Measurement(replace(test, reference=""), name="run")
-    with pytest.raises(UsageError, match=r"engine\.gas\.harmonics\.3\.phase cannot be found: run has no phases"):
+    with pytest.raises(UsageError, match="missing-data"):
         identify(rig, blind, ["engine.gas.harmonics.3.phase"])
-    with pytest.raises(UsageError, match="the phases of these orders have no reference"):
+    with pytest.raises(UsageError, match="missing-data"):
         identify(rig, replace(blind, reference_angle=True), ["k_cpl"])
 
 
@@ -243,13 +242,10 @@ def test_fit_file_of_orders_tells_all_faults_with_their_place(tmp_path):
     (tmp_path / "fit.yaml").write_text(text)
     with pytest.raises(ModelError) as caught:
         load_fit_plan(tmp_path / "fit.yaml", read_frequency_response)
-    found = [(fault.position.line, fault.message) for fault in caught.value.faults]
-    for line, said in (
-        (3, "engine has no number"), (5, 'no channel "T_cp"'), (6, "order 7 was not measured"),
-        (6, "nothing was measured"), (7, "input does not belong to orders"), (7, "settling does not belong to orders"),
-        (8, "orders_used belongs to measured orders"),
-    ):  # fmt: skip
-        assert any(line == at and said in message for at, message in found), (line, said, found)
+    assert sorted((fault.position.line, fault.kind) for fault in caught.value.faults) == [
+        (3, "unknown-name"), (5, "unknown-channel"), (6, "empty-band"), (6, "unknown-order"),
+        (7, "needless-entry"), (7, "needless-entry"), (8, "needless-entry"),
+    ]  # fmt: skip
 
 
 def test_fit_file_of_orders_is_fitted_and_saved(tmp_path):

@@ -45,7 +45,7 @@ def test_other_units_are_refused(tmp_path, unit):
 
 def test_a_ratio_of_unlike_signals_in_the_model_is_refused(tmp_path):
     response = table(tmp_path / "r.csv", " [1]", "theta_1")
-    with pytest.raises(UsageError, match=r"a ratio of like signals in the data, of rad over N.m in the model"):
+    with pytest.raises(UsageError, match="wrong-unit"):
         tn.identify(tn.load("amt_rig"), tn.Measurement(response, "theta_1", "T_M", configuration="II"), ["c_O"])
 
 
@@ -83,7 +83,7 @@ def test_what_frf_writes_is_read_back_and_fitted(folder):
 def test_a_table_of_several_configurations_names_them(folder):
     span = ("--band", "1", "20", "--csv", "both.csv")
     run("frf", "amt_rig", "-c", "II", "-c", "III", "--output", "T_T", "--input", "T_M", *span)
-    with pytest.raises(ModelError, match="holds the configurations II, III; keep the rows of one of them"):
+    with pytest.raises(ModelError, match=r":3:1: .*unlike-results"):
         read_frequency_response(folder / "both.csv")
 
 

@@ -452,7 +452,7 @@ def test_saved_and_read_again(tmp_path):
     with pytest.raises(UsageError, match="fit again"):
         again.profile("c_2")
     (tmp_path / "other.yaml").write_text("torsionnet: 1")
-    with pytest.raises(ModelError, match="this is no result of a fit"):
+    with pytest.raises(ModelError, match=r":1:1: .*wrong-file"):
         load_fit(tmp_path / "other.yaml")
 
 
@@ -504,10 +504,10 @@ def test_faults_of_a_saved_fit_are_told_at_once_with_their_lines(tmp_path):
         assert f"fit.yaml:{line}:" in told
         assert words in told
     path.write_text(SAVED.replace("[0.1, .inf]", "[0.1, 2.0, 3.0]"))
-    with pytest.raises(ModelError, match=r"fit.yaml:24:.*deviation has 3 numbers for 2 frequencies"):
+    with pytest.raises(ModelError, match=r":24:16: .*wrong-count"):
         load_fit(path)
     path.write_text(SAVED.replace("  - [0.5, 1.0]\n", ""))
-    with pytest.raises(ModelError, match=r"fit.yaml:6:.*correlation of 2 parameters has 2 rows of 2 numbers"):
+    with pytest.raises(ModelError, match=r":6:1: .*wrong-count"):
         load_fit(path)
 
 
@@ -543,7 +543,7 @@ def test_unknown_words_and_double_names():
     test = measured(response(rig))
     with pytest.raises(UsageError, match='did you mean "huber"'):
         tn.identify(rig, test, ["c_2"], loss="hubert")
-    with pytest.raises(UsageError, match="several measurements are called measurement"):
+    with pytest.raises(UsageError, match="repeated-name"):
         tn.identify(rig, [test, test], ["c_2"])
     with pytest.raises(UsageError, match="nothing measured"):
         tn.identify(rig, [], ["c_2"])
@@ -551,9 +551,7 @@ def test_unknown_words_and_double_names():
 
 def test_no_line_of_a_record_in_the_band(amt):
     rig, records = amt
-    with pytest.raises(
-        UsageError, match=r"no line of the estimate lies between 7.1 and 7.2 Hz; its lines are 0.5 Hz apart"
-    ):
+    with pytest.raises(UsageError, match=r"(?s)7\.1.*7\.2.*empty-band"):
         tn.identify(rig, measured(records["II"], "II", settings=FAST, band=(7.1, 7.2)), ["c_O"])
 
 
@@ -561,7 +559,7 @@ def test_no_line_of_a_record_in_the_band(amt):
     ("change", "message"),
     [
         ({"times": np.cumsum(np.ones(20_000))}, "sampling is not uniform"),
-        ({}, "1 values that are not finite"),
+        ({}, "not-finite"),
     ],
 )
 def test_records_that_cannot_be_processed(amt, change, message):

@@ -167,7 +167,7 @@ def test_set_point_that_does_not_drive_the_torque_is_left_alone(rig):
     for signal in (other, silent):
         strange = record.with_signals(signal)
         assert "lines of H1)" in tn.identify(rig, measurement_of(strange), ["c_2"]).notes[0]
-        with pytest.raises(UsageError, match=r"T_M_set explains .* of the input: it does not drive it"):
+        with pytest.raises(UsageError, match="unrelated-signals"):
             tn.identify(rig, measurement_of(strange, reference="T_M_set"), ["c_2"])
 
 
@@ -178,15 +178,15 @@ def test_estimators_and_references_act_or_are_refused(rig):
         "of Hr with command as reference"
         in tn.identify(rig, measurement_of(named, reference="command"), ["c_2"]).notes[0]
     )
-    with pytest.raises(UsageError, match="Hv is not for the fit of a record; choose H1, H2, or Hr"):
+    with pytest.raises(UsageError, match="unknown-word"):
         tn.identify(rig, measurement_of(record, settings=estimator("Hv")), ["c_2"])
     bare = record.select(["T_T", "theta_1"])
-    with pytest.raises(UsageError, match="Hr needs a reference, such as a set-point T_M_set"):
+    with pytest.raises(UsageError, match="missing-entry"):
         tn.identify(rig, measurement_of(bare, settings=estimator("Hr")), ["c_2"])
-    with pytest.raises(UsageError, match='no signal is named "T_M_st"'):
+    with pytest.raises(UsageError, match="unknown-channel"):
         tn.identify(rig, measurement_of(record, reference="T_M_st"), ["c_2"])
     response = estimate(record, "theta_1", "T_T")
-    with pytest.raises(UsageError, match="settings, settling and reference belong to records"):
+    with pytest.raises(UsageError, match="needless-entry"):
         tn.Measurement(response, "theta_1", "T_T", reference="T_M_set")
 
 

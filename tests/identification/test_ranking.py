@@ -283,7 +283,7 @@ def test_what_cannot_be_judged_is_told_in_words(monkeypatch):
         raise np.linalg.LinAlgError("SVD did not converge")
 
     monkeypatch.setattr(fitting, "misfits", fails)
-    with pytest.raises(SolveError, match=r"cannot be calculated where the fit ends, at k_2 = \S+ \(SVD"):
+    with pytest.raises(SolveError, match="no-solution"):
         tn.identify(rig(), reversed_test(), ["k_2"])
 
 

@@ -123,7 +123,7 @@ def test_rank_correlations_are_those_of_scipy():
     assert (found.coefficients < found.high).all()
     still = rank_correlations(np.zeros((20, 1)), np.arange(20.0))
     assert np.isnan(still.coefficients).all()
-    with pytest.raises(SolveError, match="3 variants have a value"):
+    with pytest.raises(SolveError, match="no-solution"):
         rank_correlations(np.zeros((3, 1)), np.arange(3.0))
 
 

@@ -23,12 +23,20 @@ quantities:
 """
 
 
-def faults(tmp_path, text):
+def raised(tmp_path, text):
     path = tmp_path / "plan.yaml"
     path.write_text(text, encoding="utf-8")
     with pytest.raises(ModelError) as caught:
         tn.load_study(path)
-    return [(fault.position.line, str(fault.text)) for fault in caught.value.faults]
+    return caught.value.faults
+
+
+def faults(tmp_path, text):
+    return [(fault.position.line, str(fault.text)) for fault in raised(tmp_path, text)]
+
+
+def kinds(tmp_path, text):
+    return [(fault.position.line, fault.kind) for fault in raised(tmp_path, text)]
 
 
 def test_the_file_itself_is_right(tmp_path):
@@ -54,19 +62,17 @@ def test_all_faults_at_once(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("limit", "said"),
+    ("limit", "kind"),
     [
-        ("z: {above: 8 Hz}", r"z is a number without unit, not in Hz"),
-        ("f: {below: 8 N*m}", r"f is in Hz, not in"),
-        ("r: {below: 1 deg}", r"r is in rad/\(N\*m\), not in"),
-        ("q: {below: 1}", r'no quantity is named "q"'),
-        ("z: {below: 0.1, above: 0.2}", r"nothing is above 0.2 and below 0.1"),
+        ("z: {above: 8 Hz}", "wrong-unit"),
+        ("f: {below: 8 N*m}", "wrong-unit"),
+        ("r: {below: 1 deg}", "wrong-unit"),
+        ("q: {below: 1}", "unknown-name"),
+        ("z: {below: 0.1, above: 0.2}", "contradicting-values"),
     ],
 )
-def test_limits(tmp_path, limit, said):
-    [(line, text)] = faults(tmp_path, GOOD + f"limits:\n  {limit}\n")
-    assert line == 12
-    assert re.search(said, text)
+def test_limits(tmp_path, limit, kind):
+    assert kinds(tmp_path, GOOD + f"limits:\n  {limit}\n") == [(12, kind)]
 
 
 def test_limits_in_other_units_of_the_same_kind(tmp_path):
@@ -108,23 +114,14 @@ def test_too_many_variants_are_refused_with_count_and_time():
         tn.study.run_study(study)
 
 
-@pytest.mark.parametrize(
-    ("name", "said"),
-    [
-        ("k_1", '"k_1" is a parameter that varies; give the quantity another name'),
-        ("configuration", '"configuration" is what labels of results call the configuration; give the quantity'),
-    ],
-)
-def test_quantity_with_the_name_of_another_column(tmp_path, name, said):
-    ((line, text),) = faults(tmp_path, GOOD.replace("  z:", f"  {name}:"))
-    assert line == 8
-    assert said in text
+@pytest.mark.parametrize("name", ["k_1", "configuration"])
+def test_quantity_with_the_name_of_another_column(tmp_path, name):
+    assert kinds(tmp_path, GOOD.replace("  z:", f"  {name}:")) == [(8, "repeated-name")]
 
 
 def test_every_configuration_needs_its_weight(tmp_path):
     text = "limits: {z: {above: 0.1}}\nanswers: {y: {type: yield, weights: {II: 0.2}}}\n"
-    said = "every configuration needs a weight, 0 where it does not count; not: V"
-    assert faults(tmp_path, GOOD + text) == [(12, said)]
+    assert kinds(tmp_path, GOOD + text) == [(12, "missing-entry")]
 
 
 def test_study_without_quantities(tmp_path):
@@ -140,10 +137,8 @@ def test_sobol_indices_of_correlated_parameters_name_what_takes_them(tmp_path):
     assert "rank correlations (type: scatter)" in said
 
 
-@pytest.mark.parametrize(
-    ("value", "said"), [(1 + 2j, "complex values; take a magnitude, a phase or a part"), ("x", "no numbers")]
-)
-def test_function_that_gives_no_real_number(value, said):
+@pytest.mark.parametrize("value", [1 + 2j, "x"])
+def test_function_that_gives_no_real_number(value):
     quantity = function(lambda _: value)
-    with pytest.raises(ModelError, match=said):
+    with pytest.raises(ModelError, match=r"quantities\.q: .*wrong-form"):
         define(tn.load("dmf_rig"), {"k_2": {"type": "list", "values": [460]}}, {"q": quantity})

@@ -57,7 +57,7 @@ def study_folder(tmp_path):
 
 class TestAddress:
     def test_no_address(self):
-        with pytest.raises(UsageError, match="is no cluster; give tcp://"), connected("somewhere"):
+        with pytest.raises(UsageError, match="wrong-form"), connected("somewhere"):
             pass
         with pytest.raises(UsageError, match="local:1 or more"), connected("local:0"):
             pass
@@ -66,7 +66,7 @@ class TestAddress:
 
     def test_scheduler_file(self, tmp_path):
         file = tmp_path / "scheduler.json"
-        with pytest.raises(UsageError, match=r"there is no scheduler file .*--scheduler-file"), connected(str(file)):
+        with pytest.raises(UsageError, match="missing-file"), connected(str(file)):
             pass
         for text in ("", "[]", "{}", "\x00"):
             file.write_text(text)
@@ -103,13 +103,13 @@ class TestAddress:
             other.listen()
             threading.Thread(target=_greet, args=(other,), daemon=True).start()
             where = f"tcp://127.0.0.1:{other.getsockname()[1]}"
-            with pytest.raises(UsageError, match="is no scheduler of dask"), connected(where, 2):
+            with pytest.raises(UsageError, match="failed-program"), connected(where, 2):
                 pass
 
     @pytest.mark.slow
     def test_worker(self, local):
         address = next(iter(local.nthreads()))
-        with pytest.raises(UsageError, match="address of a worker; give that of the scheduler"), connected(address):
+        with pytest.raises(UsageError, match="wrong-form"), connected(address):
             pass
 
     def test_no_dask(self, monkeypatch):
@@ -170,7 +170,7 @@ class TestExecutor:
             list(DaskExecutor(local, study_folder).map(work, range(10)))
 
     def test_fault_of_a_worker(self, local, study_folder):
-        with pytest.raises(ClusterError, match=r"memory does not suffice for chunk 3; what was calculated is kept"):
+        with pytest.raises(ClusterError, match=r"(?s)chunk 3.*failed-program"):
             list(DaskExecutor(local, study_folder).map(FailingWork(study_folder, MemoryError()), [3]))
         with pytest.raises(OSError, match="No space left on device") as told:
             list(
@@ -181,7 +181,7 @@ class TestExecutor:
         assert told.value.errno == 28
 
     def test_no_folder(self, local, study_folder):
-        with pytest.raises(UsageError, match="needs a folder for its results, which all workers share"):
+        with pytest.raises(UsageError, match="missing-entry"):
             list(DaskExecutor(local, study_folder).map(FailingWork(None, MemoryError()), [1]))
 
 
@@ -212,7 +212,7 @@ class TestWorkers:
 
         seen = {"client": told("arm64"), "workers": {"tcp://a:1": told("x86_64"), "tcp://b:1": told("aarch64")}}
         cluster = SimpleNamespace(get_versions=lambda **_: seen)
-        with pytest.raises(ClusterError, match="tcp://a:1 is x86_64, tcp://b:1 is aarch64"):
+        with pytest.raises(ClusterError, match=r"(?s)aarch64.*failed-program"):
             chunk_task.check_versions(cluster)
         del seen["workers"]["tcp://b:1"]
         chunk_task.check_versions(cluster)
@@ -375,7 +375,7 @@ class TestKills:
         """It does not take one worker after the other for ever."""
         with scheduler(tmp_path) as (file, _), workers(file, 2), connected(str(file)) as cluster:
             cluster.wait_for_workers(2, timeout=PATIENCE)
-            with pytest.raises(ClusterError, match=r"workers died, one after the other, on chunk 7"):
+            with pytest.raises(ClusterError, match=r"(?s)chunk 7.*failed-program"):
                 list(DaskExecutor(cluster, study_folder).map(DeadlyWork(study_folder), [7]))
 
     def test_client(self, tmp_path, study_folder):

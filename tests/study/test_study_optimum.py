@@ -329,13 +329,13 @@ class TestRefusals:
     @pytest.mark.parametrize(
         ("goals", "words"),
         [
-            (lambda: placed(sums=1.0), 'no quantity is named "sums"; did you mean "sum"'),
-            (lambda: placed(sum=np.nan), "the target of sum is a number"),
+            (lambda: placed(sums=1.0), r'(?s)did you mean "sum".*unknown-name'),
+            (lambda: placed(sum=np.nan), "out-of-range"),
             (DesignGoals, "say what is sought"),
-            (lambda: DesignGoals(limits={"sum": QuantityLimit(below=1.0)}), "limits alone choose no design"),
+            (lambda: DesignGoals(limits={"sum": QuantityLimit(below=1.0)}), "missing-entry"),
             (
                 lambda: DesignGoals((DesignTarget("sum", 1.0),), (DesignObjective(("sum",)),)),
-                "either targets or something to minimise",
+                "contradicting-entries",
             ),
         ],
     )
@@ -345,7 +345,7 @@ class TestRefusals:
 
     @pytest.mark.parametrize("bounds", [(2.0, 1.0), (1.0, 1.0), (0.0, np.inf)])
     def test_bounds(self, bounds):
-        with pytest.raises(tn.UsageError, match="x: bounds are a lower and a higher value"):
+        with pytest.raises(tn.UsageError, match="unordered-rows"):
             DesignProblem((DesignParameter("x", "", 1.0, *bounds, 1.0),), smallest("sum"), area)
 
     def test_no_parameters(self):
@@ -354,7 +354,7 @@ class TestRefusals:
 
     def test_nothing_to_calculate(self):
         problem = DesignProblem(SIDES, smallest("z"), lambda v: {"z": np.full(len(v["x"]), np.nan)})
-        with pytest.raises(tn.SolveError, match="no design within the bounds has all the quantities"):
+        with pytest.raises(tn.SolveError, match="no-solution"):
             optimise(problem)
 
 

@@ -92,21 +92,30 @@ class TestOptimum:
     @pytest.mark.parametrize(
         ("answer", "words"),
         [
-            ({"type": "optimum"}, "say what is sought: targets, minimise or maximise"),
+            ({"type": "optimum"}, r"answers\.a: .*missing-entry"),
             ({"type": "optimum", "minimise": "f_1", "maximise": "f_2"}, "either minimise or maximise"),
-            ({"type": "optimum", "minimise": "f_9"}, 'no quantity is named "f_9"'),
-            ({"type": "optimum", "targets": {"g": 1.0}}, 'no quantity is named "g"'),
-            ({"type": "optimum", "minimise": "f_1", "limits": {"g": {"below": 1}}}, 'no quantity is named "g"'),
-            ({"type": "optimum", "minimise": "f_1", "design": ["kk"]}, 'no parameter is named "kk"'),
-            ({"type": "optimum", "minimise": "f_1", "design": {"k": [200, 100]}}, "a lower and a higher value"),
-            ({"type": "optimum", "minimise": "f_1", "design": {"k": ["1 kg*m^2", 1e4]}}, "is not a value of k"),
-            ({"type": "optimum", "minimise": "f_1", "design": {"k": [1]}}, r"expected two values \[a, b\]"),
-            ({"type": "best_damper", "output": "T_s"}, "excitations act over speeds, and the model has none"),
+            ({"type": "optimum", "minimise": "f_9"}, r"answers\.a\.minimise: .*unknown-name"),
+            ({"type": "optimum", "targets": {"g": 1.0}}, "unknown-name"),
+            ({"type": "optimum", "minimise": "f_1", "limits": {"g": {"below": 1}}}, "unknown-name"),
+            ({"type": "optimum", "minimise": "f_1", "design": ["kk"]}, r"answers\.a\.design\.0: .*unknown-parameter"),
+            (
+                {"type": "optimum", "minimise": "f_1", "design": {"k": [200, 100]}},
+                r"answers\.a\.design\.k: .*unordered-rows",
+            ),
+            (
+                {"type": "optimum", "minimise": "f_1", "design": {"k": ["1 kg*m^2", 1e4]}},
+                r"answers\.a\.design\.k\.bounds\.0: .*wrong-unit",
+            ),
+            ({"type": "optimum", "minimise": "f_1", "design": {"k": [1]}}, r"answers\.a\.design\.k: .*wrong-form"),
+            ({"type": "best_damper", "output": "T_s"}, r"answers\.a: .*missing-entry"),
             ({"type": "best_damper", "output": "T_x", "design": ["c"]}, "T_x"),
             ({"type": "best_damper", "output": "T_s", "design": ["c"], "band": [1, 2]}, "needs an input"),
-            ({"type": "pareto", "minimise": "f_1"}, "a front needs two quantities or more"),
-            ({"type": "robust_optimum", "minimise": "f_1"}, "say which parameters are chosen"),
-            ({"type": "robust_optimum", "measure": "rejects", "design": ["k"]}, "rejects are what exceeds limits"),
+            ({"type": "pareto", "minimise": "f_1"}, r"answers\.a: .*missing-entry"),
+            ({"type": "robust_optimum", "minimise": "f_1"}, r"answers\.a: .*missing-entry"),
+            (
+                {"type": "robust_optimum", "measure": "rejects", "design": ["k"]},
+                r"answers\.a\.measure: .*missing-entry",
+            ),
             ({"type": "robust_optimum", "minimise": "f_1", "design": ["k"], "percentile": 0.9}, "belongs to measure"),
         ],
     )
@@ -336,7 +345,7 @@ class TestDamperOverConditions:
     def test_refusals(self):
         with pytest.raises(tn.UsageError, match="has no configurations"):
             damper_over_conditions(damped(), "a", "c", input="a")
-        with pytest.raises(tn.UsageError, match="say which parameter is sought"):
+        with pytest.raises(tn.UsageError, match="missing-entry"):
             damper_over_conditions(damped(), "a", [], ["soft"], input="a")
 
 

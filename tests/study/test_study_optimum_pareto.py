@@ -123,21 +123,21 @@ def test_one_design_is_the_best_in_everything():
 
 class TestRefusals:
     def test_one_objective(self):
-        with pytest.raises(tn.UsageError, match="needs two objectives or more"):
+        with pytest.raises(tn.UsageError, match="missing-entry"):
             pareto_front(DesignProblem(parameters(1), several("a"), parabolas))
 
     def test_unknown_quantity(self):
-        with pytest.raises(tn.UsageError, match='no quantity is named "c"'):
+        with pytest.raises(tn.UsageError, match="unknown-name"):
             pareto_front(DesignProblem(parameters(1), several("a", "c"), parabolas))
 
     def test_settings(self):
-        with pytest.raises(tn.UsageError, match="a population of 4 or more"):
+        with pytest.raises(tn.UsageError, match="out-of-range"):
             pareto_front(DesignProblem(parameters(1), several("a", "b"), parabolas), population=2)
 
     @pytest.mark.slow
     def test_limits_nobody_keeps(self):
         goals = several("a", "b", limits={"a": QuantityLimit(below=-1.0)})
-        with pytest.raises(tn.SolveError, match="no design within the bounds was found that keeps all limits"):
+        with pytest.raises(tn.SolveError, match="no-solution"):
             pareto_front(DesignProblem(parameters(1), goals, parabolas), population=8, generations=3)
 
     def test_without_pymoo(self, monkeypatch):

@@ -181,7 +181,7 @@ def test_a_band_that_hardly_a_variant_meets_is_not_trusted():
 
 
 def test_too_few_variants():
-    with pytest.raises(UsageError, match="needs 4000 variants or more"):
+    with pytest.raises(UsageError, match=r"(?s)4000.*out-of-range"):
         importance_sampling(linear(2), 2, count=100, seed=1)
-    with pytest.raises(UsageError, match="a multiple of 10, 200 or more; got 105"):
+    with pytest.raises(UsageError, match=r"(?s)10.*200.*out-of-range"):
         subset_sampling(linear(2), 2, count=105, seed=1)

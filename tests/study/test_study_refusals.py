@@ -182,7 +182,7 @@ def test_a_numba_that_refuses_this_numpy_is_done_without(monkeypatch):
     monkeypatch.setattr(sys, "meta_path", [Refusing(), *sys.meta_path])
     study = small_study(count=10**6)
     assert study.method == "graph"
-    with pytest.raises(MissingExtraError, match=r"works with this numpy: Numba needs NumPy 2\.3 or less"):
+    with pytest.raises(MissingExtraError, match="missing-package"):
         import torsionnet.linear.dynamic_stiffness.compiled  # noqa: F401
 
 
@@ -193,7 +193,7 @@ def test_windows_waits_for_61_processes_at_most(monkeypatch, processes):
     if processes == 61:
         assert Workers(processes).processes == 61
     else:
-        with pytest.raises(UsageError, match="wait for 61 processes at most"):
+        with pytest.raises(UsageError, match=r"(?s)61.*too-large"):
             Workers(processes)
 
 
@@ -204,7 +204,7 @@ def test_answers_of_variants_need_some_and_others_choose_their_own():
     found = answer_study(study, answering=lambda name, *_: counted.append(name))
     assert ({*counted}, {*found.conclusions}) == ({"moves"}, {"share", "moves"})
     undrawn = small_study(sampling=None, limits={"f_1": {"above": 1.0}}, answers=answers)
-    with pytest.raises(UsageError, match=r"^share: the study has no variants of its own"):
+    with pytest.raises(UsageError, match="nothing-varies"):
         answer_study(undrawn)
 
 

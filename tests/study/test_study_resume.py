@@ -152,13 +152,13 @@ class TestFolder:
         shutil.copytree(whole, folder)
         (folder / "study.json").write_text(record)
         before = contents(folder)
-        with pytest.raises(UsageError, match=r"study\.json cannot be read: .* choose another folder"):
+        with pytest.raises(UsageError, match="unreadable-file"):
             run_study(small_study(), folder)
         assert contents(folder) == before
 
     def test_another_study_is_refused_and_nothing_touched(self, whole):
         before = contents(whole)
-        with pytest.raises(UsageError, match="holds results of something else"):
+        with pytest.raises(UsageError, match="unusable-place"):
             run_study(small_study(sampling={"count": VARIANTS, "seed": 2}), whole)
         assert contents(whole) == before
 
@@ -180,7 +180,7 @@ class TestFolder:
         part = shutil.copytree(whole, tmp_path / "part")
         next((part / "chunks").iterdir()).unlink()
         monkeypatch.setattr(study_record, "__version__", f"{study_record.__version__.partition('.')[0]}.99.0")
-        with pytest.raises(UsageError, match="holds results of something else"):
+        with pytest.raises(UsageError, match="unusable-place"):
             run_study(small_study(), part)
 
     def test_another_version_is_refused(self, whole, monkeypatch):
@@ -198,7 +198,7 @@ class TestFolder:
             write(path, data)
 
         monkeypatch.setattr(chunk_store, "write_bytes", full)
-        with pytest.raises(SolveError, match="disk is full; the chunks in it are whole"):
+        with pytest.raises(SolveError, match=r"(?s)full.*unusable-place"):
             run_study(small_study(), folder)
         assert len(chunk_files(folder)) == 5
         assert not (folder / LOCK).exists()
@@ -229,7 +229,7 @@ class TestLock:
 
     def test_another_machine(self, tmp_path):
         (tmp_path / LOCK).write_text(json.dumps({"host": "elsewhere", "process": 1, "began": None}))
-        with pytest.raises(UsageError, match=r"a run on elsewhere .* remove"), locked(tmp_path):
+        with pytest.raises(UsageError, match=r"(?s)elsewhere.*unusable-place"), locked(tmp_path):
             pass
 
 

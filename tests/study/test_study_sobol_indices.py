@@ -83,9 +83,9 @@ def test_variants_without_a_value_are_left_out_and_counted():
 
 
 def test_what_cannot_be_answered():
-    with pytest.raises(UsageError, match=r"a power of two, 64 or more; got 100"):
+    with pytest.raises(UsageError, match=r"(?s)64.*100.*out-of-range"):
         sobol_estimates(ishigami, 3, 100, seed=1)
     with pytest.raises(SolveError, match="does not vary"):
         sobol_estimates(lambda unit: np.full(len(unit), 2.0), 3, 64, seed=1)
-    with pytest.raises(SolveError, match="only 0 of 64 base points"):
+    with pytest.raises(SolveError, match=r"(?s)64.*no-solution"):
         sobol_estimates(lambda unit: np.full(len(unit), np.nan), 3, 64, seed=1)
