@@ -85,6 +85,7 @@ RESULTS: dict[str, str] = {
     "torsionnet.signals.rotation.wheel_rotation": "WheelRotation",
     "torsionnet.signals.spectra": "Spectrogram",
     "torsionnet.signals.torque_loops.loop_result": "LoopStage LoopValue TorqueLoop TorqueLoops",
+    "torsionnet.signals.stepped_levels": "SteppedStiffness",
     "torsionnet.study.design.best_damper": "DamperInCondition",
     "torsionnet.study.quantities.expression": "UserFunction",
     "torsionnet.study.reductions.summaries": "Summary",

@@ -21,6 +21,8 @@ from torsionnet.signals.rotation.pulse_channel import PulseChannel
 if TYPE_CHECKING:
     import pandas
 
+    from torsionnet.signals.stepped_levels import SteppedStiffness
+
 # Energy balance of motion over time.
 
 
@@ -410,6 +412,35 @@ class Recording(NotebookResult):
         units = {signal.name: signal.unit for signal in self.signals}
         values = np.column_stack([signal.values for signal in self.signals]) if units else np.empty((len(self), 0))
         return data_frame(values, ("time [s]", self.time), units, self.title, self.notes)
+
+    def stepped_stiffness(self, output: str, input: str) -> SteppedStiffness:
+        """First harmonics of the torque through an element and of its twist, at the steps of a sine test.
+
+        Steps are cycles of one frequency and one amplitude in a row, found in the twist. Each gives k' + j k'' over
+        the amplitude, its loss factor eta_1 = k''/k', and with an inertia a point of the backbone.
+
+        Parameters
+        ----------
+        output, input : str
+            Names of the torque and of the twist.
+
+        Raises
+        ------
+        UsageError
+            The signals are no torque and no angle, or hold no frequency and amplitude for four cycles.
+
+        Examples
+        --------
+        >>> t = np.arange(0, 20, 0.002)
+        >>> twist = np.where(t < 10, 0.05, 0.2) * np.sin(10 * t)
+        >>> record = Recording((Signal("T", "torque", 460 * twist + 3000 * twist**3), Signal("g", "angle", twist)), 500)
+        >>> found = record.stepped_stiffness("T", "g")
+        >>> found.amplitudes.round(4).tolist(), found.stiffness.real.round(2).tolist()
+        ([0.05, 0.2], [465.62, 550.0])
+        """
+        from torsionnet.signals.stepped_levels import stepped_stiffness
+
+        return stepped_stiffness(self, output, input)
 
     def table(self) -> Table:
         """Table of the signals of a recording with unit, mean, standard deviation and range of each.

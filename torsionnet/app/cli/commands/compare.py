@@ -10,6 +10,7 @@ from torsionnet.app.cli.command import TABLE, Answer
 from torsionnet.app.cli.frf_output import EstimateRecord, estimated_responses_record
 from torsionnet.app.cli.options import ALIGN, ANGLE, DRIVEN_BY, USABLE_BAND, option
 from torsionnet.app.cli.record_options import Averaging, Estimator, RecordCommand
+from torsionnet.app.cli.stepped import STEPPED, stepped_comparison
 from torsionnet.base.notes import NoteOrText
 from torsionnet.base.result_rows import Out
 from torsionnet.linear.frequency_response import FloatArray
@@ -75,6 +76,7 @@ class CompareCommand(ModelCommand, RecordCommand):
     band: tuple[float, float] | None = USABLE_BAND
     angle: str = ANGLE
     align: bool = ALIGN
+    stepped: bool = STEPPED
 
     def answer(self) -> Answer:
         from torsionnet.app.cli.commands.estimate import estimate_record
@@ -82,6 +84,10 @@ class CompareCommand(ModelCommand, RecordCommand):
 
         self.require_one("a record is of one configuration: name one with -c")
         case = self.cases()[0]
+        names = (self.model_output or self.sensor, self.model_input or self.into)
+        if self.stepped:
+            channels = (self.sensor, self.into)
+            return stepped_comparison(self.record, self.reading, channels, case.drivetrain, names)
         test = estimate_record(
             self.record,
             self.reading,
@@ -92,7 +98,6 @@ class CompareCommand(ModelCommand, RecordCommand):
             self.band,
             align=self.align,
         )
-        names = (self.model_output or self.sensor, self.model_input or self.into)
         calculated = _calculated(case.drivetrain, test, *names, self.driven_by)
         conventions = Conventions(angle=self.angle)
         return Answer(

@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from torsionnet.app.cli.command import TABLE, Answer
-from torsionnet.app.cli.options import ALIGN, ANGLE, file_option
+from torsionnet.app.cli.options import ALIGN, ANGLE, WrongUsage, file_option
 from torsionnet.app.cli.record_options import Averaging, EstimateArguments, Estimator, RecordReading
+from torsionnet.app.cli.stepped import STEPPED, stepped_answer
 from torsionnet.app.cli.terminal import print_warnings
 from torsionnet.base.notes import is_warning
 
@@ -34,6 +35,7 @@ class EstimateCommand(EstimateArguments):
 
     angle: str = ANGLE
     align: bool = ALIGN
+    stepped: bool = STEPPED
     output_file: str | None = file_option("Write the response: UFF58, MAT, NPZ or CSV.", RESPONSE_ENDINGS)
 
     def answer(self) -> Answer:
@@ -41,6 +43,10 @@ class EstimateCommand(EstimateArguments):
         from torsionnet.base.conventions import Conventions
         from torsionnet.io import write_frequency_response
 
+        if self.stepped:
+            if self.output_file:
+                raise WrongUsage("--stepped has a table, with --csv; -o writes responses", kind="needless-entry")
+            return stepped_answer(self.record, self.reading, self.outputs, self.inputs)
         response = estimate_record(
             self.record,
             self.reading,

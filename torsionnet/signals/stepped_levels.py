@@ -1,0 +1,282 @@
+"""Stepped sines at several amplitudes: first harmonics of torque and twist of each step, and k' + j k'' of them.
+
+Steps are found in the twist: cycles of one period and one swing that follow each other. From the torque through an
+element and its twist k' + j k'' = T_1/gamma_1 over the amplitude, eta_1 = k''/k'; on an inertia J that the element
+alone holds, the backbone is w(a)^2 = k'(a)/J.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.base.errors import UsageError
+from torsionnet.base.notes import NoteOrText
+from torsionnet.base.packages import NotebookResult
+from torsionnet.base.table import Column, Table
+from torsionnet.signals.recording import Recording
+
+if TYPE_CHECKING:
+    from torsionnet.model.element_base.element import Element
+
+FloatArray = NDArray[np.float64]
+
+FEWEST_CYCLES = 4
+"""Cycles of one period and one swing that make a step; the first is left out as it may still settle."""
+SAME_SWING, SAME_PERIOD = 0.05, 0.1
+"""Shares by which swings and periods of cycles of one step may differ; extremes tell a period roughly."""
+NOISE_SWINGS = 8.0
+"""Swings below this multiple of the noise between samples are none."""
+NOT_A_SINE = 0.2
+"""Share of a twist beside its first harmonic from which a group of cycles is none of one frequency, as of a sweep."""
+REFINEMENTS = 6
+"""Steps of Gauss and Newton by which the frequency of a step is fitted."""
+
+
+class HasElements(Protocol):
+    """Drivetrain, of which elements and the values of parameters are asked for."""
+
+    @property
+    def elements(self) -> Mapping[str, Element]:
+        """Elements by name."""
+        ...
+
+    @property
+    def exact_values(self) -> Mapping[str, Any]:
+        """Values of parameters in SI units, by name."""
+        ...
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SteppedStiffness(NotebookResult):
+    """First harmonics of torque and twist at the steps of a sine test, a row for each step in the order of the test.
+
+    Attributes
+    ----------
+    frequencies : (n,) array
+        Hz.
+    twists, torques : (n,) complex arrays
+        First harmonics of the twist in rad and of the torque in N m, gamma = Re gamma_1 exp(j w t).
+    mean_twists, mean_torques : (n,) arrays
+        rad and N m.
+    distortion : (n,) array
+        What the torque has beside its first harmonic and its mean, root mean square over that of the first harmonic.
+    title : str
+    notes : tuple of str
+    """
+
+    frequencies: FloatArray
+    twists: NDArray[np.complex128]
+    torques: NDArray[np.complex128]
+    mean_twists: FloatArray
+    mean_torques: FloatArray
+    distortion: FloatArray
+    title: str = ""
+    notes: tuple[NoteOrText, ...] = ()
+
+    @property
+    def amplitudes(self) -> FloatArray:
+        """Amplitudes of the twist in rad, shape (n,)."""
+        return np.asarray(np.abs(self.twists))
+
+    @property
+    def stiffness(self) -> NDArray[np.complex128]:
+        """Complex k' + j k'' in N m/rad, shape (n,)."""
+        return np.asarray(self.torques / self.twists)
+
+    @property
+    def loss_factors(self) -> FloatArray:
+        """Loss factors eta_1 = k''/k', shape (n,)."""
+        return np.asarray(self.stiffness.imag / self.stiffness.real)
+
+    def backbone(self, inertia: float) -> FloatArray:
+        """Frequencies sqrt(k'(a)/J)/(2 pi) in Hz at which an inertia in kg m^2 on the element resonates, shape (n,)."""
+        return np.asarray(np.sqrt(np.maximum(self.stiffness.real, 0.0) / inertia) / (2 * np.pi))
+
+    def model_stiffness(self, drivetrain: HasElements, element: str) -> NDArray[np.complex128]:
+        """Stiffness k' + j k'' in N m/rad of an element of a model at the same amplitudes and means, shape (n,).
+
+        Raises
+        ------
+        UsageError
+            There is no such element, or a law of it has no describing function.
+        """
+        from torsionnet.base.errors import unknown_name
+        from torsionnet.model.motion_laws.element_stiffness import element_stiffness
+
+        elements = {name: one for name, one in drivetrain.elements.items() if one.enabled}
+        if element not in elements:
+            raise UsageError(unknown_name("element", element, list(elements)))
+        rows = zip(self.amplitudes, self.mean_twists, self.mean_torques, 2 * np.pi * self.frequencies, strict=True)
+        found = [
+            element_stiffness(elements[element], drivetrain.exact_values, *map(float, row)).stiffness for row in rows
+        ]
+        return np.array(found)
+
+    def table(self) -> Table:
+        """Table with a row for each step."""
+        columns = (
+            Column("frequency", "Hz", 5),
+            Column("amplitude", "deg", 4),
+            Column("torque amplitude", "N*m", 4),
+            Column("mean torque", "N*m", 4),
+            Column("k'", "N*m/rad", 5),
+            Column("k''", "N*m/rad", 4),
+            Column("eta_1", "", 4),
+            Column("other harmonics", "", 2),
+        )
+        data = (
+            self.frequencies,
+            np.rad2deg(self.amplitudes),
+            np.abs(self.torques),
+            self.mean_torques,
+            self.stiffness.real,
+            self.stiffness.imag,
+            self.loss_factors,
+            self.distortion,
+        )
+        rows = tuple(tuple(map(float, row)) for row in zip(*data, strict=True))
+        name = self.title or "Stepped sine"
+        return Table.of(name, "stiffness over amplitude", columns, rows, tuple(map(str, self.notes)))
+
+    def compared(self, drivetrain: HasElements, element: str) -> Table:
+        """Table of the test over a model's element at the amplitudes of the test; differences are test - model."""
+        model = self.model_stiffness(drivetrain, element)
+        columns = (
+            Column("frequency", "Hz", 5),
+            Column("amplitude", "deg", 4),
+            Column("mean torque", "N*m", 4),
+            Column("k' test", "N*m/rad", 5),
+            Column("k' model", "N*m/rad", 5),
+            Column("difference", "%", 3),
+            Column("eta_1 test", "", 4),
+            Column("eta_1 model", "", 4),
+        )
+        data = (
+            self.frequencies,
+            np.rad2deg(self.amplitudes),
+            self.mean_torques,
+            self.stiffness.real,
+            model.real,
+            100 * (self.stiffness.real / model.real - 1),
+            self.loss_factors,
+            model.imag / model.real,
+        )
+        rows = tuple(tuple(map(float, row)) for row in zip(*data, strict=True))
+        name = f"{self.title or 'test'} and {element}"
+        return Table.of(name, "stiffness over amplitude", columns, rows, tuple(map(str, self.notes)))
+
+
+def stepped_stiffness(recording: Recording, output: str, input: str) -> SteppedStiffness:
+    """First harmonics of torque and twist at all steps of a sine test.
+
+    See :meth:`torsionnet.signals.Recording.stepped_stiffness`.
+    """
+    chosen = recording.select((output, input))
+    for name, quantity in ((output, "torque"), (input, "angle")):
+        if chosen[name].quantity != quantity:
+            raise UsageError(
+                f"{name} is a {chosen[name].quantity}; a stiffness is made of a torque over an angle of twist",
+                kind="unfit-channel",
+            )
+    load, angle = chosen[output].values, chosen[input].values
+    if not (np.isfinite(load).all() and np.isfinite(angle).all()):
+        raise UsageError(f"{output} and {input} have samples without a value", kind="not-finite")
+    found = [_harmonics(load[a:b], angle[a:b], rate, chosen.sampling_rate) for a, b, rate in _steps(angle, chosen)]
+    rows = [one for one in found if one is not None]
+    if not rows:
+        raise UsageError(
+            f"{input} holds no frequency and no amplitude for {FEWEST_CYCLES} cycles; a stepped sine does",
+            kind="too-short",
+        )
+    frequencies, twists, torques, mean_twists, mean_torques, distortion = (
+        np.array(column) for column in zip(*rows, strict=True)
+    )
+    note = f"{len(rows)} steps found; first cycle of each left out"
+    return SteppedStiffness(
+        frequencies, twists, torques, mean_twists, mean_torques, distortion, recording.title, (*recording.notes, note)
+    )
+
+
+def _steps(angle: FloatArray, recording: Recording) -> list[tuple[int, int, float]]:
+    """First and last sample, and frequency in Hz, of each group of cycles that are alike."""
+    tops = [place for place, is_top in _reversals(angle) if is_top]
+    cycles = [(a, b, float(np.ptp(angle[a:b]))) for a, b in pairwise(tops) if b > a + 4]
+    groups: list[list[tuple[int, int, float]]] = []
+    for one in cycles:
+        if groups and one[0] == groups[-1][-1][1] and _alike(one, groups[-1]):
+            groups[-1].append(one)
+        else:
+            groups.append([one])
+    steps = []
+    for group in groups:
+        if len(group) >= FEWEST_CYCLES:
+            first, end = group[1][0], group[-1][1]
+            steps.append((first, end, (len(group) - 1) * recording.sampling_rate / (end - first)))
+    return steps
+
+
+def _alike(one: tuple[int, int, float], group: Sequence[tuple[int, int, float]]) -> bool:
+    # A transient fades, so that a cycle is like the one before rather than like the first.
+    a, b, swing = group[-1]
+    period = (group[-1][1] - group[0][0]) / len(group)
+    return abs(one[2] / swing - 1) <= SAME_SWING and abs((one[1] - one[0]) / period - 1) <= SAME_PERIOD + 2 / (b - a)
+
+
+def _reversals(angle: FloatArray) -> list[tuple[int, bool]]:
+    """Sample of each reversal, and whether it is a maximum; swings within the noise are left out."""
+    # Third differences of a sine that is sampled well are small, those of white noise are sqrt(20) of it.
+    noise = float(np.median(np.abs(np.diff(angle, 3)))) / 0.6745 / np.sqrt(20) if len(angle) > 3 else 0.0
+    least = max(NOISE_SWINGS * noise, 1e-4 * float(np.ptp(angle)))
+    found: list[tuple[int, bool]] = []
+    top = bottom = 0
+    rising: bool | None = None
+    for place in range(1, len(angle)):
+        top = place if angle[place] > angle[top] else top
+        bottom = place if angle[place] < angle[bottom] else bottom
+        if rising is not False and angle[top] - angle[place] > least:
+            found.append((top, True))
+            rising, bottom = False, place
+        elif rising is not True and angle[place] - angle[bottom] > least:
+            found.append((bottom, False))
+            rising, top = True, place
+    return found
+
+
+def _harmonics(
+    load: FloatArray, angle: FloatArray, frequency: float, rate: float
+) -> tuple[float, complex, complex, float, float, float] | None:
+    """Frequency in Hz, first harmonics of twist and torque, means of both, and the rest of the torque of one step.
+
+    None where the twist is no sine.
+    """
+    time = np.arange(len(angle)) / rate
+    middle = time - time[-1] / 2
+    ones = np.ones_like(time)
+    for _ in range(REFINEMENTS):
+        phase = 2 * np.pi * frequency * middle
+        basis = np.array([np.cos(phase), np.sin(phase), ones, middle]).T
+        a, b = np.linalg.lstsq(basis, angle, rcond=None)[0][:2]
+        # d gamma/d omega = t (-a sin + b cos): the fifth column moves the frequency.
+        moved = np.column_stack([basis, middle * (b * np.cos(phase) - a * np.sin(phase))])
+        change = float(np.linalg.lstsq(moved, angle, rcond=None)[0][4]) / (2 * np.pi)
+        frequency += change
+        if abs(change) < 1e-12 * frequency:
+            break
+    phase = 2 * np.pi * frequency * middle
+    # Whole periods, so that mean and harmonics do not mix.
+    periods = max(1, int(len(time) * frequency / rate + 1e-9))
+    kept = slice(0, round(periods / frequency * rate))
+    basis = np.array([np.cos(phase), np.sin(phase), ones, middle]).T[kept]
+    fit = np.linalg.lstsq(basis, np.column_stack([angle, load])[kept], rcond=None)[0]
+    twist, torque = fit[0] - 1j * fit[1]
+    rest = np.sqrt(2 * np.mean((np.column_stack([angle, load])[kept] - basis @ fit) ** 2, axis=0))
+    if rest[0] > NOT_A_SINE * abs(twist):
+        return None
+    share = float(rest[1] / abs(torque)) if torque else 0.0
+    return frequency, complex(twist), complex(torque), float(fit[2, 0]), float(fit[2, 1]), share
