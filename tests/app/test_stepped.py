@@ -31,7 +31,7 @@ def files(tmp_path):
 
 def test_estimate_gives_stiffness_over_amplitude(files):
     """460, then 756.147 N m/rad by the describing function of two stages at .2 rad; 0.5 N m s/rad at 4 Hz."""
-    answer = runner.invoke(app, ["estimate", files[0], "--output", "T", "--input", "gamma", "--stepped", "--json"])
+    answer = runner().invoke(app, ["estimate", files[0], "--output", "T", "--input", "gamma", "--stepped", "--json"])
     found = json.loads(answer.stdout)
     assert found["amplitude_rad"] == pytest.approx([0.05, 0.2], rel=1e-6)
     assert found["k1"] == pytest.approx([460, 756.147], rel=1e-3)
@@ -41,7 +41,7 @@ def test_estimate_gives_stiffness_over_amplitude(files):
 def test_compare_lays_them_over_an_element(files, tmp_path):
     picture = tmp_path / "steps.png"
     given = ["compare", *files, "--output", "T", "--input", "gamma", "--stepped", "--json", "--plot", str(picture)]
-    answer = runner.invoke(app, given)
+    answer = runner().invoke(app, given)
     found = json.loads(answer.stdout)
     assert found["element"] == "shaft"
     assert found["model_k1"] == pytest.approx([460, 756.147259], rel=1e-6)
@@ -57,13 +57,13 @@ def test_compare_lays_them_over_an_element(files, tmp_path):
     ],
 )
 def test_what_estimate_cannot_step_is_named(files, more, kind):
-    answer = runner.invoke(app, ["estimate", files[0], "--output", "T", "--input", "gamma", "--stepped", *more])
+    answer = runner().invoke(app, ["estimate", files[0], "--output", "T", "--input", "gamma", "--stepped", *more])
     assert answer.exit_code == 2
     assert f"[{kind}]" in answer.stderr
 
 
 def test_sensors_that_are_no_torque_and_twist_of_one_element_are_named(files):
     given = ["compare", *files, "--output", "T", "--input", "gamma", "--model-input", "phi", "--stepped"]
-    answer = runner.invoke(app, given)
+    answer = runner().invoke(app, given)
     assert answer.exit_code == 2
     assert "[unfit-channel]" in answer.stderr

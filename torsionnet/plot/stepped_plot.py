@@ -23,13 +23,13 @@ def stepped_stiffness(found: SteppedStiffness, model: NDArray[np.complex128] | N
     pairs += [] if model is None else [(model, "x", style.PALETTE[1], "model")]
     for values, marker, color, label in pairs:
         upper.plot(at, values.real, marker, color=color, label=label)
-        lower.plot(at, values.imag / values.real, marker, color=color, label=label)
+        lower.plot(at, values.imag / values.real, marker, color=color)
     upper.set_ylabel("k' [N m/rad]")
     lower.set_ylabel("loss factor eta_1")
     lower.set_xlabel("amplitude of the twist [deg]")
     for panel in (upper, lower):
-        panel.set_xscale("log")
-        panel.set_ylim(bottom=0)
+        panel.set_xlim(0, 1.05 * float(at.max()))
+        panel.set_ylim(0, 1.05 * panel.get_ylim()[1])
     if model is not None:
         sheet.legend(2)
     return sheet.titled(title or found.title or "Stiffness over amplitude")

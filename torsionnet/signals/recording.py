@@ -440,7 +440,14 @@ class Recording(NotebookResult):
         """
         from torsionnet.signals.stepped_levels import stepped_stiffness
 
-        return stepped_stiffness(self, output, input)
+        for name, quantity in ((output, "torque"), (input, "angle")):
+            if self[name].quantity != quantity:
+                raise UsageError(
+                    f"{name} is a {self[name].quantity}; a stiffness is made of a torque over an angle of twist",
+                    kind="unfit-channel",
+                )
+        values = (self[output].values, self[input].values)
+        return stepped_stiffness(*values, self.sampling_rate, self.title, self.notes)
 
     def table(self) -> Table:
         """Table of the signals of a recording with unit, mean, standard deviation and range of each.

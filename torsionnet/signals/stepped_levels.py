@@ -19,7 +19,6 @@ from torsionnet.base.errors import UsageError
 from torsionnet.base.notes import NoteOrText
 from torsionnet.base.packages import NotebookResult
 from torsionnet.base.table import Column, Table
-from torsionnet.signals.recording import Recording
 
 if TYPE_CHECKING:
     from torsionnet.model.element_base.element import Element
@@ -172,38 +171,30 @@ class SteppedStiffness(NotebookResult):
         return Table.of(name, "stiffness over amplitude", columns, rows, tuple(map(str, self.notes)))
 
 
-def stepped_stiffness(recording: Recording, output: str, input: str) -> SteppedStiffness:
-    """First harmonics of torque and twist at all steps of a sine test.
+def stepped_stiffness(
+    torque: FloatArray, twist: FloatArray, sampling_rate: float, title: str = "", notes: tuple[NoteOrText, ...] = ()
+) -> SteppedStiffness:
+    """First harmonics of a torque in N m and of a twist in rad at all steps of a sine test.
 
     See :meth:`torsionnet.signals.Recording.stepped_stiffness`.
     """
-    chosen = recording.select((output, input))
-    for name, quantity in ((output, "torque"), (input, "angle")):
-        if chosen[name].quantity != quantity:
-            raise UsageError(
-                f"{name} is a {chosen[name].quantity}; a stiffness is made of a torque over an angle of twist",
-                kind="unfit-channel",
-            )
-    load, angle = chosen[output].values, chosen[input].values
-    if not (np.isfinite(load).all() and np.isfinite(angle).all()):
-        raise UsageError(f"{output} and {input} have samples without a value", kind="not-finite")
-    found = [_harmonics(load[a:b], angle[a:b], rate, chosen.sampling_rate) for a, b, rate in _steps(angle, chosen)]
+    if not (np.isfinite(torque).all() and np.isfinite(twist).all()):
+        raise UsageError("torque and twist have samples without a value", kind="not-finite")
+    found = [_harmonics(torque[a:b], twist[a:b], rate, sampling_rate) for a, b, rate in _steps(twist, sampling_rate)]
     rows = [one for one in found if one is not None]
     if not rows:
         raise UsageError(
-            f"{input} holds no frequency and no amplitude for {FEWEST_CYCLES} cycles; a stepped sine does",
+            f"the twist holds no frequency and no amplitude for {FEWEST_CYCLES} cycles; a stepped sine does",
             kind="too-short",
         )
     frequencies, twists, torques, mean_twists, mean_torques, distortion = (
         np.array(column) for column in zip(*rows, strict=True)
     )
     note = f"{len(rows)} steps found; first cycle of each left out"
-    return SteppedStiffness(
-        frequencies, twists, torques, mean_twists, mean_torques, distortion, recording.title, (*recording.notes, note)
-    )
+    return SteppedStiffness(frequencies, twists, torques, mean_twists, mean_torques, distortion, title, (*notes, note))
 
 
-def _steps(angle: FloatArray, recording: Recording) -> list[tuple[int, int, float]]:
+def _steps(angle: FloatArray, sampling_rate: float) -> list[tuple[int, int, float]]:
     """First and last sample, and frequency in Hz, of each group of cycles that are alike."""
     tops = [place for place, is_top in _reversals(angle) if is_top]
     cycles = [(a, b, float(np.ptp(angle[a:b]))) for a, b in pairwise(tops) if b > a + 4]
@@ -217,7 +208,7 @@ def _steps(angle: FloatArray, recording: Recording) -> list[tuple[int, int, floa
     for group in groups:
         if len(group) >= FEWEST_CYCLES:
             first, end = group[1][0], group[-1][1]
-            steps.append((first, end, (len(group) - 1) * recording.sampling_rate / (end - first)))
+            steps.append((first, end, (len(group) - 1) * sampling_rate / (end - first)))
     return steps
 
 
