@@ -147,10 +147,10 @@ class TestSettling:
 
     def test_too_short(self):
         prepared(self.SETTINGS, settling=9.0)
-        with pytest.raises(UsageError, match="the record of 10 s is too short for one window of 1 s after settling"):
+        with pytest.raises(UsageError, match=r"(?s)10 s.*too-short"):
             prepared(self.SETTINGS, settling=9.1)
 
 
 def test_no_line_in_the_band():
-    with pytest.raises(UsageError, match=r"between 2\.1 and 2\.9 Hz; its lines are 1 Hz apart"):
+    with pytest.raises(UsageError, match=r"(?s)2\.1 and 2\.9.*empty-band"):
         prepared(SETTINGS[0], band=(2.1, 2.9))

@@ -146,7 +146,7 @@ class TestOrders:
         _, angle = shaft(1200 * RPM, {6: np.radians(2.9)})
         every = pulses(angle, missing=2)
         for times, teeth, missing in ((np.delete(every, 900), 60, 2), (every, 60, 1), (every, 59, 1)):
-            with pytest.raises(UsageError, match=r"cut the record there|pulses are missing every|no gap of"):
+            with pytest.raises(UsageError, match=r"lost-pulses|unfit-wheel"):
                 wheel_rotation(PulseChannel("n1", times), Wheel(teeth=teeth, missing_teeth=missing))
 
     def test_speed_is_the_derivative_of_the_angle(self):
@@ -215,14 +215,12 @@ class TestStatedPatterns:
     @pytest.mark.parametrize("wheel", [Wheel(teeth=30), Wheel(teeth=36), Wheel(teeth=36, missing_teeth=2)])
     def test_gaps_are_named_in_a_question_and_not_counted_as_lost_pulses(self, wheel):
         _, angle = shaft(1200 * RPM, {4: TENTH})
-        with pytest.raises(UsageError, match=f"gaps return every 36 places: .* give teeth: 36, pattern: {GAPS}"):
+        with pytest.raises(UsageError, match=f"(?s)pattern: {GAPS}.*unfit-wheel"):
             wheel_rotation(PulseChannel("n1", seen_at(angle, GAPS_AT, first=0)), wheel)
 
     def test_lobes_are_named_in_a_question(self):
         _, angle = shaft(1200 * RPM, {1: TENTH})
-        with pytest.raises(
-            UsageError, match=r"every 4 pulses: if the teeth stand so, state pattern: 0, (60|1[02]0|80), "
-        ):
+        with pytest.raises(UsageError, match=r"(?s)pattern: 0, (60|1[02]0|80), .*lost-pulses"):
             wheel_rotation(PulseChannel("n1", seen_at(angle, [0, 60, 180, 260], first=0)), Wheel(teeth=4))
 
     def test_every_sixth_tooth_that_is_missing_is_a_pattern_of_the_wheel(self):
@@ -390,7 +388,7 @@ class TestRefused:
         half = np.sqrt(places / 1e3)
         times = np.concatenate([-half[::-1], half])[1 if share == 0 else 0 :]
         times = np.unique(times) + 1
-        with pytest.raises(UsageError, match=r"stands still around (1|0\.9\d*) s.* second track"):
+        with pytest.raises(UsageError, match=r"(?s)(1|0\.9\d*) s.*turning-back"):
             wheel_rotation(PulseChannel("n1", times), Wheel(teeth=60))
 
     @pytest.mark.parametrize("slope", [-30.0, 30.0])
