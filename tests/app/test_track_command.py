@@ -244,23 +244,23 @@ def test_faults_of_a_file_have_their_place(tmp_path):
     assert '"five" is no number' in text
     assert f"o.csv:{len(lines)}:" in text
     file.write_text("time [s],speed [rpm],order\n0,1,2\n")
-    with pytest.raises(ModelError, match=r"o\.csv:1:1: error: there are no columns NAME real"):
+    with pytest.raises(ModelError, match=r":1:1: .*missing-column"):
         read_tracked_orders(file)
     heading = "time [s],speed [rpm],order,T real [kgm],T imag [N*m]"
     for body, place in {
-        f"{heading}\n0,1,2,3,4\n": 'o.csv:1:28: error: "kgm" is no unit of torque',
-        f"{heading.replace('kgm', 'N*m').replace('imag', 'img')}\n0,1,2,3,4\n": "o.csv:1:28: error: there are no columns",
-        f"{heading.replace('kgm', 'N*m')}\n0,nan,2,3,4\n": 'o.csv:2:3: error: speed .rpm.: "nan" is no number',
-        f"{heading.replace('kgm', 'N*m')}\n0,1,2,3,4\n0,1,2,3,4\n": "o.csv:3:1: error: order 2 at 0 s stands in line 2",
-        f"{heading.replace('kgm', 'N*m')}\n0,1,2,3,4\n0,1,3,3,4\n1,1,2,3,4\n": "o.csv:4:1: error: 1 of 4 rows",
+        f"{heading}\n0,1,2,3,4\n": r":1:28: .*unknown-unit",
+        f"{heading.replace('kgm', 'N*m').replace('imag', 'img')}\n0,1,2,3,4\n": r":1:28: .*missing-column",
+        f"{heading.replace('kgm', 'N*m')}\n0,nan,2,3,4\n": r":2:3: .*not-a-number",
+        f"{heading.replace('kgm', 'N*m')}\n0,1,2,3,4\n0,1,2,3,4\n": r":3:1: .*repeated-entry",
+        f"{heading.replace('kgm', 'N*m')}\n0,1,2,3,4\n0,1,3,3,4\n1,1,2,3,4\n": r":4:1: .*wrong-count",
     }.items():
         file.write_text(body)
         with pytest.raises(ModelError, match=place):
             read_tracked_orders(file)
     file.write_text("a,b\n1,2\n")
-    with pytest.raises(UsageError, match="torsionnet track -o writes such a file"):
+    with pytest.raises(UsageError, match="wrong-file"):
         read_tracked_orders(file)
-    with pytest.raises(UsageError, match="two channels are named T 1"):
+    with pytest.raises(UsageError, match="repeated-name"):
         write_tracked_orders([tracked(), tracked()], file)
     with pytest.raises(UsageError, match="write them apart"):
         write_tracked_orders([tracked(), replace(tracked(reference=""), name="U")], file)
@@ -282,7 +282,7 @@ def test_slices_and_stress():
     assert sliced.half_range == pytest.approx([6.0])
     stress = stress_orders(tracked(), 0.2)
     assert stress.along(3) == pytest.approx(tracked().along(3) * 16 / (np.pi * 0.2**3))
-    with pytest.raises(UsageError, match="the diameter of a shaft is positive"):
+    with pytest.raises(UsageError, match="out-of-range"):
         stress_orders(tracked(), 0.0)
 
 

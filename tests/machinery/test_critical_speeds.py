@@ -604,7 +604,7 @@ class TestPictures:
     def test_no_stars(self):
         from torsionnet.plot import star_diagrams
 
-        with pytest.raises(tn.UsageError, match="no star diagram to draw"):
+        with pytest.raises(tn.UsageError, match="nothing-to-draw"):
             star_diagrams([])
 
 

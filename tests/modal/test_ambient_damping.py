@@ -78,10 +78,10 @@ def test_missing_package_is_named(monkeypatch):
 
 def test_wrong_input_is_named():
     record = ambient(0, count=5000)
-    with pytest.raises(UsageError, match="between 0 and 50 Hz"):
+    with pytest.raises(UsageError, match=r"(?s)50.*out-of-range"):
         modes_from_ambient(record, ["T"], up_to=60)
     with pytest.raises(UsageError, match="at least one channel"):
         modes_from_ambient(record, [], up_to=30)
     pytest.importorskip("pyoma2")
-    with pytest.raises(SolveError, match=r"20 s are too short for an ambient record: take 30 s"):
+    with pytest.raises(SolveError, match=r"(?s)20.*30.*too-short"):
         modes_from_ambient(ambient(0, count=2000), ["T"], up_to=30)

@@ -104,7 +104,7 @@ def test_interval_of_the_decrement_is_that_of_a_weighted_line():
 
 def test_wrong_input_is_named():
     values = record(decay(9, 0.02, 100))
-    with pytest.raises(UsageError, match=r"the start at 9 s is outside the record from 0 to 5.999 s"):
+    with pytest.raises(UsageError, match=r"(?s)5\.999.*out-of-range"):
         modes_from_decay(values, "T", start=9)
     with pytest.raises(SolveError, match=r"cycles of .* too few|nothing in the signal vibrates|too few"):
         modes_from_decay(values, "T", start=1.0, stop=1.2)

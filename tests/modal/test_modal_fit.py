@@ -398,7 +398,7 @@ class TestDiagram:
     @pytest.mark.parametrize(
         ("selection", "message"),
         [
-            (99, "there is no order 99"),
+            (99, r"(?s)99.*out-of-range"),
             ([(5, 500.0)], "no pole near 500 Hz; its poles are at"),
             ([], "no pole is chosen"),
             ([3.5], "order and frequency"),
@@ -417,7 +417,7 @@ class TestDiagram:
 
     def test_no_cluster_is_an_error(self):
         diagram = one_pole_over_orders(5, Settings(criteria=Criteria(least_orders=6)))
-        with pytest.raises(SolveError, match="stable over at least 6 orders"):
+        with pytest.raises(SolveError, match="no-resonance"):
             identify_modes(diagram, selection="clusters")
 
     def test_shape_that_turns_is_not_stable(self):

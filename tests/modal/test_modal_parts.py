@@ -63,9 +63,9 @@ class TestLines:
     @pytest.mark.parametrize(
         ("frequencies", "band", "usable", "message"),
         [
-            (4, None, None, r"4 frequencies above 0, there are 3;"),
-            (6, (1, 3), None, r"4 frequencies above 0 from 1 to 3 Hz, there are 3;"),
-            (6, None, 2.5, r"4 frequencies above 0 from 0 to 2\.5 Hz, there are 2;"),
+            (4, None, None, "too-short"),
+            (6, (1, 3), None, "too-short"),
+            (6, None, 2.5, r"(?s)2\.5.*too-short"),
         ],
     )
     def test_too_few(self, frequencies, band, usable, message):

@@ -89,9 +89,9 @@ class TestProperties:
     @pytest.mark.parametrize(
         ("call", "message"),
         [
-            (lambda: mac(np.ones(3), np.ones(4)), "same sensors, got 3 and 4"),
-            (lambda: mac(np.full(3, np.nan), np.ones(3)), "no sensor at which both"),
-            (lambda: msf(np.ones((3, 2)), np.ones(3)), "as many shapes on both sides"),
+            (lambda: mac(np.ones(3), np.ones(4)), "wrong-count"),
+            (lambda: mac(np.full(3, np.nan), np.ones(3)), "missing-data"),
+            (lambda: msf(np.ones((3, 2)), np.ones(3)), "wrong-count"),
             (lambda: mpc(np.ones((2, 2, 2))), "sensors by modes"),
         ],
     )

@@ -63,11 +63,11 @@ class TestHalfPower:
         assert peak_picking(light, prominence=0.01).damping_ratios[0] == pytest.approx(0.05, rel=0.1)
 
     def test_no_point_at_all(self):
-        with pytest.raises(SolveError, match="no peak falls to half power"):
+        with pytest.raises(SolveError, match="no-resonance"):
             peak_picking(oscillator(10, 0.05, np.arange(9.8, 10.2, 0.005)), prominence=0.01)
 
     def test_no_peak(self):
-        with pytest.raises(SolveError, match="no peak stands out by 3 dB"):
+        with pytest.raises(SolveError, match="no-resonance"):
             peak_picking(oscillator(10, 0.8, np.arange(1, 30, 0.1)))
 
     def test_under_three_lines(self):
@@ -199,15 +199,15 @@ class TestCircle:
             circle_fit(response, 10, band=(10, 10.05))
         with pytest.raises(SolveError, match="do not turn clockwise"):
             circle_fit(replace(response, values=response.values.conj()), 10, band=(9.5, 10.5))
-        with pytest.raises(SolveError, match="at the edge of its points"):
+        with pytest.raises(SolveError, match="no-resonance"):
             circle_fit(response, 10, band=(10.1, 12))
-        with pytest.raises(UsageError, match="there is no peak near"):
+        with pytest.raises(UsageError, match="no-resonance"):
             circle_fit(oscillator(10, 0.02, np.arange(12, 20, 0.1)), 15)
         both = replace(
             response,
             values=np.repeat(response.values, 2, axis=1),
             outputs=(Channel("a", "rad"), Channel("b", "rad")),
         )
-        with pytest.raises(UsageError, match="name its output= and input="):
+        with pytest.raises(UsageError, match="wrong-count"):
             circle_fit(both, 10)
         assert circle_fit(both, 10, output="b").label == "b/T"

@@ -183,7 +183,7 @@ def test_modes_are_laid_beside_those_of_a_model():
 
 
 def test_resonance_that_is_not_passed():
-    with pytest.raises(SolveError, match=r"from 8.* largest at its highest frequency: the resonance is not passed"):
+    with pytest.raises(SolveError, match="no-resonance"):
         modes_from_run_up(swept(2, 8, 18), "T", 1, "n")
 
 
@@ -191,14 +191,14 @@ def test_wrong_input_is_named():
     record = swept(10)
     with pytest.raises(UsageError, match="positive numbers of vibrations per revolution; at least one mode"):
         modes_from_run_up(record, "T", -1, "n", mode_count=0)
-    with pytest.raises(UsageError, match="needs an angle or a speed"):
+    with pytest.raises(UsageError, match="unfit-channel"):
         modes_from_run_up(record, "T", 1, "T")
-    with pytest.raises(SolveError, match="never between 50 and 60 Hz"):
+    with pytest.raises(SolveError, match=r"(?s)50.*60.*no-resonance"):
         modes_from_run_up(record, "T", 1, "n", band=(50, 60))
     with pytest.raises(UsageError, match='"constant" or "inertia"'):
         modes_from_run_up(record, "T", 1, "n", excitation_law="square")
     backwards = replace(tracked(1), times=tracked(1).times[::-1])
-    with pytest.raises(UsageError, match="steady points are no run-up"):
+    with pytest.raises(UsageError, match="unordered-rows"):
         modes_from_tracked_orders(backwards, 1)
 
 

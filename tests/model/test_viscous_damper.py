@@ -127,7 +127,7 @@ def test_reaches_every_program():
     rig = damped(0.2, 0.3, hub_inertia=0.1)
     text = tn.io.to_modelica(rig)
     assert all(part in text for part in ("Damper damper(d=", "damper_inertia(J=0.4)", "damper_inertia_2(J=0.1)"))
-    with pytest.raises(tn.UsageError, match=r"no counterpart of shaft \(spring\), stiffness on a;"):
+    with pytest.raises(tn.UsageError, match="no-counterpart"):
         to_tors(rig)
     engine = tn.Drivetrain("engine", [rig.elements["mass"], rig.elements["damper"]])
     back = from_tors(to_tors(engine))

@@ -71,5 +71,5 @@ def test_what_cannot_be_followed_is_told():
     with pytest.raises(tn.UsageError, match="no-state-space"):
         tn.Drivetrain("x", elements).simulate("angle(a)", {"a": np.ones(5)}, 10)
     short = tn.Controller("c", sense={"velocity": "a"}, act="a", law=-0.3, delay="1 us")
-    with pytest.raises(tn.UsageError, match="the shortest delay, 1e-06 s, needs more than"):
+    with pytest.raises(tn.UsageError, match="too-large"):
         tn.Drivetrain("x", [elements[0], short]).simulate("angle(a)", {"a": np.ones(500)}, 100)

@@ -256,7 +256,7 @@ def test_bad_requests_are_answered():
         rig.simulate("angle(a)", {"a": constant(1.0)}, 100)
     with pytest.raises(UsageError, match="starts from"):
         rig.simulate("angle(a)", {"a": np.zeros(3)}, 100, initial_state="rst")
-    with pytest.raises(UsageError, match='no node is named "b"'):
+    with pytest.raises(UsageError, match="unknown-node"):
         rig.simulate("angle(a)", {"a": np.zeros(3)}, 100, initial_state=MotionStart(angles={"b": 1.0}))
     with pytest.raises(UsageError, match="3 and 101 samples"):
         rig.simulate("angle(a)", {"a": np.zeros(3)}, 100, duration=1.0)
@@ -264,7 +264,7 @@ def test_bad_requests_are_answered():
         tn.Inertia("rotor", node="a", inertia=1), tn.Spring("stiff", nodes=("a", "m"), stiffness=100),
         tn.Spring("s", nodes=("m", "ground"), stiffness=4, cubic=3),
     ])  # fmt: skip
-    with pytest.raises(UsageError, match="s: its torque acts where nothing has inertia"):
+    with pytest.raises(UsageError, match="indeterminate-motion"):
         loose.simulate("angle(a)", {"a": np.zeros(3)}, 100)
     ends = single(tn.Spring("s", nodes=("a", "ground"), torque_over_twist=[[0, 0], [0.1, 5]]))
     with pytest.raises(SolveError, match=r"s: .*rows end"):
@@ -277,7 +277,7 @@ def test_a_motion_of_too_many_steps_is_refused_as_soon_as_its_steps_become_short
     rig = single(tn.Spring("s", nodes=("a", "ground"), stiffness=100, cubic=1e4))
     driven, start = {"a": straight([(0, 0), (1, 0), (1.2, 2000), (2, 2000)])}, MotionStart(angles={"a": 0.01})
     monkeypatch.setattr("torsionnet.motion.smooth.smooth_system.MOST_STEPS", 400)
-    with pytest.raises(SolveError, match=r"at 1\.[01]\d* s the motion needs too many steps; .* motion of s there"):
+    with pytest.raises(SolveError, match="no-solution"):
         rig.simulate("angle(a)", driven, 100, duration=2.0, initial_state=start)
     monkeypatch.setattr("torsionnet.motion.smooth.smooth_system.MOST_STEPS", 700)
     rig.simulate("angle(a)", driven, 100, duration=2.0, initial_state=start)

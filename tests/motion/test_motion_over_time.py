@@ -258,7 +258,7 @@ def test_twist_passes_a_preload_against_the_torque_as_its_speed_takes_it():
 
 def test_two_parts_that_stick_side_by_side_are_asked_for_a_stiffness():
     plant = rotor(J, *(tn.Friction(name, nodes=("a", "ground"), torque=1) for name in ("first", "second")))
-    with pytest.raises(UsageError, match=r"first and second stick in a loop.*give one of them a stiffness"):
+    with pytest.raises(UsageError, match="indeterminate-torque"):
         plant.simulate("a", {"a": np.zeros(10)}, 1e3)
 
 
@@ -280,14 +280,14 @@ def test_parts_that_stick_one_behind_the_other_hand_on_the_same_torque():
 def test_torque_that_changes_without_an_end_is_refused_with_time_and_rate():
     curve = PieceCurve("rate", (Slope(-5, upper=0), Slope(5, lower=0)))  # no step at which it could stick
     plant = rotor(J, curved("dry", ("a", "ground"), curve))
-    with pytest.raises(SolveError, match=r"dry: at 0\.3\S* s its torque changes its piece more than .* times a second"):
+    with pytest.raises(SolveError, match=r"(?s)0\.3.*no-solution"):
         plant.simulate("a", {"a": np.zeros(1001)}, 1e3, initial_state=MotionStart(speeds={"a": 5.0}))
 
 
 def test_delays_and_tables_over_frequency_are_refused_beside_laws_of_motion():
     gap = tn.Clearance("gap", nodes=("a", "ground"), gap=0.1, stiffness=K)
     rubber = tn.HystereticSpring("rubber", nodes=("a", "ground"), stiffness=10, loss_factor=0.1)
-    with pytest.raises(UsageError, match="rubber: depends on frequency and cannot move in time beside laws of motion"):
+    with pytest.raises(UsageError, match="unsupported-law"):
         rotor(J, gap, rubber).simulate("a", {"a": np.zeros(10)}, 1e3)
 
 

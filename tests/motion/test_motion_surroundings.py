@@ -216,10 +216,10 @@ def test_requests_that_no_motion_answers_are_refused():
                                         tn.Friction("rub", nodes=("a", "ground"), torque=1)])  # fmt: skip
     for rig in (plain, rubbing):
         for rate in (0, -1.0, float("nan"), 1e300, "10"):
-            with pytest.raises(UsageError, match="sampling rate must be a positive number"):
+            with pytest.raises(UsageError, match="out-of-range"):
                 rig.simulate("angle(a)", {"a": np.zeros(3)}, rate)
         for duration in (-1.0, float("nan"), float("inf"), "2 s"):
-            with pytest.raises(UsageError, match="duration must be a number of seconds"):
+            with pytest.raises(UsageError, match="out-of-range"):
                 rig.simulate("angle(a)", {"a": constant(1.0)}, 10, duration=duration)
         with pytest.raises(UsageError, match="more than 20000000 samples"):
             rig.simulate("angle(a)", {"a": constant(1.0)}, 1e6, duration=1e6)
@@ -227,7 +227,7 @@ def test_requests_that_no_motion_answers_are_refused():
             rig.simulate("angle(a)", {"a": np.zeros(3)}, 100, duration=1.0)
         with pytest.raises(UsageError, match="starts from"):
             rig.simulate("angle(a)", {"a": np.zeros(3)}, 100, initial_state={"a": 1.0})
-        with pytest.raises(UsageError, match="that of a is nan"):
+        with pytest.raises(UsageError, match="not-finite"):
             rig.simulate("angle(a)", {"a": np.zeros(3)}, 100, initial_state=MotionStart(angles={"a": float("nan")}))
         one = rig.simulate("angle(a)", {"a": constant(1.0)}, 10, duration=0)
         assert one["angle(a)"].values.tolist() == [0.0]

@@ -207,21 +207,19 @@ def test_slips_of_six_tenths_of_the_breakdown_torque():
 
 
 def test_a_torque_beyond_breakdown_is_refused():
-    with pytest.raises(ModelError, match=r"elements.motor: error: .*401 N\*m.*there is no steady speed"):
+    with pytest.raises(ModelError, match=r"elements\.motor: .*no-solution"):
         motor().at(torque={"b": -401}).modes()
 
 
 def test_a_torque_beyond_the_last_stage_is_refused():
-    with pytest.raises(ModelError, match=r"elements.disc: error: the mean torque is 500 N\*m, and it ends at 405 N\*m"):
+    with pytest.raises(ModelError, match=r"elements\.disc: .*500.*405.*no-solution"):
         staged().at(torque={"a": 500, "b": -500}).modes()
     faults = staged().at(torque={"a": 500, "b": -500}).check()
     assert any("it ends at 405" in fault.message for fault in faults)
 
 
 def test_torques_out_of_balance_are_refused_with_a_proposal():
-    with pytest.raises(
-        ModelError, match=r'leave 20 N\*m over .* give the torque of what is driven too, as "b: -20 N\*m"'
-    ):
+    with pytest.raises(ModelError, match=r"operating_point\.torque: .*20.*\-20.*unbalanced-torques"):
         staged(bearing=False).at(torque={"a": 20}).modes()
     (point,) = staged().operating_points(torque={"a": 20})
     assert point.speeds["b"] == pytest.approx(20 / 0.2, rel=1e-12)  # what the bearing takes
@@ -232,7 +230,7 @@ def test_a_node_that_does_not_exist_is_refused():
         staged().at(torque={"crank": 20})
     with pytest.raises(UsageError, match="give torques or speeds"):
         staged().at()
-    with pytest.raises(UsageError, match="is the speed of no node in particular"):
+    with pytest.raises(UsageError, match="missing-entry"):
         staged().at(speed="1500 rpm")
 
 
@@ -262,7 +260,7 @@ def test_friction_is_rigid_while_it_sticks_and_free_while_it_slips():
     assert sliding.modes().undamped_natural_frequencies.max() * 2 * np.pi == pytest.approx(
         sqrt(100 / (0.5 * 0.8 / 1.3)), rel=1e-9
     )
-    with pytest.raises(ModelError, match=r"elements.rub: error: the mean torques ask it for 35 N\*m"):
+    with pytest.raises(ModelError, match=r"elements\.rub: .*35.*no-solution"):
         gap(rub).at(torque={"a": 35}).modes()
 
 

@@ -175,5 +175,5 @@ def test_mean_torques_have_to_balance_on_what_turns_freely():
     )
     plant = CondensedPlant(free, [Input("torque", "a"), Input("torque", "b")])
     plant.require_balance(np.array([25.0, -25.0]))
-    with pytest.raises(UsageError, match="do not balance on what turns freely: 5 N m"):
+    with pytest.raises(UsageError, match="unbalanced-torques"):
         plant.require_balance(np.array([25.0, -20.0]))

@@ -116,13 +116,13 @@ def test_means_of_the_operating_point_act_where_none_is_given():
 @pytest.mark.parametrize(
     ("asked", "message"),
     [
-        ({"excitation": {"a": 1}}, "names excitations of the model"),
+        ({"excitation": {"a": 1}}, "wrong-form"),
         ({"frequencies": [1.0]}, "excitation= gives torques"),
-        ({"frequencies": [0.0], "excitation": {"a": 1}}, "finite numbers above 0, in Hz"),
+        ({"frequencies": [0.0], "excitation": {"a": 1}}, "out-of-range"),
         ({"frequencies": [1.0], "excitation": {"a": {0: 1}}}, "no torque vibrates"),
-        ({"frequencies": [1.0], "excitation": {"a": {0: 1j, 1: 1}}}, "the mean, which is real"),
+        ({"frequencies": [1.0], "excitation": {"a": {0: 1j, 1: 1}}}, "wrong-form"),
         ({"frequencies": [1.0], "excitation": {"b": 1}}, 'no node is named "b"|named "b"'),
-        ({"frequencies": [1.0], "excitation": {"a": 1}, "harmonics": 0}, "a whole number from 1 on"),
+        ({"frequencies": [1.0], "excitation": {"a": 1}, "harmonics": 0}, "out-of-range"),
         ({"frequencies": [1.0], "excitation": {"a": 1}, "subharmonics": 3}, "another power of 2"),
         ({"frequencies": [1.0], "speeds": [1.0]}, "not both"),
     ],

@@ -98,9 +98,9 @@ def test_duration_of_the_call_counts():
     with pytest.raises(tn.UsageError, match="11 and 21 samples"):
         rig().simulate("T", {"a": np.ones(11)}, 100, duration=0.2)
     for rate in (0, -1.0, float("nan")):
-        with pytest.raises(tn.UsageError, match="a positive number of Hz"):
+        with pytest.raises(tn.UsageError, match="out-of-range"):
             rig().simulate(scenario="step", sampling_rate=rate)
-    with pytest.raises(tn.UsageError, match=r"0\.05 s at 1e\+09 Hz are more than 20000000 samples"):
+    with pytest.raises(tn.UsageError, match="too-large"):
         rig().simulate(scenario="step", sampling_rate=1e9)
     fault = tn.ShortCircuitScenario(machine="J", phases=3, at=0.1, x=0.2, rated_torque=1, frequency=50)
     with pytest.raises(tn.ModelError, match="simulate longer"):
@@ -278,7 +278,7 @@ def test_a_fault_acts_against_the_rotation_and_the_other_way_on_the_stator(speed
 
 def test_a_fan_is_no_electric_machine():
     text = MACHINE.replace("SPEED", "1500 rpm").replace("machine: machine", "machine: fan")
-    with pytest.raises(tn.ModelError, match="fan is a propeller, no electric machine"):
+    with pytest.raises(tn.ModelError, match=r":13:41: .*unfit-element"):
         tn.loads(text)
 
 

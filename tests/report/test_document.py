@@ -327,7 +327,7 @@ configurations: {way: {dry: {off: [d]}, stiff: {off: [d], k: 2000 N*m/rad}, wet:
         assert "I_{1} + I_{2}" in of(Formula, inside)[0].latex
 
     def test_a_tolerance_of_100_percent_is_a_slip(self):
-        with pytest.raises(tn.ModelError, match=r"must be less than 1 \(100 %\), got '1'"):
+        with pytest.raises(tn.ModelError, match=r"simplify: .*100.*out-of-range"):
             report(simplify="1")
 
     def test_steps_give_the_transfer_function(self):
@@ -355,7 +355,7 @@ class TestGiven:
         assert float(values["RMS difference in magnitude"]) == pytest.approx(np.sqrt(np.mean(decibels**2)), 1e-3)
 
     def test_configuration_of_a_test(self, measured):
-        with pytest.raises(tn.UsageError, match="a test is of one configuration"):
+        with pytest.raises(tn.UsageError, match="unknown-configuration"):
             report("amt_rig", sections=["test"], tests=[measured])
         found = report("amt_rig", sections=["test"], tests={"V": measured})
         assert "configuration V" in words(of(Picture, blocks(found, "test"))[0].caption)

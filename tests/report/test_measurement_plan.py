@@ -146,7 +146,7 @@ def test_all_files_that_cannot_be_read_are_told_at_once():
 def test_places_of_one_unit_are_not_guessed(folder):
     record(folder)
     model = tn.loads(PLANT.replace("measure: [phi, T]", "measure: [T, T_2]"))
-    with pytest.raises(tn.UsageError, match=r"may be of T or T_2.*rough:T=test\.csv"):
+    with pytest.raises(tn.UsageError, match="ambiguous-name"):
         make_report(model, sections=["measurement_plan"], measured=["rough=test.csv"])
 
 
@@ -178,7 +178,7 @@ def test_measured_orders_bring_their_section_unless_others_are_chosen(folder, se
 
 
 def test_wrong_sensor_is_told_with_its_place():
-    with pytest.raises(tn.ModelError, match=r'no sensor or node is named "T_x"'):
+    with pytest.raises(tn.ModelError, match=r":12:25: .*unknown-channel"):
         tn.loads(PLANT.replace("measure: [phi, T]", "measure: [phi, T_x]"))
 
 

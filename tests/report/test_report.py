@@ -374,7 +374,7 @@ class TestModeShapes:
         modes = geared_line().modes()
         with pytest.raises(tn.UsageError, match="drivetrain"):
             plot.mode_shapes(modes, referred_to="m")
-        with pytest.raises(tn.UsageError, match='no node is named "motr"'):
+        with pytest.raises(tn.UsageError, match="unknown-node"):
             plot.mode_shapes(modes, geared_line(), referred_to="motr")
 
     @pytest.mark.slow
@@ -403,7 +403,7 @@ class TestModeShapes:
     @pytest.mark.parametrize("number", [0, 50, -1])
     def test_no_such_mode(self, number):
         modes = build(read_case("uniform_chain_50_free_free")).modes()
-        with pytest.raises(tn.UsageError, match="there are 49, counted from 1"):
+        with pytest.raises(tn.UsageError, match=r"(?s)49.*unknown-mode"):
             plot.mode_shapes(modes, mode=[number])
 
     def test_drawn_without_complaint_with_an_odd_number_of_panels(self, tmp_path):

@@ -202,7 +202,7 @@ class TestMassElastic:
         assert rows(shown)[-1][1:3] == ("Sum", "103600")  # six throws of 9600, 6200, 800 and 39000 kg*m^2
 
     def test_unknown_node(self):
-        with pytest.raises(tn.UsageError, match='no node is named "crnk"'):
+        with pytest.raises(tn.UsageError, match="unknown-node"):
             tn.loads(PLANT).mass_elastic_table(referred_to="crnk")
 
 
@@ -330,10 +330,10 @@ class TestConditions:
     @pytest.mark.parametrize(
         ("entry", "told"),
         [
-            ("idling: [400 rpm]", "c idles at 400 rpm, but speeds: go from 500 to 1500 rpm"),
-            ("idling: 600 rpm", "expected a list such as"),
-            ("not_examined: [Astern]", "expected conditions with the reason in words"),
-            ("not_examined: {Astern: 3}", "expected the reason in words"),
+            ("idling: [400 rpm]", r":30:19: .*400.*500.*out-of-range"),
+            ("idling: 600 rpm", r":30:18: .*wrong-form"),
+            ("not_examined: [Astern]", r":30:24: .*not-a-table"),
+            ("not_examined: {Astern: 3}", r":30:33: .*wrong-form"),
         ],
     )
     def test_wrong_entries_are_told(self, entry, told):

@@ -109,7 +109,7 @@ class TestPropulsionShafts:
 
     @pytest.mark.parametrize("society", sorted(NOT_AT_HAND))
     def test_no_numbers_of_societies_whose_text_was_not_at_hand(self, society):
-        with pytest.raises(tn.ModelError, match=r"at hand.*judge by m68 or kr, or give .* as rule: curve"):
+        with pytest.raises(tn.ModelError, match=r"limits\.shaft\.rules: .*unknown-word"):
             stressed(hump(10, 50), m68(rules=society))
 
 

@@ -297,7 +297,7 @@ class TestValues:
     def test_unknown_parameters(self):
         H = tn.load("dmf_rig").symbolic().transfer_function("theta_1", "T_T")
         for call in (lambda: H.subs(k_3=1), lambda: H.keep(["k_3"]), lambda: H.evaluate(F, k_3=1)):
-            with pytest.raises(tn.UsageError, match='no parameter is named "k_3"; did you mean'):
+            with pytest.raises(tn.UsageError, match="unknown-parameter"):
                 call()
 
     def test_equal_ratios_by_chance_are_not_equal_symbols(self):
@@ -408,7 +408,7 @@ class TestLatex:
         names = [f"{name}_{i}" for name in ("J", "k", "c", "tau") for i in range(12)]
         chain = tn.Drivetrain("chain", elements, parameters=dict.fromkeys(names, 2))
         H = chain.symbolic().transfer_function("n11", "n0")
-        with pytest.raises(tn.UsageError, match="the coefficients would be written with"):
+        with pytest.raises(tn.UsageError, match="too-large"):
             getattr(H, form)
 
     def test_unknown_form(self):
@@ -421,7 +421,7 @@ class TestQuestions:
         S = tn.load("dmf_rig").symbolic()
         with pytest.raises(tn.UsageError, match='did you mean "theta_1"'):
             S.transfer_function("theta_2", "T_T")
-        with pytest.raises(tn.UsageError, match="one output and one input"):
+        with pytest.raises(tn.UsageError, match="wrong-count"):
             S.transfer_function(["theta_1", "T_T"], "T_M")
 
     def test_a_sensor_the_excitation_does_not_reach(self):

@@ -185,11 +185,11 @@ class TestMatrices:
         S = shafts(4).symbolic()
         with pytest.raises(tn.UsageError, match="transfer_matrix takes several"):
             S.transfer_function(["n1"], "n0")
-        with pytest.raises(tn.UsageError, match='no row or column is named "n9"; choose n1'):
+        with pytest.raises(tn.UsageError, match="unknown-name"):
             S.transfer_matrix(["n1"], ["n0"])["n9", 0]
-        with pytest.raises(tn.UsageError, match="depend on each other under these excitations"):
+        with pytest.raises(tn.UsageError, match="dependent-inputs"):
             S.transfer_matrix(["n1"], ["angle(n0)", "angle(n0)"], ["n0", "n1"])
-        with pytest.raises(tn.UsageError, match="at most 3 inputs are measured"):
+        with pytest.raises(tn.UsageError, match="too-large"):
             S.transfer_matrix(["n1"], [f"angle(n{i})" for i in range(4)], [f"n{i}" for i in range(4)])
 
 
