@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.command_line import run
+from support.loop_records import stage_record
 from support.ship_plant import SHIP
 from support.steady_campaign import CAMPAIGN, SPEED, STEADY_FAN, torque, write_steady_record
 from support.wheel_tests import record, teeth
@@ -55,6 +56,7 @@ def folder(tmp_path_factory):
         )
         lines = (f"{a:.2f},{np.cos(60 * a):.6g},20" for a in t)
         Path("turning.csv").write_text("time [s],T [N*m],n [rad/s]\n" + "\n".join(lines), encoding="utf-8")
+        write_recording(stage_record(1), "loops.npz")
         Path("fan").mkdir()
         Path("fan", "fan.yaml").write_text(STEADY_FAN, encoding="utf-8")
         Path("fan", "campaign.yaml").write_text(CAMPAIGN, encoding="utf-8")
@@ -128,6 +130,7 @@ CALLS = {
     "simulate": ["simulate turbine_generator_ssr two_phases --sampling-rate 2kHz", "simulate gap.yaml push --check"],
     "periodic": ["periodic cubic.yaml --output a --frequencies 0.18:0.2:0.01 --torque a=0,0.18"],
     "spectrogram": ["spectrogram run_soft.npz --channel phi"],
+    "loops": ["loops loops.npz --torque T --twist gamma"],
     "angle": ["angle pulses.csv --pulses n1=60 --tick 1us --orders 6"],
     "bench": ["bench rig.yaml -o again.npz"],
     "study": ["study spread.yaml"],

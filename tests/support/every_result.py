@@ -276,6 +276,13 @@ def rotation():
     return wheel_rotation(pulses, Wheel(teeth=60))
 
 
+@cache
+def torque_loops():
+    from support.loop_records import stage_record
+
+    return tn.signals.loops(stage_record(1), "T", "gamma")
+
+
 def _speed():
     return 2 * np.pi * (20 + np.arange(4000) / 500)
 
@@ -313,6 +320,7 @@ PLOTS = {
     "star_diagrams": lambda: (stars(),),
     "sweep_harmonics": lambda: (harmonics(),),
     "time_histories": lambda: (record(),),
+    "torque_loops": lambda: (torque_loops(),),
     "tornado": lambda: (tn.sensitivity.mode_sensitivities(plant()),),
     "tracked_orders": lambda: (tracked(),),
     "waterfall": lambda: (orders(), "T_s"),
@@ -408,6 +416,7 @@ def results():
         ranking(),
         orders(),
         tracked(),
+        torque_loops(),
         wheel(),
     )
     yield from (

@@ -199,6 +199,7 @@ OUTPUTS: dict[str, str] = {
     "identify-modes": "torsionnet.modal.modal_estimate:ModalEstimate",
     "library": "list[torsionnet.app.cli.commands.model_files:LibraryFile]",
     "limits": "list[torsionnet.machinery.verdicts.limit_conclusion:ConcludedCheck]",
+    "loops": "torsionnet.signals.torque_loops.loop_result:TorqueLoops",
     "margins": "list[torsionnet.linear.responses.loop_margins:MarginsRecord]",
     "modes": "list[torsionnet.linear.modes.modes:ModesRecord]",
     "orders": "list[torsionnet.machinery.orders.orders_record:OrdersRecord]",

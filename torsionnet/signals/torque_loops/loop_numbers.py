@@ -270,7 +270,8 @@ def loop_of(
     numbers, lines, bends = found
     names = [name for name in numbers[0] if all(name in one for one in numbers)]
     value = {name: mean_value(np.array([one[name] for one in numbers]), further.get(name, 0.0)) for name in names}
-    grid, upper, lower = mean_branches(record, cycles)
+    breaks = np.mean([one.breaks for one in lines], axis=0)
+    grid, upper, lower = mean_branches(record, cycles, breaks)
     bounds = even_bounds(cycles, record.time)
     return TorqueLoop(
         cycles=len(cycles),
@@ -311,10 +312,13 @@ def _stages(value: Mapping[str, LoopValue]) -> tuple[LoopStage, ...]:
     return tuple(found)
 
 
-def mean_branches(record: LoopRecord, cycles: Sequence[Cycle]) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Common grid of twists in rad, and the mean torques in N m of rising and falling branches there, each (n,)."""
+def mean_branches(
+    record: LoopRecord, cycles: Sequence[Cycle], breaks: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Common grid of twists in rad, breaks in it, and the mean torques in N m of rising and falling branches there."""
     samples = record.branches(cycles)
-    grid = np.linspace(samples.twist.min(), samples.twist.max(), GRID)
+    ends = float(samples.twist.min()), float(samples.twist.max())
+    grid = np.union1d(np.linspace(*ends, GRID), breaks[(breaks > ends[0]) & (breaks < ends[1])])
     branches = []
     for sense in (1.0, -1.0):
         mine = samples.sense == sense

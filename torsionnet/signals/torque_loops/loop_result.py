@@ -5,15 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.notes import NoteOrText
-from torsionnet.base.packages import SavedResult
+from torsionnet.base.packages import SavedResult, drawn, imported
 from torsionnet.base.result_rows import NUMBERS, Out
 from torsionnet.base.table import Column, Table
 from torsionnet.base.units import RPM
 from torsionnet.signals.recording import FloatArray
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 UNITS = {
     "stiffness": "N*m/rad", "begins": "rad", "friction": "N*m", "free play": "rad", "torque offset": "N*m",
@@ -177,6 +180,17 @@ class TorqueLoops(SavedResult):
     notes: tuple[NoteOrText, ...] = ()
 
     SHOWN: ClassVar = ("title", "torque", "twist", "notes", "loops")
+
+    def figure(self, **look: Any) -> Figure:
+        """Figure of the loops with their branches, spring lines and breaks.
+
+        ``look``: ``conventions``, ``title``, ``ax``.
+        """
+        figure: Figure = imported("torsionnet.plot.loops_plot:torque_loops")(self, **look)
+        return figure
+
+    def _picture(self) -> str:
+        return drawn(lambda _: self.figure())
 
     def table(self, conventions: Conventions = SI) -> Table:
         """Table with a row for each quantity of each loop, with its 95 % interval; angles in the unit asked for."""

@@ -13,9 +13,6 @@ from torsionnet.app.cli.options import ANGLE, EntryOption, OutputFile, option
 from torsionnet.app.cli.record_options import RecordCommand, RecordSpan
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from torsionnet.base.conventions import Conventions
     from torsionnet.signals.torque_loops.loop_result import TorqueLoops
 
 ENDINGS = (".yaml", ".yml")
@@ -71,7 +68,7 @@ class LoopsCommand(RecordCommand):
             data=lambda: found,
             csv=lambda: [("", found.table(shown))],
             files=[(self.model_file, lambda file: write_loop_element(found, file))],
-            figures=lambda _: [("", _drawn(found, shown))],
+            figures=lambda _: [("", found.figure(conventions=shown))],
         )
 
     def found(self) -> TorqueLoops:
@@ -99,9 +96,3 @@ class LoopsCommand(RecordCommand):
                 encoder_step=self.encoder_step,
             )
         return replace(result, title=Path(self.record).name)
-
-
-def _drawn(found: TorqueLoops, shown: Conventions) -> Figure:
-    from torsionnet.plot.loops_plot import torque_loops
-
-    return torque_loops(found, conventions=shown)

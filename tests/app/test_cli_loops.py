@@ -1,0 +1,60 @@
+"""Command ``torsionnet loops``: table, data, picture and the component as a model file."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from support.command_line import run
+from support.loop_records import backlash_record, course, loop_record, stage_record
+
+import torsionnet as tn
+from torsionnet.signals import write_recording
+
+
+def call(tmp_path, record, *more, code=0):
+    write_recording(record, tmp_path / "bench.npz")
+    return run("loops", tmp_path / "bench.npz", "--torque", "T", "--twist", "gamma", *more, code=code)
+
+
+def test_the_component_of_a_record_is_a_model_that_loads(tmp_path):
+    file = tmp_path / "flywheel.yaml"
+    found = json.loads(call(tmp_path, stage_record(1), "--write-model", file, "--json").stdout)
+    (loop,) = found["loops"]
+    rig = tn.load(file)
+    text = file.read_text(encoding="utf-8")
+    assert "95 %" in text
+    assert "5 cycles of T over gamma in bench.npz" in text
+    values = {name: float(one.value.evaluate({})) for name, one in rig.definition.parameters.items()}
+    both = {one["number"]: one for one in loop["stages"] if one["side"] == "both"}
+    assert values["k_2"] == pytest.approx(both[2]["stiffness_Nm_per_rad"]["value"], rel=1e-5)
+    assert values == pytest.approx({"k_1": 460, "g_1": 0.12, "k_2": 1500, "M": 6}, rel=0.01)
+
+
+def test_free_play_becomes_a_clearance_and_sides_that_differ_rows(tmp_path):
+    file = tmp_path / "part.yaml"
+    call(tmp_path, backlash_record(1), "--write-model", file)
+    contact = tn.load(file).elements["contact"]
+    assert contact.kind == "clearance"
+    twist, sense = course(4.6, 800)
+    torque = 0.25 * twist * 400 + 1500 * np.maximum(0.25 * twist - 0.1, 0) + 2 * sense
+    noise = np.random.default_rng(0).normal(0, 0.1, len(twist))
+    call(tmp_path, loop_record(torque + noise, 0.25 * twist), "--write-model", file)
+    springs = tn.load(file).elements["springs"]
+    rows = np.array([[float(cell.evaluate({})) for cell in row] for row in springs.torque_over_twist])
+    assert rows[1] == pytest.approx([0.1, 40.0], rel=0.01)
+    slopes = np.diff(rows[:, 1]) / np.diff(rows[:, 0])
+    assert slopes == pytest.approx([400, 1900], rel=0.01)
+
+
+def test_corrections_are_options_and_what_is_missing_is_told(tmp_path):
+    wide = call(tmp_path, stage_record(2, drift=9.0))
+    assert "more than the friction torque" in wide.stderr
+    taken = call(tmp_path, stage_record(2, drift=9.0), "--drift", "--angle-unit", "deg")
+    assert "more than the friction torque" not in taken.stderr
+    assert "deg" in taken.stdout
+    refused = call(tmp_path, loop_record(np.linspace(0, 9, 900), np.linspace(0, 0.1, 900)), code=2)
+    assert "[no-reversal]" in refused.stderr
+    thrice = call(tmp_path, stage_record(2), "--twist", "gamma", "--twist", "gamma", code=2)
+    assert "once or twice" in thrice.stderr
