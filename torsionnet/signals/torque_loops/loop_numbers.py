@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import cast
 
 import numpy as np
 
@@ -328,4 +327,4 @@ def mean_branches(
         width = min(len(cycles), len(twist))
         weights = np.ones(width) / width
         branches.append(np.interp(grid, np.convolve(twist, weights, "valid"), np.convolve(torque, weights, "valid")))
-    return grid, cast("FloatArray", branches[0]), cast("FloatArray", branches[1])
+    return grid, branches[0], branches[1]
