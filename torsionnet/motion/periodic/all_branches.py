@@ -84,8 +84,8 @@ def all_branches(
             if not _known(found, motion):
                 own = problem.with_subharmonics(motion.subharmonics)
                 count = traced * motion.subharmonics
-                branch = _both_ways(own, motion, (low, high), count, "from a simulated motion")
-                found.append(_with_crossings(branch))
+                way = "from a simulated motion"
+                found.append(_with_crossings(_both_ways(own, motion, (low, high), count, way)))
     place = 0
     while place < len(found):
         one = found[place]

@@ -97,14 +97,14 @@ class HarmonicBalance:
         identity = _identity(H)
         found = np.zeros((n, H + 1, n, 2 * H + 1), dtype=complex)
         for m, (answer, force) in enumerate(zip(answers, self.forces, strict=True)):
-            change = self._change(answer)
+            change = self.change(answer)
             tau = change * (1 + self.references[m] * force.yielding) - self.references[m] * identity
             found[:, :, m] = self.G[:, :, m].T[:, :, None] * tau
             found[m, :, m] += identity - force.yielding * change
         parts = np.concatenate([found.real, found.imag[:, 1:]], axis=1)
         return parts.reshape(n * (2 * H + 1), n * (2 * H + 1))
 
-    def _change(self, answer: LawAnswer) -> ComplexArray:
+    def change(self, answer: LawAnswer) -> ComplexArray:
         """Harmonics (H + 1, 2 H + 1) of the torque of a law over those of its motion."""
         H = self.harmonics
         found = slope_matrix(coefficients(answer.slope, H), H)

@@ -74,7 +74,7 @@ def _motions(problem: PeriodicProblem, parameter: float, twists: FloatArray) -> 
     g = g * s ** np.array([one.power for one in problem.forces])
     yielding = np.array([one.yielding for one in problem.forces])
     if not yielding.any():
-        return g
+        return np.asarray(g)
     # G tau = driven - g and tau = T (1 + k_0/r) - k_0 x = T - k_0 g
     tau = np.stack(
         [np.linalg.lstsq(G, left, rcond=1e-9)[0] for G, left in zip(balance.G, balance.driven - g, strict=True)]
