@@ -112,6 +112,7 @@ def test_speeds_where_sweeps_jump_are_added_to_a_range():
     _close(swings[1200], 0.12767932)
     assert swings[1181] > 0.95 * swings[1150]
     assert any(note.startswith("a run-up jumps at 1180.92") for note in found.notes)
+    assert any(note.startswith("between the speeds given") for note in found.notes)
 
 
 def test_limits_judge_the_upper_branch_and_name_its_jumps():

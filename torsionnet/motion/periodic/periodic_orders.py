@@ -36,6 +36,8 @@ SMALLEST_ORDER = 1e-6
 """Amplitude of an order, over the largest half range of its output, below which it is left out."""
 TAKEN = "laws of motion in full: at every speed the largest motion of each output that is stable"
 """Text of the note on the motions whose orders an order response holds."""
+BETWEEN = "between the speeds given only those at which sweeps jump are examined; a smaller step shows more"
+"""Text of the note on the speeds of a range, between which peaks of periodic motion are not looked for."""
 UNMET = "{where} no motion found is stable: the values there are of one that is not met"
 """Text of the note on the speeds at which the motion of an order response is not stable."""
 OPEN = "{where} it is not determined whether the largest motion is stable"
@@ -126,7 +128,7 @@ def periodic_orders(
         found = found_at(at)
     taken = [[largest_met(found, speed, place) for place in range(len(found.outputs))] for speed in at.tolist()]
     lines, values = _orders(found, taken, SUM_SEPARATOR.join(request.excitations))
-    notes = (phrase(TAKEN), *found.jump_sentences, *unsettled(at, taken), *found.notes)
+    notes = (TAKEN, *([BETWEEN] if jumps else []), *found.jump_sentences, *unsettled(at, taken), *found.notes)
     return PeriodicOrders(
         at, request.reference, lines, values, found.outputs, found.title, notes=notes, motions=found,
     )  # fmt: skip

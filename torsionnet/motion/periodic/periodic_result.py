@@ -12,7 +12,6 @@ import numpy as np
 from torsionnet.base.conventions import SI, Conventions
 from torsionnet.base.errors import UsageError, did_you_mean
 from torsionnet.base.packages import SavedResult
-from torsionnet.base.phrases import phrase
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Table, result_table
 from torsionnet.base.units import RPM
@@ -217,8 +216,7 @@ class PeriodicResponse(SavedResult):
     @property
     def jump_sentences(self) -> tuple[str, ...]:
         """Sentences on where slow sweeps jump."""
-        text = "a {way} jumps at {at:.8g} {unit}"
-        return tuple(phrase(text, way=phrase(way), at=self.shown(at), unit=self.unit) for way, at in self.jumps)
+        return tuple(f"a {way} jumps at {self.shown(at):.8g} {self.unit}" for way, at in self.jumps)
 
 
 def _shown(value: complex) -> str:
