@@ -18,7 +18,7 @@ from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion, Wors
 from torsionnet.machinery.verdicts.rule_factors import RuleSymbol, RuleWords
 from torsionnet.model.channels import named_sensor
 from torsionnet.model.definition import Definition
-from torsionnet.report.report_units import engineering_unit
+from torsionnet.report.report_units import engineering_unit, limit_scale
 
 GROUPS = {
     "shafts": ("iacs_m68", "generating_set_shaft", "fatigue"),
@@ -135,11 +135,11 @@ def _uses(
         yield replace(use, what=(f"power loss per area, {area:g} m²",)).scaled(scale / area, shown)
     elif isinstance(limit, MachineAngleLimit):
         # The angle of a generator is electrical first; divided by its pole pairs it is that of the shaft.
-        scale = Conventions(angle="deg").scale(verdict.unit)
-        yield use.scaled(scale, "deg")
-        yield replace(use, what=("the same angle, mechanical",)).scaled(scale / limit.pole_pairs, "deg")
+        scale, shown = limit_scale(verdict.unit, conventions)
+        yield use.scaled(scale, shown)
+        yield replace(use, what=("the same angle, mechanical",)).scaled(scale / limit.pole_pairs, shown)
     else:
-        yield use.scaled(*engineering_unit(verdict.unit, conventions))
+        yield use.scaled(*limit_scale(verdict.unit, conventions))
 
 
 def _cylinders(model: Definition) -> set[str]:

@@ -19,7 +19,7 @@ from torsionnet.machinery.verdicts.condition_peaks import ConditionPeaks, Critic
 from torsionnet.machinery.verdicts.limit_check import LimitCheck
 from torsionnet.machinery.verdicts.limit_verdict import LimitVerdict
 from torsionnet.machinery.verdicts.order_peaks import LEAST_SHARE, SMALL_SHARE, largest_orders
-from torsionnet.report.critical_remarks import cancelling_sources, notes_on_criticals
+from torsionnet.report.critical_remarks import beside_range, cancelling_sources, notes_on_criticals, places_words
 from torsionnet.report.document_tree import Cell, Heading, Paragraph, TableBlock, Text
 from torsionnet.report.document_tree import TableGroup as Group
 from torsionnet.report.report_data import Case, ReportData
@@ -73,7 +73,7 @@ def normal_criticals(subject: ReportData) -> TableBlock | Paragraph:
     ranked = sorted((one for one in inside if one.share >= SMALL_SHARE), key=lambda one: -one.share)[:MOST_ROWS]
     shown = [one for one in inside if one in ranked] or inside[:MOST_ROWS]
     if not shown:
-        return Paragraph((NO_CRITICAL,))
+        return Paragraph((joined(" ", [NO_CRITICAL, *beside_range(peaks, shown)]),))
     columns = (
         Heading("Order"), *COMMON, Heading("Damping by", wide=True), Heading("Component"), *VALUES,
         Heading("Used at peak", "%", numeric=True), Heading("At rated", "%", numeric=True),
@@ -132,10 +132,10 @@ def _normal_row(subject: ReportData, one: CriticalRecord, summed: SummedOrder | 
     )
 
 
-def further_criticals(subject: ReportData) -> TableBlock | None:
+def further_criticals(subject: ReportData) -> TableBlock | Paragraph | None:
     """Table of critical speeds in further conditions, where they differ by more than 5 % from the normal condition.
 
-    None where none does.
+    A sentence where they differ outside of the speeds examined alone, None where none does.
     """
     first = not_none(subject.normal_peaks).criticals
     normal = {one.key: one for one in first}
@@ -160,8 +160,9 @@ def further_criticals(subject: ReportData) -> TableBlock | None:
             rows.append((named, *_common(one, summed), component, case, *values, used, mark))
         if rows:
             groups.append(Group(tuple(rows), subject.titles.of(peaks.check.configuration)))
+    beside = tuple((note,) for note in _beside_in(subject))
     if not groups:
-        return None
+        return Paragraph((joined(" ", [note for (note,) in beside]),)) if beside else None
     rule = phrase(
         "Listed where one order uses {share:g} % of a limit or more and a value differs by more than {same:g} % from "
         "normal operation; conditions that differ less from another one are left out.",
@@ -171,8 +172,29 @@ def further_criticals(subject: ReportData) -> TableBlock | None:
     usual = [as_words(one.name) for one in first if one in worst and _matters(one)]
     rest = phrase("Normal operation is the worst of all conditions at {names}.", names=first_names(usual))
     listed = [one for _, records in kept for one in records]
-    notes = ((rule,), *([(rest,)] if usual else []), *((note,) for note in cancelling_sources(listed)))
+    notes = ((rule,), *([(rest,)] if usual else []), *((note,) for note in cancelling_sources(listed)), *beside)
     return without_empty(TableBlock(("Critical speeds in further conditions",), columns, tuple(groups), notes))
+
+
+def _beside_in(subject: ReportData) -> Iterator[str]:
+    """Yield sentences on critical speeds outside of the speeds examined in further conditions, whose flank matters.
+
+    Conditions with the same ones have one sentence.
+    """
+    usual = {one.key for one in not_none(subject.normal_peaks).criticals if one.point is None}
+    found: dict[str, list[str]] = {}
+    for peaks in subject.further_peaks:
+        largest = max((one.critical.resonant_amplitude for one in peaks.criticals), default=0.0)
+        beyond = [
+            one
+            for one in peaks.criticals
+            if one.point is None and one.key not in usual and one.critical.resonant_amplitude >= LEAST_SHARE * largest
+        ]
+        if beyond:
+            found.setdefault(places_words(beyond), []).append(peaks.check.configuration)
+    for names, conditions in found.items():
+        where = subject.titles.several(conditions, subject.model.configurations)
+        yield phrase("In {conditions}, beside the range and not examined: {names}.", conditions=where, names=names)
 
 
 def _worst(records: Iterator[CriticalRecord]) -> list[CriticalRecord]:

@@ -44,7 +44,7 @@ def notes_on_criticals(subject: ReportData, peaks: ConditionPeaks, shown: Sequen
             phrase(
                 "At other critical speeds in the range the order alone uses at most {share:.2g} % of a limit: {names}.",
                 share=100 * max(one.share for one in rest),
-                names=_places(rest),
+                names=places_words(rest),
             ),
         )
     shares = zip(peaks.check.lines, order_shares(peaks.check).tolist(), strict=True)
@@ -57,6 +57,12 @@ def notes_on_criticals(subject: ReportData, peaks: ConditionPeaks, shown: Sequen
                 names=first_names(small, MOST_NAMED),
             ),
         )
+    yield from ((note,) for note in beside_range(peaks, shown))
+    yield from _distances(subject, shown)
+
+
+def beside_range(peaks: ConditionPeaks, shown: Sequence[CriticalRecord]) -> Iterator[str]:
+    """Yield the sentence on critical speeds of a condition outside of the speeds examined, as strong as those shown."""
     strongest = max((one.critical.resonant_amplitude for one in shown), default=0.0)
     beyond = [
         one
@@ -66,8 +72,7 @@ def notes_on_criticals(subject: ReportData, peaks: ConditionPeaks, shown: Sequen
     if beyond:
         low, high = peaks.check.rpm[0], peaks.check.rpm[-1]
         text = "Beside the range of {low:.6g} to {high:.6g} rpm, not examined: {names}."
-        yield (phrase(text, low=low, high=high, names=_places(beyond)),)
-    yield from _distances(subject, shown)
+        yield phrase(text, low=low, high=high, names=places_words(beyond))
 
 
 def cancelling_sources(records: Sequence[CriticalRecord]) -> Iterator[str]:
@@ -112,7 +117,7 @@ def cancelling_cylinders(subject: ReportData, records: Sequence[CriticalRecord])
         )
 
 
-def _places(records: Sequence[CriticalRecord]) -> str:
+def places_words(records: Sequence[CriticalRecord]) -> str:
     """Text with order, mode and critical speed in rpm of some critical speeds."""
     return first_names(
         [

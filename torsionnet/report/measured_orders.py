@@ -29,7 +29,7 @@ from torsionnet.model.channels import parse_sensor
 from torsionnet.report.document_tree import Cell, Heading, TableBlock
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import as_words, unit
-from torsionnet.report.report_units import engineering_unit
+from torsionnet.report.report_units import engineering_unit, limit_scale
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
@@ -231,7 +231,7 @@ def measured_range_block(ranges: Sequence[MeasuredRange], conventions: Conventio
     rows: list[tuple[Cell, ...]] = []
     for one in ranges:
         largest = float(max(one.measured.max(), one.calculated.max()))
-        scale, shown = engineering_unit(one.limited.unit, conventions, largest)
+        scale, shown = limit_scale(one.limited.unit, conventions, largest)
         used = one.utilisation[np.isfinite(one.utilisation)]
         sizes = (NumberText(float(size.max()) * scale, 4) for size in (one.measured, one.calculated))
         rows.append((

@@ -115,6 +115,11 @@ def _entry(model: Drivetrain, key: str, value: Any, written: Any = None) -> str:
             return f"{as_words(owner)}: {_cylinders(value)} {FIRING[name]}"
         if name == "enabled":
             return f"{as_words(owner)} {'running' if value else 'not running'}"
+        known = excitation.to_data()
+        before = known.get(name) if isinstance(known, Mapping) else None
+        if isinstance(value, Mapping) and isinstance(before, Mapping):
+            # What stays as it is written is no change.
+            value = {key: one for key, one in value.items() if str(before.get(key)) != str(one)} or value
     what = "load" if owner == LOAD else as_words(owner)
     points = "{name}: pressure trace of {count} points" if name == GAS else "{name}: {count} values"
     return joined("", (f"{what}: ", _named(name, value, written, points)))
@@ -154,6 +159,8 @@ def _is_long(value: Any) -> bool:
 
 
 def _listed(value: Any) -> str:
+    if value is None:
+        return "left out"
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, Sequence) and not isinstance(value, str):

@@ -44,14 +44,10 @@ LOST_TORQUE = (
 NOT_SHOWN = 5e-4
 """Share of the mean torque that three digits in per cent do not show."""
 LOST_NOTE = (
-    "Lost: amplitude that is missing at a cylinder out as in {name}; alone at one cylinder it excites all orders, the "
-    "low ones too."
+    "Lost: amplitude that is missing at a cylinder out; alone at one cylinder it excites all orders, the low ones too."
 )
 """Note below a cylinder's harmonics on what is lost with it."""
-OUT_NOTE = (
-    "With a cylinder out as in {name}: that cylinder {share:g} % of the pressure, all together {whole:.3g} % of the "
-    "torque."
-)
+OUT_NOTE = "With a cylinder out: that cylinder {share:g} % of the pressure, all together {whole:.3g} % of the torque."
 """Note below the mean indicated pressure over speed."""
 
 OF_COMPRESSORS = {
@@ -61,12 +57,10 @@ OF_COMPRESSORS = {
         "condition, shares of the rated torque by that with all cylinders loaded."
     ),
     LOST_NOTE: (
-        "Lost: amplitude that is missing at an unloaded cylinder as in {name}; alone at one cylinder it excites all "
+        "Lost: amplitude that is missing at an unloaded cylinder; alone at one cylinder it excites all "
         "orders, the low ones too."
     ),
-    OUT_NOTE: (
-        "Unloaded as in {name}: that cylinder {share:g} % of the pressure, all together {whole:.3g} % of the torque."
-    ),
+    OUT_NOTE: ("Unloaded: that cylinder {share:g} % of the pressure, all together {whole:.3g} % of the torque."),
     "All cylinders working": "All cylinders loaded",
     "One cylinder out, the largest of all": "One cylinder unloaded, the largest of all",
     "Without cylinder {numbers}": "Cylinders unloaded: {numbers}",
@@ -179,11 +173,11 @@ def with_lost_torque(
     found = engine_out(subject, name)
     if found is None:
         return block
-    case, engine = found[0], _out_as_in(working, found[1])
+    engine = _out_as_in(working, found[1])
     lost = lost_harmonics(engine, speed)[list(places)] * 1e-3
     (group,) = block.groups
     rows = tuple((*row, NumberText(float(one))) for row, one in zip(group.rows, lost, strict=True))
-    note = phrase(in_words_of([engine], LOST_NOTE), name=case.title)
+    note = phrase(in_words_of([engine], LOST_NOTE))
     return replace(
         block,
         columns=(*block.columns, Heading("Lost", unit("kN*m"), numeric=True)),
@@ -225,16 +219,13 @@ def pressure_notes(subject: ReportData, name: str, working: ReciprocatingEngine,
     found = engine_out(subject, name)
     if found is None:
         return []
-    case, engine = found[0], _out_as_in(working, found[1])
+    engine = _out_as_in(working, found[1])
     one = _out(engine)[0]
     alone = replace(engine, misfire=(one,)) if engine.misfire == EACH else engine
     at = np.array([speed])
     whole = np.mean([*engine.mean_torque_shares(at).values()])
     share = alone.mean_torque_shares(at)[one][0]
-    words = case.title
-    return [
-        phrase(in_words_of([engine], OUT_NOTE), name=words, share=round(100 * float(share), 1) + 0.0, whole=100 * whole)
-    ]
+    return [phrase(in_words_of([engine], OUT_NOTE), share=round(100 * float(share), 1) + 0.0, whole=100 * whole)]
 
 
 SPEEDS_SHOWN = (0.25, 0.5, 0.75, 0.9, 1.0)

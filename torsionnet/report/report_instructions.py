@@ -12,7 +12,7 @@ from torsionnet.machinery.verdicts.operating_instructions import Instruction, la
 from torsionnet.report.document_tree import Block, Cell, Heading, NumberText, Paragraph, Strong, TableBlock, TableGroup
 from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_text import as_words, capital, unit
-from torsionnet.report.report_units import engineering_unit
+from torsionnet.report.report_units import limit_scale
 
 COLUMNS = (
     Heading("From", "rpm", numeric=True),
@@ -59,7 +59,7 @@ def instruction_blocks(subject: ReportData, found: LimitConclusion, *, apart: bo
 
 
 def _row(one: Instruction, subject: ReportData) -> tuple[Cell, ...]:
-    scale, shown = engineering_unit(one.unit, subject.conventions)
+    scale, shown = limit_scale(one.unit, subject.conventions)
     sizes = (one.value, one.allowed, one.allowed_in_passing)
     return (
         "" if one.from_rpm is None else str(one.from_rpm),

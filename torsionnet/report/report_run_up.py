@@ -14,7 +14,7 @@ from torsionnet.report.document_tree import Block, Heading
 from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import as_words, unit
-from torsionnet.report.report_units import engineering_unit
+from torsionnet.report.report_units import limit_scale
 
 OTHER_SHARE = 0.05
 """Relative difference of utilisation from which on a condition has a row beside the first one, as it differs in what an
@@ -102,5 +102,5 @@ def _in_units(subject: ReportData, one: PassedLimit) -> tuple[float | None, floa
     """Value, value allowed and their unit for engineers; None each where they are not known."""
     if one.value is None or one.allowed is None:
         return None, None, ""
-    scale, shown = engineering_unit(one.steady.unit, subject.conventions)
+    scale, shown = limit_scale(one.steady.unit, subject.conventions)
     return one.value * scale, one.allowed * scale, shown

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from torsionnet.base.conventions import Conventions
 from torsionnet.base.number_text import NumberText, prefix_of
@@ -47,18 +48,28 @@ def engineering_unit(unit: str, conventions: Conventions, size: float = 1e3) -> 
     return conventions.scale(unit), conventions.unit(unit)
 
 
+def limit_scale(si_unit: str, conventions: Conventions, size: float = 1e3) -> tuple[float, str]:
+    """Factor from an SI unit to that in which a report shows values of a limit, and its name: angles are in degrees.
+
+    >>> limit_scale("rad", Conventions())[1], limit_scale("N*m", Conventions())
+    ('deg', (0.001, 'kN*m'))
+    """
+    in_degrees = replace(conventions, angle="deg") if conventions.angle == "rad" and si_unit == "rad" else conventions
+    return engineering_unit(si_unit, in_degrees, size)
+
+
 def limit_unit(si_unit: str, conventions: Conventions) -> str:
     """Name of the unit in which a report shows values of a limit.
 
     >>> limit_unit("N*m", Conventions()), limit_unit("Pa", Conventions())
     ('kN·m', 'N/mm²')
     """
-    return unit(engineering_unit(si_unit, conventions)[1])
+    return unit(limit_scale(si_unit, conventions)[1])
 
 
 def limit_number(value: float, si_unit: str, conventions: Conventions) -> NumberText:
     """Number of a value of a limit, in SI, in the unit in which a report shows it."""
-    return NumberText(value * engineering_unit(si_unit, conventions)[0], DIGITS)
+    return NumberText(value * limit_scale(si_unit, conventions)[0], DIGITS)
 
 
 def quantity_text(number: float, dimension: str) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from torsionnet.base.errors import Fault, ModelError, unknown_name
+from torsionnet.machinery.excitations.propeller_torque import PropellerTorque
 from torsionnet.machinery.excitations.reciprocating_engine import ReciprocatingEngine
 from torsionnet.machinery.limits.evidence import LimitSubject
 from torsionnet.machinery.limits.iacs_m68 import IacsM68
@@ -63,7 +64,14 @@ def limit_subject(definition: Definition, values: Mapping[str, Any]) -> LimitSub
         is_generating_set=is_generating_set(definition),
         cranks=frozenset(node for engine in engines for node in engine.numbers.values()),
         propels=propels(definition),
+        fixed_pitch=_has_fixed_pitch(definition),
     )
+
+
+def _has_fixed_pitch(definition: Definition) -> bool:
+    """Whether a model has propellers as excitations, and all of them are of fixed pitch."""
+    pitches = {one.pitch for one in definition.excitations.values() if isinstance(one, PropellerTorque)}
+    return pitches == {"fixed"}
 
 
 def propels(definition: Definition) -> bool:

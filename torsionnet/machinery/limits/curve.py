@@ -275,8 +275,9 @@ class CurveLimit(InSpeedBand):
         what = "half range of the sum of all orders" if self.measure == "half_range" else "amplitude of each order"
         if self.orders:
             what += f" of {', '.join(f'{order:g}' for order in self.orders)}"
+        beyond = "" if self.value else "speeds outside of the table"
         passing = f"; in passing {self.transient_factor:g} times as much" if self.transient_factor else ""
-        return RuleText(self.source, f"{what} <= value allowed{passing}", "speeds outside of the table")
+        return RuleText(self.source, f"{what} <= value allowed{passing}", beyond)
 
     def breaks(self, subject: LimitSubject) -> list[float]:
         edges = super().breaks(subject)

@@ -47,6 +47,8 @@ class LimitSubject:
         Nodes of the throws of engines.
     propels : bool
         Whether the machinery propels a ship.
+    fixed_pitch : bool
+        Whether all propellers that excite it are of fixed pitch.
     """
 
     elements: Mapping[str, Element]
@@ -61,6 +63,7 @@ class LimitSubject:
     is_generating_set: bool = False
     cranks: frozenset[str] = frozenset()
     propels: bool = False
+    fixed_pitch: bool = False
 
 
 @dataclass(frozen=True, eq=False)

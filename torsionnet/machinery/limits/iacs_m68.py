@@ -30,6 +30,7 @@ from torsionnet.machinery.limits.m68_factors import (
     NOT_FOR_CRANKSHAFTS,
     NOT_FOR_GEARS,
     NOT_FOR_SETS,
+    OF_PITCH,
     PASSING_FACTOR,
     PROPELLER_CAP,
     SCF_OF_UNIT,
@@ -194,7 +195,8 @@ class IacsM68(ClassRuleShaft):
             f"1.38; tau_T = 1.7 tau_C/sqrt(C_K) up to lambda = 0.8; C_K = {self.feature_factor:g} ({self.feature}), "
             f"C_D = {size:.5f}, sigma_B = {self.strength / 1e6:g} N/mm^2 (given {self.tensile_strength / 1e6:g})"
         )
-        missing = f"{NOT_COVERED}; {self.society.remark}" if self.society.remark else NOT_COVERED
+        missing = NOT_COVERED if evidence.subject.fixed_pitch else f"{NOT_COVERED}{OF_PITCH}"
+        missing += f"; {self.society.remark}" if self.society.remark else ""
         factors = m68_factors(self, self.section(evidence.subject))
         return RuleText(self.society.shafts, self.society.in_words(formula), missing, factors)
 

@@ -44,10 +44,10 @@ SLOT_LENGTH, SLOT_BORE, SLOT_WIDTH, HOLE = 0.8, 0.7, 0.15, 0.3
 larger; a hole is no larger."""
 NOT_COVERED = (
     "speeds above 1.05 rated; crankshafts, shafts of gears, electric machines and turbines; ice class; shafts exposed "
-    "to sea water; bending; required diameters (M68.4). With a controllable pitch propeller full and zero pitch are "
-    "conditions of their own"
+    "to sea water; bending; required diameters (M68.4)"
 )
-"""Text with what IACS M68 does not cover, as reports print it."""
+OF_PITCH = ". With a controllable pitch propeller full and zero pitch are conditions of their own"
+"""Texts with what IACS M68 does not cover, as reports print them; of a propeller of fixed pitch the first alone."""
 
 NOT_FOR_SETS = (
     "UR M68 is not for generator shafts (M68.1), and this model is an engine with a generator and no propeller: "

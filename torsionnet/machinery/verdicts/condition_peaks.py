@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from torsionnet.linear.assembly.assembled import AssembledModel
-from torsionnet.machinery.criticals.critical_speeds import CriticalSpeed, CriticalSpeeds
+from torsionnet.machinery.criticals.critical_speeds import NEGLIGIBLE_FORCE, CriticalSpeed, CriticalSpeeds
 from torsionnet.machinery.orders.order_amplitudes import SummedOrder
 from torsionnet.machinery.orders.speed_refinement import vertex_speed
 from torsionnet.machinery.verdicts.limit_check import LimitCheck
@@ -231,6 +231,9 @@ def condition_peaks(
     >>> worst.critical.mode.number, round(worst.point.rpm), worst.point.verdict.limit, round(worst.utilisation, 2)
     (1, 51, 'propeller_shaft', 1.29)
     """
+    # What rounding leaves of a force is none, as on a part that nothing connects to the machine that runs.
+    kept = tuple(one for one in found.crossings if not one.relative_force < NEGLIGIBLE_FORCE)
+    found = replace(found, crossings=kept)
     low, high = float(check.speeds[0]), float(check.speeds[-1])
     inside = [speed for speed in (rated,) if speed is not None and low * (1 - 1e-9) <= speed <= high * (1 + 1e-9)]
     met = [one for one in found.crossings if math.isfinite(one.natural_speed)]

@@ -332,7 +332,8 @@ class LimitCheck(SavedResult):
         said = ((f"{one.limit}, {one.criterion}", "", text) for one in self.verdicts for text in one.remarks)
         notes += [f"{'; '.join(abouts)}: {text}" for abouts, _, text in grouped_remarks(said)]
         for text, names in self.texts().items():
-            notes += [f"{', '.join(names)}: {text.source}", f"  {text.formula}", f"  not covered: {text.not_covered}"]
+            notes += [f"{', '.join(names)}: {text.source}", f"  {text.formula}"]
+            notes += [f"  not covered: {text.not_covered}"] if text.not_covered else []
         columns = (
             "limit", "of", "criterion", "worst_rpm", "worst_value", "worst_allowed", "worst_unit", "worst_utilisation",
             "verdict", "restrictions",

@@ -306,7 +306,9 @@ class _Examination:
         verdicts = self.verdicts(found)
         top = highest_permitted(verdicts, found.run.speeds)
         bands = [one.running for one in verdicts if one.running]
-        if top is not None and bands and all(band.low >= top * (1 - 1e-9) for band in bands):
+        # Where no speed remains, limits keep their bands.
+        remains = top is not None and top > found.run.speeds[0] * (1 + 1e-9)
+        if top is not None and remains and bands and all(band.low >= top * (1 - 1e-9) for band in bands):
             # No speed of a band is permitted: the machine runs below, where its limits are judged, too.
             below = replace(self, run_below=top)
             found = below.resolved(below.judged_by(replace(found.evidence, run_below=top)))

@@ -199,7 +199,7 @@ class LimitConclusion:
     def _found(self) -> list[str]:
         failed, unjudged, restricted = self._of(FAIL), self._of(OPEN), self._restrictions()
         parts = [*self._rated_not_reached()]
-        parts += [phrase("{limit} does not hold{where}", limit=name, where=where) for name, where in failed.items()]
+        parts += [self._not_kept(name, where) for name, where in failed.items()]
         if restricted:
             parts += restricted
         elif not failed and not unjudged:
@@ -215,6 +215,12 @@ class LimitConclusion:
         if reach and not any(one.permits(one.rated or 0.0) for one in reach):
             rated = (reach[0].rated or 0.0) * RPM
             yield phrase(RATED_NOT_REACHED, speed=rated, shaft=self._shaft)
+
+    def _not_kept(self, name: str, where: str) -> str:
+        count = len(self.configurations)
+        if count > 1 and where == self._where(list(self.configurations)):
+            return phrase("{limit} holds in none of {count} configurations", limit=name, count=count)
+        return phrase("{limit} does not hold{where}", limit=name, where=where)
 
     def _all_hold(self) -> Iterator[str]:
         template = ALL_EXAMINED_HOLD if self.left_out else ALL_HOLD

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy as np
 from torsionnet.base.errors import UsageError
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.machinery.criticals.critical_speed_search import CrossingSearch, excited_lines
-from torsionnet.machinery.criticals.critical_speeds import CriticalSpeeds
+from torsionnet.machinery.criticals.critical_speeds import CriticalSpeed, CriticalSpeeds
 from torsionnet.machinery.excitations.electric_machine import ElectricMachine
 from torsionnet.machinery.orders.order_line import OrderLine, near_fraction
 from torsionnet.machinery.verdicts.margin_rules import MarginRule, margin_rule
@@ -18,6 +19,8 @@ from torsionnet.model.speeds import speeds_by_reference
 
 MULTIPLES = (1, 2)
 """Multiples of line frequencies, and of shaft speeds unless a rule names more, that standards compare with modes."""
+ELECTRICAL = ", electrical"
+"""End of the name of the lines of a machine on an inverter, which are no orders of its shaft."""
 FREQUENCY_REACH = 2.0
 """Multiple of the highest compared frequency up to which modes are listed; a mode above it is twice as high as
 anything it is compared with."""
@@ -79,7 +82,7 @@ def shaft_margins(
         reference=given.of,
         speed_range=speed_range,
         modes=modes,
-        crossings=tuple(search.nearest(mode, line) for mode in modes for line in lines),
+        crossings=tuple(_required(search.nearest(mode, line), rule) for mode in modes for line in lines),
         lines=tuple(lines),
         nodes=drivetrain.assembly.nodes,
         rule=search.rule,
@@ -116,6 +119,11 @@ def _shaft_lines(drivetrain: AssembledModel, reference: str, rule: MarginRule | 
         yield from (OrderLine(node, float(times), ratio) for times in multiples)
 
 
+def _required(one: CriticalSpeed, rule: MarginRule | None) -> CriticalSpeed:
+    """Margin of an inverter's frequency as that of the line frequency, which no clause on orders of a shaft covers."""
+    return replace(one, required=rule.fixed) if rule and one.excitation.endswith(ELECTRICAL) else one
+
+
 def _electrical_lines(drivetrain: AssembledModel, reference: str) -> Iterator[OrderLine]:
     """Lines at 1 and 2 times the electrical frequency of each electric machine."""
     ratios = _ratios(drivetrain, reference)
@@ -130,4 +138,4 @@ def _electrical_lines(drivetrain: AssembledModel, reference: str) -> Iterator[Or
             yield from (OrderLine(name, 0.0, Fraction(1), times * fixed) for times in MULTIPLES)
         elif machine.pole_pairs and machine.node in ratios:
             ratio = ratios[machine.node] * machine.pole_pairs
-            yield from (OrderLine(f"{name}, electrical", float(times), ratio) for times in MULTIPLES)
+            yield from (OrderLine(f"{name}{ELECTRICAL}", float(times), ratio) for times in MULTIPLES)

@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from torsionnet.base.entries.spec import not_none
 from torsionnet.base.number_text import aligned_numbers
 from torsionnet.base.phrases import phrase
 from torsionnet.linear.modes.modes import OSCILLATORY
 from torsionnet.machinery.verdicts.condition_peaks import little_damped
 from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion, WorstLimit
-from torsionnet.machinery.verdicts.limit_verdict import listed_names
+from torsionnet.machinery.verdicts.limit_verdict import OPEN, listed_names
 from torsionnet.model.elements import Shaft
 from torsionnet.report.document_tree import (
     Block,
@@ -34,7 +33,8 @@ from torsionnet.report.report_instructions import instruction_blocks
 from torsionnet.report.report_run_up import run_up_blocks
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import as_words, capital, pair_latex, symbol_or_words, unit
-from torsionnet.report.report_units import engineering_unit
+from torsionnet.report.report_units import limit_scale
+from torsionnet.report.sections.conditions import lacking_conditions
 from torsionnet.report.sections.limits import conclusion, judged_words, verdict
 from torsionnet.report.sections.resonances import missed_margins
 from torsionnet.report.sections.responses import static_value_and_peaks
@@ -52,8 +52,8 @@ NO_LIMITS = (
 """Sentence of a calculation without limits in place of a verdict."""
 
 LITTLE_DAMPED = (
-    "{name}, {share:.3g} % of the limit: at {speed:.4g} rpm {order} is in resonance with mode {mode}, whose calculated "
-    "damping ratio is only {damping:.1g} %. The value depends on this damping; a measurement is advised."
+    "{name}, {share:.3g} % of the limit{where}: at {speed:.4g} rpm {order} is in resonance with mode {mode}, whose "
+    "calculated damping ratio is only {damping:.1g} %. The value depends on this damping; a measurement is advised."
 )
 """Sentence on a governing value that stands at a resonance with little damping."""
 
@@ -69,13 +69,28 @@ def _judged(subject: ReportData, found: LimitConclusion) -> Iterator[Block]:
     missed = missed_margins(subject)
     apart = ("; ", Strong(phrase("separation margins not kept"))) if missed else ()
     yield Paragraph((Strong("Verdict:"), " ", Strong(found.verdict), "; ", Strong(found.starts), *apart))
-    findings = [capital(as_words(finding)) for finding in (*missed, *found.findings)]
+    findings = [capital(as_words(finding)) for finding in (*missed, *found.findings, *_switched_off(subject, found))]
+    findings += lacking_conditions(subject)
     yield Listing(tuple((text,) for text in [*findings, *_by_small_damping(subject, found)]))
     yield _components(subject, found)
     yield from run_up_blocks(subject, found)
     yield from instruction_blocks(subject, found, apart=not missed)
     yield Paragraph(("Not covered:",))
     yield Listing(tuple(_not_covered(subject, found)))
+
+
+def _switched_off(subject: ReportData, found: LimitConclusion) -> Iterator[str]:
+    """Sentences on limits that single conditions do not judge, as their parts stand still there."""
+    missing: dict[str, list[str]] = {}
+    for check in found.checks:
+        absent = dict.fromkeys(as_words(one.limit) for one in check.verdicts if one.verdict == OPEN and one.absent)
+        judged = {as_words(one.limit) for one in check.verdicts if one.verdict != OPEN}
+        if names := [name for name in absent if name not in judged]:
+            missing.setdefault(listed_names(names), []).append(check.configuration)
+    for limits, conditions in missing.items():
+        if any(one.configuration not in conditions for one in found.checks):
+            where = phrase(" in {names}", names=subject.titles.several(conditions, subject.model.configurations))
+            yield phrase("{limit} not judged{where}", limit=limits, where=where)
 
 
 def _by_small_damping(subject: ReportData, found: LimitConclusion) -> Iterator[str]:
@@ -85,7 +100,8 @@ def _by_small_damping(subject: ReportData, found: LimitConclusion) -> Iterator[s
             LITTLE_DAMPED,
             name=capital(as_words(worst.verdict.limit)),
             share=100 * (worst.utilisation or 0.0),
-            speed=not_none(record.point).rpm,
+            speed=worst.rpm,
+            where=phrase(" in {names}", names=title) if (title := subject.titles.of(worst.check.configuration)) else "",
             order=as_words(record.name),
             mode=record.critical.mode.number,
             damping=100 * record.critical.mode.damping_ratio,
@@ -163,7 +179,7 @@ def _sizes(subject: ReportData, worst: WorstLimit) -> tuple[float | None, float 
     one, at = worst.verdict, worst.verdict.worst
     if at is None:
         return None, None, ""
-    scale, shown = engineering_unit(one.unit, subject.conventions)
+    scale, shown = limit_scale(one.unit, subject.conventions)
     return float(one.values[at]) * scale, float(one.allowed[at]) * scale, shown
 
 
@@ -189,7 +205,8 @@ def _not_covered(subject: ReportData, found: LimitConclusion) -> Iterator[Text]:
     of_rules: dict[str, dict[str, None]] = {}
     for check in found.checks:
         for text, names in check.texts().items():
-            of_rules.setdefault(text.not_covered, {}).update(dict.fromkeys(names))
+            if text.not_covered:
+                of_rules.setdefault(text.not_covered, {}).update(dict.fromkeys(names))
     for uncovered, limits in of_rules.items():
         yield (Strong(", ".join(map(as_words, limits))), f": {uncovered}.")
 

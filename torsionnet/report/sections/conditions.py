@@ -10,7 +10,7 @@ from torsionnet.machinery.excitations.engine_entries import EngineEntries
 from torsionnet.machinery.excitations.reciprocating_engine import conditions_running_alone
 from torsionnet.machinery.limits.society_rules import SOCIETIES
 from torsionnet.machinery.verdicts.limit_check import LimitCheck
-from torsionnet.machinery.verdicts.limit_verdict import FAIL, OPEN
+from torsionnet.machinery.verdicts.limit_verdict import FAIL, OPEN, gravest
 from torsionnet.machinery.verdicts.speed_spans import permitted_words
 from torsionnet.model.configurations import label
 from torsionnet.model.load.external_torques import ENGINE
@@ -205,6 +205,9 @@ def _verdict(check: LimitCheck) -> tuple[Cell, ...]:
     concerned = [one for one in check.verdicts if not one.elsewhere]
     grave = dict.fromkeys(as_words(one.limit) for one in concerned if one.verdict == check.verdict)
     named = phrase("{verdict}: {limits}", verdict=phrase(check.verdict), limits=", ".join(grave))
+    rest = gravest(one.verdict for one in concerned if one.verdict != OPEN)
+    if check.verdict == OPEN and any(one.verdict != OPEN for one in concerned):
+        named = phrase("{verdict}; not judged: {limits}", verdict=phrase(rest), limits=", ".join(grave))
     (most, *_) = sorted(concerned, key=lambda one: -(one.worst_utilisation or 0.0))
     return (
         named if check.verdict in (FAIL, OPEN) else check.verdict,
@@ -245,12 +248,17 @@ def _not_examined(subject: ReportData) -> Iterator[Text]:
     found = subject.limit_conclusion
     for text in found.left_out if found else ():
         yield (f"{capital(text)}.",)
+    yield from ((text,) for text in lacking_conditions(subject))
+
+
+def lacking_conditions(subject: ReportData) -> Iterator[str]:
+    """Yield sentences on engines that no condition lets run alone, or with a cylinder out."""
     conditions = [(case.configuration, case.drivetrain.definition.excitations) for case in subject.judged_cases]
     for alone, names in conditions_running_alone(conditions).items():
         if not names:
-            yield (phrase("Running on {engine} alone: no condition of the model has it.", engine=as_words(alone)),)
+            yield phrase("Running on {engine} alone: no condition of the model has it.", engine=as_words(alone))
     for name, engine in subject.model.definition.excitations.items():
         states = [now[name] for _, now in conditions]
         fired = engine.kind == ENGINE and not engine.absorbs
         if fired and not any(isinstance(one, EngineEntries) and one.has_lost_cylinder for one in states):
-            yield (phrase("Misfire of {engine}: no condition of the model has it.", engine=as_words(name)),)
+            yield phrase("Misfire of {engine}: no condition of the model has it.", engine=as_words(name))

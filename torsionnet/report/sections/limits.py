@@ -17,6 +17,7 @@ from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion
 from torsionnet.machinery.verdicts.limit_verdict import PASS, LimitVerdict, gravest
 from torsionnet.machinery.verdicts.operating_instructions import PassedRange, instruction, passed_ranges, refused_ranges
 from torsionnet.machinery.verdicts.range_passage import EXCEEDED, KEPT, RangePassage, passage_table
+from torsionnet.machinery.verdicts.rule_factors import RuleText
 from torsionnet.report.document_tree import (
     Block,
     Cell,
@@ -34,7 +35,7 @@ from torsionnet.report.report_instructions import instruction_blocks
 from torsionnet.report.report_machines import engine_remarks
 from torsionnet.report.report_tables import results_table, table, with_kilo_units
 from torsionnet.report.report_text import as_words, capital, unit
-from torsionnet.report.report_units import DIGITS, engineering_unit, limit_unit
+from torsionnet.report.report_units import DIGITS, limit_scale, limit_unit
 
 MOST_DRAWN = 8
 """Largest number of limits that a report draws over speed, each in its worst condition."""
@@ -149,7 +150,7 @@ def _numbers(subject: ReportData, check: LimitCheck, one: LimitVerdict) -> tuple
     at = one.worst
     if at is None:
         return (None, None, None, None)
-    scale = engineering_unit(one.unit, subject.conventions)[0]
+    scale = limit_scale(one.unit, subject.conventions)[0]
     sizes = (float(one.values[at]) * scale, float(one.allowed[at]) * scale)
     return (float(check.rpm[at]), *sizes, 100 * float(one.utilisation[at]))
 
@@ -183,7 +184,7 @@ def _rules(subject: ReportData, found: LimitConclusion) -> list[Block]:
     """
     texts = {text: names for check in found.checks for text, names in check.texts().items()}
     rules = tuple(
-        (Strong(", ".join(map(as_words, names))), f": {text.source}. {text.formula}. Not covered: {text.not_covered}.")
+        (Strong(", ".join(map(as_words, names))), f": {text.source}. {text.formula}.{_not_covered(text)}")
         for text, names in texts.items()
     )
     remarks = _remarks(subject, found)
@@ -191,6 +192,10 @@ def _rules(subject: ReportData, found: LimitConclusion) -> list[Block]:
     if remarks:
         blocks += [Paragraph(("Remarks:",)), Listing(tuple((remark,) for remark in remarks))]
     return blocks
+
+
+def _not_covered(text: RuleText) -> str:
+    return f" Not covered: {text.not_covered}." if text.not_covered else ""
 
 
 def _remarks(subject: ReportData, found: LimitConclusion) -> list[str]:
@@ -279,7 +284,7 @@ def _condition(subject: ReportData, barred: PassedRange) -> str:
 def _refused(subject: ReportData, refused: PassedRange) -> str:
     """Text of a range that must not be passed in a condition, and of the limit that forbids it."""
     one = instruction(refused, subject.titles.of)
-    scale, shown = engineering_unit(one.unit, subject.conventions)
+    scale, shown = limit_scale(one.unit, subject.conventions)
     allowed = one.allowed if math.isnan(one.allowed_in_passing) else one.allowed_in_passing
     return phrase(
         "{range}{where}: {limit} has {value} {unit} at {speed:.4g} rpm, {allowed} allowed",
@@ -329,7 +334,7 @@ def _beyond(subject: ReportData, passages: Sequence[RangePassage]) -> Iterator[P
     left = [(one, found) for one in passages if (found := one.beyond) is not None]
     if left:
         one, (rpm, value, steady) = max(left, key=lambda pair: pair[1][1])
-        scale, shown = engineering_unit(one.unit, subject.conventions)
+        scale, shown = limit_scale(one.unit, subject.conventions)
         about = {"limit": as_words(one.named), "speed": rpm, "unit": unit(shown)}
         sizes = {name: NumberText(size * scale, DIGITS) for name, size in (("value", value), ("steady", steady))}
         yield Paragraph((phrase(BEYOND, **about, **sizes),))
