@@ -276,3 +276,19 @@ def test_a_share_of_a_nominal_torque_that_is_a_parameter():
         260
     )
     assert isinstance(coupling(stiffness=3).stiffness, Number)
+
+
+@pytest.mark.parametrize(
+    ("element", "home"),
+    [
+        ("type: hysteretic_spring, nodes: [a, b], stiffness: 1 kN*m/rad, psi: 0.9", "loss_factor: {psi: 0.9}"),
+        ("type: spring, nodes: [a, b], stiffness: 1 kN*m/rad, zeta: 0.02", "damping: {zeta: 0.02}"),
+    ],
+)
+def test_a_measure_of_damping_beside_its_entry_is_one_fault(element, home):
+    masses = "".join(f"  m{n}: {{type: inertia, node: {n}, inertia: 1}}\n" for n in "ab")
+    with pytest.raises(tn.ModelError) as error:
+        tn.loads(f"torsionnet: 1\nname: x\nelements:\n{masses}  s: {{{element}}}\n")
+    (fault,) = error.value.faults
+    assert fault.kind == "unknown-entry"
+    assert home in fault.message

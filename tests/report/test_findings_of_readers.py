@@ -109,3 +109,17 @@ def test_throws_are_shown_by_the_limit_that_is_used_most():
     for row in rows(throws):
         largest, used = float(row[heads.index("Largest half range")]), float(row[heads.index("Used most")])
         assert used == pytest.approx(100 * largest / 1.0, rel=1e-2)  # of 1 kN m in continuous operation, not of 2
+
+
+def test_sections_that_a_society_asks_for_are_called_by_their_titles():
+    text = FLANK.replace("report: {kind: approval}", "report: {kind: approval, rules: kr}")
+    report = document(
+        text, "conditions", "natural_frequencies", "resonances", "forced_response", "components", "conclusion"
+    )
+    titles = {words(one.title) for one in report.sections}
+    found = next(
+        one for one in of(TableBlock, blocks(report, "conditions")) if words(one.caption).startswith("Particulars")
+    )
+    named = {row[2] for row in rows(found)}
+    assert named - {"not in this document"} <= titles
+    assert {"Critical speeds", "Shafts, crankshaft, couplings, gears, dampers"} <= named

@@ -187,7 +187,10 @@ def test_peaks_without_a_critical_speed_and_rows_that_stand_twice_are_noticed(no
     assert document_faults(CRITICALS.format(note=note, maker=maker, speed=speed)) == faults
 
 
-@pytest.mark.parametrize(("told", "faults"), [("engine 7 +6.6 %", 0), ("engine 8 +6.6 %", 1), ("engine 7 +5.6 %", 1)])
+@pytest.mark.parametrize(
+    ("told", "faults"),
+    [("engine 7, mode 5: +6.6 %", 0), ("engine 8, mode 5: +6.6 %", 1), ("engine 7, mode 5: +5.6 %", 1)],
+)
 def test_distances_of_critical_speeds_are_complete_and_right(told, faults):
     text = CRITICALS.format(note="", maker="", speed="752.2")
     rated = f"rated speed 700 rpm\n\nDistance of the critical speeds from rated speed, 700 rpm: {told}.\n\n"

@@ -268,7 +268,7 @@ def distance_faults(text: str, tables: Sequence[PrintedTable]) -> Iterator[str]:
         for row in table.rows:
             if (found := row.number("Critical speed")) is not None:
                 speeds.setdefault(row.text("Order").partition(",")[0], []).append(found)
-    for order, share in re.findall(r"([^,]+?) \+?([−\d.]+)\s%", sentence[1]):
+    for order, share in re.findall(r"([^;]+?), mode \d+: \+?([−\d.]+)\s%", sentence[1]):
         printed = Printed.read(share)
         expected = [
             (one / Printed(float(rated[1]))).times(100) - Printed(100.0) for one in speeds.get(order.strip(), [])

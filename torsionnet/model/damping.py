@@ -19,7 +19,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 from torsionnet.base.entries.scalars import SCALAR_SCHEMA, QuantityKind, plain_scalar, read_scalar
 from torsionnet.base.entries.spec import EntryError, Json, Schema, full_name
@@ -205,6 +205,8 @@ class DampingMeasure:
 class DampingQuantity(QuantityKind[Expression | DampingMeasure]):
     """Entry for a viscous coefficient, or for a damping measure at a stated frequency: ``{zeta: 0.02, at: 12 Hz}``."""
 
+    keys_within: ClassVar[tuple[str, ...]] = tuple(name for name in MEASURES if name != "c")
+
     def coerce(self, raw: object) -> Expression | DampingMeasure:
         if isinstance(raw, DampingMeasure):
             return raw
@@ -272,6 +274,8 @@ def _within(raw: object, dimension: str, key: str) -> Expression:
 
 class LossFactor(QuantityKind[Expression | DampingMeasure]):
     """Entry for a loss factor eta, or for a damping measure without frequency: ``{zeta: 0.05}``, ``{psi: 0.6}``."""
+
+    keys_within: ClassVar[tuple[str, ...]] = tuple(name for name in MEASURES if name != "c")
 
     def coerce(self, raw: object) -> Expression | DampingMeasure:
         if isinstance(raw, DampingMeasure):

@@ -23,7 +23,7 @@ from torsionnet.report.critical_remarks import beside_range, cancelling_sources,
 from torsionnet.report.document_tree import Cell, Heading, Paragraph, TableBlock, Text
 from torsionnet.report.document_tree import TableGroup as Group
 from torsionnet.report.report_data import Case, ReportData
-from torsionnet.report.report_text import as_words, first_names, symbol_or_words
+from torsionnet.report.report_text import as_words, symbol_or_words
 from torsionnet.report.report_units import DIGITS, limit_number, limit_unit
 
 SAME_VALUE = 0.05
@@ -169,8 +169,13 @@ def further_criticals(subject: ReportData) -> TableBlock | Paragraph | None:
         share=100 * LEAST_SHARE,
         same=100 * SAME_VALUE,
     )
-    usual = [as_words(one.name) for one in first if one in worst and _matters(one)]
-    rest = phrase("Normal operation is the worst of all conditions at {names}.", names=first_names(usual))
+    template = "{order}, mode {mode}"
+    usual = [
+        phrase(template, order=as_words(one.name), mode=one.critical.mode.number)
+        for one in first
+        if one in worst and _matters(one)
+    ]
+    rest = phrase("Normal operation is the worst of all conditions at {names}.", names=joined("; ", usual))
     listed = [one for _, records in kept for one in records]
     notes = ((rule,), *([(rest,)] if usual else []), *((note,) for note in cancelling_sources(listed)), *beside)
     return without_empty(TableBlock(("Critical speeds in further conditions",), columns, tuple(groups), notes))

@@ -139,18 +139,23 @@ def _distances(subject: ReportData, shown: Sequence[CriticalRecord]) -> Iterator
     if speeds is None or not speeds.rated:
         return
     nearest: dict[str, float] = {}
+    modes: dict[str, int] = {}
     for one in shown:
         off = one.critical.natural_speed / speeds.rated - 1
         if abs(off) < abs(nearest.get(one.name, math.inf)):
-            nearest[one.name] = off
+            nearest[one.name], modes[one.name] = off, one.critical.mode.number
     closest = sorted(nearest.items(), key=lambda pair: abs(pair[1]))
     shares = [f"{100 * off:+.1f}".replace("-", "\N{MINUS SIGN}") for _, off in closest]
-    each = [f"{as_words(name)} {share} %" for (name, _), share in zip(closest, shares, strict=True)]
+    template = "{order}, mode {mode}: {share} %"
+    each = [
+        phrase(template, order=as_words(name), mode=modes[name], share=share)
+        for (name, _), share in zip(closest, shares, strict=True)
+    ]
     if each:
         yield (
             phrase(
                 "Distance of the critical speeds from rated speed, {speed:.6g} rpm: {distances}.",
                 speed=speeds.rated * RPM,
-                distances=", ".join(each),
+                distances=joined("; ", each),
             ),
         )

@@ -173,14 +173,22 @@ class Declared:
         specs, required = dict(cls.specs()), cls.required()
         known = [*cls.head, *specs]
         rest = f"{cls.article or cls.kind} has {', '.join(known)}"
-        faults = []
+        faults: list[Fault] = []
+        at_home: set[str] = set()
         for key in raw:
             if key not in known:
                 # A comma in a text without quotes makes such a key.
                 comma = "text with a comma needs quotes; " if raw[key] is None else ""
                 run_together = _run_together(key, known, raw) if raw[key] is None else None
-                faults.append(run_together or unknown_key(key, known, (key,), comma + rest))
-        faults += [cls.missing(key, name) for key in required if key not in raw]
+                home = next((one for one, spec in specs.items() if key in spec.keys_within and one not in raw), None)
+                if home is None:
+                    faults.append(run_together or unknown_key(key, known, (key,), comma + rest))
+                    continue
+                # A way to give the value of an entry, which stands beside it instead of in it.
+                at_home.add(home)
+                text = f"{key} is written within {home}: {home}: {{{key}: {raw[key]}}}"
+                faults.append(Fault(text, (key,), on_key=True, kind="unknown-entry", about=str(key)))
+        faults += [cls.missing(key, name) for key in required if key not in raw and key not in at_home]
         empty = [key for key, spec in specs.items() if key in raw and raw[key] is None and not spec.may_be_empty]
         for key in empty:
             if key not in required:

@@ -155,6 +155,8 @@ class Spec(Generic[Stored_co]):
     """Value that is stored where the entry is not given."""
     is_read_off: ClassVar[bool] = False
     """Whether the entry holds rows, and another entry beside it the value at which they are interpolated."""
+    keys_within: ClassVar[tuple[str, ...]] = ()
+    """Keys by which the value may be given within the entry, as a damping by its measure."""
 
     def coerce(self, raw: object) -> Stored_co:
         """Value of the entry in its stored form, from what a file or a call gives.

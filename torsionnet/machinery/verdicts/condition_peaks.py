@@ -247,7 +247,8 @@ def condition_peaks(
     wanted += [vertex_speed(check.speeds, one.verdict.values, one.at) for one in tops]
     speeds = np.clip(np.unique(np.array(wanted)), low, high)
     if not len(speeds):
-        return ConditionPeaks(check, check, None, (), ())
+        outside = tuple(CriticalRecord(one, None, None, line, False) for one, line, _ in peaks)
+        return ConditionPeaks(check, check, None, outside, ())
     points = limits_at(drivetrain, speeds) if refine else check
     index = _index(points, inside[0]) if inside else None
     criticals = tuple(_record(check, points, index, one, own, line) for one, line, own in peaks)

@@ -37,6 +37,16 @@ from torsionnet.report.report_text import as_words, capital
 # Table of a report with the particulars that a classification society asks for, and where they stand.
 
 
+TITLES = {
+    "conclusion": "Conclusion and operating instructions",
+    "conditions": "Conditions of operation",
+    "mass_elastic": "Mass-elastic data",
+    "resonances": "Critical speeds",
+    "components": "Shafts, crankshaft, couplings, gears, dampers",
+}
+"""Titles of the sections that societies ask for, where they are not the words of the name."""
+
+
 def society_form(subject: ReportData) -> list[Block]:
     """Table of the particulars that the society in ``rules`` of the report asks for, with the sections that hold them.
 
@@ -46,7 +56,7 @@ def society_form(subject: ReportData) -> list[Block]:
     if society is None:
         return []
     rows = [
-        (paragraph, capital(asked), capital(as_words(name)) if subject.request.wants(name) else "not in this document")
+        (paragraph, capital(asked), phrase(_title(name) if subject.request.wants(name) else "not in this document"))
         for paragraph, asked, name in society.asked_for
         if name in SECTIONS
     ]
@@ -60,6 +70,10 @@ def society_form(subject: ReportData) -> list[Block]:
     if not rows:
         return [Paragraph((" ".join(notes),))]
     return [table("Particulars by the rules of the society", columns, rows, notes)]
+
+
+def _title(name: str) -> str:
+    return TITLES.get(name, capital(as_words(name)))
 
 
 def _speeds_missing(subject: ReportData, highest: float | None) -> list[str]:
