@@ -184,7 +184,7 @@ def _rules(subject: ReportData, found: LimitConclusion) -> list[Block]:
     """
     texts = {text: names for check in found.checks for text, names in check.texts().items()}
     rules = tuple(
-        (Strong(", ".join(map(as_words, names))), f": {text.source}. {text.formula}.{_not_covered(text)}")
+        (Strong(", ".join(map(as_words, names))), f": {text.source}. {text.formula}.", _not_covered(text))
         for text, names in texts.items()
     )
     remarks = _remarks(subject, found)
@@ -195,7 +195,7 @@ def _rules(subject: ReportData, found: LimitConclusion) -> list[Block]:
 
 
 def _not_covered(text: RuleText) -> str:
-    return f" Not covered: {text.not_covered}." if text.not_covered else ""
+    return phrase(" Not covered: {what}.", what=text.not_covered) if text.not_covered else ""
 
 
 def _remarks(subject: ReportData, found: LimitConclusion) -> list[str]:
