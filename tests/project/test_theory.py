@@ -156,6 +156,21 @@ class TestResponses:
         found = model.simulate("a", {"T": torque}, 1 / h)
         np.testing.assert_allclose(found["a"].values, exact, rtol=1e-10, atol=1e-16)
 
+    def test_3_9_to_3_11_periodic_motion_of_a_law_that_is_straight(self):
+        """A spring in stages of one stiffness is a linear one: its receptance, multipliers exp(lambda T)."""
+        stages = [{"stiffness": K, "to": "0.01 rad"}, {"stiffness": K}]
+        law = tn.Spring("k", nodes=("a", "ground"), stages=stages, damping=C)
+        late = tn.Controller("late", sense={"velocity": "a"}, act="a", law=-1e-9, delay=0.001)
+        f = 6.0
+        s, poles = 2j * np.pi * f, np.roots([J1, C, K])
+        expected = np.exp(poles / f)
+        for more in ((), (late,)):
+            found = train(inertia("a", J1), law, *more).periodic_response("a", frequencies=[f], excitation={"a": 50})
+            (motion,) = found.motions
+            assert complex(motion.amplitudes[1, 0]) == pytest.approx(50 / (J1 * s**2 + C * s + K), rel=1e-8)
+            assert np.abs(expected - motion.multipliers[0]).min() < 1e-6
+            assert motion.stability == "stable"
+
 
 class TestModes:
     def test_4_2_proportional_damping(self):

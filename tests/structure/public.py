@@ -25,6 +25,7 @@ TIMED_INSIDE = {
     "frequency_response": "each method of elimination by itself",
     "motion_over_time": "the march of a motion without its compiled loop",
     "parts": "models written flat",
+    "periodic_motion": "a Newton step of the condensed balance, beside one on all coordinates",
     "scale": "assembly and tables by themselves",
     "scheduler_load": "the executor of a cluster",
     "studies": "batches of variants without the study around them",
