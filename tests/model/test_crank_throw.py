@@ -1,7 +1,5 @@
 """A throw of a crankshaft: stiffness against a frame of beams in space, inertia against the motion of a piston."""
 
-import re
-
 import numpy as np
 import pytest
 
@@ -105,15 +103,18 @@ def test_a_chain_of_throws_is_the_chain_of_its_parts():
 @pytest.mark.parametrize(
     ("given", "what"),
     [
-        ({}, "a throw needs its stiffness, or, to calculate it, journal_diameter"),
-        (SHAPE | {"pin_length": None}, "a throw needs its stiffness, or, to calculate it, pin_length"),
-        (SHAPE | {"stiffness": 1e6}, "the stiffness is given; leave out journal_diameter"),
-        ({"stiffness": 1e6, "reciprocating_mass": 2}, "reciprocating_mass needs the crank_radius"),
-        ({"stiffness": 1e6, "rod_length": 0.2}, "rod_length needs the crank_radius"),
-        ({"stiffness": 1e6, "rod_length": 0.05, "crank_radius": 0.06}, "longer than the radius of the crank"),
-        (SHAPE | {"pin_bore": 0.08}, "the bore must be smaller than the diameter"),
+        ({}, r"elements\.throw: .*missing-entry"),
+        (SHAPE | {"pin_length": None}, r"elements\.throw: .*missing-entry"),
+        (SHAPE | {"stiffness": 1e6}, r"elements\.throw\.journal_diameter: .*needless-entry"),
+        ({"stiffness": 1e6, "reciprocating_mass": 2}, r"elements\.throw\.reciprocating_mass: .*missing-entry"),
+        ({"stiffness": 1e6, "rod_length": 0.2}, r"elements\.throw\.rod_length: .*missing-entry"),
+        (
+            {"stiffness": 1e6, "rod_length": 0.05, "crank_radius": 0.06},
+            r"elements\.throw\.rod_length: .*contradicting-values",
+        ),
+        (SHAPE | {"pin_bore": 0.08}, r"elements\.throw\.pin_bore: .*contradicting-values"),
     ],
 )
 def test_what_is_wrong_is_said(given, what):
-    with pytest.raises(tn.ModelError, match=re.escape(what)):
+    with pytest.raises(tn.ModelError, match=what):
         throw(**given)

@@ -1,6 +1,5 @@
 """Clutch, gearbox, final drive, tyre and vehicle against closed forms, and against the same things built of parts."""
 
-import re
 from functools import cache
 
 import numpy as np
@@ -102,21 +101,27 @@ class TestClutch:
         [
             (
                 {"state": "slipping", "torque": TABLE[1:]},
-                "needs its torque at slip 0: begin the rows there, or give slip_speed",
+                r"elements\.clutch\.torque\.0\.0: .*unfit-curve",
             ),
-            ({"state": "slipping", "torque": [[0, -1], [2, 1]]}, "the torque at slip 0 must not be negative"),
-            ({"state": "slipping", "torque": TABLE, "slip_speed": 0}, "one that sticks is closed"),
-            ({"state": "slipping", "slip_speed": 5}, "needs its torque over slip"),
-            ({"state": "slipping", "slip_speed": 31, "torque": TABLE}, "the table goes from 0 to 30; slip_speed is 31"),
-            ({"torque": TABLE, "friction": TABLE}, "give torque or friction, not both"),
-            ({"friction": TABLE}, "give friction and clamp_torque together"),
-            ({"damping": 3}, "a rigid disc has no damping"),
-            ({"torque": [[3, 1], [2, 1]]}, "the slip speed must increase from row to row"),
-            ({"state": "shut"}, "expected closed or open or slipping"),
+            ({"state": "slipping", "torque": [[0, -1], [2, 1]]}, r"elements\.clutch\.torque\.0\.1: .*unfit-curve"),
+            (
+                {"state": "slipping", "torque": TABLE, "slip_speed": 0},
+                r"elements\.clutch\.slip_speed: .*contradicting-values",
+            ),
+            ({"state": "slipping", "slip_speed": 5}, r"elements\.clutch\.state: .*missing-entry"),
+            (
+                {"state": "slipping", "slip_speed": 31, "torque": TABLE},
+                r"elements\.clutch\.slip_speed: .*contradicting-values",
+            ),
+            ({"torque": TABLE, "friction": TABLE}, r"elements\.clutch\.friction: .*contradicting-entries"),
+            ({"friction": TABLE}, r"elements\.clutch\.friction: .*missing-entry"),
+            ({"damping": 3}, r"elements\.clutch\.damping: .*missing-entry"),
+            ({"torque": [[3, 1], [2, 1]]}, r"elements\.clutch\.torque\.1\.0: .*unordered-rows"),
+            ({"state": "shut"}, r"elements\.clutch\.state: .*unknown-word"),
         ],
     )
     def test_what_is_wrong_is_said(self, entries, words):
-        with pytest.raises(tn.ModelError, match=re.escape(words)):
+        with pytest.raises(tn.ModelError, match=words):
             tn.Clutch("clutch", nodes=("a", "b"), **entries)
 
     def test_a_configuration_lets_it_slip(self):
@@ -191,13 +196,13 @@ class TestGearbox:
     @pytest.mark.parametrize(
         ("entries", "where", "words"),
         [
-            ("ratios: {I: 4, II: 2}, engaged: VI", "4:77", 'no gear of box is named "VI"; it has I, II and neutral'),
-            ("ratios: {I: 4, II: 0}, engaged: I", "4:64", "must not be zero"),
-            ("ratios: {I: 4, II: 3 kg}", "4:64", "is not a value of a plain number"),
-            ("engaged: I", "4:3", "give ratios or teeth, one of the two"),
-            ("ratios: {I: 4}, teeth: {I: [1, 4]}", "4:61", "not both"),
-            ("ratios: {I: 4}, wheel_inertias: {II: 4}", "4:78", 'no gear of box is named "II"'),
-            ("ratios: {I: 4}, damping: 4", "4:70", "rigid meshes have no damping"),
+            ("ratios: {I: 4, II: 2}, engaged: VI", "4:77", r":4:77: .*unknown-name"),
+            ("ratios: {I: 4, II: 0}, engaged: I", "4:64", r":4:64: .*out-of-range"),
+            ("ratios: {I: 4, II: 3 kg}", "4:64", r":4:64: .*wrong-unit"),
+            ("engaged: I", "4:3", r":4:3: .*missing-entry"),
+            ("ratios: {I: 4}, teeth: {I: [1, 4]}", "4:61", "contradicting-entries"),
+            ("ratios: {I: 4}, wheel_inertias: {II: 4}", "4:78", r":4:78: .*unknown-name"),
+            ("ratios: {I: 4}, damping: 4", "4:70", r":4:70: .*missing-entry"),
         ],
     )
     def test_what_is_wrong_is_said_where_it_stands(self, entries, where, words):
@@ -207,7 +212,7 @@ elements:
   box: {{type: gearbox, input: a, output: b, {entries}}}
   two: {{type: inertia, node: b, inertia: 3}}
 """
-        with pytest.raises(tn.ModelError, match=re.escape(words)) as caught:
+        with pytest.raises(tn.ModelError, match=words) as caught:
             tn.loads(text, file="box.yaml")
         assert f"box.yaml:{where}: error: " in str(caught.value)
 
@@ -246,16 +251,16 @@ class TestFinalDrive:
     @pytest.mark.parametrize(
         ("entries", "words"),
         [
-            ({}, "give ratio or teeth, one of the two"),
-            ({"ratio": 3, "teeth": (9, 31)}, "not both"),
-            ({"ratio": 3, "differential": "limited-slip"}, "has a slip_damping"),
-            ({"ratio": 3, "slip_damping": 3}, "no other has one"),
-            ({"ratio": 3, "damping": 3}, "a rigid mesh has no damping"),
-            ({"ratio": 3, "cage": "l"}, "must be on different nodes"),
+            ({}, r"elements\.axle: .*missing-entry"),
+            ({"ratio": 3, "teeth": (9, 31)}, "contradicting-entries"),
+            ({"ratio": 3, "differential": "limited-slip"}, r"elements\.axle\.differential: .*contradicting-entries"),
+            ({"ratio": 3, "slip_damping": 3}, r"elements\.axle\.slip_damping: .*contradicting-entries"),
+            ({"ratio": 3, "damping": 3}, r"elements\.axle\.damping: .*missing-entry"),
+            ({"ratio": 3, "cage": "l"}, r"elements\.axle\.pinion: .*same-node"),
         ],
     )
     def test_what_is_wrong_is_said(self, entries, words):
-        with pytest.raises(tn.ModelError, match=re.escape(words)):
+        with pytest.raises(tn.ModelError, match=words):
             tn.FinalDrive("axle", pinion="p", left="l", right="r", **entries)
 
 
@@ -300,15 +305,15 @@ class TestTyre:
     @pytest.mark.parametrize(
         ("entries", "words"),
         [
-            ({"stiffness": 5e3}, "a rolling tyre needs radius, slip_stiffness, speed; here is no radius and no slip"),
-            ({"state": "standing"}, "give stiffness or relaxation_length, one of the two"),
-            ({"stiffness": 5e3, "relaxation_length": 1}, "not both"),
-            ({"state": "standing", "relaxation_length": 1}, "needs radius, slip_stiffness"),
-            ({"stiffness": 5e3, "speed": "3 rpm"}, "is not a value of velocity; expected a unit such as m/s"),
+            ({"stiffness": 5e3}, r"elements\.tyre: .*missing-entry"),
+            ({"state": "standing"}, r"elements\.tyre: .*missing-entry"),
+            ({"stiffness": 5e3, "relaxation_length": 1}, "contradicting-entries"),
+            ({"state": "standing", "relaxation_length": 1}, r"elements\.tyre: .*missing-entry"),
+            ({"stiffness": 5e3, "speed": "3 rpm"}, r"elements\.tyre\.speed: .*wrong-unit"),
         ],
     )
     def test_what_is_wrong_is_said(self, entries, words):
-        with pytest.raises(tn.ModelError, match=re.escape(words)):
+        with pytest.raises(tn.ModelError, match=words):
             tn.Tyre("tyre", nodes=("rim", "road"), **entries)
 
 

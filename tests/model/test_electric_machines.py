@@ -1,7 +1,5 @@
 """Electric machines on a line: slopes of their torque laws, swings on a grid, loads of constant power."""
 
-import re
-
 import mpmath
 import numpy as np
 import pytest
@@ -79,20 +77,20 @@ class TestGridGenerator:
         [
             (
                 {"synchronising_coefficient": None},
-                "needs synchronising_coefficient, or emf, grid_voltage, reactance and",
+                r"elements\.generator: .*missing-entry",
             ),
-            ({"power": 0.5}, "the synchronising coefficient is given; leave out power"),
-            ({"speed": "3500 rpm"}, "no synchronous speed"),
-            ({"speed": "3500 rpm", "grid_frequency": "60 Hz"}, "nearest is 3600 rpm"),
-            ({"grid": "rotor"}, "give two different nodes"),
+            ({"power": 0.5}, r"elements\.generator\.power: .*needless-entry"),
+            ({"speed": "3500 rpm"}, r"elements\.generator\.speed: .*contradicting-values"),
+            ({"speed": "3500 rpm", "grid_frequency": "60 Hz"}, r"elements\.generator\.speed: .*contradicting-values"),
+            ({"grid": "rotor"}, "same-node"),
             (
                 {"synchronising_coefficient": None, "emf": 1, "grid_voltage": 1, "reactance": 0.5, "power": 2},
-                "power must be below emf*grid_voltage/reactance = 2 per unit",
+                r"elements\.generator\.power: .*out-of-range",
             ),
         ],
     )
     def test_what_is_wrong_is_said(self, changes, what):
-        with pytest.raises(tn.ModelError, match=re.escape(what)):
+        with pytest.raises(tn.ModelError, match=what):
             generator(**changes)
 
 
@@ -127,19 +125,19 @@ class TestSynchronousMachine:
     @pytest.mark.parametrize(
         ("changes", "what"),
         [
-            ({"pull_out_torque": None}, "needs its magnetic stiffness, or its pull_out_torque"),
-            ({"stiffness": 100}, "the stiffness is given; leave out pull_out_torque"),
-            ({"pole_pairs": None}, "needs the pole pairs"),
-            ({"torque": 500}, "falls out of step"),
-            ({"load_angle": "90 deg"}, "falls out of step"),
-            ({"torque": 300, "load_angle": "20 deg"}, "not both"),
-            ({"load_angle": "delta"}, "expressions have no cosine"),
-            ({"reluctance_torque": 100}, "salient poles need the load angle"),
-            ({"housing": "rotor"}, "give two different nodes"),
+            ({"pull_out_torque": None}, r"elements\.motor: .*missing-entry"),
+            ({"stiffness": 100}, r"elements\.motor\.pull_out_torque: .*needless-entry"),
+            ({"pole_pairs": None}, r"elements\.motor: .*missing-entry"),
+            ({"torque": 500}, "out-of-range"),
+            ({"load_angle": "90 deg"}, "out-of-range"),
+            ({"torque": 300, "load_angle": "20 deg"}, "contradicting-entries"),
+            ({"load_angle": "delta"}, r"elements\.motor\.load_angle: .*expression-not-allowed"),
+            ({"reluctance_torque": 100}, r"elements\.motor\.reluctance_torque: .*missing-entry"),
+            ({"housing": "rotor"}, "same-node"),
         ],
     )
     def test_what_is_wrong_is_said(self, changes, what):
-        with pytest.raises(tn.ModelError, match=re.escape(what)):
+        with pytest.raises(tn.ModelError, match=what):
             synchronous(**changes)
 
     def test_a_load_angle_past_the_peak_has_no_stiffness(self):
@@ -185,18 +183,18 @@ class TestInductionMachine:
     @pytest.mark.parametrize(
         ("changes", "what"),
         [
-            ({"breakdown_slip": None}, "needs breakdown_slip, or rated_torque and rated_slip"),
-            ({"rated_slip": 0.02}, "not both"),
-            ({"slip": 0.2, "time_constant": 0.05}, "beyond, leave it out"),
+            ({"breakdown_slip": None}, r"elements\.motor: .*missing-entry"),
+            ({"rated_slip": 0.02}, "contradicting-entries"),
+            ({"slip": 0.2, "time_constant": 0.05}, r"elements\.motor\.time_constant: .*needless-entry"),
             (
                 {"breakdown_slip": None, "rated_slip": 0.02, "rated_torque": 500},
-                "must not be above the breakdown torque",
+                r"elements\.motor\.rated_torque: .*out-of-range",
             ),
-            ({"housing": "rotor"}, "give two different nodes"),
+            ({"housing": "rotor"}, "same-node"),
         ],
     )
     def test_what_is_wrong_is_said(self, changes, what):
-        with pytest.raises(tn.ModelError, match=re.escape(what)):
+        with pytest.raises(tn.ModelError, match=what):
             induction(**changes)
 
 

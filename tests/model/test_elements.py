@@ -1,6 +1,5 @@
 """One contract for every element type."""
 
-import re
 from dataclasses import replace
 from fractions import Fraction
 
@@ -119,25 +118,37 @@ def test_teeth_of_opposite_sign_turn_the_sense():
 @pytest.mark.parametrize(
     ("make", "words"),
     [
-        (lambda: tn.Gear("g", nodes=("a", "b")), "give ratio or teeth"),
-        (lambda: tn.Gear("g", nodes=("a", "b"), ratio=2, teeth=(1, 2)), "not both"),
-        (lambda: tn.Gear("g", nodes=("a", "b"), ratio=2, damping=3), "rigid mesh has no damping"),
-        (lambda: tn.Gear("g", nodes=("a", "ground"), ratio=2), "use a lock"),
-        (lambda: tn.Planetary("g", sun="a", ring="a", carrier="b", ratio=2), "three different nodes"),
-        (lambda: tn.Planetary("g", sun="a", ring="b", carrier="c", teeth=(60, 30)), "more teeth"),
-        (lambda: tn.Spring("s", nodes=("a", "a"), stiffness=1), "both ends are on node"),
-        (lambda: tn.Spring("s", nodes="ab", stiffness=1), "two nodes"),
-        (lambda: tn.Spring("s", nodes=("a", "b"), stiffness=1, damping={"zeta": 0.1}), "stated frequency"),
-        (lambda: tn.Spring("s", nodes=("a", "b"), stiffness=1, damping={"zata": 0.1, "at": 1}), 'did you mean "zeta"'),
-        (lambda: tn.Inertia("1j", node="a", inertia=1), "not a valid name"),
-        (lambda: tn.Inertia("j", node="ground", inertia=1), "ground does not move"),
-        (lambda: tn.Inertia("j", node="a", inertia="3 kg*m"), "kg*m^2"),
-        (lambda: tn.Inertia("j", node="a", inertia=True), "number"),
-        (lambda: tn.TabulatedSpring("t", nodes=("a", "b"), table=[[2, 1, 0], [1, 1, 0]]), "increase"),
+        (lambda: tn.Gear("g", nodes=("a", "b")), r"elements\.g: .*missing-entry"),
+        (lambda: tn.Gear("g", nodes=("a", "b"), ratio=2, teeth=(1, 2)), r"elements\.g\.teeth: .*contradicting-entries"),
+        (lambda: tn.Gear("g", nodes=("a", "b"), ratio=2, damping=3), r"elements\.g\.damping: .*missing-entry"),
+        (lambda: tn.Gear("g", nodes=("a", "ground"), ratio=2), r"elements\.g\.nodes: .*grounded-node"),
+        (lambda: tn.Planetary("g", sun="a", ring="a", carrier="b", ratio=2), r"elements\.g: .*same-node"),
+        (
+            lambda: tn.Planetary("g", sun="a", ring="b", carrier="c", teeth=(60, 30)),
+            r"elements\.g\.teeth: .*contradicting-values",
+        ),
+        (lambda: tn.Spring("s", nodes=("a", "a"), stiffness=1), r"elements\.s\.nodes\.1: .*same-node"),
+        (lambda: tn.Spring("s", nodes="ab", stiffness=1), r"elements\.s\.nodes: .*not-two-nodes"),
+        (
+            lambda: tn.Spring("s", nodes=("a", "b"), stiffness=1, damping={"zeta": 0.1}),
+            r"elements\.s\.damping: .*missing-entry",
+        ),
+        (
+            lambda: tn.Spring("s", nodes=("a", "b"), stiffness=1, damping={"zata": 0.1, "at": 1}),
+            r"elements\.s\.damping\.zata: .*unknown-word",
+        ),
+        (lambda: tn.Inertia("1j", node="a", inertia=1), r"elements\.1j: .*invalid-name"),
+        (lambda: tn.Inertia("j", node="ground", inertia=1), r"elements\.j\.node: .*grounded-node"),
+        (lambda: tn.Inertia("j", node="a", inertia="3 kg*m"), r"elements\.j\.inertia: .*wrong-unit"),
+        (lambda: tn.Inertia("j", node="a", inertia=True), r"elements\.j\.inertia: .*not-a-number"),
+        (
+            lambda: tn.TabulatedSpring("t", nodes=("a", "b"), table=[[2, 1, 0], [1, 1, 0]]),
+            r"elements\.t\.table\.1\.0: .*unordered-rows",
+        ),
     ],
 )
 def test_contradictions_are_named(make, words):
-    with pytest.raises(tn.ModelError, match=re.escape(words)):
+    with pytest.raises(tn.ModelError, match=words):
         make()
 
 

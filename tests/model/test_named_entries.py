@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from support.faults import faults_of
 
 import torsionnet as tn
 from torsionnet.base.errors import ModelError
@@ -80,20 +81,18 @@ def test_what_was_chosen_stays(chain):
 
 
 @pytest.mark.parametrize(
-    ("name", "told"),
+    ("name", "kind"),
     [
-        ("shaft.damping", '"shaft.damping" follows from parameters, it is "c/2"; vary c'),
-        ("shaft.stifness", 'no value of shaft is named "stifness"; did you mean "stiffness"'),
-        ("disc.damping", 'no value of disc is named "damping"'),
-        ("shaft.outer_diameter", "shaft has no outer_diameter in the model; give it a value there"),
-        ("shaft.nodes", 'no value of shaft is named "nodes"'),
-        ("sahft.stiffness", 'no parameter is named "sahft.stiffness"'),
+        ("shaft.damping", "unknown-parameter"),
+        ("shaft.stifness", "unknown-name"),
+        ("disc.damping", "unknown-name"),
+        ("shaft.outer_diameter", "missing-entry"),
+        ("shaft.nodes", "unknown-name"),
+        ("sahft.stiffness", "unknown-parameter"),
     ],
 )
-def test_what_cannot_vary(chain, name, told):
-    with pytest.raises(ModelError) as error:
-        define(chain, {name: FIVE}, FIRST, sampling={"count": 10})
-    assert told in str(error.value)
+def test_what_cannot_vary(chain, name, kind):
+    assert faults_of(lambda: define(chain, {name: FIVE}, FIRST, sampling={"count": 10})) == [(kind, ("vary", name))]
 
 
 def test_impossible_values_are_refused_as_those_of_parameters(chain):

@@ -1,7 +1,5 @@
 """Configurations that change entries of elements."""
 
-import re
-
 import numpy as np
 import pytest
 
@@ -83,20 +81,20 @@ excitations: {stage: {type: harmonic, node: m, orders: {1: {amplitude: 1 N*m}}}}
 @pytest.mark.parametrize(
     ("entry", "where", "words"),
     [
-        ("stoge.ratio: 2", "14:10", 'no element, excitation or scenario is named "stoge"; did you mean "stage"?'),
-        ("stage.rotio: 2", "14:10", 'no entry of stage is named "rotio"; did you mean "ratio"?'),
-        ("stage.ratio: 2 kg", "14:23", '"2 kg" is not a value of a plain number'),
-        ("stage.ratio: i_3", "14:23", 'no parameter is named "i_3"; did you mean "i_2"?'),
-        ("stage.ratio: k", "14:23", '"k" has the dimension of'),
-        ("stage.ratio: 0", "14:23", "must not be zero"),
-        ("stage.teeth: [17, 61]", "14:10", "give ratio or teeth, not both"),
-        ("stage.nodes: [m, h]", "14:10", "a configuration does not move stage to other nodes"),
-        ("stage.enabled: false", "14:10", "write on: [stage] or off: [stage] to switch an element"),
-        ("stage.damping: 2", "14:25", "a rigid mesh has no damping"),
+        ("stoge.ratio: 2", "14:10", r":14:10: .*unknown-element"),
+        ("stage.rotio: 2", "14:10", r":14:10: .*unknown-name"),
+        ("stage.ratio: 2 kg", "14:23", r":14:23: .*wrong-unit"),
+        ("stage.ratio: i_3", "14:23", r":14:23: .*unknown-parameter"),
+        ("stage.ratio: k", "14:23", r":14:23: .*wrong-unit"),
+        ("stage.ratio: 0", "14:23", r":14:23: .*out-of-range"),
+        ("stage.teeth: [17, 61]", "14:10", r":14:10: .*contradicting-entries"),
+        ("stage.nodes: [m, h]", "14:10", r":14:10: .*fixed-entry"),
+        ("stage.enabled: false", "14:10", r":14:10: .*fixed-entry"),
+        ("stage.damping: 2", "14:25", r":14:25: .*missing-entry"),
     ],
 )  # fmt: skip
 def test_what_is_wrong_is_said_where_it_stands(entry, where, words):
-    with pytest.raises(tn.ModelError, match=re.escape(words)) as caught:
+    with pytest.raises(tn.ModelError, match=words) as caught:
         rig(entry)
     assert f"rig.yaml:{where}: error: " in str(caught.value)
 

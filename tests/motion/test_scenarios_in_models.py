@@ -1,7 +1,5 @@
 """Scenarios in models: configurations change them, parts stand beside them, Python and files give the same."""
 
-import re
-
 import numpy as np
 import pytest
 import scipy
@@ -74,17 +72,17 @@ def test_a_configuration_changes_entries_of_a_scenario(tmp_path):
 @pytest.mark.parametrize(
     ("entry", "marked", "words"),
     [
-        ("stop.duration: 1 s", "stop.", 'no element, excitation or scenario is named "stop"; did you mean "step"?'),
-        ("step.durations: 1 s", "step.d", 'no entry of step is named "durations"; did you mean "duration"?'),
-        ("step.duration: 1 kg", "1 kg", "not a value of time"),
-        ("step.torque: {b: 1 N*m}", "step.torque", 'no node is named "b"'),
-        ("step.torque: {a: T_2}", "T_2", 'no parameter is named "T_2"; did you mean "T_1"?'),
-        ("scenarios.step: {}", "scenarios.", "a configuration does not change entries of scenarios:"),
+        ("stop.duration: 1 s", "stop.", r":10:97: .*unknown-element"),
+        ("step.durations: 1 s", "step.d", r":10:97: .*unknown-name"),
+        ("step.duration: 1 kg", "1 kg", r":10:112: .*wrong-unit"),
+        ("step.torque: {b: 1 N*m}", "step.torque", r":10:97: .*unknown-node"),
+        ("step.torque: {a: T_2}", "T_2", r":10:114: .*unknown-parameter"),
+        ("scenarios.step: {}", "scenarios.", r":10:97: .*fixed-entry"),
     ],
 )
 def test_what_a_configuration_changes_wrongly_has_its_place(entry, marked, words):
     line = next(line for line in RIG.replace("ENTRY", entry).splitlines() if line.startswith("configurations"))
-    with pytest.raises(tn.ModelError, match=re.escape(words)) as caught:
+    with pytest.raises(tn.ModelError, match=words) as caught:
         rig(entry)
     assert f"rig.yaml:10:{line.index(marked, line.index('other')) + 1}: " in str(caught.value)
 

@@ -74,7 +74,7 @@ class StageQuantity(PhysicalQuantity):
         value = super().coerce(raw)
         reason = self.bound_fault(float(value.value)) if isinstance(value, Number) else None
         if reason:
-            raise EntryError(f"{reason}, {got(raw)}", kind="wrong-form")
+            raise EntryError(f"{reason}, {got(raw)}", kind="out-of-range")
         return value
 
 

@@ -112,7 +112,7 @@ def _mesh_faults(element: Any) -> list[Fault]:
         "backlash": "teeth with backlash meet with a stiffness; give the mesh a stiffness too",
     }
     return [
-        Fault(text, (name,), kind="out-of-range")
+        Fault(text, (name,), kind="missing-entry")
         for name, text in reasons.items()
         if getattr(element, name) is not None
     ]
