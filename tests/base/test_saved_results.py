@@ -113,7 +113,7 @@ def test_wrong_files_are_told(tmp_path):
         tn.Modes.from_json("{}")
     with pytest.raises(tn.UsageError, match="wrong-file"):
         tn.Modes.from_json("{modes")
-    with pytest.raises(tn.UsageError, match="unreadable-file"):
+    with pytest.raises(tn.UsageError, match="missing-file"):
         tn.Modes.from_json(tmp_path / "none.json")
     data = json.loads(rig.modes().to_json())
     with pytest.raises(tn.UsageError, match="wrong-file"):

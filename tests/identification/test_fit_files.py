@@ -180,7 +180,7 @@ def test_searches_begin_at_a_thousand_places_at_most(plan):
 
 
 def test_no_file(tmp_path):
-    with pytest.raises(UsageError, match="unreadable-file"):
+    with pytest.raises(UsageError, match="missing-file"):
         load_fit_plan(tmp_path / "none.yaml", lambda _: RESPONSE)
 
 

@@ -256,6 +256,16 @@ class UsageError(FaultyValueError):
     exit_code = 2
 
 
+def unreadable_file(file: object, error: OSError) -> UsageError:
+    """Error of a file that is not there, or cannot be read.
+
+    >>> unreadable_file("rig.yaml", FileNotFoundError(2, "No such file or directory")).kind
+    'missing-file'
+    """
+    kind = "missing-file" if isinstance(error, FileNotFoundError) else "unreadable-file"
+    return UsageError(f"{file} cannot be read: {error.strerror or error}", kind=kind)
+
+
 class SolveError(TorsionnetError, ArithmeticError):
     """Error of a calculation that has no solution, or none that can be trusted."""
 

@@ -20,7 +20,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Annotated, Any, TypeVar, Union, get_args, get_origin, get_type_hints
 
-from torsionnet.base.errors import UsageError
+from torsionnet.base.errors import UsageError, unreadable_file
 from torsionnet.base.notes import Note, NoteOrText
 
 CLASS = "result"
@@ -68,7 +68,7 @@ def json_object(source: str | os.PathLike[str]) -> tuple[str, dict[str, Any]]:
     try:
         data = json.loads(str(source) if is_text else Path(source).read_text(encoding="utf-8"))
     except OSError as error:
-        raise UsageError(f"{name} cannot be read: {error.strerror}", kind="unreadable-file") from None
+        raise unreadable_file(name, error) from None
     except ValueError as error:
         raise UsageError(f"{name} is no JSON text: {error}", kind="wrong-file") from None
     return name, data if isinstance(data, dict) else {}

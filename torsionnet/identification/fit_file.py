@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from torsionnet.base.entries.declared import version_faults
-from torsionnet.base.errors import Fault, ModelError, UsageError, did_you_mean, fault_of
+from torsionnet.base.errors import Fault, ModelError, UsageError, did_you_mean, fault_of, unreadable_file
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.identification.orders.order_lines import OrderData, faults_of_orders, read_order_data, shows_phases
 from torsionnet.identification.orders.parametric_orders import numbers_of_excitations
@@ -63,7 +63,7 @@ def load_fit_plan(path: str | os.PathLike[str], read_response: ReadResponse, *, 
     try:
         document = compose(decode(file.read_bytes(), str(file)).removeprefix("\ufeff"), str(file))
     except OSError as error:
-        raise UsageError(f"{file} cannot be read: {error.strerror or error}", kind="unreadable-file") from None
+        raise unreadable_file(file, error) from None
     except ModelError as error:
         raise ModelError(presentable_faults(error.faults), file.name) from None
     reader = _Reader(document, file, read_response)

@@ -22,7 +22,7 @@ from torsionnet.base.entries.composite import Listed, Named, Nested
 from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.plain_numbers import PlainNumber, PlainNumbers
 from torsionnet.base.entries.spec import Count, Flag, Text, entry
-from torsionnet.base.errors import Fault, ModelError, UsageError
+from torsionnet.base.errors import Fault, ModelError, UsageError, unreadable_file
 from torsionnet.base.packages import UNSAVED, SavedResult
 from torsionnet.base.result_rows import NUMBER_ROWS, Out
 from torsionnet.base.table import Column, Table
@@ -307,7 +307,7 @@ def read_fit(path: str | os.PathLike[str]) -> FitResult:
     try:
         text = decode(file.read_bytes(), str(file))
     except OSError as error:
-        raise UsageError(f"{file} cannot be read: {error.strerror or error}", kind="unreadable-file") from None
+        raise unreadable_file(file, error) from None
     document = compose(text, str(file))
     data = document.data
     if not isinstance(data, dict) or str(data.get(VERSION_KEY)) != str(FIT_FORMAT_VERSION):

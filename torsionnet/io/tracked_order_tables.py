@@ -15,7 +15,7 @@ import numpy as np
 
 from torsionnet.base.atomic import write_text
 from torsionnet.base.delimited.dialect import detect_encoding
-from torsionnet.base.errors import Fault, ModelError, Position, UsageError
+from torsionnet.base.errors import Fault, ModelError, Position, UsageError, unreadable_file
 from torsionnet.base.notes import Note, NoteOrText, note_data, stored_note
 from torsionnet.base.units import RPM, UnitError, convert
 from torsionnet.linear.frequency_response import Channel
@@ -213,7 +213,7 @@ def _read(file: Path) -> tuple[dict[str, str], list[str], list[tuple[int, list[s
     try:
         lines = file.read_text(encoding=detect_encoding(file), errors="replace").splitlines()
     except OSError as error:
-        raise UsageError(f"cannot read {file}: {error.strerror}", kind="unreadable-file") from None
+        raise unreadable_file(file, error) from None
     heads: dict[str, str] = {}
     notes: list[str] = []
     rows: list[tuple[int, list[str]]] = []
@@ -410,7 +410,7 @@ def _cells(path: Path) -> list[list[str]]:
     try:
         text = path.read_text(encoding=detect_encoding(path), errors="replace")
     except OSError as error:
-        raise UsageError(f"cannot read {path}: {error.strerror}", kind="unreadable-file") from None
+        raise unreadable_file(path, error) from None
     return list(csv.reader(line for line in text.splitlines() if line.strip() and line[0] != "#"))
 
 

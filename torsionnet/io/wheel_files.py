@@ -16,7 +16,7 @@ from torsionnet.base.atomic import write_text
 from torsionnet.base.entries.composite import Listed, Named, Nested, PairOf
 from torsionnet.base.entries.declared import FORMAT_VERSION, KEY, Declared, version_faults
 from torsionnet.base.entries.spec import Count, EntryError, Flag, OneOf, Schema, Spec, Text, entry
-from torsionnet.base.errors import Fault, ModelError, UsageError, got
+from torsionnet.base.errors import Fault, ModelError, UsageError, got, unreadable_file
 from torsionnet.model.files.library import decode
 from torsionnet.model.files.located_yaml import compose
 from torsionnet.model.files.reader import located_faults, presentable_faults
@@ -152,7 +152,7 @@ def read_wheel_pattern(path: str | os.PathLike[str]) -> WheelPattern:
     try:
         document = compose(decode(file.read_bytes(), str(file)).removeprefix("\ufeff"), str(file))
     except OSError as error:
-        raise UsageError(f"{file} cannot be read: {error.strerror or error}", kind="unreadable-file") from None
+        raise unreadable_file(file, error) from None
     except ModelError as error:
         raise ModelError(presentable_faults(error.faults), file.name) from None
     if not isinstance(document.data, dict):
@@ -216,7 +216,7 @@ def read_wheels(path: str | os.PathLike[str]) -> dict[str, WheelOfTest]:
     try:
         document = compose(decode(file.read_bytes(), str(file)).removeprefix("\ufeff"), str(file))
     except OSError as error:
-        raise UsageError(f"{file} cannot be read: {error.strerror or error}", kind="unreadable-file") from None
+        raise unreadable_file(file, error) from None
     except ModelError as error:
         raise ModelError(presentable_faults(error.faults), file.name) from None
     wheels, faults = WHEELS.read(document.data)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from torsionnet.base.entries.declared import version_faults
 from torsionnet.base.entries.spec import Json
-from torsionnet.base.errors import Fault, ModelError, UsageError, did_you_mean
+from torsionnet.base.errors import Fault, ModelError, UsageError, did_you_mean, unreadable_file
 from torsionnet.base.packages import NotebookResult
 from torsionnet.base.table import Column, Table
 from torsionnet.drivetrain import Drivetrain
@@ -306,7 +306,7 @@ def _document(file: Path) -> LocatedDocument:
     except ModelError as error:
         raise ModelError(presentable_faults(error.faults), file.name) from None
     except OSError as error:
-        raise UsageError(f"{file} cannot be read: {error.strerror or error}", kind="unreadable-file") from None
+        raise unreadable_file(file, error) from None
 
 
 def _model(name: str, folder: Path) -> tuple[Drivetrain | None, list[Fault]]:

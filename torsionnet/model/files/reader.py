@@ -23,6 +23,7 @@ from torsionnet.base.errors import (
     did_you_mean,
     nearest,
     question,
+    unreadable_file,
 )
 from torsionnet.base.packages import gc_paused
 from torsionnet.base.phrases import phrase
@@ -209,7 +210,7 @@ def read_file(path: str | os.PathLike[str], further: Further | None = None) -> t
     try:
         raw = found.read_bytes()
     except OSError as error:
-        raise UsageError(f"{found} cannot be read: {error.strerror or error}", kind="unreadable-file") from None
+        raise unreadable_file(found, error) from None
     try:
         text = decode(raw, str(found))
     except ModelError as error:
