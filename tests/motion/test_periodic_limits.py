@@ -179,3 +179,14 @@ def test_orders_without_a_short_period_in_common_are_refused():
         UsageError, match=r"(?s)orders 0.137, 1 have a period in common only after 1000 turns.*no-period"
     ):
         rig.periodic_response("a", speeds=[9.0], speed_of="a")
+
+
+def test_loads_that_follow_the_mean_speed_are_refused():
+    fan = tn.Propeller("fan", node="a", inertia=0.1, exponent=2, torque="10 N*m", speed="30 rad/s")
+    elements = [
+        fan,
+        tn.Inertia("rotor", node="b", inertia=1),
+        tn.Spring("spring", nodes=("a", "b"), stiffness=100, cubic=900, damping=1),
+    ]
+    with pytest.raises(UsageError, match=r"(?s)fan: its torque follows the mean speed.*unsupported-law"):
+        tn.Drivetrain("fan", elements).periodic_response("a", frequencies=[2.0], excitation={"b": 5})

@@ -6,18 +6,15 @@ from math import pi
 
 import numpy as np
 import pytest
-from support.periodic_rigs import branch_over, duffing, gear_pair, problem, rubbing_mass, swing, two_stage_rig
+from support.periodic_rigs import branch_over, duffing, problem, swing, two_stage_rig
 
 import torsionnet as tn
 from torsionnet.base.errors import UsageError
 from torsionnet.base.expressions import FLOAT
-from torsionnet.linear.dynamic_stiffness.transfer_request import resolve_request
 from torsionnet.model.channels import Input
 from torsionnet.model.elements import MotionLaw, Values
 from torsionnet.model.motion_laws.describing_functions import describing_function, slider_describing_function
 from torsionnet.motion.periodic.condensed import CondensedPlant
-from torsionnet.motion.periodic.periodic_problem import peak_to_peak
-from torsionnet.motion.periodic.starts import from_rest
 
 SWING = 1e-5
 """Share of a swing to which the harmonics chosen have to give it."""
@@ -44,23 +41,6 @@ def test_mass_on_a_cubic_spring_folds_twice_and_has_three_motions_between():
         _close(found, wanted, 1e-8)  # what is printed: 24 harmonics of a cubic spring leave out nothing
 
 
-def test_flywheel_of_two_stages_has_one_to_three_swings():
-    one = problem(two_stage_rig(), {"motor": [40, 60]}, 25)
-    branch = branch_over(one, 25, 3.5)
-    folds = {fold.motion.parameter: fold.kind for fold in branch.folds()}
-    for found, wanted in zip(sorted(folds), (4.4822400, 4.6295254, 10.7001659, 11.9120877), strict=True):
-        _close(found, wanted)
-    for frequency, swings in (
-        (10, [0.73213888]),
-        (11, [0.28332701, 0.46625248, 1.05091845]),
-        (6.8, [0.38880600]),
-        (4.55, [0.36518296, 0.37959069, 0.42562942]),
-    ):
-        found = sorted(float(np.ptp(swing(one, motion))) for motion in branch.at(frequency))
-        for ours, wanted in zip(found, swings, strict=True):
-            _close(ours, wanted)
-
-
 def test_few_harmonics_miss_a_swing_by_what_is_known():
     one = problem(two_stage_rig(), {"motor": [40, 60]}, 25)
     branch = branch_over(one, 25, 3.5, harmonics=1)
@@ -76,47 +56,6 @@ def test_few_harmonics_miss_a_swing_by_what_is_known():
             _close(ours, wanted, 1e-7)
         if frequency == 10:
             _close(float(found[0].x[0, 0].real), 0.03135998, 1e-6)
-
-
-def test_gear_pair_in_a_dead_zone_and_its_fold_beyond_grazing():
-    one = problem(gear_pair(), {"x": [0.1, 0.032]}, 1.5, hertz=False)
-    branch = branch_over(one, 1.5, 0.55)
-    lower, upper = sorted(fold.motion.parameter for fold in branch.folds())
-    _close(lower, 0.61151368)
-    _close(upper, 0.84100728)
-    expected = {
-        0.8: [(0.76157005, 1.33300931), (0.92125862, 1.26666619), (1.01322782, 1.18677218)],
-        0.7: [(0.61891971, 1.38635167), (0.77097848, 1.34631129), (1.03783780, 1.16216220)],
-    }
-    for frequency, swings in expected.items():
-        for ours, wanted in zip(sorted(swing(one, each) for each in branch.at(frequency)), swings, strict=True):
-            _close(ours[0], wanted[0])
-            _close(ours[1], wanted[1])
-
-
-@pytest.mark.parametrize(
-    ("force", "frequency", "amplitude"),
-    [(0.5, 15.79710, 0.014137210), (3, 13.15039, 0.027808712), (10, 10.10376, 0.52849625)],
-)
-def test_friction_behind_a_spring_has_its_largest_swing(force, frequency, amplitude):
-    one = problem(rubbing_mass(), {"x": [0, force]}, frequency)
-    reading = resolve_request(one.plant.placed.drivetrain, "x", "x", None).outputs
-    (start,) = from_rest(one, frequency)
-
-    def size(at: float) -> float:
-        found = one.solve(at, start.x, harmonics=151)
-        low, high = peak_to_peak(one.readings(found, reading)[:, 0])
-        return (high - low) / 2
-
-    # A parabola through three points next to a flat maximum.
-    step = 2e-3 * frequency
-    left, middle, right = (size(frequency + way * step) for way in (-1, 0, 1))
-    bend = left - 2 * middle + right
-    assert abs(step * (left - right) / (2 * bend)) < 2e-4 * frequency
-    _close(size(frequency), amplitude, 1e-6)
-    (chosen,) = [one.solve(frequency, start.x)]
-    low, high = peak_to_peak(one.readings(chosen, reading)[:, 0])
-    _close((high - low) / 2, amplitude, 1e-6)
 
 
 def _curve(element: tn.Spring):

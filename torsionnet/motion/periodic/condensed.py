@@ -25,6 +25,7 @@ from torsionnet.linear.assembly.law_stiffness import Functional
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.model.channels import Input
 from torsionnet.model.elements import MotionLaw
+from torsionnet.model.motion_laws.describing_functions import has_steps
 from torsionnet.model.motion_laws.piece_curve import PieceCurve, Slope
 from torsionnet.model.motion_laws.smooth_curves import CubicCurve
 from torsionnet.motion.motion_plant import PlacedLaw, motion_plant, placed_plant
@@ -185,12 +186,19 @@ class CondensedPlant:
             rest = float(over[worst] / np.abs(free[:, worst]).max())
             text = "the mean torques do not balance on what turns freely: {rest:.6g} N m are left; give the load"
             raise UsageError(phrase(text, rest=rest), kind="unbalanced-torques")
-        if np.abs(self.rows @ free).max(initial=0.0) > FREE:
-            names = [
-                one.owner for one, row in zip(self.laws, self.rows @ free, strict=True) if np.abs(row).max() > FREE
-            ]
+        turned = [
+            one for one, row in zip(self.laws, self.rows @ free, strict=True) if np.abs(row).max(initial=0.0) > FREE
+        ]
+        if turned:
+            names, loads = (
+                ", ".join(one.owner for one in turned),
+                [one for one in turned if not has_steps(one.law.curve)],
+            )
             text = "friction alone holds the mean twist here; give a spring beside it"
-            raise UsageError(f"{', '.join(names)}: {text}", kind="indeterminate-motion")
+            if loads:
+                text = "its torque follows the mean speed of what turns freely, which periodic motion does not work out"
+                text += "; give its mean torque and its damping at the speed instead, or use simulate"
+            raise UsageError(f"{names}: {text}", kind="unsupported-law" if loads else "indeterminate-motion")
 
     def spring_before(self, law: int, highest: float) -> float:
         """Stiffness in N m/rad of the spring through which a law moves what has no inertia, else 0.
