@@ -86,6 +86,25 @@ def test_orders_are_those_of_the_periodic_response(rattle):
     assert rattle.motions.table().rows == found.table().rows
 
 
+def test_branches_are_followed_once_for_all_outputs(monkeypatch):
+    from torsionnet.motion.periodic import periodic_response
+
+    followed, follow = [], periodic_response.all_branches
+    monkeypatch.setattr(periodic_response, "all_branches", lambda *asked: followed.append(1) or follow(*asked))
+    rig = rattling(speeds={"of": "a", "list": ["2950 rpm", "3000 rpm"], "nonlinear": "periodic"})
+    twist, torque = rig.order_response("twist(gap)"), rig.order_response("torque(gap)", speeds=[3000 * RPM])
+    assert len(followed) == 1
+    # from nothing in the gap of 2 deg to 8000 N m/rad times what the twist is beyond
+    _close(float(torque.peak_to_peak[0, 0]), 8000 * (0.02633979 - pi / 180))
+    stronger = {"shaker": {"type": "harmonic", "node": "a", "orders": {1: {"amplitude": "41 N*m"}}}}
+    other = tn.Drivetrain(
+        "rattling", list(rig.elements.values()), excitations=stronger,
+        operating_point={"torque": {"a": "25 N*m", "b": "-25 N*m"}}, speeds={"of": "a", "list": ["2950 rpm", "3000 rpm"]},
+    )  # fmt: skip
+    assert other.order_response("twist(gap)", nonlinear="periodic").half_range[1, 0] > twist.half_range[1, 0]
+    assert len(followed) == 2
+
+
 def test_model_says_how_laws_act_and_an_argument_overrules_it():
     speeds = {"of": "a", "list": ["3000 rpm"], "nonlinear": "periodic"}
     rig = rattling(speeds=speeds)

@@ -49,6 +49,7 @@ from torsionnet.model.elements import Element, Law, Part, Values
 from torsionnet.model.elements.dampers import ViscousDamper
 from torsionnet.model.elements.rigid import Inertia, RigidCoupling
 from torsionnet.model.model import Model
+from torsionnet.model.operating_values import running_notes
 
 DEFAULT_BOUNDS_FACTOR = 10.0
 """Factor on a parameter's value for the default bounds of a damper design, a tenth to ten times the value."""
@@ -148,7 +149,7 @@ def damper_design(
         tuple(_curve(levels, label, values) for label, values in cases.items()),
         _fixed_points(levels, free, locked, films) if damping.any() and input is not None else (),
         drivetrain.title,
-        range_notes(drivetrain.assembly, levels.frequencies),
+        (*running_notes(drivetrain.definition), *range_notes(drivetrain.assembly, levels.frequencies)),
         drivetrain.configuration,
     )
 

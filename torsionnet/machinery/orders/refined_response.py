@@ -74,11 +74,12 @@ class ExaminedSpeeds:
         speed_of: str | None = None,
         excitations: Iterable[str] | None = None,
         refine: bool | None = None,
-        nonlinear: str | None = None,
+        nonlinear: str | None = "linear",
     ) -> ExaminedSpeeds:
         """Speeds in rad/s to examine, taken from the arguments of an order response and else from the model.
 
-        ``refine`` None: speeds are added between them unless the model lists speeds.
+        ``refine`` None: speeds are added between them unless the model lists speeds. ``nonlinear`` None: as the model
+        says.
         """
         given = drivetrain.definition.speeds
         is_list = speeds is None and given is not None and bool(given.list)
