@@ -17,7 +17,7 @@ from support.written_models import FIT_OF_TWO_DISCS, TWO_DISCS, TWO_FANS
 import torsionnet as tn
 from torsionnet.app.cli.output import OUTPUTS
 from torsionnet.io import write_frequency_response, write_recording
-from torsionnet.signals.recording import Recording
+from torsionnet.signals.recording import Recording, Signal
 
 
 @pytest.fixture(scope="module")
@@ -57,6 +57,9 @@ def folder(tmp_path_factory):
         lines = (f"{a:.2f},{np.cos(60 * a):.6g},20" for a in t)
         Path("turning.csv").write_text("time [s],T [N*m],n [rad/s]\n" + "\n".join(lines), encoding="utf-8")
         write_recording(stage_record(1), "loops.npz")
+        twist = np.where(t < 2.5, 0.05, 0.2) * np.sin(20 * t)
+        steps = (Signal("T", "torque", 460 * twist), Signal("twist", "angle", twist))
+        write_recording(Recording(steps, 100), "steps.npz")
         Path("fan").mkdir()
         Path("fan", "fan.yaml").write_text(STEADY_FAN, encoding="utf-8")
         Path("fan", "campaign.yaml").write_text(CAMPAIGN, encoding="utf-8")
@@ -83,7 +86,7 @@ torsionnet: 1
 elements:
   rotor: {type: inertia, node: a, inertia: 0.5}
   gap: {type: clearance, nodes: [a, ground], gap: 0.2, stiffness: 1e4, damping: 1}
-sensors: {T: {torque: gap}}
+sensors: {T: {torque: gap}, twist: {twist: gap}}
 scenarios:
   push: {type: torques, duration: 0.3 s, rate: 1 kHz, torque: {a: 5 N*m}}
 """
@@ -125,8 +128,14 @@ CALLS = {
         "damper dmf_rig --vary c_2 --output theta_1 --input T_T --band 1 30",
     ],
     "show": ["show dmf_rig", "show dmf_rig --equations --matrices"],
-    "estimate": ["estimate run_soft.npz --output phi --input M"],
-    "compare": ["compare run_soft.npz rig.yaml -c soft --output phi --input M"],
+    "estimate": [
+        "estimate run_soft.npz --output phi --input M",
+        "estimate steps.npz --output T --input twist --stepped",
+    ],
+    "compare": [
+        "compare run_soft.npz rig.yaml -c soft --output phi --input M",
+        "compare steps.npz gap.yaml --output T --input twist --stepped",
+    ],
     "simulate": ["simulate turbine_generator_ssr two_phases --sampling-rate 2kHz", "simulate gap.yaml push --check"],
     "periodic": ["periodic cubic.yaml --output a --frequencies 0.18:0.2:0.01 --torque a=0,0.18"],
     "spectrogram": ["spectrogram run_soft.npz --channel phi"],

@@ -34,8 +34,8 @@ def test_estimate_gives_stiffness_over_amplitude(files):
     answer = runner().invoke(app, ["estimate", files[0], "--output", "T", "--input", "gamma", "--stepped", "--json"])
     found = json.loads(answer.stdout)
     assert found["amplitude_rad"] == pytest.approx([0.05, 0.2], rel=1e-6)
-    assert found["k1"] == pytest.approx([460, 756.147], rel=1e-3)
-    assert found["k2"] == pytest.approx([0.5 * 2 * np.pi * 4] * 2, rel=2e-3)
+    assert found["k1_Nm_per_rad"] == pytest.approx([460, 756.147], rel=1e-3)
+    assert found["k2_Nm_per_rad"] == pytest.approx([0.5 * 2 * np.pi * 4] * 2, rel=2e-3)
 
 
 def test_compare_lays_them_over_an_element(files, tmp_path):
@@ -44,8 +44,8 @@ def test_compare_lays_them_over_an_element(files, tmp_path):
     answer = runner().invoke(app, given)
     found = json.loads(answer.stdout)
     assert found["element"] == "shaft"
-    assert found["model_k1"] == pytest.approx([460, 756.147259], rel=1e-6)
-    assert found["k1"] == pytest.approx(found["model_k1"], rel=1e-3)
+    assert found["model_k1_Nm_per_rad"] == pytest.approx([460, 756.147259], rel=1e-6)
+    assert found["k1_Nm_per_rad"] == pytest.approx(found["model_k1_Nm_per_rad"], rel=1e-3)
     assert picture.stat().st_size > 10_000
 
 

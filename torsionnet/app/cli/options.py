@@ -334,6 +334,10 @@ ANGLE = option(
 ALIGN = option(
     "--align", help="Move the output by its lag before windows cut the record, and put the phase of the lag back."
 )
+STEPPED: Any = option(
+    "--stepped",
+    help="Of a sine that steps through amplitudes: k', k'' and eta_1 of the torque --output over the twist --input.",
+)
 NONLINEAR: Any = option(
     "--nonlinear",
     type=click.Choice(["linear", "periodic"]),

@@ -2,22 +2,79 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
 from torsionnet.app.cli.command import Answer
-from torsionnet.app.cli.options import WrongUsage, option
+from torsionnet.app.cli.options import WrongUsage
 from torsionnet.app.cli.record_options import RecordReading
+from torsionnet.base.entries.spec import Schema
+from torsionnet.base.notes import NoteOrText
+from torsionnet.base.result_rows import Out, json_schema
+from torsionnet.linear.frequency_response import FloatArray
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
     from torsionnet.signals.stepped_levels import SteppedStiffness
 
-STEPPED: Any = option(
-    "--stepped",
-    help="Of a sine that steps through amplitudes: k', k'' and eta_1 of the torque --output over the twist --input.",
-)
+
+@dataclass(frozen=True, eq=False)
+class SteppedRecord:
+    """First harmonics at the steps of a sine test, as ``torsionnet estimate --stepped --json`` prints them."""
+
+    title: str
+    notes: tuple[NoteOrText, ...]
+    frequencies: Annotated[FloatArray, Out(json="frequency_Hz")]
+    amplitudes: Annotated[FloatArray, Out(json="amplitude_rad")]
+    torque_amplitudes: Annotated[FloatArray, Out(json="torque_amplitude_Nm")]
+    mean_twists: Annotated[FloatArray, Out(json="mean_twist_rad")]
+    mean_torques: Annotated[FloatArray, Out(json="mean_torque_Nm")]
+    real: Annotated[FloatArray, Out(json="k1_Nm_per_rad")]
+    imaginary: Annotated[FloatArray, Out(json="k2_Nm_per_rad")]
+    loss_factors: Annotated[FloatArray, Out(json="eta_1")]
+    other_harmonics: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class SteppedComparison(SteppedRecord):
+    """The same with the stiffness of a model's element, as ``torsionnet compare --stepped --json`` prints it."""
+
+    element: str
+    model_real: Annotated[FloatArray, Out(json="model_k1_Nm_per_rad")]
+    model_imaginary: Annotated[FloatArray, Out(json="model_k2_Nm_per_rad")]
+
+
+def estimate_schema() -> Schema:
+    """JSON Schema of what ``torsionnet estimate --json`` prints, with and without ``--stepped``."""
+    from torsionnet.app.cli.frf_output import EstimateRecord
+
+    return {"anyOf": [json_schema(EstimateRecord), json_schema(SteppedRecord)]}
+
+
+def compare_schema() -> Schema:
+    """JSON Schema of what ``torsionnet compare --json`` prints, with and without ``--stepped``."""
+    from torsionnet.app.cli.commands.compare import ComparisonRecord
+
+    return {"anyOf": [json_schema(ComparisonRecord), json_schema(SteppedComparison)]}
+
+
+def _fields(found: SteppedStiffness) -> dict[str, Any]:
+    """Fields of a record of steps."""
+    return {
+        "title": found.title,
+        "notes": found.notes,
+        "frequencies": found.frequencies,
+        "amplitudes": found.amplitudes,
+        "torque_amplitudes": np.abs(found.torques),
+        "mean_twists": found.mean_twists,
+        "mean_torques": found.mean_torques,
+        "real": found.stiffness.real,
+        "imaginary": found.stiffness.imag,
+        "loss_factors": found.loss_factors,
+        "other_harmonics": found.distortion,
+    }
 
 
 def stepped_answer(record: str, reading: RecordReading, outputs: tuple[str, ...], inputs: tuple[str, ...]) -> Answer:
@@ -25,7 +82,7 @@ def stepped_answer(record: str, reading: RecordReading, outputs: tuple[str, ...]
     found = _found(record, reading, outputs, inputs)
     return Answer(
         screen=lambda: [found.table()],
-        data=lambda: _data(found),
+        data=lambda: SteppedRecord(**_fields(found)),
         csv=lambda: [("", found.table())],
         figures=lambda _: [("", _figure(found, None))],
     )
@@ -40,7 +97,9 @@ def stepped_comparison(
     table, model = found.compared(drivetrain, element), found.model_stiffness(drivetrain, element)
     return Answer(
         screen=lambda: [table],
-        data=lambda: {**_data(found), "element": element, "model_k1": model.real, "model_k2": model.imag},
+        data=lambda: SteppedComparison(
+            **_fields(found), element=element, model_real=model.real, model_imaginary=model.imag
+        ),
         csv=lambda: [("", table)],
         figures=lambda _: [("", _figure(found, model))],
     )
@@ -69,22 +128,6 @@ def _element(drivetrain: Drivetrain, sensors: tuple[str, str]) -> str:
             kind="unfit-channel",
         )
     return torque[1]
-
-
-def _data(found: SteppedStiffness) -> dict[str, Any]:
-    return {
-        "title": found.title,
-        "frequency_Hz": found.frequencies,
-        "amplitude_rad": found.amplitudes,
-        "torque_amplitude_Nm": np.abs(found.torques),
-        "mean_twist_rad": found.mean_twists,
-        "mean_torque_Nm": found.mean_torques,
-        "k1": found.stiffness.real,
-        "k2": found.stiffness.imag,
-        "eta_1": found.loss_factors,
-        "other_harmonics": found.distortion,
-        "notes": [str(note) for note in found.notes],
-    }
 
 
 def _figure(found: SteppedStiffness, model: Any) -> Any:

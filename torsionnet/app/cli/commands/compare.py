@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 from torsionnet.app.cli.cases import ModelCommand
 from torsionnet.app.cli.command import TABLE, Answer
 from torsionnet.app.cli.frf_output import EstimateRecord, estimated_responses_record
-from torsionnet.app.cli.options import ALIGN, ANGLE, DRIVEN_BY, USABLE_BAND, option
+from torsionnet.app.cli.options import ALIGN, ANGLE, DRIVEN_BY, STEPPED, USABLE_BAND, option
 from torsionnet.app.cli.record_options import Averaging, Estimator, RecordCommand
-from torsionnet.app.cli.stepped import STEPPED, stepped_comparison
 from torsionnet.base.notes import NoteOrText
 from torsionnet.base.result_rows import Out
 from torsionnet.linear.frequency_response import FloatArray
@@ -86,6 +85,8 @@ class CompareCommand(ModelCommand, RecordCommand):
         case = self.cases()[0]
         names = (self.model_output or self.sensor, self.model_input or self.into)
         if self.stepped:
+            from torsionnet.app.cli.stepped import stepped_comparison
+
             channels = (self.sensor, self.into)
             return stepped_comparison(self.record, self.reading, channels, case.drivetrain, names)
         test = estimate_record(

@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from torsionnet.app.cli.command import TABLE, Answer
-from torsionnet.app.cli.options import ALIGN, ANGLE, WrongUsage, file_option
+from torsionnet.app.cli.options import ALIGN, ANGLE, STEPPED, WrongUsage, file_option
 from torsionnet.app.cli.record_options import Averaging, EstimateArguments, Estimator, RecordReading
-from torsionnet.app.cli.stepped import STEPPED, stepped_answer
 from torsionnet.app.cli.terminal import print_warnings
 from torsionnet.base.notes import is_warning
 
@@ -44,6 +43,8 @@ class EstimateCommand(EstimateArguments):
         from torsionnet.io import write_frequency_response
 
         if self.stepped:
+            from torsionnet.app.cli.stepped import stepped_answer
+
             if self.output_file:
                 raise WrongUsage("--stepped has a table, with --csv; -o writes responses", kind="needless-entry")
             return stepped_answer(self.record, self.reading, self.outputs, self.inputs)
