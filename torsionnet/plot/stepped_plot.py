@@ -23,7 +23,8 @@ def stepped_stiffness(found: SteppedStiffness, model: NDArray[np.complex128] | N
     pairs += [] if model is None else [(model, "x", style.PALETTE[1], "model")]
     for values, marker, color, label in pairs:
         upper.plot(at, values.real, marker, color=color, label=label)
-        lower.plot(at, values.imag / values.real, marker, color=color)
+        real = np.where(values.real == 0, np.nan, values.real)
+        lower.plot(at, values.imag / real, marker, color=color)
     upper.set_ylabel("k' [N m/rad]")
     lower.set_ylabel("loss factor eta_1")
     lower.set_xlabel("amplitude of the twist [deg]")

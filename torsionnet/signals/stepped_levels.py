@@ -91,7 +91,7 @@ class SteppedStiffness(NotebookResult):
     @property
     def loss_factors(self) -> FloatArray:
         """Loss factors eta_1 = k''/k', shape (n,)."""
-        return np.asarray(self.stiffness.imag / self.stiffness.real)
+        return _quotient(self.stiffness.imag, self.stiffness.real)
 
     def backbone(self, inertia: float) -> FloatArray:
         """Frequencies sqrt(k'(a)/J)/(2 pi) in Hz at which an inertia in kg m^2 on the element resonates, shape (n,)."""
@@ -162,13 +162,18 @@ class SteppedStiffness(NotebookResult):
             self.mean_torques,
             self.stiffness.real,
             model.real,
-            100 * (self.stiffness.real / model.real - 1),
+            100 * (_quotient(self.stiffness.real, model.real) - 1),
             self.loss_factors,
-            model.imag / model.real,
+            _quotient(model.imag, model.real),
         )
         rows = tuple(tuple(map(float, row)) for row in zip(*data, strict=True))
         name = f"{self.title or 'test'} and {element}"
         return Table.of(name, "stiffness over amplitude", columns, rows, tuple(map(str, self.notes)))
+
+
+def _quotient(above: FloatArray, below: FloatArray) -> FloatArray:
+    """Quotient of two arrays, nan where the second is zero, as the stiffness within a gap."""
+    return np.divide(above, below, out=np.full(len(below), np.nan), where=below != 0)
 
 
 def stepped_stiffness(

@@ -186,13 +186,13 @@ OUTPUTS: dict[str, str] = {
     "calibrate-wheel": "torsionnet.signals.rotation.calibration_result:WheelCalibration",
     "campaign": "torsionnet.bench.campaign.campaign_result:CampaignResult",
     "check": "list[torsionnet.base.fault_rows:CheckRecord]",
-    "compare": "torsionnet.app.cli.stepped:compare_schema",
+    "compare": "torsionnet.app.cli.commands.compare:ComparisonRecord or torsionnet.app.cli.stepped:SteppedComparison",
     "clocks": "torsionnet.signals.rotation.clock_drift:ClockDrift",
     "critical-speeds": "list[torsionnet.machinery.criticals.critical_speeds:CriticalSpeeds]",
     "damper": "list[torsionnet.machinery.design.damper_optimum:DamperOptimum]",
     "damping": "torsionnet.modal.operational.operational_modes:OperationalModes",
     "equations": "list[torsionnet.app.cli.output:ConfiguredMotion|TransferFunctionRecord]",
-    "estimate": "torsionnet.app.cli.stepped:estimate_schema",
+    "estimate": "torsionnet.app.cli.frf_output:EstimateRecord or torsionnet.app.cli.stepped:SteppedRecord",
     "fit": "torsionnet.identification.ranking:FitAnswer|Ranking",
     "frf": "list[torsionnet.app.cli.frf_output:ResponsesRecord]",
     "holzer": "list[torsionnet.machinery.holzer.holzer_table:HolzerTable]",
@@ -213,14 +213,14 @@ OUTPUTS: dict[str, str] = {
     "track": "list[torsionnet.signals.orders.tracked_orders:TrackedOrders]",
 }
 """Module and class of what each command prints with ``--json``, by command; list[...] has one for each
-configuration."""
+configuration, "or" and "|" part what options choose from, in several modules or in one."""
 
 
 def output_schema(command: str) -> Schema:
     """JSON Schema of what a command prints with ``--json``."""
     place = OUTPUTS[command]
-    module, names = place.removeprefix("list[").removesuffix("]").split(":")
-    schemas = [_schema(getattr(import_module(module), name)) for name in names.split("|")]
+    places = [one.split(":") for one in place.removeprefix("list[").removesuffix("]").split(" or ")]
+    schemas = [_schema(getattr(import_module(module), name)) for module, names in places for name in names.split("|")]
     one: Schema = schemas[0] if len(schemas) == 1 else {"anyOf": schemas}
     return {"type": "array", "items": one} if place.startswith("list[") else one
 

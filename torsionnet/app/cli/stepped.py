@@ -10,9 +10,8 @@ import numpy as np
 from torsionnet.app.cli.command import Answer
 from torsionnet.app.cli.options import WrongUsage
 from torsionnet.app.cli.record_options import RecordReading
-from torsionnet.base.entries.spec import Schema
 from torsionnet.base.notes import NoteOrText
-from torsionnet.base.result_rows import Out, json_schema
+from torsionnet.base.result_rows import Out
 from torsionnet.linear.frequency_response import FloatArray
 
 if TYPE_CHECKING:
@@ -39,25 +38,11 @@ class SteppedRecord:
 
 @dataclass(frozen=True, eq=False)
 class SteppedComparison(SteppedRecord):
-    """The same with the stiffness of a model's element, as ``torsionnet compare --stepped --json`` prints it."""
+    """Steps of a sine test beside a model, as ``torsionnet compare --stepped --json`` prints them."""
 
     element: str
     model_real: Annotated[FloatArray, Out(json="model_k1_Nm_per_rad")]
     model_imaginary: Annotated[FloatArray, Out(json="model_k2_Nm_per_rad")]
-
-
-def estimate_schema() -> Schema:
-    """JSON Schema of what ``torsionnet estimate --json`` prints, with and without ``--stepped``."""
-    from torsionnet.app.cli.frf_output import EstimateRecord
-
-    return {"anyOf": [json_schema(EstimateRecord), json_schema(SteppedRecord)]}
-
-
-def compare_schema() -> Schema:
-    """JSON Schema of what ``torsionnet compare --json`` prints, with and without ``--stepped``."""
-    from torsionnet.app.cli.commands.compare import ComparisonRecord
-
-    return {"anyOf": [json_schema(ComparisonRecord), json_schema(SteppedComparison)]}
 
 
 def _fields(found: SteppedStiffness) -> dict[str, Any]:

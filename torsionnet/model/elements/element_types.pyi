@@ -61,9 +61,9 @@ class ArcSpring(_ArcSpring):
     segments with Coulomb's friction is marched instead.
 
     ``torque`` and ``speed`` follow the operating point as parameters ``by: mean_torque`` and ``by: speed``; ``swing``
-    follows the vibration as one ``by: vibratory_torque`` with a table. Loops are slow: the coils' own first frequency,
-    sqrt(k/J)/2 in Hz with J = m r^2, about 100 Hz, is far above. In time the friction depends on the spring force, so
-    that ``simulate`` has no law for it.
+    follows the vibration as one ``by: vibratory_torque`` with a table. Loops are slow, far below sqrt(k/J)/2 in Hz with
+    J = m r^2, the first frequency of coils without friction: at a third of it k' is some 6 % below. In time the
+    friction depends on the spring force, so that ``simulate`` has no law for it.
 
     Parameters
     ----------
