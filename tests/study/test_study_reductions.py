@@ -78,6 +78,13 @@ def test_extremes_are_those_of_the_first_of_several_equal_variants(cuts):
     assert (whole.largest[0], whole.largest_at[0]) == (2.0, 1)
 
 
+@pytest.mark.filterwarnings("error")
+def test_values_whose_squares_are_no_doubles_have_an_infinite_spread():
+    found = Moments.of(np.array([[1e200, 1.0], [-1e200, 2.0], [3e200, 3.0]]), 0)
+    assert found.mean == pytest.approx([1e200, 2.0])
+    assert found.deviation.tolist() == [np.inf, 1.0]
+
+
 def test_moments_of_nothing():
     nothing = Moments.of(np.full((4, 1), np.nan), 0)
     assert (nothing.count[0], nothing.largest_at[0]) == (0, -1)

@@ -244,6 +244,18 @@ def test_uniform_and_normal_parameters_have_their_closed_forms(rho):
     assert CorrelationOfPair(uniform, normal).of_values(rho) == pytest.approx(rho * math.sqrt(3 / math.pi), abs=1e-9)
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("rho", [-0.4, 0.4])
+def test_a_spread_below_the_last_digit_is_correlated_like_a_normal_one(rho):
+    """x = mean + 1e-30 z is its mean in doubles; a lognormal parameter beside it has the closed form of a normal one."""
+    deviation = 0.1
+    pair = CorrelationOfPair(
+        HermiteSeries(NormalMarginal(7, 1e-30)), HermiteSeries(LognormalMarginal(3, 3 * deviation))
+    )
+    expected = rho * deviation / math.sqrt(math.log(1 + deviation**2))
+    assert pair.of_normals(rho) == pytest.approx(expected, rel=1e-9)
+
+
 def test_values_have_the_correlation_that_was_asked_for():
     count = 100_000
     for method in METHODS:

@@ -11,7 +11,7 @@ from torsionnet.signals.foreign.content import ForeignFileError
 
 LEAST_UNPACKED, UNPACKED_RATIO = 256_000_000, 100
 """Bytes to which any file may unpack, and the multiple of its own size that it may reach where that is more."""
-SPARE_MEMORY, MEMORY_COPIES = 1_000_000_000, 4
+SPARE_MEMORY, MEMORY_COPIES = 900_000_000, 4
 """Bytes of memory that a library may take besides a file's samples, and copies of the samples that it may hold."""
 LEAST_CPU_TIME, BYTES_PER_CPU_SECOND = 1.4, 3e5
 """Processor time in s that reading any file may take, and bytes of a file that allow another second."""

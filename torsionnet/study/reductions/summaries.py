@@ -191,7 +191,8 @@ class Moments:
         some = count > 0
         known = np.where(there, values, 0.0)
         mean = known.sum(axis=0) / np.maximum(count, 1)
-        squares = (np.where(there, values - mean, 0.0) ** 2).sum(axis=0)
+        with np.errstate(over="ignore"):  # the spread of values beyond 1e154 is infinite
+            squares = (np.where(there, values - mean, 0.0) ** 2).sum(axis=0)
         low, high = np.where(there, values, np.inf), np.where(there, values, -np.inf)
         lowest, highest = low.argmin(axis=0), high.argmax(axis=0)
         points = np.arange(values.shape[1])

@@ -102,7 +102,12 @@ class HermiteSeries:
         x = marginal.from_normal(nodes)
         # a_k = E(x He_k/sqrt(k!)) over the standard deviation, of x without its mean.
         x = x - weights @ x
-        self.coefficients = _polynomials(nodes)[1:] @ (weights * x) / np.sqrt(weights @ x**2)
+        self.coefficients = _polynomials(nodes)[1:] @ (weights * x)
+        deviation = np.sqrt(weights @ x**2)
+        if deviation > 0:
+            self.coefficients /= deviation
+        else:  # a spread below the last digit of the mean: over it any distribution is straight, x = a_1 z
+            self.coefficients[0] = 1.0
 
 
 def _nodes() -> tuple[FloatArray, FloatArray]:
