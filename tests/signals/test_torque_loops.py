@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from support.loop_records import (
@@ -167,6 +169,43 @@ def test_loops_over_two_amplitudes_are_two():
     # Coulomb friction adds M/a to the secant.
     assert found[0].secant_stiffness.value == pytest.approx(460 + 6 / 0.08, rel=1e-2)
     assert [len(one.side("both")) for one in found] == [1, len(STAGES)]
+
+
+def runs(*frequencies, viscous=0.0, creep=0.0, inertia=0.0):
+    """Record of 900 N m/rad, friction 5 N m, sines of 0.15 rad at frequencies in Hz, one behind the other."""
+    parts = []
+    for frequency in frequencies:
+        time = np.arange(round(5 / frequency * 800)) / 800
+        omega = 2 * np.pi * frequency
+        twist, rate = -0.15 * np.cos(omega * time), 0.15 * omega * np.sin(omega * time)
+        torque = (900 - inertia * omega**2) * twist + (5 + creep / frequency) * np.sign(rate) + viscous * rate
+        parts.append((torque, twist))
+    torque, twist = (np.concatenate(one) for one in zip(*parts, strict=True))
+    return loop_record(torque + np.random.default_rng(3).normal(0, 0.05, len(torque)), twist, 800)
+
+
+@pytest.mark.parametrize(
+    ("spoiled", "words"),
+    [
+        ({"viscous": 0.8}, "grows by .*a part of it is viscous, c = 0.8 N m s/rad"),
+        ({"creep": 0.5}, "grows with slowness is creep"),
+        ({"inertia": 0.045}, "an inertia of 0.04[45]"),
+        ({}, ""),
+    ],
+    ids=["viscous", "creep", "inertia", "nothing"],
+)
+def test_two_speeds_tell_viscous_friction_creep_and_inertia_apart(spoiled, words):
+    notes = loops(runs(0.5, 1.5, **spoiled), "T", "gamma").notes
+    told = [str(note) for note in notes if "from 0.5 to 1.5 Hz" in str(note)]
+    assert len(told) == len(spoiled)
+    assert all(re.search(words, one) for one in told)
+
+
+def test_a_swing_at_which_nothing_slips_is_told():
+    twist, _ = course(5.6, 800, sine=True)
+    torque = 3000 * 0.01 * twist + np.random.default_rng(1).normal(0, 0.5, len(twist))
+    notes = loops(loop_record(torque, 0.01 * twist), "T", "gamma").notes
+    assert any("swing further" in note for note in notes)
 
 
 @pytest.mark.parametrize(

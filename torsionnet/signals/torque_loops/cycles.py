@@ -29,6 +29,8 @@ DEGREES = (7, 5, 3, 1)
 """Degrees of the polynomial for the twist of a branch over time: half a sine asks for more than a straight line."""
 AS_GOOD = 1.2
 """Largest ratio of what a polynomial leaves of the twist to what the highest degree leaves, if it is as good."""
+AS_LONG = 1.1
+"""Largest ratio of the lengths of two cycles that repeat each other."""
 REGULAR = 0.03
 """Largest deviation of the times of reversals from even ones, as a share of the period, of cycles of one period."""
 
@@ -58,7 +60,10 @@ class Cycle:
         return self.high - (self.low + self.end) / 2
 
     def repeats(self, other: Cycle) -> bool:
-        """Whether another cycle reverses at the same twists."""
+        """Whether another cycle reverses at the same twists and takes as long."""
+        lengths = sorted((self.last - self.first, other.last - other.first))
+        if lengths[1] > AS_LONG * lengths[0]:
+            return False
         largest = ALIKE * max(self.swing, other.swing)
         lows = abs((self.low + self.end) / 2 - (other.low + other.end) / 2)
         return max(abs(self.high - other.high), lows, abs(self.low - self.end)) <= largest

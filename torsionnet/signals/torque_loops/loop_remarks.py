@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 
 from torsionnet.base.notes import NoteOrText, warning
+from torsionnet.signals.torque_loops.cycles import ALIKE
 from torsionnet.signals.torque_loops.loop_numbers import LoopRecord
-from torsionnet.signals.torque_loops.loop_result import LoopStage, TorqueLoop
+from torsionnet.signals.torque_loops.loop_result import LoopStage, LoopValue, TorqueLoop
 
 TOLD = 0.005
 """Share of stiffness or friction from which an effect is told."""
@@ -16,6 +19,8 @@ UNIT_INERTIA, UNIT_DELAY = 0.01, 1e-3
 """Inertia in kg m^2 and delay in s for which effects are told that nobody has stated."""
 HARMLESS_STEP = 3.0
 """Step of the twist as a torque over the noise of the torque up to which it does no harm."""
+FASTER = 1.2
+"""Smallest ratio of the frequencies of two loops that tell apart what depends on speed."""
 BUILD_UP = 0.05
 """Share of the swing behind a reversal within which the friction torque has to be there."""
 
@@ -52,6 +57,14 @@ def loop_remarks(
         found.append(
             "the spring line bends all along: stages are straight pieces laid through it, not stages of springs; "
             "secant, loss and first harmonic hold"
+        )
+    half = loop.loss.half_width
+    if half is not None and loop.loss.value <= half:
+        found.append(
+            warning(
+                f"no loss is seen, {loop.loss.value:.2g} +- {half:.2g} J a cycle: nothing slips at this swing, as the "
+                "coils of an arc spring below their depth, and the stiffness is that of what sticks; swing further"
+            )
         )
     share = friction_build_up(loop)
     if share > BUILD_UP:
@@ -146,3 +159,48 @@ def friction_build_up(loop: TorqueLoop) -> float:
     low = np.argmax(width >= 0.9 * loop.friction.value)
     high = np.argmax(width[::-1] >= 0.9 * loop.friction.value)
     return float(max(low, high)) / len(width)
+
+
+def speed_remarks(loops: Sequence[TorqueLoop]) -> list[NoteOrText]:
+    """Remarks on loops of one swing that were run at two speeds: friction that grows or falls, and inertia.
+
+    Friction that grows with speed is viscous, its slope over the speed of the twist the damping; a width that grows
+    with slowness is creep. A stiffness that falls as the square of the frequency is that of a moving inertia.
+    """
+    found: list[NoteOrText] = []
+    for slow, fast in combinations(sorted(loops, key=lambda one: one.frequency), 2):
+        alike = abs(slow.amplitude.value - fast.amplitude.value) < ALIKE * fast.amplitude.value
+        alike = alike and abs(slow.mean_twist - fast.mean_twist) < ALIKE * fast.amplitude.value
+        if alike and fast.frequency > FASTER * slow.frequency:
+            found += [*_rates(slow, fast), *_inertia(slow, fast)]
+    return found
+
+
+def _rates(slow: TorqueLoop, fast: TorqueLoop) -> list[str]:
+    change = _surely(slow.friction, fast.friction)
+    if not change:
+        return []
+    told = f"from {slow.frequency:.3g} to {fast.frequency:.3g} Hz the friction torque"
+    if change < 0:
+        return [f"{told} falls by {-change:.3g} N m: what grows with slowness is creep"]
+    # k'' = c omega + 4 M/(pi a), whatever the course of the twist.
+    damping = (fast.loss_stiffness.value - slow.loss_stiffness.value) / (2 * np.pi * (fast.frequency - slow.frequency))
+    return [f"{told} grows by {change:.3g} N m: a part of it is viscous, c = {damping:.2g} N m s/rad"]
+
+
+def _inertia(slow: TorqueLoop, fast: TorqueLoop) -> list[str]:
+    change = _surely(slow.storage_stiffness, fast.storage_stiffness)
+    if change >= 0:
+        return []
+    inertia = -change / (2 * np.pi) ** 2 / (fast.frequency**2 - slow.frequency**2)
+    return [
+        f"from {slow.frequency:.3g} to {fast.frequency:.3g} Hz the stiffness k' falls by {-change:.3g} N m/rad, as by "
+        f"an inertia of {inertia:.3g} kg m^2 that moves between meter and component"
+    ]
+
+
+def _surely(first: LoopValue, second: LoopValue) -> float:
+    """Change from one value to another where it is larger than both intervals, else 0."""
+    change = second.value - first.value
+    sure = first.half_width is not None and second.half_width is not None
+    return change if sure and abs(change) > (first.half_width or 0.0) + (second.half_width or 0.0) else 0.0

@@ -19,7 +19,7 @@ from torsionnet.signals.torque_loops.corrections import (
 )
 from torsionnet.signals.torque_loops.cycles import Cycle, cut_cycles, noise_of, repeated_cycles
 from torsionnet.signals.torque_loops.loop_numbers import LoopRecord, common_lines, loop_of, run_numbers
-from torsionnet.signals.torque_loops.loop_remarks import Applied, loop_remarks
+from torsionnet.signals.torque_loops.loop_remarks import Applied, loop_remarks, speed_remarks
 from torsionnet.signals.torque_loops.loop_result import TorqueLoop, TorqueLoops
 
 FEWEST_CYCLES = 2
@@ -83,7 +83,7 @@ def loops(
     check_processable(chosen)
     applied = Applied(delay, inertia, drift, encoder_step)
     found = list(_loops(without_delays(chosen, {torque: delay}), torque, angles, speed_channel, applied))
-    notes = [note for _, ours in found for note in ours]
+    notes = [*(note for _, ours in found for note in ours), *speed_remarks([one for one, _ in found])]
     return TorqueLoops(
         loops=tuple(one for one, _ in found),
         torque=torque,
