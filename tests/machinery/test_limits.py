@@ -402,42 +402,41 @@ M68 = "shaft: intermediate, feature: integral_flange, material: carbon, tensile_
 
 
 @pytest.mark.parametrize(
-    ("entry", "message"),
+    ("entry", "kind"),
     [
-        (f"{{rule: iacs_m86, element: shaft, {M68}}}", 'no limit rule is named "iacs_m86"; did you mean "iacs_m68"?'),
-        (f"{{element: shaft, {M68}}}", "expected {rule: ..., ...} with one of the rules"),
-        (f"{{rule: iacs_m68, element: shafft, {M68}}}", 'did you mean "shaft"'),
-        (f"{{rule: iacs_m68, element: spring, {M68}}}", "spring, a spring, has no diameter"),
-        (f"{{rule: iacs_m68, element: shaft, {M68.replace('flange', 'flang')}}}", 'did you mean "integral_flange"'),
-        (f"{{rule: iacs_m68, element: shaft, {M68.replace('integral_flange', 'keyless')}}}", 'belongs to a shaft: propeller'),
-        (f"{{rule: iacs_m68, element: shaft, {M68.replace('carbon', 'karbon')}}}", 'did you mean "carbon"'),
-        (f"{{rule: iacs_m68, element: shaft, {M68.replace('560 MPa', '560')}}}", "400 to 760 N/mm^2 here; got 0.00056 N/mm^2"),
-        (f"{{rule: iacs_m68, element: shaft, {M68.replace('560', '800')}}}", "400 to 760 N/mm^2 here; got 800 N/mm^2"),
-        (f"{{rule: iacs_m68, element: shaft, {M68.replace('560 MPa', '560 kN')}}}", "not a value of pressure"),
-        (f"{{rule: iacs_m68, element: shaft, {M68}, hole_diameter: 10 mm}}", "hole_diameter goes with feature: radial_hole"),
-        (f"{{rule: iacs_m68, element: shaft, {M68}, bore: 90 mm, diameter: 80 mm}}", "bore must be smaller"),
-        ("{rule: coupling, element: spring}", "nothing is limited; give one of T_KN"),
-        ("{rule: coupling, element: spring, T_KV: 10}", 'did you mean "T_KW"'),
-        ("{rule: coupling, element: spring, P_KV: 1.2 kN*m}", "not a value of power"),
-        ("{rule: gear, element: shaft, at: x, vibratory_share: 30 %}", 'shaft is not attached to "x"'),
-        ("{rule: gear, element: shaft, hammer: false}", "nothing is limited"),
-        ("{rule: damper, element: spring, power_per_area: 5 kW/m^2}", "power_per_area and area go together"),
-        ("{rule: machine_angle, node: q, pole_pairs: 2, angle: 3 deg}", 'no node is named "q"'),
-        ("{rule: fatigue, element: shaft, fatigue_strength: 150 MPa}", "goodman needs ultimate_strength"),
-        ("{rule: fatigue, element: shaft, fatigue_strength: 150 MPa, mean_stress: none, cycles: 1e5}", "needs the slope"),
-        ("{rule: curve, output: torque(shaft), source: x}", "what is allowed is given by value, over_speed or over_lambda, one of the three"),
-        ("{rule: curve, output: torque(shaft), value: 40 MPa, source: x}", "is not a value of torque"),
-        ("{rule: curve, output: torque(shaft), value: 40}", "needs source"),
-        ("{rule: curve, output: torque(shafft), value: 40, source: x}", 'did you mean "shaft"'),
-        ("{rule: curve, output: stress(spring), value: 40, source: x}", "has no diameter"),
-        ("{rule: curve, output: torque(shaft), over_speed: {300 rpm: 1}, source: x}", "two points or more"),
-        ("{rule: curve, output: torque(shaft), over_speed: {300 mm: 1, 400 rpm: 2}, source: x}", "not a value of speed"),
+        (f"{{rule: iacs_m86, element: shaft, {M68}}}", "unknown-word"),
+        (f"{{element: shaft, {M68}}}", "missing-type"),
+        (f"{{rule: iacs_m68, element: shafft, {M68}}}", "unknown-element"),
+        (f"{{rule: iacs_m68, element: spring, {M68}}}", "unfit-element"),
+        (f"{{rule: iacs_m68, element: shaft, {M68.replace('flange', 'flang')}}}", "unknown-word"),
+        (f"{{rule: iacs_m68, element: shaft, {M68.replace('integral_flange', 'keyless')}}}", "unfit-rule"),
+        (f"{{rule: iacs_m68, element: shaft, {M68.replace('carbon', 'karbon')}}}", "unknown-word"),
+        (f"{{rule: iacs_m68, element: shaft, {M68.replace('560 MPa', '560')}}}", "unfit-rule"),
+        (f"{{rule: iacs_m68, element: shaft, {M68.replace('560', '800')}}}", "unfit-rule"),
+        (f"{{rule: iacs_m68, element: shaft, {M68.replace('560 MPa', '560 kN')}}}", "wrong-unit"),
+        (f"{{rule: iacs_m68, element: shaft, {M68}, hole_diameter: 10 mm}}", "needless-entry"),
+        (f"{{rule: iacs_m68, element: shaft, {M68}, bore: 90 mm, diameter: 80 mm}}", "contradicting-values"),
+        ("{rule: coupling, element: spring}", "missing-entry"),
+        ("{rule: coupling, element: spring, T_KV: 10}", "unknown-entry"),
+        ("{rule: coupling, element: spring, P_KV: 1.2 kN*m}", "wrong-unit"),
+        ("{rule: gear, element: shaft, at: x, vibratory_share: 30 %}", "unknown-word"),
+        ("{rule: gear, element: shaft, hammer: false}", "missing-entry"),
+        ("{rule: damper, element: spring, power_per_area: 5 kW/m^2}", "missing-entry"),
+        ("{rule: machine_angle, node: q, pole_pairs: 2, angle: 3 deg}", "unknown-node"),
+        ("{rule: fatigue, element: shaft, fatigue_strength: 150 MPa}", "missing-entry"),
+        ("{rule: fatigue, element: shaft, fatigue_strength: 150 MPa, mean_stress: none, cycles: 1e5}", "missing-entry"),
+        ("{rule: curve, output: torque(shaft), source: x}", "missing-entry"),
+        ("{rule: curve, output: torque(shaft), value: 40 MPa, source: x}", "wrong-unit"),
+        ("{rule: curve, output: torque(shaft), value: 40}", "missing-entry"),
+        ("{rule: curve, output: torque(shafft), value: 40, source: x}", "unknown-element"),
+        ("{rule: curve, output: stress(spring), value: 40, source: x}", "missing-entry"),
+        ("{rule: curve, output: torque(shaft), over_speed: {300 rpm: 1}, source: x}", "wrong-form"),
+        ("{rule: curve, output: torque(shaft), over_speed: {300 mm: 1, 400 rpm: 2}, source: x}", "wrong-unit"),
     ],
 )  # fmt: skip
-def test_wrong_limits_are_named_with_their_place(entry, message):
-    with pytest.raises(tn.ModelError, match="<text>:11:") as caught:
+def test_wrong_limits_are_named_with_their_place(entry, kind):
+    with pytest.raises(tn.ModelError, match=f"<text>:11:.*{kind}"):
         tn.loads(f"{BASE}  wrong: {entry}\n")
-    assert message in str(caught.value)
 
 
 def test_a_limit_without_its_rule_is_marked_at_its_name():

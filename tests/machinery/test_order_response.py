@@ -380,43 +380,42 @@ class TestFiles:
         assert rig.configured("three").definition.excitations["engine"].firing_order == (1, 3, 2)
 
     @pytest.mark.parametrize(
-        ("old", "new", "where", "what"),
+        ("old", "new", "where", "kind"),
         [
-            ("firing_order: [1, 2]", "firing_order: [1, 1]", "14:5", "firing_order misses cylinder 2"),
-            ("firing_order: [1, 2]", "firing_order: [1, 2, 3]", "14:5", "has a cylinder that the engine lacks: 3"),
-            ("cycle: 4", "cycle: 3", "12:12", "a cycle has 2 or 4 strokes"),
-            ("rod_length: 240 mm", "rod_length: 24 mm", "17:17", "shorter than the crank radius"),
-            ("rod_length: 240 mm", "rod_length: 240", "17:17", "a bare number is m, write 240 mm"),
-            ("speed_of: c1", "speed_of: c7", "11:15", 'no node is named "c7"'),
-            ("2: c2}", "2: c9}", "13:27", 'no node is named "c9"'),
-            ("mass: 1 kg", "mass: 1 kg\n    orders: [0.5, 0.75]", "19:13", "multiples of 0.5, not 0.75"),
-            ("mass: 1 kg", "mass: 1 kg\n    misfire: [2]", "19:5", "give gas: {motored"),
-            ("mass: 1 kg", "mass: 1 kg\nconfigurations: {a: {engin.misfire: [2]}}", "19:22", 'did you mean "engine"'),
-            ("mass: 1 kg", "mass: 1 kg\nconfigurations: {a: {engine.misfir: [2]}}", "19:22", 'did you mean "misfire"'),
-            ("mass: 1 kg", "mass: 1 kg\nconfigurations: {a: {engine.gas_off: [7]}}", "19:38", "there is no cylinder 7"),
-            ("mass: 1 kg", "mass: 1 kg\nconfigurations: {a: {engine.speed_of: c7}}", "19:39", 'no node is named "c7"'),
+            ("firing_order: [1, 2]", "firing_order: [1, 1]", "14:5", "unknown-name"),
+            ("firing_order: [1, 2]", "firing_order: [1, 2, 3]", "14:5", "unknown-name"),
+            ("cycle: 4", "cycle: 3", "12:12", "out-of-range"),
+            ("rod_length: 240 mm", "rod_length: 24 mm", "17:17", "contradicting-values"),
+            ("rod_length: 240 mm", "rod_length: 240", "17:17", "implausible-size"),
+            ("speed_of: c1", "speed_of: c7", "11:15", "unknown-node"),
+            ("2: c2}", "2: c9}", "13:27", "unknown-node"),
+            ("mass: 1 kg", "mass: 1 kg\n    orders: [0.5, 0.75]", "19:13", "contradicting-values"),
+            ("mass: 1 kg", "mass: 1 kg\n    misfire: [2]", "19:5", "missing-entry"),
+            ("mass: 1 kg", "mass: 1 kg\nconfigurations: {a: {engin.misfire: [2]}}", "19:22", "unknown-element"),
+            ("mass: 1 kg", "mass: 1 kg\nconfigurations: {a: {engine.misfir: [2]}}", "19:22", "unknown-name"),
+            ("mass: 1 kg", "mass: 1 kg\nconfigurations: {a: {engine.gas_off: [7]}}", "19:38", "unknown-name"),
+            ("mass: 1 kg", "mass: 1 kg\nconfigurations: {a: {engine.speed_of: c7}}", "19:39", "unknown-node"),
             (
                 "mass: 1 kg",
                 "mass: 1 kg\nconfigurations: {a: {engine.cylinders: {1: c1, 2: c2, 3: c2}, engine.bore: 1 m}}",
                 "19:22",
-                "firing_order misses cylinder 3",
+                "unknown-name",
             ),
-            ("type: reciprocating_engine", "type: recipro_engine", "10:11", "known: electric_machine, gear_mesh"),
-            ("step: 100 rpm", "list: [600 rpm]", "7:", "a range with its step, or one by one"),
-            ("600..1200 rpm", "1200..600 rpm", "7:", "from a lower to a higher speed"),
-            ("cylinders: {1: c1", "cylinders: {front: c1", "13:17", 'cylinders have numbers from 1 to 99, not "front"'),
-            ("mass: 1 kg", "mass: 1 kg\n    orders: [1e9]", "19:14", "must be less than 10000"),
-            ("mass: 1 kg", "mass: 1 kg\n    gas: {fired: [1, 2]}", "19:", "too few for a cycle"),
+            ("type: reciprocating_engine", "type: recipro_engine", "10:11", "unknown-word"),
+            ("step: 100 rpm", "list: [600 rpm]", "7:", "contradicting-entries"),
+            ("600..1200 rpm", "1200..600 rpm", "7:", "unordered-rows"),
+            ("cylinders: {1: c1", "cylinders: {front: c1", "13:17", "invalid-name"),
+            ("mass: 1 kg", "mass: 1 kg\n    orders: [1e9]", "19:14", "out-of-range"),
+            ("mass: 1 kg", "mass: 1 kg\n    gas: {fired: [1, 2]}", "19:", "unfit-trace"),
         ],
     )
-    def test_faults_have_their_place_and_say_what_would_be_right(self, old, new, where, what):
+    def test_faults_have_their_place(self, old, new, where, kind):
         text = FILE.format(engine=ENGINE)
         assert old in text
         with pytest.raises(tn.ModelError) as caught:
             tn.loads(text.replace(old, new, 1))
-        message = str(caught.value)
-        assert what in message
-        assert f"<text>:{where}" in message, message
+        places = [str(fault).partition("\n")[0] for fault in caught.value.faults if fault.kind == kind]
+        assert any(place.startswith(f"<text>:{where}") for place in places), caught.value
 
     def test_two_axes_may_not_change_one_entry(self):
         text = FILE.format(engine=ENGINE + "configurations: {a: {x: {engine.bore: 0.1}}, b: {y: {engine.bore: 0.2}}}\n")
