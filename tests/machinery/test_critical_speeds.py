@@ -83,19 +83,18 @@ class TestMarginRules:
         assert all("edition" in rule.source for name, rule in PRESETS.items() if name.startswith("api"))
 
     @pytest.mark.parametrize(
-        ("given", "text"),
+        ("given", "kind"),
         [
-            ("api648", 'did you mean "api684"? there are api610'),
-            ("ten", "or give a share as 15 %"),
-            ("110 %", "between 0 and 1"),
-            (0, "between 0 and 1"),
-            (math.nan, "between 0 and 1"),
+            ("api648", "unknown-word"),
+            ("ten", "unknown-word"),
+            ("110 %", "out-of-range"),
+            (0, "out-of-range"),
+            (math.nan, "out-of-range"),
         ],
     )
-    def test_others_are_refused(self, given, text):
-        with pytest.raises(tn.UsageError) as caught:
+    def test_others_are_refused(self, given, kind):
+        with pytest.raises(tn.UsageError, match=kind):
             margin_rule(given)
-        assert text in str(caught.value)
 
 
 class TestAmplification:
@@ -382,17 +381,16 @@ class TestDampers:
         assert damped_mass().critical_speeds().modes[0].damping_ratio > 0.01
 
     @pytest.mark.parametrize(
-        ("state", "names", "text"),
+        ("state", "names", "kind"),
         [
-            ("lockd", None, 'did you mean "locked"? choose as_modelled'),
-            ("locked", ["dampr"], 'did you mean "damper"'),
-            ("locked", ["spring"], '"spring" is no film of a damper'),
+            ("lockd", None, "unknown-word"),
+            ("locked", ["dampr"], "unknown-element"),
+            ("locked", ["spring"], "unfit-element"),
         ],
     )
-    def test_what_is_refused(self, state, names, text):
-        with pytest.raises(tn.UsageError) as caught:
+    def test_what_is_refused(self, state, names, kind):
+        with pytest.raises(tn.UsageError, match=kind):
             damped_mass().critical_speeds(rings=state, damper=names)
-        assert text in str(caught.value)
 
     def test_without_a_damper(self):
         with pytest.raises(tn.UsageError, match="unfit-element"):

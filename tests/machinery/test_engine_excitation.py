@@ -231,24 +231,24 @@ class TestModelFiles:
         )
 
     @pytest.mark.parametrize(
-        ("name", "text"),
+        ("name", "kind"),
         [
-            ("p10.csv", 'there is no file "p10.csv" beside the model file; did you mean "p100.csv"?'),
-            ("../p100.csv", "leads out of the folder of the model file"),
-            ("traces/../../p100.csv", "leads out of the folder of the model file"),
-            ("/etc/passwd", "leads out of the folder of the model file"),
-            ("'C:\\p100.csv'", "leads out of the folder of the model file"),
-            ("link.csv", "is a link that leads out of the folder"),
+            ("p10.csv", "missing-file"),
+            ("../p100.csv", "forbidden-file"),
+            ("traces/../../p100.csv", "forbidden-file"),
+            ("/etc/passwd", "forbidden-file"),
+            ("'C:\\p100.csv'", "forbidden-file"),
+            ("link.csv", "forbidden-file"),
         ],
     )
-    def test_files_elsewhere_are_refused(self, tmp_path, name, text):
+    def test_files_elsewhere_are_refused(self, tmp_path, name, kind):
         folder = tmp_path / "model"
         folder.mkdir()
         (folder / "link.csv").symlink_to(csv(tmp_path, "p100.csv", np.arange(720), bar(np.arange(720)).tolist()))
         with pytest.raises(tn.ModelError) as caught:
             tn.load(in_file(folder, f"{{fired: {name}}}"))
         (fault,) = caught.value.faults
-        assert text in fault.message
+        assert fault.kind == kind
         assert (fault.position.line, fault.position.column) == (18, 18)
 
     def test_text_has_no_folder(self, tmp_path):

@@ -382,24 +382,22 @@ class TestMeasured:
         assert tn.loads(rig.to_yaml()) == rig
 
     @pytest.mark.parametrize(
-        ("text", "where", "what"),
+        ("text", "where", "kind"),
         [
-            ("order;rms\n2;30\n4;3\n", "orders.csv:1:1", '"" is not a unit of torque'),
-            ("order;rmss [N*m]\n2;30\n4;3\n", "orders.csv:1:1", 'did you mean "rms"'),
-            ("2;30\n4;3\n", "orders.csv:1:1", "no heading"),
-            ("# nothing\n", "orders.csv:1:1", "found no rows of numbers"),
-            ("order;rms [N*m]\n2;30\n4;x\n5;1\n6;2\n", "orders.csv:3:", '"x" is not a number'),
-            (None, "plant.yaml:10:", 'there is no file "orders.csv" beside the model file'),
+            ("order;rms\n2;30\n4;3\n", "orders.csv:1:1", "wrong-unit"),
+            ("order;rmss [N*m]\n2;30\n4;3\n", "orders.csv:1:1", "unknown-column"),
+            ("2;30\n4;3\n", "orders.csv:1:1", "missing-column"),
+            ("# nothing\n", "orders.csv:1:1", "wrong-file"),
+            ("order;rms [N*m]\n2;30\n4;x\n5;1\n6;2\n", "orders.csv:3:", "not-a-number"),
+            (None, "plant.yaml:10:", "missing-file"),
         ],
     )
-    def test_faults_of_a_file_have_their_line(self, tmp_path, text, where, what):
+    def test_faults_of_a_file_have_their_line(self, tmp_path, text, where, kind):
         if text is not None:
             (tmp_path / "orders.csv").write_text(text)
         (tmp_path / "plant.yaml").write_text(FILE.replace("WHAT", "{type: measured, node: m, table: orders.csv}"))
-        with pytest.raises(tn.ModelError) as caught:
+        with pytest.raises(tn.ModelError, match=f"{where}.*{kind}"):
             tn.load(tmp_path / "plant.yaml")
-        assert what in str(caught.value)
-        assert where in str(caught.value)
 
     def test_a_recorded_motion_is_imposed(self):
         table = {"columns": ["frequency [Hz]", "real [deg/s]", "imag [deg/s]"], "rows": [[17, 3, -4]]}
