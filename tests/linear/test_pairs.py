@@ -374,21 +374,21 @@ sensors: {rel: {angle: [a, b]}, slip: {velocity: [b, a]}}
         assert definition.to_data()["inputs"] == {"T": {"torque": "a"}}
 
     @pytest.mark.parametrize(
-        ("old", "new", "message"),
+        ("old", "new", "kind"),
         [
-            ("{torque: [a, b]}", "{torque: [a, bb]}", 'no node is named "bb"; did you mean "b"?'),
-            ("{torque: [a, b]}", "{torque: [x, b]}", 'no node is named "x"'),
-            ("{torque: [a, b]}", "{torque: [a, a]}", 'both nodes are "a"'),
-            ("{torque: [a, b]}", "{torque: [ground, a]}", "name the node first, torque: a, and mind the sign"),
-            ("{torque: [a, b]}", "{torque: [a]}", "two nodes [first, second]"),
-            ("{torque: [a, b]}", "{torque: [a, 3]}", "expected the name of a node, got 3"),
-            ("{angle: [a, b]}", "{twist: [a, b]}", "expected a name, got ['a', 'b']"),
-            ("{angle: [a, b]}", "{angle: [a, c]}", 'no node is named "c"'),
+            ("{torque: [a, b]}", "{torque: [a, bb]}", "unknown-node"),
+            ("{torque: [a, b]}", "{torque: [x, b]}", "unknown-node"),
+            ("{torque: [a, b]}", "{torque: [a, a]}", "same-node"),
+            ("{torque: [a, b]}", "{torque: [ground, a]}", "grounded-node"),
+            ("{torque: [a, b]}", "{torque: [a]}", "not-a-node"),
+            ("{torque: [a, b]}", "{torque: [a, 3]}", "not-a-node"),
+            ("{angle: [a, b]}", "{twist: [a, b]}", "not-a-node"),
+            ("{angle: [a, b]}", "{angle: [a, c]}", "unknown-node"),
         ],
     )
-    def test_faults(self, old, new, message):
+    def test_faults(self, old, new, kind):
         (fault,) = [one for one in self.faults(old, new) if one.severity == "error"]
-        assert message in fault.message
+        assert fault.kind == kind
         assert fault.position.line in (7, 8)
 
     def test_pair_that_is_rigidly_connected_does_nothing(self):

@@ -110,18 +110,17 @@ def test_a_simulation_has_it_too():
 
 
 @pytest.mark.parametrize(
-    ("sensor", "message"),
+    ("sensor", "kind"),
     [
-        ("{stress: coupling}", "coupling, a spring, has no diameter, and so no stress; take a shaft"),
-        ("{stress: shafft}", 'did you mean "shaft"'),
-        ("{stress: shaft, at: c}", 'shaft is not attached to "c"'),
-        ("{stres: shaft}", 'did you mean "stress"'),
+        ("{stress: coupling}", "unfit-channel"),
+        ("{stress: shafft}", "unknown-element"),
+        ("{stress: shaft, at: c}", "unknown-word"),
+        ("{stres: shaft}", "unknown-entry"),
     ],
 )
-def test_what_has_none_is_named_with_its_place(sensor, message):
-    with pytest.raises(tn.ModelError, match="<text>:9:") as caught:
+def test_what_has_none_is_named_with_its_place(sensor, kind):
+    with pytest.raises(tn.ModelError, match=f"<text>:9:.*{kind}"):
         tn.loads(FILE.replace("{stress: shaft}", sensor))
-    assert message in str(caught.value)
 
 
 def test_modelica_is_told_to_measure_a_torque(tmp_path):

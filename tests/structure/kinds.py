@@ -94,7 +94,15 @@ def _is_message(node: ast.expr, within: ast.AST, texts: Collection[str]) -> bool
     if isinstance(node, ast.IfExp):
         return _is_message(node.body, within, texts) or _is_message(node.orelse, within, texts)
     if isinstance(node, ast.Call):
-        return ast.unparse(node.func).rpartition(".")[2] in {"phrase", "str", "joined", "extended", *texts}
+        return ast.unparse(node.func).rpartition(".")[2] in {
+            "phrase",
+            "str",
+            "join",
+            "format",
+            "joined",
+            "extended",
+            *texts,
+        }
     if isinstance(node, ast.Name):
         if node.id in PASSED_ON:
             return False

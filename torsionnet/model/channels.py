@@ -227,14 +227,16 @@ def _settle_pair(channel: Sensor | Input) -> None:
         settle(channel, against=None)
 
 
-def pair_fault(first: str, second: Any, quantity: str) -> str | None:
-    """Message if a quantity cannot be taken between two nodes of these names, else None."""
+def pair_fault(first: str, second: Any, quantity: str) -> Fault | None:
+    """Fault if a quantity cannot be taken between two nodes of these names, else None."""
     if not isinstance(second, str) or not second:
-        return f"expected the name of a node, {got(second)}"
+        return Fault(f"expected the name of a node, {got(second)}", kind="not-a-node")
     if first == second:
-        return f'both nodes are "{first}"; a {quantity} is between two different nodes, or on one: {quantity}: {first}'
+        text = f'both nodes are "{first}"; a {quantity} is between two different nodes, or on one: {quantity}: {first}'
+        return Fault(text, kind="same-node")
     if first == GROUND:
-        return f"ground does not move; name the node first, {quantity}: {second}, and mind the sign"
+        text = f"ground does not move; name the node first, {quantity}: {second}, and mind the sign"
+        return Fault(text, kind="grounded-node")
     return None
 
 
@@ -394,7 +396,7 @@ class ChannelEntry(Spec[Made_co]):
             )
         fault = pair_fault(given[0], given[1], quantity)
         if fault:
-            raise EntryError(fault, (quantity, 0 if given[0] == GROUND else 1))
+            raise EntryError(fault.under(quantity, 0 if given[0] == GROUND else 1))
         return given[0], given[1]
 
     def plain(self, value: Any) -> dict[str, Any]:

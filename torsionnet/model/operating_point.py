@@ -28,8 +28,8 @@ def torque_place(text: str) -> Input:
     return Input("torque", *(parse_pair(text) or (text,)))
 
 
-def place_fault(text: str) -> str | None:
-    """Message if a text names no place for a mean torque, else None; nodes need not exist."""
+def place_fault(text: str) -> Fault | None:
+    """Fault if a text names no place for a mean torque, else None; nodes need not exist."""
     pair = parse_pair(text)
     return None if pair is None else pair_fault(*pair, "torque")
 

@@ -73,7 +73,7 @@ def scenario_of(model: Defined, scenario: str | Scenario | Mapping[str, Any]) ->
         unknown_name("parameter", name, model.exact_values, ()) for name in sorted(names - {*model.exact_values})
     ]
     if unknown:
-        raise UsageError("; ".join(fault.message for fault in unknown))
+        raise UsageError("; ".join(fault.message for fault in unknown), kind="unknown-parameter")
     return found
 
 
@@ -86,13 +86,14 @@ def driving_course(model: Defined, scenario: Scenario) -> DrivingCourse:
         This configuration lacks what the scenario needs.
     """
     subject = scenario_subject(model.definition, model.exact_values)
-    faults = [fault.message for fault in scenario.name_faults(subject)]
+    faults = list(scenario.name_faults(subject))
     for name in scenario.needed:
         one = subject.elements.get(name, subject.excitations.get(name))
         if not getattr(one, "enabled", True):
-            faults.append(f"{name} is switched off here, and the scenario needs it; switch it on")
+            text = f"{name} is switched off here, and the scenario needs it; switch it on"
+            faults.append(Fault(text, kind="switched-off"))
     if faults:
-        raise UsageError("; ".join(faults))
+        raise UsageError("; ".join(fault.message for fault in faults), kind=faults[0].kind)
     return scenario.course(subject)
 
 

@@ -50,7 +50,8 @@ def check_study_models(model: Drivetrain, studies: Iterable[Study]) -> None:
     found = [text for one in studies if (text := _refusal(model, one))]
     if found:
         raise UsageError(
-            "\n".join([*found, "a report shows only studies of its own model; run them again with this model"])
+            "\n".join([*found, "a report shows only studies of its own model; run them again with this model"]),
+            kind="unlike-results",
         )
 
 
@@ -328,7 +329,7 @@ def _measured_inputs(request: ReportRequest) -> tuple[tuple[str, str], ...]:
         except OSError as error:
             faults.append(f"cannot read {one.path}: {error.strerror}")
     if faults:
-        raise UsageError("; ".join(faults))
+        raise UsageError("; ".join(faults), kind="unreadable-file")
     return tuple(inputs)
 
 

@@ -594,4 +594,4 @@ def require_answers(subject: ReportData) -> None:
         if all(refusals):
             found.append(f"{pair}: {refusals[0]}")
     if found:
-        raise UsageError("\n".join(found))
+        raise UsageError("\n".join(found), kind="unfit-channel")

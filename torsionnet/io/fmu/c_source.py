@@ -287,7 +287,8 @@ def _compiled(command: list[str], platform: Platform, folder: Path) -> bytes:
         raise CompilerError(f"the C compiler {command[0]} cannot be run: {error}", kind="failed-program") from None
     if done.returncode or not library.is_file():
         said = done.stderr.strip().splitlines()[-10:]
-        raise CompilerError("\n".join([f"the C compiler failed for {platform.name}: {' '.join(call)}", *said]))
+        text = "\n".join([f"the C compiler failed for {platform.name}: {' '.join(call)}", *said])
+        raise CompilerError(text, kind="failed-program")
     return library.read_bytes()
 
 

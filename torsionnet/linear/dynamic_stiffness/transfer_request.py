@@ -311,9 +311,9 @@ def _twist_in(drivetrain: AssembledModel, channel: Input) -> Input:
             f'no element is named "{channel.of}"{did_you_mean(channel.of, drivetrain.elements)}', kind="unknown-element"
         )
     element = drivetrain.elements[channel.of]
-    fault = twist_fault(element, element.parts(Values(drivetrain.exact_values)))
-    if fault:
-        raise UsageError(fault)
+    text = twist_fault(element, element.parts(Values(drivetrain.exact_values)))
+    if text:
+        raise UsageError(text, kind="unfit-element")
     return channel
 
 

@@ -383,7 +383,7 @@ def _check(orders: tuple[float, ...], modes: int, background: int) -> None:
     if not 0 <= background <= 4:
         wrong.append(f"the background is a polynomial of degree 0 to 4, got {background}")
     if wrong:
-        raise UsageError("; ".join(wrong))
+        raise UsageError("; ".join(wrong), kind="out-of-range")
 
 
 def _band(windows: PassageWindows) -> tuple[float, float]:
