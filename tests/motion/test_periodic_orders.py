@@ -27,12 +27,12 @@ def _close(found: float, wanted: float, share: float = 1e-5) -> None:
 
 def rattling(**more: object) -> tn.Drivetrain:
     """Two free masses with a clearance under a mean torque of 25 N m and 40 N m of the first order."""
+    given = {"operating_point": {"torque": {"a": "25 N*m", "b": "-25 N*m"}}} | more
     return tn.Drivetrain(
         "rattling",
         list(free_clearance().elements.values()),
         excitations={"shaker": {"type": "harmonic", "node": "a", "orders": {1: {"amplitude": "40 N*m"}}}},
-        operating_point={"torque": {"a": "25 N*m", "b": "-25 N*m"}},
-        **more,
+        **given,
     )
 
 
@@ -103,6 +103,32 @@ def test_branches_are_followed_once_for_all_outputs(monkeypatch):
     )  # fmt: skip
     assert other.order_response("twist(gap)", nonlinear="periodic").half_range[1, 0] > twist.half_range[1, 0]
     assert len(followed) == 2
+
+
+def test_mean_torques_are_those_of_the_load_at_each_speed():
+    speeds = {"of": "a", "list": ["3000 rpm", "3300 rpm"], "rated": "3000 rpm"}
+    load = {"absorbed_at": "b", "torque": "25 N*m", "torque_exponent": 2, "driven_by": {"a": 1}}
+    loaded = rattling(operating_point=None, speeds=speeds, load=load)
+    found = loaded.order_response("twist(gap)", nonlinear="periodic")
+    _close(found.peak_to_peak[0, 0], 0.02633979 - 0.01267718)
+    more = 25 * 1.1**2
+    given = {"torque": {"a": f"{more} N*m", "b": f"{-more} N*m"}}
+    alone = rattling(operating_point=given, speeds=speeds).order_response("twist(gap)", nonlinear="periodic")
+    _close(found.peak_to_peak[1, 0], float(alone.peak_to_peak[1, 0]), 1e-7)
+    assert abs(alone.peak_to_peak[0, 0] / found.peak_to_peak[0, 0] - 1) > 1e-2
+
+
+def test_values_that_follow_the_speed_are_refused():
+    speeds = {"of": "a", "list": ["3000 rpm"], "rated": "3000 rpm"}
+    stiffness = {"by": "speed", "of": "a", "table": {"1000 rpm": 8000, "4000 rpm": 9000}}
+    one, two, _, oil = free_clearance().elements.values()
+    rig = tn.Drivetrain(
+        "rattling", [one, two, tn.Clearance("gap", nodes=("a", "b"), gap="2 deg", stiffness="k"), oil],
+        excitations={"shaker": {"type": "harmonic", "node": "a", "orders": {1: {"amplitude": "40 N*m"}}}},
+        operating_point={"torque": {"a": "25 N*m", "b": "-25 N*m"}}, speeds=speeds, parameters={"k": stiffness},
+    )  # fmt: skip
+    with pytest.raises(UsageError, match=r"(?s)k: follows the operating point.*unsupported-law"):
+        rig.order_response("twist(gap)", nonlinear="periodic")
 
 
 def test_model_says_how_laws_act_and_an_argument_overrules_it():

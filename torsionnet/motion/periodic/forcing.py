@@ -15,6 +15,7 @@ from torsionnet.base.errors import UsageError
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.linear.dynamic_stiffness.transfer_request import resolve_inputs
+from torsionnet.machinery.orders.operating_groups import own_ratio
 from torsionnet.machinery.orders.order_line import has_unknown_angles
 from torsionnet.machinery.orders.order_solution import OrderRequest
 from torsionnet.model.channels import Input
@@ -109,12 +110,15 @@ def _by_harmonic(name: str, given: Any) -> dict[int, complex]:
 def over_speed(
     drivetrain: AssembledModel, speeds: Any, speed_of: str | None, excitation: str | Iterable[str] | None
 ) -> Forcing:
-    """Orders of a model's excitations over speeds in rad/s, with the mean torques of its operating point.
+    """Orders of a model's excitations over speeds in rad/s, with the mean torques of its load there.
+
+    Without a load those of its operating point.
 
     Raises
     ------
     UsageError
-        What :func:`.order_response` refuses; lines that do not follow the speed; imposed angles.
+        What :func:`.order_response` refuses; lines that do not follow the speed; imposed angles; parameters that follow
+        the operating point.
     """
     if isinstance(excitation, Mapping):
         text = "over speed excitation= names excitations of the model; torques by name go with frequencies="
@@ -123,6 +127,7 @@ def over_speed(
     parameters = _parameters(request.speeds, "speeds", "rad/s")
     first = request.loads(parameters[:1])
     _require_period(first.lines, first.inputs)
+    _require_fixed_values(drivetrain)
     relative = [line.relative for line in first.lines]
     base = Fraction(math.gcd(*(one.numerator for one in relative)), math.lcm(*(one.denominator for one in relative)))
     means = acting_means(drivetrain)
@@ -134,6 +139,11 @@ def over_speed(
         text += f" after {float(1 / base):.6g} turns of {request.reference}; periodic motion needs shorter ones: take"
         raise UsageError(f"{text} fewer excitations together, or simulate", kind="no-period")
 
+    def means_at(speed: float) -> Mapping[str, float]:
+        if drivetrain.definition.load is None:
+            return means
+        return drivetrain.external_torques.at(own_ratio(drivetrain, request.reference) * speed)
+
     @lru_cache(MOST_KEPT)
     def loads(speed: float) -> ComplexArray:
         found = request.loads(np.array([speed]))
@@ -143,12 +153,19 @@ def over_speed(
             for place, channel in enumerate(found.inputs):
                 value = found.loads[0, line, place]
                 torques[harmonic, inputs.index(channel)] += value.conjugate() if backward else value
-        for channel, torque in zip(mean_inputs, means.values(), strict=True):
-            torques[0, inputs.index(channel)] += torque
+        for channel, node in zip(mean_inputs, means, strict=True):
+            torques[0, inputs.index(channel)] += means_at(speed).get(node, 0.0)
         return torques
 
     drive = PeriodicDrive(lambda speed: float(base) * speed, loads)
     return Forcing(drivetrain, inputs, drive, parameters, request.reference, float(base))
+
+
+def _require_fixed_values(drivetrain: AssembledModel) -> None:
+    names = list(drivetrain.definition.following)
+    if names:
+        text = "follows the operating point, and motions over speed are followed with one value: give it a number"
+        raise UsageError(f"{', '.join(names)}: {text}", kind="unsupported-law")
 
 
 def _require_period(lines: Sequence[Any], inputs: Sequence[Input]) -> None:
