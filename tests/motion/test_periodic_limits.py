@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import islice
 from math import pi
 
 import numpy as np
@@ -21,7 +22,7 @@ import torsionnet as tn
 from torsionnet.base.errors import SolveError, UsageError
 from torsionnet.motion.periodic import all_branches
 from torsionnet.motion.periodic.periodic_problem import peak_to_peak
-from torsionnet.motion.periodic.starts import without_start
+from torsionnet.motion.periodic.starts import from_rest, without_start
 from torsionnet.motion.periodic.stepped_starts import from_simulation
 
 
@@ -132,6 +133,18 @@ def test_branches_that_only_a_simulation_leads_to(monkeypatch):
     # The large motion of the reference, which hammers through the dead zone.
     assert abs(float(again.lowest[0]) - 0.76157005) < 1e-5
     assert abs(float(again.highest[0]) - 1.33300931) < 1e-5
+
+
+def test_isolated_branches_are_found_by_starts_of_other_sizes(monkeypatch):
+    # From rest the small motion alone, which within the range nothing joins to the large one.
+    monkeypatch.setattr(all_branches, "from_rest", lambda *given: islice(from_rest(*given), 1))
+    found = gear_pair().periodic_response(
+        "x", frequencies=np.array([0.75, 0.8]) / (2 * pi), excitation={"x": {0: 0.1, 1: 0.032}}
+    )
+    assert "from a start of another size, joined to no other" in found.ways
+    large = min(found.stable_at(0.8 / (2 * pi)), key=lambda one: float(one.lowest[0]))
+    assert abs(float(large.lowest[0]) - 0.76157005) < 1e-5
+    assert "there may be more" in found.notes[-1]
 
 
 @pytest.mark.parametrize(

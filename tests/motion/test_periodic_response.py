@@ -41,6 +41,17 @@ def test_car_booms_only_on_the_way_down(driven_car):
     assert len(driven_car.stable_at(1150 * RPM)) == 2
 
 
+def test_both_jumps_are_told_from_motions_close_beside_a_fold():
+    gas = {"type": "harmonic", "node": "engine", "orders": {
+        2: {"amplitude": "300 N*m"}, 4: {"amplitude": "60 N*m", "phase": "-90 deg"}}}  # fmt: skip
+    rig = car(excitations={"gas": gas}, operating_point={"torque": {"engine": "60 N*m", "vehicle": "-60 N*m"}})
+    speeds = np.array([1000, 1000 + 27 * 2000 / 299, 1300]) * RPM
+    found = rig.periodic_response("twist(dmf)", speeds=speeds, speed_of="engine")
+    assert sorted(way for way, _ in found.jumps) == ["run-down", "run-up"]
+    turns = [one.turn or one.stability for one in found.motions if 1170 < one.at / RPM < 1185]
+    assert turns[:3] == ["stable", "fold", "unstable: leaves"]
+
+
 def test_car_at_1700_rpm_is_met_with_order_1(driven_car):
     (met,) = driven_car.stable_at(1700 * RPM)
     assert met.periods == 2

@@ -19,7 +19,7 @@ from torsionnet.motion.periodic.crossings import second_frequencies
 from torsionnet.motion.periodic.doubling import Doubling, doubled_branch, doublings
 from torsionnet.motion.periodic.harmonic_balance import fitted
 from torsionnet.motion.periodic.periodic_problem import Harmonics, PeriodicMotion, PeriodicProblem
-from torsionnet.motion.periodic.starts import from_rest
+from torsionnet.motion.periodic.starts import from_rest, mean_start
 from torsionnet.motion.periodic.stepped_starts import from_simulation
 from torsionnet.motion.scenarios.scenario import REST
 
@@ -33,8 +33,8 @@ WIDER = 1e-3
 """Share by which a branch is followed beyond the range, so that its ends are inside."""
 SAME = 1e-3
 """Share of a motion by which another may differ and still be the same one."""
-STARTS = tuple((size, phase) for size in (0.3, 2.0, 10.0) for phase in (1.0, -1.0, 1j, -1j))
-"""Sizes and phases, over the motion from rest, of starts for branches that nothing joins to others."""
+STARTS = tuple((size, phase) for size in (1.0, 3.0, 10.0) for phase in (1.0, -1.0, 1j, -1j))
+"""Sizes and phases, over the motion with springs in place of the laws, of starts for branches that nothing joins."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,10 +161,12 @@ def _inside(points: Iterator[BranchPoint], ends: tuple[float, float], first: Bra
 
 def _other_starts(problem: PeriodicProblem, parameters: tuple[float, ...], harmonics: int) -> Iterator[PeriodicMotion]:
     for at in parameters:
+        driven = problem.balance(at, harmonics).driven
+        # about the twists under the mean torques: a spring in place of a clearance would stand in the gap
+        rest = mean_start(problem, at)
         for size, phase in STARTS:
-            balance = problem.balance(at, harmonics)
-            start = balance.driven.copy()
-            start[1:] *= size * phase
+            start = size * phase * driven
+            start[0] = driven[0] if rest is None else rest[0]
             motion = problem.solve(at, start, harmonics)
             if motion is not None:
                 full = problem.solve(at, motion.x)

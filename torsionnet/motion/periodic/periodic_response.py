@@ -197,11 +197,19 @@ def motions_along(
             if motion is not None:
                 lines.append((abs(at - before.p), motion, ""))
         lines += [(abs(each.parameter - before.p), each, kind) for place, each, kind in crossings if place == number]
-        yield from ((motion, turn) for _, motion, turn in sorted(lines, key=lambda line: line[0]))
-        if before.turns * after.turns < 0:
-            fold = located_fold(one.problem, before, after, one.branch.tracer.n_laws)
-            if fold is not None:
-                yield fold.motion, "fold"
+        along = [(motion, turn) for _, motion, turn in sorted(lines, key=lambda line: line[0])]
+        fold = (
+            located_fold(one.problem, before, after, one.branch.tracer.n_laws)
+            if before.turns * after.turns < 0
+            else None
+        )
+        # What lies between the parameters of two points beside a fold is passed before it only if the branch gets
+        # from one to the other in the sense in which it comes.
+        ahead = (after.p - before.p) * before.turns > 0
+        yield from along if ahead else ()
+        if fold is not None:
+            yield fold.motion, "fold"
+        yield from () if ahead else along
 
 
 def _between(
