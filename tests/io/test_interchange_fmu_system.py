@@ -87,6 +87,7 @@ FOLLOWS = "unsupported-law"
 REFUSED = {
     "clearance": "no-counterpart",
     "friction": "no-counterpart",
+    "arc_spring": OVER_FREQUENCY,
     "hysteretic_spring": OVER_FREQUENCY,
     "tabulated_spring": OVER_FREQUENCY,
     "continuous_shaft": OVER_FREQUENCY,

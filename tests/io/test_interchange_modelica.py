@@ -17,7 +17,14 @@ from torsionnet.io import to_modelica, write_modelica
 
 FREQUENCIES = [0.7, 5.3, 21.0]
 OVER_FREQUENCY = {"tabulated_spring", "continuous_shaft"}
-NO_COUNTERPART = {"hysteretic_spring", *OVER_FREQUENCY, "controller", "fluid_coupling", "torque_converter"}
+NO_COUNTERPART = {
+    "arc_spring",
+    "hysteretic_spring",
+    *OVER_FREQUENCY,
+    "controller",
+    "fluid_coupling",
+    "torque_converter",
+}
 NO_OPERATING_POINT = {"clearance", "friction"}
 
 
@@ -204,7 +211,9 @@ def test_descriptions_are_quoted():
 
 @pytest.mark.parametrize("kind", sorted(NO_COUNTERPART))
 def test_elements_without_counterpart_are_refused_by_name(kind):
-    laws = {"hysteretic_spring": "loss factor on a - b"} | dict.fromkeys(OVER_FREQUENCY, "table over frequency on a")
+    laws = dict.fromkeys(("arc_spring", "hysteretic_spring"), "loss factor on a - b") | dict.fromkeys(
+        OVER_FREQUENCY, "table over frequency on a"
+    )
     part = laws.get(kind, "torque on . - . that follows")
     with pytest.raises(UsageError, match=rf"has no counterpart of e \({kind}\), .*{part}"):
         to_modelica(around(EVERY_ELEMENT[kind]))

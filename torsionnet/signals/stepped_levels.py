@@ -173,7 +173,8 @@ class SteppedStiffness(NotebookResult):
 
 def _quotient(above: FloatArray, below: FloatArray) -> FloatArray:
     """Quotient of two arrays, nan where the second is zero, as the stiffness within a gap."""
-    return np.divide(above, below, out=np.full(len(below), np.nan), where=below != 0)
+    found: FloatArray = np.divide(above, below, out=np.full(len(below), np.nan), where=below != 0)
+    return found
 
 
 def stepped_stiffness(

@@ -18,6 +18,8 @@ MOST_SEGMENTS = 400
 """Segments beyond which a march would not tell more than how small the swing is."""
 STEPS = 60
 """Halvings of the interval of a mean, to the last digit of a double."""
+SAME_TORQUE = 1e-8
+"""Share by which a marched loop may miss its mean torque."""
 
 
 @lru_cache(maxsize=4096)
@@ -69,8 +71,17 @@ def _marched(springs: ArcSprings, amplitude: float, mean_torque: float) -> SlowL
     segments = min(MOST_SEGMENTS, max(segments, segments_needed(max(depth, 1 / segments), LOSS_SHARE)))
     if mean_torque == 0:
         return marched_loop(springs, amplitude, 0.0, segments)
-    for _ in range(STEPS // 2):
-        middle = (low + high) / 2
-        short = marched_loop(springs, amplitude, middle, segments).mean_torque < mean_torque
-        low, high = (middle, high) if short else (low, middle)
-    return marched_loop(springs, amplitude, (low + high) / 2, segments)
+    # False position with halved ordinates (Illinois): the mean torque rises with the mean twist, also in steps.
+    loop = marched_loop(springs, amplitude, high, segments)
+    below, above = -mean_torque, loop.mean_torque - mean_torque
+    for _ in range(STEPS):
+        middle = low - below * (high - low) / (above - below)
+        loop = marched_loop(springs, amplitude, middle, segments)
+        over = loop.mean_torque - mean_torque
+        if abs(over) <= SAME_TORQUE * mean_torque or high - low <= SAME_TORQUE * high:
+            break
+        if over < 0:
+            low, below, above = middle, over, above / 2
+        else:
+            high, above, below = middle, over, below / 2
+    return loop

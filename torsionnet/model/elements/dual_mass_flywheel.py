@@ -116,7 +116,7 @@ class DualMassFlywheel(Element):
     speed: Expression | None = entry(PhysicalQuantity("speed that presses them outward", "speed", "Omega", None), None)
     arc_angle: Expression | None = entry(
         PhysicalQuantity(
-            "angle on which a spring lies; with it friction grows with the spring force", "angle", "psi", exclusive=True
+            "angle on which a spring lies, for friction that grows with its force", "angle", "psi", exclusive=True
         ),
         None,
     )

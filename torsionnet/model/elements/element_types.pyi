@@ -773,7 +773,7 @@ class DualMassFlywheel(_DualMassFlywheel):
     spring_mass: mass of all arc springs [kg]
     spring_radius: radius on which they lie [m]
     speed: speed that presses them outward [rad/s]
-    arc_angle: angle on which a spring lies; with it friction grows with the spring force [rad]
+    arc_angle: angle on which a spring lies, for friction that grows with its force [rad]
     description: free text for tables and reports
     enabled: whether the element takes part before a configuration says otherwise
     catalogue: a table from which it takes the entries that are not given here, as couplings.csv
