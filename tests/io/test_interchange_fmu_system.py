@@ -85,6 +85,7 @@ ELEMENTS = EVERY_ELEMENT | EXPORTED
 OVER_FREQUENCY = "no-state-space"
 FOLLOWS = "unsupported-law"
 REFUSED = {
+    "arc_spring": OVER_FREQUENCY,
     "clearance": "no-counterpart",
     "friction": "no-counterpart",
     "arc_spring": OVER_FREQUENCY,
