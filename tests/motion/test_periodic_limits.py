@@ -20,8 +20,9 @@ from support.periodic_rigs import (
 
 import torsionnet as tn
 from torsionnet.base.errors import SolveError, UsageError
-from torsionnet.motion.periodic import all_branches
+from torsionnet.motion.periodic import all_branches, periodic_response
 from torsionnet.motion.periodic.periodic_problem import peak_to_peak
+from torsionnet.motion.periodic.periodic_response import _between as between
 from torsionnet.motion.periodic.starts import from_rest, without_start
 from torsionnet.motion.periodic.stepped_starts import from_simulation
 
@@ -170,6 +171,13 @@ def test_simulated_friction_behind_a_spring_gives_its_start():
     (motion,) = from_simulation(one, 10.10376, "rest", 1)
     low, high = peak_to_peak(one.coordinates(motion)[0][:, 0])
     assert abs((high - low) / 2 - 0.52849625) < 1e-5
+
+
+def test_places_at_which_no_motion_was_found_are_told(monkeypatch):
+    monkeypatch.setattr(periodic_response, "_between", lambda *given: None if given[3] > 0.2 else between(*given))
+    found = duffing().periodic_response("a", frequencies=[0.1, 0.25], excitation={"a": 0.18})
+    assert len(found.motions_at(0.1)) == 1
+    assert "at 0.25 Hz a branch passes, but with the harmonics it needs none was found there" in found.notes
 
 
 def test_no_rest_under_more_torque_than_a_softening_spring_carries():

@@ -19,9 +19,16 @@ MANY = 3
 
 
 def periodic_notes(
-    found: PeriodicResponse, branches: Sequence[FoundBranch], beyond: Sequence[tuple[int, float, str]]
+    found: PeriodicResponse,
+    branches: Sequence[FoundBranch],
+    beyond: Sequence[tuple[int, float, str]],
+    missed: Sequence[float],
 ) -> Iterator[str]:
-    """Yield the notes of a response; ``beyond`` are motions beyond tables by branch and place, with the reason."""
+    """Yield the notes of a response.
+
+    ``beyond`` are motions beyond tables by branch and place, with the reason, and ``missed`` places at which a branch
+    passes without a motion found.
+    """
     off = [one for one in found.motions if one.left_out > 1e-5]
     if off:
         worst = max(off, key=lambda one: one.left_out)
@@ -44,6 +51,8 @@ def periodic_notes(
         places = list(group)
         span = _span(found, sorted(at for _, at, _ in places))
         yield f"{span} motions of branch {number + 1} are left out: {places[0][2]}"
+    if missed:
+        yield f"{_span(found, sorted(missed))} a branch passes, but with the harmonics it needs none was found there"
     yield from _unstable(found)
     yield MORE
 

@@ -157,8 +157,9 @@ def _result(
     over: Literal["frequency", "speed"] = "speed" if forcing.reference else "frequency"
     motions: list[FoundMotion] = []
     beyond: list[tuple[int, float, str]] = []
+    missed: list[float] = []
     for number, one in enumerate(branches):
-        for motion, turn in motions_along(one, forcing.parameters, harmonics):
+        for motion, turn in motions_along(one, forcing.parameters, harmonics, missed):
             left = one.problem.beyond(motion)
             if left:
                 beyond.append((number, motion.parameter, left))
@@ -177,13 +178,16 @@ def _result(
         if one.begins is not None
     }
     ways = tuple(doubled.get(number, way) for number, way in enumerate(found.ways))
-    return replace(found, ways=ways, notes=tuple(periodic_notes(found, branches, beyond)))
+    return replace(found, ways=ways, notes=tuple(periodic_notes(found, branches, beyond, missed)))
 
 
 def motions_along(
-    one: FoundBranch, parameters: FloatArray, harmonics: Harmonics
+    one: FoundBranch, parameters: FloatArray, harmonics: Harmonics, missed: list[float]
 ) -> Iterator[tuple[PeriodicMotion, str]]:
-    """Yield the motions of a branch in its order: those at parameters asked for, and where it turns with the kind."""
+    """Yield the motions of a branch in its order: those at parameters asked for, and where it turns with the kind.
+
+    Parameters at which the branch passes, but no motion with enough harmonics was found, go to ``missed``.
+    """
     crossings = [(each.place, each.motion, "doubling") for each in one.doublings]
     crossings += [(place, motion, "second frequency") for place, motion in one.second_frequencies]
     for number, (before, after) in enumerate(pairwise(one.branch.points)):
@@ -194,7 +198,9 @@ def motions_along(
         )  # fmt: skip
         for at in inside.tolist():
             motion = _between(one.problem, before, after, at, harmonics)
-            if motion is not None:
+            if motion is None:
+                missed.append(at)
+            else:
                 lines.append((abs(at - before.p), motion, ""))
         lines += [(abs(each.parameter - before.p), each, kind) for place, each, kind in crossings if place == number]
         along = [(motion, turn) for _, motion, turn in sorted(lines, key=lambda line: line[0])]
