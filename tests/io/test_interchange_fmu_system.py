@@ -88,7 +88,6 @@ REFUSED = {
     "arc_spring": OVER_FREQUENCY,
     "clearance": "no-counterpart",
     "friction": "no-counterpart",
-    "arc_spring": OVER_FREQUENCY,
     "hysteretic_spring": OVER_FREQUENCY,
     "tabulated_spring": OVER_FREQUENCY,
     "continuous_shaft": OVER_FREQUENCY,
