@@ -21,6 +21,7 @@ from torsionnet.machinery.limits import Limit
 from torsionnet.machinery.limits.evidence import LimitSubject
 from torsionnet.machinery.limits.shaft_limit import RoundSection
 from torsionnet.machinery.orders.order_response import OrderResponse
+from torsionnet.machinery.orders.refined_response import is_periodic
 from torsionnet.machinery.orders.worst_response import WorstResponse
 from torsionnet.machinery.verdicts.limit_verdict import FAIL, LimitVerdict
 from torsionnet.model.channels import Sensor, named_sensor
@@ -327,7 +328,8 @@ def over_speed(
             "over speed the page needs the entries speeds: and excitations: of the model", kind="missing-entry"
         )
     speeds, thinned = _thinned(np.array(given.values), ROUGH_SPEEDS if rough else len(given.values))
-    run = rig.order_response(output, speeds=speeds)
+    # Periodic motion has the speeds at which it jumps besides, where ranges end.
+    run = rig.order_response(output, speeds=speeds, refine=is_periodic(rig, None))
     unit = run.outputs[0].unit
     tested = tested_orders(run, orders_of_test(test, run.outputs[0]), MOST_ORDERS)
     return {
