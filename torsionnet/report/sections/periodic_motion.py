@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from torsionnet.base.number_text import aligned_numbers
 from torsionnet.base.phrases import phrase
+from torsionnet.machinery.orders.refined_response import is_periodic
 from torsionnet.motion.periodic.periodic_orders import PeriodicOrders
 from torsionnet.motion.periodic.periodic_result import FoundMotion, PeriodicResponse
 from torsionnet.report.document_tree import Block, Cell, Heading, Paragraph, Picture, Remark, Section, TableBlock
@@ -33,6 +34,8 @@ def periodic_motions_section(subject: ReportData) -> Section | None:
     """Section of a report on periodic motions; None for a model whose laws of motion are taken as linear."""
     if not subject.has_excitations or not subject.order_outputs:
         return None
+    if not any(is_periodic(case.drivetrain, None) for case in subject.cases):
+        return None  # before responses are solved that no other section may need
     runs = zip(subject.cases, subject.order_responses, strict=True)
     blocks = [
         block
