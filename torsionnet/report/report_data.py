@@ -588,10 +588,10 @@ def require_answers(subject: ReportData) -> None:
     UsageError
         With all of them.
     """
-    found = []
+    found = {}
     for pair in subject.pairs:
-        refusals = [subject.why_left_out(case, pair) for case in subject.cases]
-        if all(refusals):
-            found.append(f"{pair}: {refusals[0]}")
+        refusals = [refusal for case in subject.cases if (refusal := subject.why_left_out(case, pair)) is not None]
+        if refusals and len(refusals) == len(subject.cases):
+            found[f"{pair}: {refusals[0]}"] = refusals[0].kind
     if found:
-        raise UsageError("\n".join(found), kind="unfit-channel")
+        raise UsageError("\n".join(found), kind=next(iter(found.values())))

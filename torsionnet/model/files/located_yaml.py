@@ -101,7 +101,7 @@ def explain(error: yaml.MarkedYAMLError, lines: Sequence[str]) -> tuple[Fault, t
 def _meaning(problem: str) -> tuple[str, str]:
     """Kind of the break that PyYAML calls a problem, and the message on it."""
     known = ((kind, meaning) for pattern, kind, meaning in _MEANINGS if re.search(pattern, problem))
-    return next(known, ("", f"this cannot be read as YAML: {problem}"))
+    return next(known, ("unreadable-file", f"this cannot be read as YAML: {problem}"))
 
 
 def _is_whole(line: str) -> bool:
