@@ -277,9 +277,14 @@ def rename(text: str, offset: int, new: str, file: str = "", folder: Path | None
     found = place_at(names.places, offset)
     if found is None:
         raise UsageError(NOTHING_HERE, kind="unknown-name")
-    reason = _not_here(found, names) or _no_name(found, new) or _taken(found, new, names.places)
-    if reason:
-        raise UsageError(reason)
+    reasons = {
+        "unknown-name": _not_here(found, names),
+        "invalid-name": _no_name(found, new),
+        "repeated-name": _taken(found, new, names.places),
+    }
+    for kind, reason in reasons.items():
+        if reason:
+            raise UsageError(reason, kind=kind)
     if new == found.name:
         return []
     edits = [TextEdit(one.span, new) for one in names.places if one.home == found.home]
