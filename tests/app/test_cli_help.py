@@ -71,3 +71,25 @@ def test_words_from_elsewhere_are_no_commands_and_lead_to_commands():
             assert {word for word in rest if word.startswith("--")} <= options_of(name)
         else:
             assert name in {"--help", "--version"}
+
+
+@pytest.mark.parametrize(
+    ("words", "kind"),
+    [
+        ("bogus", "unknown-word"),
+        ("--bogus", "unknown-word"),
+        ("modes amt_rig --bogus", "unknown-word"),
+        ("modes", "missing-entry"),
+        ("modes amt_rig --digits", "missing-entry"),
+        ("modes amt_rig more", "needless-entry"),
+        ("modes amt_rig --digits three", "not-a-number"),
+        ("modes amt_rig --digits 40", "out-of-range"),
+        ("frf amt_rig --frequency-unit m", "unknown-word"),
+        ("modes amt_rig --csv no/where.csv", "missing-file"),
+        ("modes amt_rig --set k_1", "wrong-form"),
+        ("modes amt_rig --set k_1=4...2", "not-a-number"),
+        ("modes amt_rig --json --digits 3", "contradicting-entries"),
+    ],
+)
+def test_wrong_words_of_a_command_have_a_kind(words, kind):
+    assert run(*shlex.split(words), code=2).stderr.rstrip().endswith(f"[{kind}]")
