@@ -17,6 +17,26 @@ from torsionnet.report.writers.html import html_page
 TEXTS = [text for texts in replaceable_texts().values() for text in texts]
 OTHERS = [language for language in LANGUAGES if language != "en"]
 
+ENGINE = """torsionnet: 1
+name: two cylinders
+elements:
+  one: {type: inertia, node: c1, inertia: 1 kg*m^2}
+  crank: {type: spring, nodes: [c1, c2], stiffness: 1 MN*m/rad, damping: 20}
+  two: {type: inertia, node: c2, inertia: 1 kg*m^2}
+  rubber: {type: hysteretic_spring, nodes: [c2, b], stiffness: 50 kN*m/rad, loss_factor: 0.1}
+  fan: {type: inertia, node: b, inertia: 3 kg*m^2}
+speeds: {of: c1, range: 600..3000 rpm, step: 20 rpm}
+excitations:
+  engine:
+    {type: reciprocating_engine, speed_of: c1, cycle: 2, cylinders: {1: c1, 2: c2}, firing_angles: {1: 0 deg, 2: 180 deg},
+     bore: 200 mm, stroke: 200 mm, rod_length: 400 mm, reciprocating_mass: 10 kg, orders: [1, 2],
+     gas: {fired: [9e5, 8e5, 7e5, 6e5, 5e5, 4e5, 3e5, 3e5, 2e5, 2e5, 2e5, 2e5, 2e5, 2e5, 2e5, 3e5, 3e5, 4e5, 4e5, 5e5, 6e5, 7e5, 8e5, 9e5]}}
+limits:
+  crank: {rule: curve, output: torque(crank), value: 90 kN*m, source: maker}
+  rubber: {rule: coupling, element: rubber, T_KW: 0.2 kN*m, source: maker}
+report: {kind: approval}
+"""
+
 
 @pytest.mark.parametrize("language", OTHERS)
 class TestWords:
@@ -51,3 +71,15 @@ def test_command_and_file(tmp_path, monkeypatch):
     assert re.search("^## .*Elements$", (tmp_path / "en.md").read_text(encoding="utf-8"), re.MULTILINE)
     with pytest.raises(tn.UsageError, match="unknown-word"):
         make_report(tn.loads(FAN), language="fr")
+
+
+def test_labels_of_data_places_and_groups_are_translated():
+    """A word that begins a cell has a capital letter, and is the word of the list all the same."""
+    report = make_report(
+        tn.loads(ENGINE), language="de", sections=["installation", "forced_response", "components"], date=None
+    )
+    page = html_page(report)
+    for word in ("Zylinder; Bohrung 200", "Steifigkeit 50", ">Spitze<", "Kurbelwelle"):
+        assert word in page, word
+    for word in ("Stiffness", ">peak<", "bore 200", "Couplings"):
+        assert word not in page, word

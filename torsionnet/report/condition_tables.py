@@ -319,8 +319,8 @@ def normal_response(subject: ReportData) -> TableBlock | None:
     for verdict, those in _by_component(peaks):
         found: list[tuple[str, JudgedPoint, str]] = []
         if peaks.rated is not None:
-            found.append(("rated speed", JudgedPoint(peaks.points, verdict, peaks.rated), ""))
-        found += [("peak" if one.is_peak else "largest, no peak", one.point, maker(one)) for one in those]
+            found.append((phrase("rated speed"), JudgedPoint(peaks.points, verdict, peaks.rated), ""))
+        found += [(phrase("peak" if one.is_peak else "largest, no peak"), one.point, maker(one)) for one in those]
         rows += [
             (
                 component_cell(subject, verdict, with_unit=False),

@@ -99,7 +99,9 @@ class Wording:
         if text in self.texts:
             return self.texts[text]
         if not isinstance(text, Phrase):
-            return text
+            # A word that begins a cell has a capital letter.
+            said = self.texts.get(text[:1].lower() + text[1:], "")
+            return said[:1].upper() + said[1:] if said else text
         said = self.texts.get(text.template.replace(UNBROKEN_PERCENT, " %"), text.template)
         return PLACEHOLDER.sub(lambda place: self._inserted(text.values[place[1]]), said)
 
