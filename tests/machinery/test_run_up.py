@@ -11,8 +11,9 @@ import pytest
 
 import torsionnet as tn
 from torsionnet.base.errors import ModelError
-from torsionnet.machinery import LimitConclusion, instruction_table
+from torsionnet.machinery import LimitConclusion
 from torsionnet.machinery.limits import limit_rules
+from torsionnet.machinery.verdicts.operating_instructions import instruction_table
 
 SET = Path(__file__).parent / "generating_set" / "set.yaml"
 RUN_UP = "run_up: {{range: 250..675 rpm, load: {load}}}"

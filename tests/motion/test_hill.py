@@ -10,6 +10,7 @@ from support.periodic_rigs import branch_over, duffing, free_clearance, problem,
 
 import torsionnet as tn
 from torsionnet.motion.periodic.hill import hill_multipliers
+from torsionnet.motion.periodic.periodic_result import PeriodicResponse
 from torsionnet.motion.periodic.stability import stability_of
 
 MULTIPLIER = 1e-3
@@ -45,7 +46,7 @@ def _delayed(gain: float) -> tn.Drivetrain:
     return tn.Drivetrain("delayed", [*duffing().elements.values(), brake])
 
 
-def _stepped(motion: tn.motion.PeriodicResponse, gain: float) -> complex:
+def _stepped(motion: PeriodicResponse, gain: float) -> complex:
     """Multiplier of y'' + .05 y' + (1 + .3 x^2) y = gain y'(t - tau) by Heun's method, x being the motion found."""
     h, k = 2 * pi / W / STEPS, np.arange(len(motion.amplitudes))
     x = (motion.amplitudes[:, 0] * np.exp(2j * pi * np.arange(STEPS)[:, None] * k / STEPS)).sum(axis=1).real

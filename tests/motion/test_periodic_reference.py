@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from support.periodic_rigs import car, free_clearance, gear_pair, rubbing_mass, two_stage_rig
 
-from torsionnet.motion import PeriodicResponse
+from torsionnet.motion.periodic.periodic_result import PeriodicResponse
 
 SHARE = 1e-5
 """Share asked of swings, folds, doublings and order amplitudes."""

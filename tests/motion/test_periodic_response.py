@@ -12,7 +12,8 @@ from support.periodic_rigs import car, duffing, free_clearance, two_stage_rig
 
 import torsionnet as tn
 from torsionnet.base.errors import UsageError
-from torsionnet.motion import MotionStart, PeriodicResponse
+from torsionnet.motion import MotionStart
+from torsionnet.motion.periodic.periodic_result import PeriodicResponse
 
 RPM = pi / 30
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 import torsionnet as tn
-from torsionnet.motion import PeriodicResponse
-from torsionnet.motion.periodic.periodic_result import FoundMotion
+from torsionnet.motion.periodic.periodic_result import FoundMotion, PeriodicResponse
 
 
 def _motion(at: float, swing: float, stability: str, branch: int = 0, periods: int = 1, turn: str = "") -> FoundMotion:

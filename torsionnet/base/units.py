@@ -31,7 +31,7 @@ from torsionnet.base.errors import (
     question,
 )
 
-__all__ = ["UnitError", "convert"]
+__all__ = ["convert"]
 
 Real = Fraction | float
 RPM = 60 / (2 * math.pi)

@@ -16,7 +16,6 @@ from torsionnet.base.packages import lazy_exports
 __all__, __getattr__, __dir__ = lazy_exports(
     __name__,
     {
-        "GROUND": "torsionnet.model.element_base.laws",
         "Action": "torsionnet.model.element_base.laws",
         "Constraint": "torsionnet.model.element_base.laws",
         "Count": "torsionnet.base.entries.spec",

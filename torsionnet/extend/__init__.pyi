@@ -18,7 +18,6 @@ from torsionnet.model.element_base.element_entries import NodeName as NodeName
 from torsionnet.model.element_base.element_entries import NodePair as NodePair
 from torsionnet.model.element_base.laws import Action as Action
 from torsionnet.model.element_base.laws import Constraint as Constraint
-from torsionnet.model.element_base.laws import GROUND as GROUND
 from torsionnet.model.element_base.laws import Law as Law
 from torsionnet.model.element_base.laws import MotionLaw as MotionLaw
 from torsionnet.model.element_base.laws import Part as Part
@@ -35,7 +34,6 @@ __all__ = [
     "Expression",
     "Fault",
     "Flag",
-    "GROUND",
     "Law",
     "LossFactor",
     "MotionLaw",

@@ -9,6 +9,5 @@ __all__, __getattr__, __dir__ = lazy_exports(
         "MarginClause": "torsionnet.machinery.verdicts.margin_rules",
         "MarginRule": "torsionnet.machinery.verdicts.margin_rules",
         "WorstResponse": "torsionnet.machinery.orders.worst_response",
-        "instruction_table": "torsionnet.machinery.verdicts.operating_instructions",
     },
 )

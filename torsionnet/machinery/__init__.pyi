@@ -3,12 +3,10 @@ from torsionnet.machinery.orders.worst_response import WorstResponse as WorstRes
 from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion as LimitConclusion
 from torsionnet.machinery.verdicts.margin_rules import MarginClause as MarginClause
 from torsionnet.machinery.verdicts.margin_rules import MarginRule as MarginRule
-from torsionnet.machinery.verdicts.operating_instructions import instruction_table as instruction_table
 
 __all__ = [
     "LimitConclusion",
     "MarginClause",
     "MarginRule",
     "WorstResponse",
-    "instruction_table",
 ]

@@ -6,6 +6,5 @@ __all__, __getattr__, __dir__ = lazy_exports(
     __name__,
     {
         "MotionStart": "torsionnet.motion.contact_states",
-        "PeriodicResponse": "torsionnet.motion.periodic.periodic_result",
     },
 )

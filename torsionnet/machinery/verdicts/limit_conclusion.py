@@ -35,7 +35,11 @@ from torsionnet.machinery.verdicts.limit_verdict import (
     listed_names,
 )
 from torsionnet.machinery.verdicts.measured_range import MeasuredRange
-from torsionnet.machinery.verdicts.operating_instructions import Instruction, operating_instructions
+from torsionnet.machinery.verdicts.operating_instructions import (
+    Instruction,
+    instruction_table,
+    operating_instructions,
+)
 from torsionnet.machinery.verdicts.speed_spans import SpeedSpan, in_condition, joined_spans, rpm_spans
 from torsionnet.model.condition_titles import ConditionTitles
 
@@ -136,6 +140,10 @@ class LimitConclusion:
     def instructions(self) -> tuple[Instruction, ...]:
         """Instructions to the crew on the speeds that limits restrict in any configuration."""
         return operating_instructions(self.checks)
+
+    def instruction_table(self, conventions: Conventions = SI) -> Table:
+        """Table of the operating instructions, with notes on any other restriction."""
+        return instruction_table(self.checks, conventions)
 
     def worst(self) -> tuple[WorstLimit, ...]:
         """Criteria of all limits, each in the configuration and at the speed of largest utilisation, most used first.

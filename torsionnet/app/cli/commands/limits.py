@@ -100,7 +100,6 @@ class LimitsCommand(ModelCommand):
     ) -> Iterator[Table | str]:
         from torsionnet.machinery.excitations.reciprocating_engine import conditions_running_alone
         from torsionnet.machinery.verdicts.limit_verdict import PASS
-        from torsionnet.machinery.verdicts.operating_instructions import instruction_table
 
         if len(overall.checks) > 1:
             yield replace(overall.worst_table(conventions), title=f"{cases[0].drivetrain.name}: worst of every limit")
@@ -123,7 +122,7 @@ class LimitsCommand(ModelCommand):
 
             yield measured_range_table(f"{cases[0].drivetrain.name}: measured half ranges", tests, conventions)
             yield ""
-        instructions = instruction_table(overall.checks, conventions)
+        instructions = overall.instruction_table(conventions)
         if instructions.rows:
             yield instructions
             yield ""
