@@ -173,7 +173,10 @@ class TestInstructions:
         [
             (hump(10, 50), "No restrictions from 20 to 104 rpm of crank"),
             (hump(90, 50), "No other restrictions from 20 to 104 rpm of crank"),
-            (hump(130, 50), "Not to be run as it is: shaft not kept"),
+            (
+                hump(130, 50),
+                "Not kept in normal operation: shaft; only the remaining speeds may be run, which the conditions list",
+            ),
         ],
     )
     def test_what_stands_below(self, stress, last):

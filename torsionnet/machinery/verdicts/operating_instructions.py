@@ -250,7 +250,8 @@ def last_notes(checks: Sequence[LimitCheck], named: Callable[[Sequence[str]], st
     if failed:
         template = FAILS_ELSEWHERE
         if checks[0].verdict == FAIL:
-            template = FAILS_NORMALLY if checks[0].permitted else FAILS
+            starts_hold = checks[0].run_up is None or checks[0].run_up.verdict != FAIL
+            template = FAILS_NORMALLY if checks[0].permitted and starts_hold else FAILS
         return [phrase(template, limits=listed_names(list(failed)), starts=starts), *outside]
     template = UNRESTRICTED_ELSEWHERE if any(map(restricted_ranges, checks)) else UNRESTRICTED
     notes, ranges = [], by_range(checks, running=True)
