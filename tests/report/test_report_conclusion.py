@@ -85,7 +85,7 @@ def test_distances_from_rated_speed(ship):
         one for one in ship.configured("normal").critical_speeds().crossings if one.order == 6 and one.mode.number == 1
     )
     share = 100 * (critical.natural_speed * 30 / np.pi / 110 - 1)
-    assert f"gas 6 {share:+.1f} %".replace("-", "\N{MINUS SIGN}") in text
+    assert f"gas 6, mode 1: {share:+.1f} %".replace("-", "\N{MINUS SIGN}") in text
 
 
 @pytest.mark.parametrize(("configurations", "where"), [((), " in configuration normal"), (["weak"], "")])
