@@ -827,7 +827,12 @@ def test_files_are_written_before_anything_is_printed(words, tmp_path, monkeypat
 
 OUTPUT_OPTIONS = {("-o", "--write"), ("--csv",), ("--plot",), ("--json",)}
 OUTPUT_WORDS = {word for words in OUTPUT_OPTIONS for word in words}
-OWN_FILES = {("fit", ("--write-model",)), ("study", ("-o", "--write")), ("study", ("--variants",))}
+OWN_FILES = {
+    ("fit", ("--write-model",)),
+    ("loops", ("--write-model",)),
+    ("study", ("-o", "--write")),
+    ("study", ("--variants",)),
+}
 
 
 def test_one_vocabulary_of_output():

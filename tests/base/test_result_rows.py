@@ -198,8 +198,8 @@ def declared(kind):
 @pytest.mark.parametrize("command", sorted(OUTPUTS))
 def test_a_column_in_hertz_has_a_key_in_hertz(command):
     """One declaration says both; they must not contradict each other."""
-    module, names = OUTPUTS[command].removeprefix("list[").removesuffix("]").split(":")
-    kinds = [getattr(importlib.import_module(module), name) for name in names.split("|")]
+    places = [one.split(":") for one in OUTPUTS[command].removeprefix("list[").removesuffix("]").split(" or ")]
+    kinds = [getattr(importlib.import_module(module), name) for module, names in places for name in names.split("|")]
     fields = [one for kind in kinds if isinstance(kind, type) for one in declared(kind)]
     wrong = [one.name for one in fields if one.key and one.out.unit == "Hz" and not one.key.endswith("_Hz")]
     assert wrong == []

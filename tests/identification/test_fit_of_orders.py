@@ -189,7 +189,7 @@ def test_a_delay_needs_the_phase_of_one_order(blind, lacking):
         MeasuredOrder(o, SPEEDS, np.abs(v), None if o in blind else v) for o, v in zip(HARMONICS, late, strict=True)
     ]
     test = Measurement(orders, "T_cpl", name="run", delay=True)
-    assert [entry for entry, _ in order_faults(test, list(HARMONICS))] == lacking
+    assert [fault.path[0] for fault in order_faults(test, list(HARMONICS))] == lacking
     if not lacking:
         assert identify(engine_model(), test, ["k_cpl"]).values["delay[run]"] == pytest.approx(1e-4, rel=1e-3)
 

@@ -13,7 +13,7 @@ from torsionnet.model.model import Model
 
 SHEETS = {"mass_elastic"}
 """Types that are a short way of writing others."""
-PLAIN = {"differential", "lock", "rigid_coupling", "tabulated_spring"}
+PLAIN = {"differential", "lock", "lumped_matrices", "rigid_coupling", "tabulated_spring"}
 """Types without a number that could be a parameter."""
 SILICONE = {
     "moduli": [[1, 3e3, 9e3], [100, 6e4, 7e4]],

@@ -38,10 +38,11 @@ def check_count(wanted: float, given: int, what: str, remedy: str) -> None:
 
     Examples
     --------
-    >>> check_count(3.2e11, 6000, "6000 pulses over 3.2e+08 s", "give the unit of the times")
-    Traceback (most recent call last):
-    torsionnet.base.errors.UsageError: 6000 pulses over 3.2e+08 s would become 3.2e+11 numbers, more than can be kept; \
-give the unit of the times
+    >>> try:
+    ...     check_count(3.2e11, 6000, "6000 pulses over 3.2e+08 s", "give the unit of the times")
+    ... except UsageError as error:
+    ...     print(error)
+    6000 pulses over 3.2e+08 s would become 3.2e+11 numbers, more than can be kept; give the unit of the times
     """
     if not wanted <= max(ALWAYS_ALLOWED_COUNT, MOST_MULTIPLE * given):
         raise UsageError(f"{what} would become {wanted:.3g} numbers, more than can be kept; {remedy}", kind="too-large")

@@ -186,7 +186,10 @@ class Declared:
                     continue
                 # A way to give the value of an entry, which stands beside it instead of in it.
                 at_home.add(home)
-                text = f"{key} is written within {home}: {home}: {{{key}: {raw[key]}}}"
+                from torsionnet.base.familiar_words import familiar_key
+
+                _, advice = familiar_key(str(key), known)
+                text = f"{key} is written within {home}: {advice or f'{home}: {{{key}: {raw[key]}}}'}"
                 faults.append(Fault(text, (key,), on_key=True, kind="unknown-entry", about=str(key)))
         faults += [cls.missing(key, name) for key in required if key not in raw and key not in at_home]
         empty = [key for key, spec in specs.items() if key in raw and raw[key] is None and not spec.may_be_empty]

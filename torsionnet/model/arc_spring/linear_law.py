@@ -8,8 +8,6 @@ from fractions import Fraction
 from typing import Any
 
 from torsionnet.base.expressions import Algebra
-from torsionnet.model.arc_spring.loop_at_torque import loop_at_torque
-from torsionnet.model.arc_spring.slow_loop import ArcSprings
 
 STEP = 1e-5
 """Step of a value over its size from which slopes to it are taken on both sides."""
@@ -80,5 +78,8 @@ def _tangent(given: Sequence[Any]) -> tuple[Any, Any]:
 
 
 def _stiffness(values: list[float]) -> complex:
+    from torsionnet.model.arc_spring.loop_at_torque import loop_at_torque
+    from torsionnet.model.arc_spring.slow_loop import ArcSprings
+
     springs, (amplitude, torque) = ArcSprings(*values[:6]), values[6:]
     return loop_at_torque(springs, amplitude, torque).stiffness

@@ -34,10 +34,10 @@ def element_stiffness(
 
     Examples
     --------
-    >>> from torsionnet.model.elements import element_class
-    >>> ring = element_class("friction")("ring", nodes=("a", "b"), torque=4.0, stiffness=300.0)
+    >>> import torsionnet as tn
+    >>> ring = tn.Friction("ring", nodes=("a", "b"), torque=4.0, stiffness=300.0)
     >>> element_stiffness(ring, {}, 0.02, 0.0, 0.0, 1.0).stiffness
-    (212.46257829...+84.88263631...j)
+    (212.462578...+84.882636...j)
     """
     value = Values(parameters, FLOAT)
     if element.without_motion:

@@ -69,6 +69,7 @@ def loops(
 
     Examples
     --------
+    >>> import numpy as np
     >>> from torsionnet.signals.recording import Signal
     >>> time = np.arange(5000) / 1000
     >>> gamma = 0.1 * np.sin(2 * np.pi * time)
