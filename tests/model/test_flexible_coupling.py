@@ -282,7 +282,7 @@ def test_a_share_of_a_nominal_torque_that_is_a_parameter():
     ("element", "home"),
     [
         ("type: hysteretic_spring, nodes: [a, b], stiffness: 1 kN*m/rad, psi: 0.9", "loss_factor: {psi: 0.9}"),
-        ("type: spring, nodes: [a, b], stiffness: 1 kN*m/rad, zeta: 0.02", "damping: {zeta: 0.02}"),
+        ("type: spring, nodes: [a, b], stiffness: 1 kN*m/rad, zeta: 0.02", "damping: {zeta: 2 %, at: 12 Hz}"),
     ],
 )
 def test_a_measure_of_damping_beside_its_entry_is_one_fault(element, home):
