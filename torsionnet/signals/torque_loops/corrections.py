@@ -11,7 +11,13 @@ from torsionnet.base.entries.scalars import Value
 from torsionnet.signals.recording import FloatArray
 from torsionnet.signals.torque_loops.cycles import Cycle, cycle_at, even_bounds, rising_of, smooth_twist
 from torsionnet.signals.torque_loops.joined_lines import JoinedLines, fitted, with_breaks
-from torsionnet.signals.torque_loops.loop_numbers import LoopRecord, cycle_numbers, line_numbers, pooled_branches
+from torsionnet.signals.torque_loops.loop_numbers import (
+    LoopRecord,
+    cycle_numbers,
+    flat_piece,
+    line_numbers,
+    pooled_branches,
+)
 
 INERTIA = Value("an inertia between torque meter and component", "inertia", exclusive=True)
 STEP = Value("a step of the twist", "angle", exclusive=True)
@@ -108,19 +114,23 @@ def stepped_loops(
         yield replace(found, twist=twist), cycle_at(twist, 0, top, last)
 
 
-def step_deviations(record: LoopRecord, one: Cycle, lines: JoinedLines, step: float) -> dict[str, float]:
-    """Deviation of each number of a loop by steps of the encoder in rad, root mean square over places of the steps."""
-    true, *others = (_numbers(seen, own, lines) for seen, own in stepped_loops(record, one, lines, step))
+def step_deviations(record: LoopRecord, one: Cycle, each: Sequence[JoinedLines], step: float) -> dict[str, float]:
+    """Deviation of each number of a loop by steps of the encoder in rad, root mean square over places of the steps.
+
+    ``each``: lines of all cycles of the run, of which ``one`` is the first.
+    """
+    lines, flat = each[0], flat_piece(each)
+    true, *others = (_numbers(seen, own, lines, flat) for seen, own in stepped_loops(record, one, lines, step))
     return {
         name: float(np.sqrt(np.mean([(again.get(name, value) - value) ** 2 for again in others])))
         for name, value in true.items()
     }
 
 
-def _numbers(record: LoopRecord, one: Cycle, lines: JoinedLines) -> dict[str, float]:
+def _numbers(record: LoopRecord, one: Cycle, lines: JoinedLines, flat: int | None) -> dict[str, float]:
     samples = record.branches([one])
     begin, end = float(record.time[0]), float(2 * record.time[-1] - record.time[-2])
-    return {**line_numbers(fitted(lines, samples)[0], samples), **cycle_numbers(record, one, begin, end)}
+    return {**line_numbers(fitted(lines, samples)[0], samples, flat), **cycle_numbers(record, one, begin, end)}
 
 
 def without_stepped_breaks(record: LoopRecord, cycles: Sequence[Cycle], lines: JoinedLines, step: float) -> JoinedLines:

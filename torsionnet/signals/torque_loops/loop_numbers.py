@@ -32,6 +32,8 @@ AT_BREAK = 0.03
 """Share of the amplitude on either side of a break that the friction torque of a stage leaves out."""
 FREE = 0.01
 """Largest stiffness of free play over that of the piece behind it."""
+DOUBT = 4.0
+"""Most by which the interval of a slope may widen the stiffness of free play, as a multiple of it."""
 SAME_SLOPE = 0.03
 """Smallest change of slope, as a share of the larger, that makes a stage."""
 REPEATED = 0.99
@@ -121,14 +123,14 @@ def common_lines(record: LoopRecord, cycles: Sequence[Cycle]) -> tuple[JoinedLin
     return lines, bends
 
 
-def line_numbers(lines: JoinedLines, samples: LoopSamples) -> dict[str, float]:
+def line_numbers(lines: JoinedLines, samples: LoopSamples, flat: int | None) -> dict[str, float]:
     """Stages, free play, friction and torque offset of joined lines, by names as "drive 2 stiffness", SI units.
 
-    Samples give the friction torque of a piece: the mean distance of both branches, breaks left out.
+    Samples give the friction torque of a piece: the mean distance of both branches, breaks left out. ``flat`` is the
+    number of the piece that is free play.
     """
     low, high = float(samples.twist.min()), float(samples.twist.max())
     ends = np.r_[low, lines.breaks, high]
-    flat = _flat_piece(lines)
     has_zero = low < 0 < high
     above, below = _home_pieces(lines, flat, AT_BREAK * (high - low) / 2)
     found: dict[str, float] = {}
@@ -166,10 +168,19 @@ def _home_pieces(lines: JoinedLines, flat: int | None, near: float) -> tuple[int
     return home, home
 
 
-def _flat_piece(lines: JoinedLines) -> int | None:
-    """Piece between two others without stiffness: free play."""
-    for piece in range(1, len(lines.slopes) - 1):
-        if abs(lines.slopes[piece]) < FREE * min(lines.slopes[piece - 1], lines.slopes[piece + 1]):
+def flat_piece(each: Sequence[JoinedLines]) -> int | None:
+    """Piece between two others without stiffness, free play, by the lines of all cycles of a run.
+
+    Noise of the torque tilts a short piece: it is flat where its mean slope over the cycles may be that of free play,
+    and is known to a few of it.
+    """
+    slopes = np.array([one.slopes for one in each])
+    mean, doubt = slopes.mean(axis=0), np.zeros(slopes.shape[1])
+    if len(each) > 1:
+        doubt = student(len(each) - 1) * slopes.std(axis=0, ddof=1) / np.sqrt(len(each))
+    for piece in range(1, len(mean) - 1):
+        free = FREE * min(mean[piece - 1], mean[piece + 1])
+        if abs(mean[piece]) < free + min(doubt[piece], DOUBT * free):
             return piece
     return None
 
@@ -234,12 +245,13 @@ def run_numbers(
 ) -> tuple[list[dict[str, float]], list[JoinedLines]]:
     """Numbers of each cycle of a run by name, and its joined lines."""
     bounds = even_bounds(cycles, record.time)
-    numbers, each = [], []
-    for one, (begin, end) in zip(cycles, pairwise(bounds.tolist()), strict=True):
-        samples = record.branches([one])
-        mine, _ = fitted(replace(lines, level=lines.level + float(samples.torque.mean())), samples)
-        each.append(mine)
-        numbers.append({**line_numbers(mine, samples), **cycle_numbers(record, one, begin, end)})
+    parts = [record.branches([one]) for one in cycles]
+    each = [fitted(replace(lines, level=lines.level + float(one.torque.mean())), one)[0] for one in parts]
+    flat = flat_piece(each)
+    numbers = [
+        {**line_numbers(mine, samples, flat), **cycle_numbers(record, one, begin, end)}
+        for mine, samples, one, (begin, end) in zip(each, parts, cycles, pairwise(bounds.tolist()), strict=True)
+    ]
     return numbers, each
 
 

@@ -139,7 +139,7 @@ def _loop(
     if applied.drift:
         record = without_drift(record, cycles, each)
         numbers, each = run_numbers(record, cycles, lines)
-    further = step_deviations(record, cycles[0], each[0], step) if step else {}
+    further = step_deviations(record, cycles[0], each, step) if step else {}
     speed = None if speeds is None else float(speeds[cycles[0].first : cycles[-1].last].mean())
     found = loop_of(record, cycles, speed, further, (numbers, each, bends))
     return found, loop_remarks(found, record, applied, step, sine=sine)
