@@ -105,6 +105,20 @@ class TestPassages:
         assert "Passages not examined, to be passed all the same:" in found
         assert len([text for text in found if text.endswith("rpm: shaft")]) == count - 4
 
+    def test_a_limit_with_several_criteria_is_named_once(self):
+        """Vibratory torque and heat of one coupling bar the same speeds; two of six passages are only named."""
+        orders = "{2: {amplitude: 10}, 3: {amplitude: 10}, 4: {amplitude: 10}, 5: {amplitude: 10}, 6: {amplitude: 10}, 7: {amplitude: 10}}"
+        limit = "{rule: coupling, element: shaft, T_KW: 100 N*m, P_KV: 1.5 W, T_Kmax: 9 kN*m, source: maker}"
+        text = FAN.replace("{rule: curve, output: torque(shaft), value: 100 N*m, source: maker}", limit)
+        fan = tn.loads(text.replace("{2: {amplitude: 10}}", orders).replace("400..700 rpm", "150..700 rpm"))
+        ranges = passed_ranges([fan.check_limits()])
+        assert {frozenset(one.criterion for one in barred.verdicts) for barred in ranges} == {
+            frozenset(("T_KW", "P_KV"))
+        }
+        found = said(make_report(fan, sections=["passage"], date=None), "passage")
+        named = [text.rpartition("rpm: ")[2] for text in found if "rpm: shaft" in text]
+        assert named == ["shaft"] * (len(ranges) - 4)
+
     def test_a_passage_that_no_limit_judges_is_no_instruction_without_words(self):
         report = make_report(tn.loads(FAN), sections=["conclusion"], date=None)
         tables = of(TableBlock, blocks(report, "conclusion"))

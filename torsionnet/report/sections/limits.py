@@ -270,8 +270,8 @@ def _listed(lead: str, ranges: Sequence[str]) -> list[Block]:
 
 
 def _named_range(subject: ReportData, barred: PassedRange) -> str:
-    """Text of a range in a condition, with the limits that bar it."""
-    limits = ", ".join(as_words(one.limit) for one in barred.verdicts)
+    """Text of a range in a condition, with the limits that bar it, one of several criteria once."""
+    limits = ", ".join(dict.fromkeys(as_words(one.limit) for one in barred.verdicts))
     where = _condition(subject, barred)
     return phrase("{range}{where}: {limits}", range=barred.span, where=where, limits=limits)
 
