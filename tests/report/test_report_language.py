@@ -8,10 +8,11 @@ from support.command_line import run
 from support.written_models import FAN
 
 import torsionnet as tn
+from torsionnet.machinery.holzer.holzer import natural_frequencies
 from torsionnet.report import make_report
 from torsionnet.report.plan import LANGUAGES
 from torsionnet.report.template_reading import words_of
-from torsionnet.report.wording import Words, replaceable_texts
+from torsionnet.report.wording import Wording, Words, replaceable_texts
 from torsionnet.report.writers.html import html_page
 
 TEXTS = [text for texts in replaceable_texts().values() for text in texts]
@@ -83,3 +84,11 @@ def test_labels_of_data_places_and_groups_are_translated():
         assert word in page, word
     for word in ("Stiffness", ">peak<", "bore 200", "Couplings"):
         assert word not in page, word
+
+
+def test_words_of_nodes_of_vibration_are_replaced():
+    """Words between names are said in the language, and the names stay."""
+    first, second = natural_frequencies(tn.loads(ENGINE))[:2]
+    assert (first.node_places, second.node_places) == ("in rubber", "in crank, in rubber")
+    words = Wording({"in {element}": "mitten in {element}"})
+    assert words(second.node_places) == "mitten in crank, mitten in rubber"

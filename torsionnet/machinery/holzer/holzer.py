@@ -10,7 +10,7 @@ from typing import Annotated
 import numpy as np
 
 from torsionnet.base.errors import TorsionnetError, UsageError, did_you_mean
-from torsionnet.base.phrases import phrase
+from torsionnet.base.phrases import joined, phrase
 from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Table, result_table
 from torsionnet.linear.assembly.assembled import AssembledModel
@@ -317,7 +317,7 @@ class CountedVibration:
     @property
     def node_places(self) -> Annotated[str, Out("nodes of vibration", json=None, after="n_nodes")]:
         """Text with the places of a mode's nodes of vibration, joined by commas."""
-        return ", ".join(self.nodes)
+        return joined(", ", self.nodes)
 
     @property
     def lowest(self) -> float:
