@@ -373,6 +373,15 @@ class TestSeparationMargins:
         assert "Compared are" in block.notes[0][0]
         assert "API RP 684" in block.notes[2][0]
 
+    def test_only_lines_with_a_required_margin_are_counted_as_compared(self):
+        """API 618 requires nothing of half orders: 10 multiples of each of two shafts are left, of 1 to 10."""
+        half = {"type": "harmonic", "node": "motor", "orders": {0.5: {"amplitude": 5}, 2.5: {"amplitude": 1}}}
+        model = self.train(excitations={"half": half})
+        for rule, count in (("api618", 20), ("api684", 6)):
+            plan = ReportPlan(kind="approval", rules=rule)
+            (block,) = separation_margins(ReportData(model, cases_of(model, ()), ReportRequest(plan)))
+            assert f"Compared are {count} lines" in block.notes[0][0]
+
     def test_ships_have_none(self):
         assert separation_margins(data("two_stroke_ship")) == []
 

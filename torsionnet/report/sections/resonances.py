@@ -196,12 +196,14 @@ def _margins(found: CriticalSpeeds, cases: tuple[Case, ...], *, several: bool) -
         pairs = list(zip(found.crossings[place : place + len(found.lines)], found.lines, strict=True))
         told = [_row(found, one, line) for one, line in _telling(pairs)]
         rows += [row if number == 0 else ("", "", *row[2:]) for number, row in enumerate(told)]
+    # Every mode meets the same lines; of some a rule requires nothing, as API 618 of half orders.
+    compared = [one for one in found.crossings[: len(found.lines)] if one.required is not None]
     notes = [
         phrase(
             "Compared are {count} lines: multiples of the speed of each shaft and of electrical frequencies, and every "
-            "order of the excitations. Listed are those from which a mode has less than is required, and the nearest "
-            "of the others.",
-            count=len(found.lines),
+            "order of the excitations, as far as the rule requires a margin. Listed are those from which a mode has "
+            "less than is required, and the nearest of the others.",
+            count=len(compared),
         ),
         "Margin: distance of the nearer of undamped and damped natural frequency from the frequencies compared, "
         "as a share of them; 0 where one of the speeds meets it.",
