@@ -62,6 +62,7 @@ REWORDED_COLUMNS = {
     "Verdict",
     "To be barred",
     "What",
+    "What is compared",
     "What it is",
     "What it sets",
 }
