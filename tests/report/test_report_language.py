@@ -92,3 +92,9 @@ def test_words_of_nodes_of_vibration_are_replaced():
     assert (first.node_places, second.node_places) == ("in rubber", "in crank, in rubber")
     words = Wording({"in {element}": "mitten in {element}"})
     assert words(second.node_places) == "mitten in crank, mitten in rubber"
+
+
+def test_what_rules_do_not_cover_is_translated_by_clauses():
+    page = html_page(make_report(tn.loads(ENGINE), language="de", sections=["limits"], date=None))
+    assert "Nicht erfasst: Anfahren, Kurzschlüsse und andere Übergänge; radiale und axiale Lasten; " in page
+    assert "radial and axial loads" not in page

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from torsionnet.base.equal_remarks import condition_words
 from torsionnet.base.errors import comma_list
 from torsionnet.base.number_text import MISSING_TYPESET, UNBROKEN_PERCENT, typeset_unit
-from torsionnet.base.phrases import PLACEHOLDER, Phrase, phrase, with_values
+from torsionnet.base.phrases import PLACEHOLDER, Phrase, joined, phrase, with_values
 from torsionnet.base.units import RPM
 from torsionnet.model.channels import parse_sensor
 from torsionnet.model.condition_titles import ConditionTitles
@@ -154,6 +154,15 @@ def capital(text: str) -> str:
     if place := PLACEHOLDER.match(text.template):
         return Phrase(text.template, {**text.values, place[1]: capital(str(text.values[place[1]]))})
     return Phrase(text.template[:1].upper() + text.template[1:], text.values)
+
+
+def in_clauses(text: str) -> str:
+    """Text of clauses between semicolons, each of which may be said in other words.
+
+    >>> in_clauses("bending; short circuits").values
+    {'text0': 'bending', 'text1': 'short circuits'}
+    """
+    return joined("; ", map(phrase, text.split("; ")))
 
 
 def first_names(names: Sequence[str], most: int = 12) -> str:

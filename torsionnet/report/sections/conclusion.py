@@ -32,7 +32,7 @@ from torsionnet.report.report_data import Case, ReportData, is_damped
 from torsionnet.report.report_instructions import instruction_blocks
 from torsionnet.report.report_run_up import run_up_blocks
 from torsionnet.report.report_tables import table
-from torsionnet.report.report_text import as_words, capital, pair_latex, symbol_or_words, unit
+from torsionnet.report.report_text import as_words, capital, in_clauses, pair_latex, symbol_or_words, unit
 from torsionnet.report.report_units import limit_scale
 from torsionnet.report.sections.conditions import lacking_conditions
 from torsionnet.report.sections.limits import conclusion, judged_words, verdict
@@ -208,7 +208,7 @@ def _not_covered(subject: ReportData, found: LimitConclusion) -> Iterator[Text]:
             if text.not_covered:
                 of_rules.setdefault(text.not_covered, {}).update(dict.fromkeys(names))
     for uncovered, limits in of_rules.items():
-        yield (Strong(", ".join(map(as_words, limits))), f": {uncovered}.")
+        yield (Strong(", ".join(map(as_words, limits))), phrase(": {what}.", what=in_clauses(uncovered)))
 
 
 def _lacks_source(limit: Limit) -> bool:

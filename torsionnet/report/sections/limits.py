@@ -34,7 +34,7 @@ from torsionnet.report.report_data import MOST_CASES, ReportData
 from torsionnet.report.report_instructions import instruction_blocks
 from torsionnet.report.report_machines import engine_remarks
 from torsionnet.report.report_tables import results_table, table, with_kilo_units
-from torsionnet.report.report_text import as_words, capital, unit
+from torsionnet.report.report_text import as_words, capital, in_clauses, unit
 from torsionnet.report.report_units import DIGITS, limit_scale, limit_unit
 
 MOST_DRAWN = 8
@@ -195,7 +195,7 @@ def _rules(subject: ReportData, found: LimitConclusion) -> list[Block]:
 
 
 def _not_covered(text: RuleText) -> str:
-    return phrase(" Not covered: {what}.", what=text.not_covered) if text.not_covered else ""
+    return phrase(" Not covered: {what}.", what=in_clauses(text.not_covered)) if text.not_covered else ""
 
 
 def _remarks(subject: ReportData, found: LimitConclusion) -> list[str]:
