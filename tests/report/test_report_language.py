@@ -1,6 +1,8 @@
 """Reports in German: every text is translated, names of the model stay, a template's words go before."""
 
+import math
 import re
+from types import SimpleNamespace
 
 import pytest
 import yaml
@@ -10,8 +12,9 @@ from support.written_models import FAN
 import torsionnet as tn
 from torsionnet.machinery.holzer.holzer import natural_frequencies
 from torsionnet.report import make_report
+from torsionnet.report.critical_remarks import places_words
 from torsionnet.report.plan import LANGUAGES
-from torsionnet.report.template_reading import words_of
+from torsionnet.report.template_reading import in_language, words_of
 from torsionnet.report.wording import Wording, Words, replaceable_texts
 from torsionnet.report.writers.html import html_page
 
@@ -98,3 +101,12 @@ def test_what_rules_do_not_cover_is_translated_by_clauses():
     page = html_page(make_report(tn.loads(ENGINE), language="de", sections=["limits"], date=None))
     assert "Nicht erfasst: Anfahren, Kurzschlüsse und andere Übergänge; radiale und axiale Lasten; " in page
     assert "radial and axial loads" not in page
+
+
+def test_lists_of_critical_speeds_are_said_in_other_words():
+    critical = SimpleNamespace(mode=SimpleNamespace(number=4), natural_speed=10 * math.pi)
+    told = places_words([SimpleNamespace(name="engine 3", critical=critical)] * 42)
+    assert told.startswith("engine 3, mode 4 at 300.0, engine 3, ")
+    said = in_language("de", None).wording(told)
+    assert said.startswith("engine 3, Eigenform 4 bei 300.0, engine 3, Eigenform 4")
+    assert said.endswith("… und 2 weitere")

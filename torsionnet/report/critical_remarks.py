@@ -119,18 +119,17 @@ def cancelling_cylinders(subject: ReportData, records: Sequence[CriticalRecord])
 
 def places_words(records: Sequence[CriticalRecord]) -> str:
     """Text with order, mode and critical speed in rpm of some critical speeds."""
-    return first_names(
-        [
-            phrase(
-                "{order}, mode {mode} at {speed:.1f}",
-                order=as_words(one.name),
-                mode=one.critical.mode.number,
-                speed=one.critical.natural_speed * RPM,
-            )
-            for one in records
-        ],
-        MOST_NAMED,
-    )
+    named = [
+        phrase(
+            "{order}, mode {mode} at {speed:.1f}",
+            order=as_words(one.name),
+            mode=one.critical.mode.number,
+            speed=one.critical.natural_speed * RPM,
+        )
+        for one in records[:MOST_NAMED]
+    ]
+    more = len(records) - MOST_NAMED
+    return joined(", ", [*named, *([phrase("… and {count} more", count=more)] if more > 0 else [])])
 
 
 def _distances(subject: ReportData, shown: Sequence[CriticalRecord]) -> Iterator[Text]:
