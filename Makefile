@@ -144,7 +144,7 @@ bench: $(VENV)/.group-test  ## run every script in benchmarks/
 bench-short: $(VENV)/.group-test  ## the same with small sizes, to see that they run
 	@set -e; for script in $(BENCHMARKS); do echo "== $$script"; $(RUN) -m "benchmarks.$$script" --short; done
 
-release-files: $(VENV)/.group-release $(CITATION)/.installed  ## validate and build what a release consists of, and say what was not run
+release-files: $(VENV)/.group-test $(VENV)/.group-release $(CITATION)/.installed  ## validate and build what a release consists of, and say what was not run
 	PYTHONPATH=tests $(RUN) -m release $(ARGS)
 
 clean:  ## remove everything that make creates, .venv included
