@@ -90,6 +90,8 @@ HERMITE_TERMS = 80
 """Highest degree of the Hermite series of a distribution, as one with fewer fits skewed distributions worse."""
 INTEGRATED_DEVIATIONS = 9.0
 """Standard deviations to both sides of a distribution that are integrated over, as 1e-19 of variants lie beyond."""
+ROUNDED = 1e-12
+"""Standard deviation over the mean below which rounding makes up the spread of a distribution."""
 PANELS, NODES = 120, 8
 """Panels of the Gauss-Legendre quadrature over a normal variable, and nodes in each."""
 
@@ -101,13 +103,14 @@ class HermiteSeries:
         nodes, weights = _nodes()
         x = marginal.from_normal(nodes)
         # a_k = E(x He_k/sqrt(k!)) over the standard deviation, of x without its mean.
-        x = x - weights @ x
+        mean = weights @ x
+        x = x - mean
         self.coefficients = _polynomials(nodes)[1:] @ (weights * x)
         deviation = np.sqrt(weights @ x**2)
-        if deviation > 0:
+        if deviation > ROUNDED * abs(mean):
             self.coefficients /= deviation
-        else:  # a spread below the last digit of the mean: over it any distribution is straight, x = a_1 z
-            self.coefficients[0] = 1.0
+        else:  # a spread of rounding: over so little any distribution is straight, x = a_1 z
+            self.coefficients = np.eye(len(self.coefficients))[0]
 
 
 def _nodes() -> tuple[FloatArray, FloatArray]:
