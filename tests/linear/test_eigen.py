@@ -527,3 +527,16 @@ def test_nothing_left_to_move():
     locked = RowSystem(Rows.of(np.zeros((1, 0))), np.ones(1), np.zeros(1), np.zeros(1))
     assert complex_modes(locked).kinds == ()
     assert undamped_modes(locked)[0].shape == (0,)
+
+
+def test_roots_without_a_right_start_are_given_up_in_time(monkeypatch):
+    """40 shafts of a size between 1e-9 and 1e30 whose starts are all one: the wandering ends before its last step."""
+    size = np.geomspace(1e-9, 1e30, 40)
+    p = ehrlich_aberth.polynomial(Rows.of(np.eye(40)), [size, np.zeros(40), np.ones(40)])
+    taken = []
+    eliminate = ehrlich_aberth.eliminate
+    monkeypatch.setattr(ehrlich_aberth, "eliminate", lambda *given: taken.append(1) or eliminate(*given))
+    monkeypatch.setattr(ehrlich_aberth, "MAX_WORK", 3000)
+    wrong, all_of_them = np.ones(80, dtype=complex), np.ones(80, dtype=bool)
+    assert not ehrlich_aberth.refine_roots(p, wrong, all_of_them, 0, np.full(80, 1e-2))[1]
+    assert len(taken) <= 2 * 3000 // (p.operations + len(p.entries))

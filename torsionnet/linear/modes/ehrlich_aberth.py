@@ -44,6 +44,9 @@ RESTART_DISTANCE = 1e-6
 """Relative distance at which a root starts again after it has met another approximation."""
 MAX_ITERATIONS = 120
 """Most steps of the iteration for each root, as clusters converge slowly and other roots in a few."""
+MAX_WORK = 120_000
+"""Most multiplications and entries of all steps together, some three seconds of mpmath: where nothing of a start is right,
+all roots wander for long, and most often in vain."""
 ZERO_START = 1e-16
 """Start value, over the largest root, for a nonzero root that double precision has rounded to zero."""
 
@@ -265,10 +268,12 @@ def refine_roots(
         if np.isrealobj(roots):
             z = [value.real for value in z]
         moving = [int(j) for j in np.flatnonzero(uncertain)]
+        left = MAX_WORK // (p.operations + len(p.entries))
         for _ in range(MAX_ITERATIONS):
-            moving = [j for j in moving if not _move(p, z, j, zeros)]
-            if not moving:
+            if not moving or len(moving) > left:
                 break
+            left -= len(moving)
+            moving = [j for j in moving if not _move(p, z, j, zeros)]
     return z, not moving
 
 
