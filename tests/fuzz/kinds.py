@@ -281,7 +281,8 @@ KINDS = {
         ),
         Kind("bench", ".yaml", _bench, use_bench, lambda _: sources.BENCH.encode()),
         Kind("fit", ".yaml", _fit, use_fit, lambda _: sources.FIT.encode(), seconds=10.0),
-        Kind("study", ".yaml", _study, use_study, lambda _: sources.STUDY.encode(), seconds=6.0),
+        # Modes are followed to variants of any size in a dozen steps each.
+        Kind("study", ".yaml", _study, use_study, lambda _: sources.STUDY.encode(), seconds=20.0),
         Kind("report", ".yaml", _report, use_report, lambda _: sources.WHOLE_REPORT.encode()),
         Kind("tors", ".json", partial(_text, sources.tors), use_tors, lambda _: sources.tors()[0].encode()),
         *(
