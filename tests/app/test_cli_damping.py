@@ -119,6 +119,7 @@ def test_tracked_orders(tmp_path, capsys):
             "--kind decay --channel T --channel n --orders 1 --band 1 2",
             "--orders is for --kind run-up or ambient; --band",
         ),
+        ("--kind run-up --channel T --orders 1 --speed-channel n --revolutions 0", "0.0 is not in the range x>0"),
         ("--kind ambient --channel T", "give the highest frequency of interest, --up-to, in Hz"),
     ],
 )

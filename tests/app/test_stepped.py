@@ -13,7 +13,8 @@ MODEL = """torsionnet: 1
 elements:
   J: {type: inertia, node: a, inertia: 0.05}
   shaft: {type: spring, nodes: [a, ground], stages: [{stiffness: 460, to: 0.12 rad}, {stiffness: 1500}], damping: 0.5}
-sensors: {T: {torque: shaft}, gamma: {twist: shaft}, phi: {angle: a}}
+  soft: {type: spring, nodes: [a, ground], stiffness: 1e-6}
+sensors: {T: {torque: shaft}, gamma: {twist: shaft}, phi: {angle: a}, other: {twist: soft}}
 """
 
 
@@ -36,6 +37,7 @@ def test_estimate_gives_stiffness_over_amplitude(files):
     assert found["amplitude_rad"] == pytest.approx([0.05, 0.2], rel=1e-6)
     assert found["k1_Nm_per_rad"] == pytest.approx([460, 756.147], rel=1e-3)
     assert found["k2_Nm_per_rad"] == pytest.approx([0.5 * 2 * np.pi * 4] * 2, rel=2e-3)
+    assert found["torque_amplitude_Nm"][0] == pytest.approx(0.05 * np.hypot(460, 4 * np.pi), rel=1e-4)
 
 
 def test_compare_lays_them_over_an_element(files, tmp_path):
@@ -46,6 +48,7 @@ def test_compare_lays_them_over_an_element(files, tmp_path):
     assert found["element"] == "shaft"
     assert found["model_k1_Nm_per_rad"] == pytest.approx([460, 756.147259], rel=1e-6)
     assert found["k1_Nm_per_rad"] == pytest.approx(found["model_k1_Nm_per_rad"], rel=1e-3)
+    assert found["model_k2_Nm_per_rad"] == pytest.approx([0.5 * 2 * np.pi * 4] * 2, rel=1e-6)
     assert picture.stat().st_size > 10_000
 
 
@@ -62,8 +65,9 @@ def test_what_estimate_cannot_step_is_named(files, more, kind):
     assert f"[{kind}]" in answer.stderr
 
 
-def test_sensors_that_are_no_torque_and_twist_of_one_element_are_named(files):
-    given = ["compare", *files, "--output", "T", "--input", "gamma", "--model-input", "phi", "--stepped"]
+@pytest.mark.parametrize("sensor", ["phi", "T", "other"])
+def test_sensors_that_are_no_torque_and_twist_of_one_element_are_named(files, sensor):
+    given = ["compare", *files, "--output", "T", "--input", "gamma", "--model-input", sensor, "--stepped"]
     answer = runner().invoke(app, given)
     assert answer.exit_code == 2
     assert "[unfit-channel]" in answer.stderr

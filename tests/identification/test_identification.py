@@ -273,8 +273,15 @@ def test_nearly_indistinguishable_parameters_are_named_with_their_correlation():
     fit = tn.identify(rig, tests, ["c_O", "c_B"])
     (verdict,) = [text for text in fit.verdicts if "indistinguishable" in text]
     assert verdict == "c_O and c_B are indistinguishable in IV, V: correlation -0.98"
-    (shown,) = plot.correlation(fit).axes[0].images
+    axes = plot.correlation(fit).axes[0]
+    (shown,) = axes.images
     assert np.array_equal(shown.get_array(), fit.correlation)
+    # Numbers are read on pale and on dark fields, and stand in their own.
+    faint = plot.correlation(replace(fit, correlation=np.array([[1.0, 0.5], [-0.5, 1.0]]))).axes[0]
+    for (diagonal, low), texts in (((1.0, -0.98), axes.texts), ((1.0, 0.5), faint.texts)):
+        assert [float(text.get_text()) for text in texts[:2]] == [diagonal, low]
+        assert [text.get_position() for text in texts] == [(0, 0), (1, 0), (0, 1), (1, 1)]
+        assert (texts[0].get_color() == texts[1].get_color()) == (abs(low) > 0.9)
 
 
 @pytest.mark.slow

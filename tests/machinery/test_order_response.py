@@ -503,6 +503,13 @@ class TestPictures:
         rise = max(np.ptp(line.get_ydata()) for line in spectra)
         scale = {"N·m": 1.0, "kN·m": 1e-3}[unit] * np.abs(run_.values).max()
         assert np.ptp(axes.lines[3].get_ydata()) / rise == pytest.approx(float(value) / scale, rel=1e-6)
+        # The highest line has 0.15 of the range of speeds; names stand at the ends of rays, on the top of the last line.
+        assert rise == pytest.approx(0.15 * 600)
+        top = max(line.get_ydata().max() for line in spectra)
+        assert axes.get_ylim() == pytest.approx((400 - 0.02 * 600, top + 0.12 * 600))
+        (name,) = (text for text in axes.texts if text.get_text() == "motor 6")
+        size = sizes[[str(line) for line in run_.lines].index("motor 6")] / np.abs(run_.values).max()
+        assert name.xy == pytest.approx((6 * 1000 / 60, 1000 + 0.15 * 600 * size))
         low, high = axes.get_xlim()
         assert axes.lines[3].get_xdata() == pytest.approx([low + 0.99 * (high - low)] * 2)
 

@@ -109,6 +109,10 @@ def test_a_comparison_ends_where_the_test_does(usable_up_to):
     seen = replace(estimate(60.0), usable_up_to=usable_up_to)
     model = replace(seen, coherence=None, usable_up_to=None)
     assert 60 < plot.comparison(seen, model).axes[0].get_xlim()[1] < 100
+    (phase,) = (axes for axes in plot.comparison(seen, model).axes if axes.get_ylabel() == "phase [deg]")
+    calculated = phase.lines[0].get_ydata()
+    assert phase.get_ylim()[0] < np.nanmin(calculated)
+    assert np.nanmax(calculated) < phase.get_ylim()[1]
     nowhere = replace(estimate(0.1), usable_up_to=None)
     assert plot.comparison(nowhere, model).axes[0].get_xlim()[1] == pytest.approx(2000)
 
@@ -205,6 +209,24 @@ def test_a_steady_speed_stands_in_the_middle_of_plain_numbers(rpm, low, high):
     figure.canvas.draw()
     assert not axes.xaxis.get_offset_text().get_text()
     assert axes.lines[0].get_marker() == ("o" if high - low < 30 else "None")
+
+
+def test_measured_orders_are_drawn_over_rising_speeds_with_half_range_and_intervals():
+    """An order of 3 and 5 kN m with 1 kN m to either side, falling speeds, and an unclear phase at the slower one."""
+    values, widths = np.array([[3e3, 5e3j]]), np.array([[5e2, 4e3]])
+    shown = TrackedOrders(
+        "T", "torque", np.array([0.5]), np.arange(2.0), np.multiply([990, 870], np.pi / 30), values, widths,
+        half_range=np.array([4e3, 6e3]), reference="a pulse",
+    )  # fmt: skip
+    top, phase = plot.tracked_orders(shown).axes
+    lines = {line.get_label(): line.get_xydata().tolist() for line in top.lines}
+    assert lines.keys() == {"half range", "order 0.5"}
+    assert lines["half range"] == [pytest.approx([870, 6]), pytest.approx([990, 4])]
+    assert lines["order 0.5"] == [pytest.approx([870, 5]), pytest.approx([990, 3])]
+    band = {tuple(point) for point in np.round(top.collections[0].get_paths()[0].vertices, 6)}
+    assert band == {(870, 1), (870, 9), (990, 2.5), (990, 3.5)}
+    assert phase.lines[0].get_ydata().tolist() == pytest.approx([np.nan, 0], nan_ok=True)
+    assert (phase.get_ylim(), top.get_ylim()[0]) == ((-180, 180), 0)
 
 
 @pytest.mark.parametrize(("lowest", "unit"), [(90.0, "rpm"), (-1.0, "rad/s")])
