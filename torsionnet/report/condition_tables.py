@@ -228,10 +228,11 @@ def _alike(one: CriticalRecord, other: CriticalRecord | None) -> bool:
         (one.utilisation, other.utilisation),
     ]
     same_place = one.point.verdict.limit == other.point.verdict.limit
-    return same_place and all(_same(*pair) for pair in pairs)
+    return same_place and all(same_value(*pair) for pair in pairs)
 
 
-def _same(one: float, other: float) -> bool:
+def same_value(one: float, other: float) -> bool:
+    """Whether two values agree within ``SAME_VALUE``."""
     return bool(abs(one - other) <= SAME_VALUE * abs(other)) or (math.isnan(one) and math.isnan(other))
 
 
@@ -432,4 +433,6 @@ def _alike_peaks(one: SumPeak, other: SumPeak) -> bool:
     """Whether two peaks of the sum are those of one component at one speed and of one size, within ``SAME_VALUE``."""
     first, second = one.point, other.point
     named = [(point.verdict.limit, point.verdict.criterion) for point in (first, second)]
-    return named[0] == named[1] and _same(first.rpm, second.rpm) and _same(first.utilisation, second.utilisation)
+    return (
+        named[0] == named[1] and same_value(first.rpm, second.rpm) and same_value(first.utilisation, second.utilisation)
+    )

@@ -5,14 +5,20 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 
+import numpy as np
+
+from torsionnet.base.number_text import NumberText, prefix_of
 from torsionnet.base.phrases import joined, phrase
 from torsionnet.base.units import RPM
 from torsionnet.machinery.excitations.reciprocating_engine import ReciprocatingEngine
+from torsionnet.machinery.orders.operating_groups import drivetrains_at_speeds
 from torsionnet.machinery.verdicts.condition_peaks import ConditionPeaks, CriticalRecord
 from torsionnet.machinery.verdicts.order_peaks import LEAST_SHARE, SMALL_SHARE, order_shares
+from torsionnet.model.elements import Propeller
 from torsionnet.report.document_tree import Text
-from torsionnet.report.report_data import ReportData
-from torsionnet.report.report_text import as_words, first_names
+from torsionnet.report.report_data import Case, ReportData
+from torsionnet.report.report_text import as_words, first_names, unit
+from torsionnet.report.report_units import DIGITS
 
 MOST_NAMED = 40
 """Largest number of further critical speeds that a note names."""
@@ -29,6 +35,12 @@ CRITICAL_NOTES = (
     "continuous operation; in passing: while the speed is passed, where a rule says it.",
 )
 """Notes below the table of critical speeds that say what its columns are."""
+PROPELLER_LAWS = (
+    ("archer", "by Archer c = a Q/n"),
+    ("exponent", "as the slope of Q ω^m, c = m Q/ω"),
+    ("torque_slope", "as the slope of the open-water torque"),
+)
+"""Laws of damping by the water that follow torque and speed, by the entry of a propeller that selects one."""
 NO_PEAK = "Without a speed of its peak the order has no maximum of its own; values are those at the critical speed."
 
 
@@ -37,6 +49,7 @@ def notes_on_criticals(subject: ReportData, peaks: ConditionPeaks, shown: Sequen
     yield from ((note,) for note in CRITICAL_NOTES)
     if any(not one.is_peak for one in shown):
         yield (NO_PEAK,)
+    yield from ((note,) for note in propeller_dampings(subject.normal_case, shown))
     yield from ((note,) for note in (*cancelling_sources(shown), *cancelling_cylinders(subject, shown)))
     rest = [one for one in peaks.criticals if one.point is not None and one not in shown]
     if rest:
@@ -73,6 +86,39 @@ def beside_range(peaks: ConditionPeaks, shown: Sequence[CriticalRecord]) -> Iter
         low, high = peaks.check.rpm[0], peaks.check.rpm[-1]
         text = "Beside the range of {low:.6g} to {high:.6g} rpm, not examined: {names}."
         yield phrase(text, low=low, high=high, names=places_words(beyond))
+
+
+def propeller_dampings(case: Case, records: Sequence[CriticalRecord]) -> Iterator[str]:
+    """Yield a sentence for each propeller whose damping follows the speed: its law, and it at the critical speeds."""
+    definition = case.drivetrain.definition
+    laws = {
+        name: law
+        for name, one in case.drivetrain.elements.items()
+        if isinstance(one, Propeller)
+        for entry, law in PROPELLER_LAWS
+        if getattr(one, entry) is not None
+    }
+    speeds = np.unique([one.critical.natural_speed for one in records if math.isfinite(one.critical.natural_speed)])
+    if not laws or not definition.follows_speed or definition.speeds is None or not len(speeds):
+        return
+    found: dict[str, list[float]] = {name: [] for name in laws}
+    for rig, places in drivetrains_at_speeds(case.drivetrain, definition.speeds.of, speeds):
+        for owner, law in zip(rig.assembly.owners, rig.assembly.laws, strict=True):
+            if owner in found:
+                found[owner] += [float(law.damping)] * len(places)
+    for name, sizes in found.items():
+        prefix, factor = prefix_of("N*m*s/rad", max(sizes))
+        each = [
+            phrase("{size} at {speed:.1f}", size=NumberText(size / factor, DIGITS), speed=speed * RPM)
+            for size, speed in zip(sizes, speeds.tolist(), strict=True)
+        ]
+        yield phrase(
+            "Absolute damping of {name} at the critical speeds [rpm], {law}: {values} {unit}.",
+            name=as_words(name),
+            law=phrase(laws[name]),
+            values=joined(", ", each),
+            unit=unit(prefix + "N*m*s/rad"),
+        )
 
 
 def cancelling_sources(records: Sequence[CriticalRecord]) -> Iterator[str]:

@@ -77,8 +77,8 @@ def quantity_text(number: float, dimension: str) -> str:
 
     Examples
     --------
-    >>> quantity_text(0.6, "length"), quantity_text(188.7e3, "torque"), quantity_text(78.5398163, "speed")
-    ('600 mm', '188.7 kN·m', '750 rpm')
+    >>> quantity_text(0.6, "length"), quantity_text(188.7e3, "torque"), quantity_text(1.234e5, "inertia")
+    ('600 mm', '188.7 kN·m', '123400 kg·m²')
     """
     if dimension == "1":
         return f"{number:.5g}".replace("-", "−")
@@ -86,4 +86,4 @@ def quantity_text(number: float, dimension: str) -> str:
     if name.startswith("N*m"):
         prefix, size = prefix_of(name, number)
         name, factor = prefix + name, 1 / size
-    return f"{number * factor:.5g} {unit(name)}".replace("-", "−")
+    return f"{NumberText(number * factor, 5)} {unit(name)}"

@@ -314,23 +314,33 @@ def _changes(tables: Sequence[MassElasticTable], names: Sequence[str], titles: C
     written = _values(tables[0])
     places: dict[str, list[str]] = {}
     values: dict[tuple[str, str, str], list[str]] = {}
+    sums: dict[str, list[str]] = {}
     for other, name in zip(tables[1:], names[1:], strict=True):
         now = _values(other)
         absent = dict.fromkeys(about for _, about in written if (_, about) not in now)
         added = dict.fromkeys(about for _, about in now if (_, about) not in written)
         for text in [f"Without {as_words(one)}" for one in absent] + [f"With {as_words(one)}" for one in added]:
             places.setdefault(text, []).append(name)
+        if (total := _inertia_text(other)) != _inertia_text(tables[0]):
+            sums.setdefault(total, []).append(name)
         for (quantity, about), text in now.items():
             if written.get((quantity, about), text) != text:
                 values.setdefault((quantity, about, text), []).append(name)
     for text, where in places.items():
         yield (f"{text} in {titles.several(where, names)}.",)
+    for total, where in sums.items():
+        yield (phrase("Sum of J: {sum} in {conditions}.", sum=total, conditions=titles.several(where, names)),)
     shared: dict[tuple[str, ...], dict[str, dict[str, list[str]]]] = {}
     for (quantity, about, text), changed_in in values.items():
         shared.setdefault(tuple(changed_in), {}).setdefault(quantity, {}).setdefault(text, []).append(as_words(about))
     for conditions, quantities in shared.items():
         parts = "; ".join(_change(quantity, found) for quantity, found in quantities.items())
         yield (f"{parts if parts[1] == ' ' else capital(parts)} in {titles.several(conditions, names)}.",)
+
+
+def _inertia_text(found: MassElasticTable) -> str:
+    """Text of the sum of all inertias, in as many digits as in its row of the table."""
+    return f"{NumberText(found.total_inertia, 5)} {unit('kg*m^2')}"
 
 
 def _change(quantity: str, found: dict[str, list[str]]) -> str:
@@ -347,7 +357,8 @@ def _values(found: MassElasticTable) -> dict[tuple[str, str], str]:
             about = str(row[1] if column.name in OF_MASSES else row[6])
             if about and column.name not in (*REFERRED[1:], "shaft to the next", "material"):
                 dimension = DIMENSIONS.get(column.name)
-                number = "none" if value is None else f"{value:.4g} {unit(column.unit) if column.unit else ''}".strip()
+                shown = unit(column.unit) if column.unit else ""
+                number = "none" if value is None else f"{NumberText(value)} {shown}".strip()
                 texts[column.name, about] = quantity_text(value, dimension) if dimension and value else number
     return texts
 

@@ -1,0 +1,104 @@
+"""Table of a report with what limits judge at rated speed in further conditions, beside the normal one."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from torsionnet.base.number_text import NumberText
+from torsionnet.base.phrases import phrase
+from torsionnet.machinery.verdicts.condition_peaks import JudgedPoint
+from torsionnet.machinery.verdicts.limit_check import LimitCheck
+from torsionnet.machinery.verdicts.limit_checking import limits_at
+from torsionnet.report.condition_tables import component_cell, same_value
+from torsionnet.report.document_tree import Cell, Heading, TableBlock, TableGroup
+from torsionnet.report.report_data import ReportData
+from torsionnet.report.report_tables import merge_equal_rows
+from torsionnet.report.report_units import DIGITS, limit_number
+
+MOST_CRITERIA, MOST_CONDITIONS = 8, 12
+"""Largest number of criteria and of further conditions in the table, those of which a limit is used most."""
+SAME_SPEED = 1e-9
+"""Relative difference up to which a speed of a check is the rated one."""
+NOTE = (
+    "Half ranges as limits judge them; listed are conditions and components of which a value differs by more than 5 % "
+    "from normal operation. Allowed: in normal operation, for continuous operation; what follows the mean torque is "
+    "judged by that of the condition."
+)
+
+
+def rated_elsewhere(subject: ReportData) -> TableBlock | None:
+    """Table of the values at rated speed in further conditions, of components in which one differs from the normal.
+
+    None where none does, or rated speed is not in the range.
+    """
+    peaks = subject.normal_peaks
+    if peaks is None or peaks.rated is None or subject.limit_conclusion is None:
+        return None
+    normal = _points(peaks.points, peaks.rated)
+    others = {
+        check.configuration: points
+        for check in subject.limit_conclusion.checks
+        if check.configuration != peaks.check.configuration
+        and (points := _at(subject, check, float(peaks.points.speeds[peaks.rated])))
+    }
+    differing = [
+        name for name, one in normal.items()
+        if any(name in those and not same_value(those[name].value, one.value) for those in others.values())
+    ]  # fmt: skip
+    if not differing:
+        return None
+    used = {name: max(_used(those.get(name)) for those in (normal, *others.values())) for name in differing}
+    shown = [name for name in differing if name in sorted(used, key=lambda one: -used[one])[:MOST_CRITERIA]]
+    strongest = {key: max(_used(those.get(name)) for name in shown) for key, those in others.items()}
+    kept = [
+        key for key in others
+        if key in sorted(strongest, key=lambda one: -strongest[one])[:MOST_CONDITIONS]
+        and any(name in others[key] and not same_value(others[key][name].value, normal[name].value) for name in shown)
+    ]  # fmt: skip
+    columns = (
+        Heading("Condition"),
+        *(Heading(component_cell(subject, normal[name].verdict), numeric=True) for name in shown),
+        Heading("Used most", "%", numeric=True),
+    )
+    allowed = [limit_number(normal[name].continuous, normal[name].verdict.unit, subject.conventions) for name in shown]
+    rows: list[tuple[Cell, ...]] = [(phrase("Allowed"), *allowed, "")]
+    for key, those in ((peaks.check.configuration, normal), *((key, others[key]) for key in kept)):
+        values = [_number(subject, those.get(name)) for name in shown]
+        most = max((_used(those.get(name)) for name in shown), default=math.nan)
+        rows.append((subject.titles.of(key), *values, NumberText(100 * most, DIGITS)))
+    caption = phrase("Components at rated speed, {speed:.6g} rpm, by condition", speed=_rpm(normal))
+    return TableBlock((caption,), columns, (TableGroup(merge_equal_rows(rows)),), ((NOTE,),))
+
+
+def _rpm(points: dict[tuple[str, str], JudgedPoint]) -> float:
+    return next(iter(points.values())).rpm
+
+
+def _points(check: LimitCheck, at: int) -> dict[tuple[str, str], JudgedPoint]:
+    """Values of every criterion for continuous operation at one speed of a check, by limit and criterion."""
+    return {
+        (one.limit, one.criterion): JudgedPoint(check, one, at)
+        for one in check.verdicts
+        if not one.in_passing and len(one.values) and math.isfinite(one.values[at])
+    }
+
+
+def _at(subject: ReportData, check: LimitCheck, speed: float) -> dict[tuple[str, str], JudgedPoint]:
+    """Values of a condition at a speed in rad/s; none where it does not run there."""
+    if not check.speeds[0] * (1 - SAME_SPEED) <= speed <= check.speeds[-1] * (1 + SAME_SPEED):
+        return {}
+    at = int(np.argmin(abs(check.speeds - speed)))
+    if abs(check.speeds[at] / speed - 1) > SAME_SPEED:
+        check, at = limits_at(subject.judged_case(check).drivetrain, np.array([speed])), 0
+    return _points(check, at)
+
+
+def _used(point: JudgedPoint | None) -> float:
+    """Utilisation at a point; 0 without a limit there."""
+    return 0.0 if point is None or math.isnan(point.utilisation) else point.utilisation
+
+
+def _number(subject: ReportData, point: JudgedPoint | None) -> Cell:
+    return "" if point is None else limit_number(point.value, point.verdict.unit, subject.conventions)
