@@ -110,3 +110,42 @@ def test_lists_of_critical_speeds_are_said_in_other_words():
     said = in_language("de", None).wording(told)
     assert said.startswith("engine 3, Eigenform 4 bei 300.0, engine 3, Eigenform 4")
     assert said.endswith("… und 2 weitere")
+
+
+class TestUnitsAndCases:
+    """One spelling of revolutions per minute in each language; cases of excitation and criteria in its words."""
+
+    OUT = "configurations: {firing: {normal: {}, out: {engine.misfire: each}}}"
+    TEXT = ENGINE.replace("gas: {", f"gas: {{motored: [{', '.join(['2e5'] * 24)}], ").replace(
+        "report:", f"{OUT}\nreport:"
+    )
+
+    def page(self, language):
+        sections = [
+            "conclusion",
+            "conditions",
+            "installation",
+            "harmonics",
+            "resonances",
+            "forced_response",
+            "components",
+        ]
+        page = html_page(make_report(tn.loads(self.TEXT), language=language, sections=sections, date=None))
+        return re.sub("<svg.*?</svg>", "", page, flags=re.DOTALL)  # pictures are in English
+
+    def test_german(self):
+        page = self.page("de")
+        for word in (
+            "Zündaussetzer von Zylinder 1",
+            "jeder Zylinder einzeln entlastet, die anderen belastet",
+            "min⁻¹",
+            "Dauerbetrieb",
+        ):
+            assert word in page, word
+        for word in ("misfire of", "without ignition", "rpm", "r/min", "1/min", "continuous"):
+            assert word not in page, word
+
+    def test_english(self):
+        page = self.page("en")
+        assert "rpm" in page
+        assert "r/min" not in page

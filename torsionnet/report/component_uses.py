@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 from torsionnet.base.conventions import Conventions
 from torsionnet.base.entries.spec import not_none
+from torsionnet.base.phrases import phrase
 from torsionnet.machinery.excitations.engine_entries import EngineEntries
 from torsionnet.machinery.limits import Limit
 from torsionnet.machinery.limits.coupling import DamperLimit
@@ -132,7 +133,7 @@ def _uses(
     if isinstance(limit, DamperLimit) and verdict.unit == "W" and limit.power_per_area is not None:
         area = not_none(limit.area)
         scale, shown = engineering_unit("W/m^2", conventions)
-        yield replace(use, what=(f"power loss per area, {area:g} m²",)).scaled(scale / area, shown)
+        yield replace(use, what=(phrase("power loss per area, {area:g} m²", area=area),)).scaled(scale / area, shown)
     elif isinstance(limit, MachineAngleLimit):
         # The angle of a generator is electrical first; divided by its pole pairs it is that of the shaft.
         scale, shown = limit_scale(verdict.unit, conventions)

@@ -23,7 +23,7 @@ from torsionnet.report.critical_remarks import beside_range, cancelling_sources,
 from torsionnet.report.document_tree import Cell, Heading, Paragraph, TableBlock, Text
 from torsionnet.report.document_tree import TableGroup as Group
 from torsionnet.report.report_data import Case, ReportData
-from torsionnet.report.report_text import as_words, symbol_or_words
+from torsionnet.report.report_text import as_words, criterion_cell
 from torsionnet.report.report_units import DIGITS, limit_number, limit_unit
 
 SAME_VALUE = 0.05
@@ -264,7 +264,7 @@ def _values(subject: ReportData, one: CriticalRecord, summed: SummedOrder | None
 def component_cell(subject: ReportData, verdict: LimitVerdict, *, with_unit: bool = True) -> Text:
     """Cell with the name of a limit, its criterion where that is no general one, and the unit of its values."""
     unit = f", {limit_unit(verdict.unit, subject.conventions)}" if with_unit else ""
-    named = () if verdict.criterion in GENERAL_CRITERIA else (" ", symbol_or_words(verdict.criterion))
+    named = () if verdict.criterion in GENERAL_CRITERIA else (" ", criterion_cell(verdict.criterion))
     return (as_words(verdict.limit), *named, *([unit] if unit else []))
 
 
@@ -416,7 +416,7 @@ def condition_cell(subject: ReportData, check: LimitCheck, case: str) -> str:
     """Text with the title of a condition and the case of excitation in it, "misfire, full: misfire of cylinder 4"."""
     chosen = subject.titles.of(check.configuration).split(", ")
     lead = ", ".join(title for title in chosen if not title or not case.startswith(title))
-    return ": ".join(text for text in (lead, case) if text)
+    return joined(": ", [text for text in (lead, case) if text])
 
 
 def orders_cell(subject: ReportData, check: LimitCheck, verdict: LimitVerdict, at: int, *, phases: bool = False) -> str:

@@ -47,7 +47,8 @@ def alternative_words(model: Drivetrain, overlay: Overlay) -> str:
     point = overlay.operating_point
     changes = [
         *(_parameter(model, name, value) for name, value in overlay.parameters.items()),
-        *(f"{_element(model, name)} switched {word}" for word in ("on", "off") for name in getattr(overlay, word)),
+        *(phrase("{name} switched on", name=_element(model, name)) for name in overlay.on),
+        *(phrase("{name} switched off", name=_element(model, name)) for name in overlay.off),
         *(_entry(model, key, value, overlay.by_files.get(key)) for key, value in overlay.entries.items()),
         *([] if point is None else [_named("operating_point", point.to_data(), None, "")]),
     ]
@@ -95,7 +96,8 @@ def _meant(model: Drivetrain, name: str) -> str:
     ((element, entry),) = users
     value = getattr(element, entry)
     is_measured = isinstance(value, DampingMeasure) and name in value.value.names
-    return f"{as_words(element.name)}: {MEASURES[value.measure].name if is_measured else as_words(entry)}"
+    what = MEASURES[value.measure].name if is_measured else as_words(entry)
+    return joined(": ", (as_words(element.name), phrase(what)))
 
 
 def _element(model: Drivetrain, name: str) -> str:
@@ -111,18 +113,18 @@ def _entry(model: Drivetrain, key: str, value: Any, written: Any = None) -> str:
         excitation = model.definition.excitations[owner]
         if name in FIRING:
             if excitation.absorbs:
-                return f"{as_words(owner)}: {_unloaded(excitation, value)}"
-            return f"{as_words(owner)}: {_cylinders(value)} {FIRING[name]}"
+                return joined(": ", (as_words(owner), _unloaded(excitation, value)))
+            return joined("", (as_words(owner), ": ", _cylinders(value), " ", phrase(FIRING[name])))
         if name == "enabled":
-            return f"{as_words(owner)} {'running' if value else 'not running'}"
+            return phrase("{name} running" if value else "{name} not running", name=as_words(owner))
         known = excitation.to_data()
         before = known.get(name) if isinstance(known, Mapping) else None
         if isinstance(value, Mapping) and isinstance(before, Mapping):
             # What stays as it is written is no change.
             value = {key: one for key, one in value.items() if str(before.get(key)) != str(one)} or value
-    what = "load" if owner == LOAD else as_words(owner)
+    what = phrase("load") if owner == LOAD else as_words(owner)
     points = "{name}: pressure trace of {count} points" if name == GAS else "{name}: {count} values"
-    return joined("", (f"{what}: ", _named(name, value, written, points)))
+    return joined("", (what, ": ", _named(name, value, written, points)))
 
 
 def _unloaded(excitation: Any, value: Any) -> str:
@@ -135,9 +137,10 @@ def _unloaded(excitation: Any, value: Any) -> str:
 
 def _cylinders(value: Any) -> str:
     if value == "each":
-        return "each cylinder in turn"
+        return phrase("each cylinder in turn")
     numbers = list(value) if isinstance(value, Sequence) and not isinstance(value, str) else [value]
-    return f"cylinder{'s' if len(numbers) > 1 else ''} {', '.join(map(str, numbers))}"
+    template = "cylinders {number}" if len(numbers) > 1 else "cylinder {number}"
+    return phrase(template, number=", ".join(map(str, numbers)))
 
 
 def _named(name: str, value: Any, written: Any, points: str) -> str:
@@ -145,10 +148,10 @@ def _named(name: str, value: Any, written: Any, points: str) -> str:
     if isinstance(value, Mapping) and not _is_long(value.get("pressures")):
         own = written if isinstance(written, Mapping) else {}
         each = (_named(str(one), inner, own.get(one), points) for one, inner in value.items())
-        return joined("", (f"{as_words(name)} ", joined(", ", each)))
+        return joined(" ", (phrase(as_words(name)), joined(", ", each)))
     found = value["pressures"] if isinstance(value, Mapping) else value
     if not _is_long(found):
-        return f"{as_words(name)} {_listed(value)}"
+        return joined(" ", (phrase(as_words(name)), _listed(value)))
     template = "{name}: pressure trace of {file}, {count} points" if isinstance(written, str) else points
     return phrase(template, name=as_words(name), file=written, count=len(found))
 

@@ -255,7 +255,7 @@ def engine_blocks(subject: ReportData, case: Case, name: str, engine: Reciprocat
     largest = sorted(found, key=lambda one: -one.torque)[:MOST_ORDERS]
     kept = tuple(one for one in found if one in largest)
     caption = phrase(
-        "{name}: tangential pressure of one cylinder by order at {speed:.5g} r/min", name=_name(name), speed=own * RPM
+        "{name}: tangential pressure of one cylinder by order at {speed:.5g} rpm", name=_name(name), speed=own * RPM
     )
     notes = ["Over piston area and crank radius, peak values; phase of the cosine from firing top dead centre on."]
     if len(kept) < len(found):
@@ -339,7 +339,7 @@ def _pressures(subject: ReportData, case: Case, name: str, engine: Reciprocating
     caption = phrase(
         in_words_of([engine], "{name}: {pressures}, all cylinders working"), name=_name(name), pressures=phrase(what)
     )
-    block = with_decimals(results_table(made, caption), {"bar": 2, "kW": 0, "r/min": 1})
+    block = with_decimals(results_table(made, caption), {"bar": 2, "kW": 0, "rpm": 1})
     if engine.absorbs:
         return [block]
     (group,) = block.groups

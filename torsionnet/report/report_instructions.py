@@ -65,7 +65,7 @@ def _row(one: Instruction, subject: ReportData) -> tuple[Cell, ...]:
         "" if one.from_rpm is None else str(one.from_rpm),
         "–" if one.to_rpm is None else str(one.to_rpm),
         one.instruction,
-        "; ".join(map(as_words, one.limits)),
+        joined("; ", map(as_words, one.limits)),
         NumberText(one.rpm, DIGITS),
         *("–" if math.isnan(size) else NumberText(size * scale, DIGITS) for size in sizes),
         unit(shown),

@@ -135,7 +135,8 @@ def _rating(model: Drivetrain, one: OrderExcitation) -> Iterator[tuple[Inline, s
         return
     speed = abs(ratio) * external.rated_speed
     what = "indicated power by its pressures" if rating.shares[0] < 1 and rating.power is None else "stated power"
-    yield what, f"{quantity_text(abs(rating.at(speed)[0]), 'power')} at {quantity_text(speed, 'speed')}"
+    power = quantity_text(abs(rating.at(speed)[0]), "power")
+    yield what, phrase("{value} at {speed}", value=power, speed=quantity_text(speed, "speed"))
 
 
 def _of_element(model: Drivetrain, element: Element) -> Iterator[tuple[Inline, str]]:
@@ -146,7 +147,8 @@ def _of_element(model: Drivetrain, element: Element) -> Iterator[tuple[Inline, s
             yield phrase("{count} blades", count=one.blades), ""
             yield phrase("{kind} pitch", kind=one.pitch), ""
             torque, power = quantity_text(one.torque, "torque"), quantity_text(one.torque * one.rated, "power")
-            yield "rated torque", f"{torque} at {quantity_text(one.rated, 'speed')} ({power})"
+            rated = quantity_text(one.rated, "speed")
+            yield "rated torque", phrase("{value} at {speed} ({power})", value=torque, speed=rated, power=power)
     defaults = element.defaults()
     for name, spec, value in given(element):
         if element.kind == "propeller" and name in FOLLOWING:
@@ -235,7 +237,7 @@ def engine_angle_tables(subject: ReportData, name: str) -> list[TableBlock]:
     scale, shown = subject.conventions.scale(channel.unit), unit(subject.conventions.unit(channel.unit))
     columns = (
         Heading("Configuration"),
-        Heading("Speed", "r/min", numeric=True),
+        Heading("Speed", "rpm", numeric=True),
         Heading("Largest half range", shown, numeric=True),
         Heading("Where it is largest"),
         Heading("Smallest half range", shown, numeric=True),

@@ -44,7 +44,7 @@ def propeller_block(case: Case, name: str, propeller: PropellerTorque) -> TableB
     )
     state = f", {as_words(propeller.condition)}" if propeller.condition else ""
     law = phrase(
-        "mean torque {torque:.4g} {unit} at {speed:.5g} r/min",
+        "mean torque {torque:.4g} {unit} at {speed:.5g} rpm",
         torque=KILO * torque,
         unit=unit("kN*m"),
         speed=propeller.rated * RPM,

@@ -92,6 +92,16 @@ def symbol_or_words(name: str) -> Inline:
     return Math(symbol_latex(name)) if is_symbol(name) else as_words(name)
 
 
+def criterion_cell(criterion: str) -> Inline:
+    """Name of a criterion of a limit as a symbol where it looks like one, else in words that have other languages."""
+    return Math(symbol_latex(criterion)) if is_symbol(criterion) else criterion_words(criterion)
+
+
+def criterion_words(criterion: str) -> str:
+    """Name of a criterion of a limit in words that a report may say otherwise."""
+    return phrase(as_words(criterion))
+
+
 def sentence(text: str, rig: Drivetrain, further: Sequence[str] = ()) -> Text:
     """Sentence in which names of nodes and elements are words and names of quantities symbols.
 

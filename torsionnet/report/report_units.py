@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from torsionnet.base.conventions import Conventions
 from torsionnet.base.number_text import NumberText, prefix_of
+from torsionnet.base.phrases import phrase
 from torsionnet.base.units import RPM, expected_unit
 from torsionnet.report.report_text import unit
 
@@ -86,4 +87,5 @@ def quantity_text(number: float, dimension: str) -> str:
     if name.startswith("N*m"):
         prefix, size = prefix_of(name, number)
         name, factor = prefix + name, 1 / size
-    return f"{NumberText(number * factor, 5)} {unit(name)}"
+    said = NumberText(number * factor, 5)
+    return phrase("{value} rpm", value=said) if dimension == "speed" else f"{said} {unit(name)}"

@@ -39,13 +39,14 @@ TEXT_FIELDS: dict[type, tuple[str, ...]] = {
     Listing: ("items",),
     Picture: ("caption",),
     TableGroup: ("title",),
-    Heading: ("text",),
+    Heading: ("text", "unit"),
     Strong: ("text",),
 }
 """Names of fields that hold the report's own texts, by class of the report's tree; formulas, numbers and code have
 none."""
 REWORDED_COLUMNS = {
     "Action",
+    "Asked for",
     "Conclusion",
     "Data",
     "At",

@@ -99,11 +99,14 @@ class Wording:
         if text in self.texts:
             return self.texts[text]
         if not isinstance(text, Phrase):
-            # A word that begins a cell has a capital letter.
-            said = self.texts.get(text[:1].lower() + text[1:], "")
-            return said[:1].upper() + said[1:] if said else text
-        said = self.texts.get(text.template.replace(UNBROKEN_PERCENT, " %"), text.template)
+            return self._said(text) or text
+        said = self._said(text.template.replace(UNBROKEN_PERCENT, " %")) or text.template
         return PLACEHOLDER.sub(lambda place: self._inserted(text.values[place[1]]), said)
+
+    def _said(self, text: str) -> str:
+        """Other words for a text or a template, with a capital letter where it begins a cell; empty where it stays."""
+        said = self.texts.get(text[:1].lower() + text[1:], "")
+        return self.texts.get(text, said[:1].upper() + said[1:])
 
     def _inserted(self, value: object) -> str:
         return self(value) if isinstance(value, Phrase) else str(value)

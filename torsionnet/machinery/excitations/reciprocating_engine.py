@@ -10,6 +10,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from torsionnet.base.errors import Fault, UsageError
+from torsionnet.base.phrases import phrase
 from torsionnet.base.registers import Groups
 from torsionnet.base.result_rows import Out
 from torsionnet.base.units import RPM
@@ -86,14 +87,14 @@ class ReciprocatingEngine(EngineEntries):
             orders,
             nodes,
             found,
-            alternatives=self._shares("misfire of cylinder", misfires) if self.misfire == EACH else None,
-            scatter=self._shares("cylinder", scatter) if self.spread else None,
+            alternatives=self._shares("misfire of cylinder {number}", misfires) if self.misfire == EACH else None,
+            scatter=self._shares("cylinder {number}", scatter) if self.spread else None,
         )
 
     def _shares(self, what: str, torques: Mapping[int, ComplexArray]) -> TorqueShares:
         """Torque shares of the engine by cylinder, to be added to the sum of all cylinders."""
         return TorqueShares(
-            tuple(f"{what} {number}" for number in torques),
+            tuple(phrase(what, number=number) for number in torques),
             tuple(self.numbers[number] for number in torques),
             np.array(list(torques.values())).reshape(len(torques), -1, len(self.acting_orders)),
             tuple(map(str, torques)),
@@ -252,7 +253,7 @@ class IndicatedPressure:
     that takes work.
     """
 
-    speed: Annotated[float, Out("speed", "r/min", digits=5, factor=RPM)]
+    speed: Annotated[float, Out("speed", "rpm", digits=5, factor=RPM)]
     pressure: Annotated[float, Out("mean indicated pressure", "bar", digits=4, factor=BAR_PER_PA)]
     torque: Annotated[float, Out("indicated torque", "kN*m", digits=4, factor=KILO)]
 

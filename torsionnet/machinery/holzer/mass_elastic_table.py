@@ -125,8 +125,8 @@ class MassElasticLine:
     def title(self) -> str:
         """Heading of a line of masses, such as 'pump to gearbox, which it joins'."""
         first, last = self.rows[0].node, self.joins or self.rows[-1].node
-        ends = first if first == last else f"{first} to {last}"
-        return f"{ends}, which it joins" if self.joins else ends
+        ends = first if first == last else phrase("{first} to {last}", first=first, last=last)
+        return phrase("{line}, which it joins", line=ends) if self.joins else ends
 
     @property
     def flexibility(self) -> float:

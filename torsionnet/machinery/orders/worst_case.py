@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.base.errors import UsageError
+from torsionnet.base.phrases import joined
 from torsionnet.linear.frequency_response import ComplexArray, FloatArray
 from torsionnet.machinery.excitations import TorqueShares
 from torsionnet.machinery.orders.engine_angles import EngineAngle, at_worst_angles
@@ -289,7 +290,7 @@ def _at_its_worst(
 
 def _named(one: Contributions, among: Sequence[Contributions]) -> list[str]:
     """Labels of the torque deviations, with the name of the excitation where there are several."""
-    return [label if len(among) == 1 else f"{one.excitation}: {label}" for label in one.labels]
+    return [label if len(among) == 1 else joined(": ", (one.excitation, label)) for label in one.labels]
 
 
 def _cases(
@@ -314,7 +315,7 @@ def _cases(
             # Superposition: an alternative is a deviation from the nominal torques.
             values[:, one.lines] += one.values[number]
         parts = {(one.excitation, one.parts[number]) for one, (number, _) in zip(alternatives, choice, strict=True)}
-        found[", ".join(label for _, label in choice)] = replace(nominal, values=values), parts
+        found[joined(", ", (label for _, label in choice))] = replace(nominal, values=values), parts
     return found
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.base.conventions import SI, Conventions
+from torsionnet.base.phrases import joined
 from torsionnet.base.table import Column, Table
 from torsionnet.linear.frequency_response import ComplexArray, FloatArray
 from torsionnet.machinery.orders.engine_angles import (
@@ -249,7 +250,7 @@ class WorstResponse(OrderResponse):
             high = [name for name, sign in zip(self.scattered, self.signs[at, place], strict=True) if sign > 0]
             parts.append(f"{', '.join(high)} up, the others down" if high else "all down")
         parts += [one.at(at, place) for one in self.angles]
-        return "; ".join(parts)
+        return joined("; ", parts)
 
     def _alike(self, at: int, place: int) -> str:
         """Names of the cases with the largest half range within rounding as a text, ALL_CASES_EQUAL if all have it."""
@@ -259,7 +260,7 @@ class WorstResponse(OrderResponse):
         sizes = {label: float(one.half_range[at, place]) for label, one in self.alternatives.items()}
         rounding = EQUAL_SEARCHED_HALF_RANGE if self.angles else EQUAL_HALF_RANGE
         same = [label for label in self.labels if sizes[label] >= (1 - rounding) * sizes[chosen]]
-        return ALL_CASES_EQUAL if 1 < len(same) == len(self.labels) else " or ".join(same)
+        return ALL_CASES_EQUAL if 1 < len(same) == len(self.labels) else joined(" or ", same)
 
     def table(self, output: str | None = None, conventions: Conventions = SI, most: int = 6) -> Table:
         """Table of an output's largest half range and orders, with their speeds in rpm, and the worst case in notes."""

@@ -138,7 +138,7 @@ class _Place:
     @property
     def named(self) -> str:
         """Text of the name and criterion of the limit."""
-        return f"{self.verdict.limit}, {self.verdict.criterion}"
+        return joined(", ", (self.verdict.limit, phrase(self.verdict.criterion)))
 
 
 @dataclass(frozen=True, eq=False)

@@ -296,5 +296,5 @@ def _numbered(found: LimitConclusion) -> dict[tuple[str, str], list[str]]:
 
 def _sources(found: LimitConclusion) -> Iterator[Text]:
     for number, ((source, formula), names) in enumerate(_numbered(found).items(), 1):
-        rule = f". {formula}" if formula else ""
-        yield (Strong(f"[{number}] {', '.join(map(as_words, names))}"), f": {source}{rule}.")
+        rule = (". ", formula) if formula else ()
+        yield (Strong(f"[{number}] {', '.join(map(as_words, names))}"), ": ", source, *rule, ".")

@@ -32,7 +32,7 @@ from torsionnet.report.report_conditions import alternative_words, load_words, s
 from torsionnet.report.report_cylinders import lost_torque_words
 from torsionnet.report.report_data import MOST_JUDGED_CASES, ReportData, normal_choice
 from torsionnet.report.report_tables import table
-from torsionnet.report.report_text import as_words, capital
+from torsionnet.report.report_text import as_words, capital, criterion_words
 
 # Table of a report with the particulars that a classification society asks for, and where they stand.
 
@@ -62,9 +62,8 @@ def society_form(subject: ReportData) -> list[Block]:
     ]
     columns = (Heading("Paragraph"), Heading("Asked for", wide=True), Heading("Section"))
     notes = [f"{society.name}: {society.edition}."]
-    notes += (
-        [phrase("Barred speed ranges are marked by {marking}.", marking=society.marking)] if society.marking else []
-    )
+    if society.marking:
+        notes.append(phrase("Barred speed ranges are marked by {marking}.", marking=phrase(society.marking)))
     notes += [f"{capital(society.remark)}."] if society.remark else []
     notes += _speeds_missing(subject, society.highest_critical_ratio)
     if not rows:
@@ -226,7 +225,7 @@ def _verdict(check: LimitCheck) -> tuple[Cell, ...]:
     return (
         named if check.verdict in (FAIL, OPEN) else check.verdict,
         permitted_words(check.permitted),
-        f"{as_words(most.limit)}, {as_words(most.criterion)}",
+        joined(", ", (as_words(most.limit), criterion_words(most.criterion))),
         "" if most.worst_rpm is None else NumberText(most.worst_rpm, 4),
         "" if most.worst_utilisation is None else NumberText(100 * most.worst_utilisation, 3),
     )

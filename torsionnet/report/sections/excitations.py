@@ -61,10 +61,10 @@ def excitations_section(subject: ReportData) -> Section | None:
 
 def _speeds(speeds: SpeedRange) -> str:
     low, high = speeds.values[0] * RPM, speeds.values[-1] * RPM
-    rated = phrase("; rated speed {speed:.6g} r/min", speed=speeds.rated * RPM) if speeds.rated else ""
+    rated = phrase("; rated speed {speed:.6g} rpm", speed=speeds.rated * RPM) if speeds.rated else ""
     count = len(speeds.values)
     return phrase(
-        "The speed of {node} runs from {low:.6g} to {high:.6g} r/min, {count} values{rated}.",
+        "The speed of {node} runs from {low:.6g} to {high:.6g} rpm, {count} values{rated}.",
         node=as_words(speeds.of),
         low=low,
         high=high,
@@ -97,7 +97,7 @@ def _properties(entry: Declared, over: str = "") -> Iterator[Row]:
 def _shown(spec: Spec[object], value: Any) -> tuple[Cell, Cell]:
     """Value and unit of an entry as two cells."""
     if isinstance(spec, Value) and spec.dimension == "speed":
-        return NumberText(value * RPM, 6), "r/min"
+        return NumberText(value * RPM, 6), "rpm"
     if isinstance(spec, Value):
         return NumberText(float(value), 6), unit(expected_unit(spec.dimension))
     if isinstance(value, PressureTrace):
@@ -167,13 +167,11 @@ def _torques(case: Case, name: str, excitation: OrderExcitation) -> TableBlock:
         strict=True,
     )
     other = (
-        ""
-        if math.isclose(own, speed)
-        else phrase(", where the reference shaft has {speed:.6g} r/min", speed=speed * RPM)
+        "" if math.isclose(own, speed) else phrase(", where the reference shaft has {speed:.6g} rpm", speed=speed * RPM)
     )
-    what = "Imposed motion of {name} by order of its shaft at {speed:.6g} r/min{reference}"
+    what = "Imposed motion of {name} by order of its shaft at {speed:.6g} rpm{reference}"
     if excitation.quantity == "torque":
-        what = "Torques of {name} by order of its shaft at {speed:.6g} r/min{reference}"
+        what = "Torques of {name} by order of its shaft at {speed:.6g} rpm{reference}"
     caption = phrase(what, name=as_words(name), speed=own * RPM, reference=other)
     notes = ["Of several nodes the one with the largest amplitude, of equal ones the first; cylinders differ in phase."]
     return table(caption, columns, list(rows), notes if len(torques.nodes) > 1 else [], most=MOST_ORDERS)

@@ -37,7 +37,7 @@ from torsionnet.report.report_cylinders import in_words_of
 from torsionnet.report.report_data import FEW_CASES, MOST_OUTPUTS, Case, ReportData
 from torsionnet.report.report_machines import engine_angle_tables, engine_remarks
 from torsionnet.report.report_tables import results_table, table
-from torsionnet.report.report_text import as_words, capital, symbol_or_words, unit
+from torsionnet.report.report_text import as_words, capital, criterion_cell, symbol_or_words, unit
 from torsionnet.report.report_units import DIGITS, limit_number, limit_unit
 
 MOST_PANELS = 6
@@ -139,7 +139,7 @@ def _worst_row(subject: ReportData, check: LimitCheck, one: LimitVerdict) -> tup
     at = one.worst
     assert at is not None
     return (
-        (as_words(one.limit), " ", symbol_or_words(one.criterion)),
+        (as_words(one.limit), " ", criterion_cell(one.criterion)),
         condition_cell(subject, check, as_words(one.case)),
         NumberText(float(check.rpm[at]), 4),
         limit_number(float(one.values[at]), one.unit, subject.conventions),
@@ -245,7 +245,7 @@ def _worst_half_range(subject: ReportData, name: str) -> TableBlock:
     sizes = [np.abs(run.by_frequency()[index, :, place]) for run, index in worst]
     columns = (
         Heading("Configuration"),
-        Heading("Speed", "r/min", numeric=True),
+        Heading("Speed", "rpm", numeric=True),
         Heading("Half range", shown, numeric=True),
         Heading("RMS", shown, numeric=True),
         Heading("Largest order there"),

@@ -290,7 +290,7 @@ def _notes(found: MassElasticTable, block: TableBlock, materials: dict[str, str]
         yield (*legend[1:], ".")
     for line in found.lines:
         if line.flexibility:
-            where = f", {as_words(line.title)}" if len(found.lines) > 1 else ""
+            where = joined("", (", ", as_words(line.title))) if len(found.lines) > 1 else ""
             size = NumberText(line.flexibility, 5)
             # The unit of the table's columns of stiffness.
             shafts = [(row.shaft.stiffness, row.referred_stiffness) for row in found.rows if row.shaft is not None]
@@ -334,8 +334,9 @@ def _changes(tables: Sequence[MassElasticTable], names: Sequence[str], titles: C
     for (quantity, about, text), changed_in in values.items():
         shared.setdefault(tuple(changed_in), {}).setdefault(quantity, {}).setdefault(text, []).append(as_words(about))
     for conditions, quantities in shared.items():
-        parts = "; ".join(_change(quantity, found) for quantity, found in quantities.items())
-        yield (f"{parts if parts[1] == ' ' else capital(parts)} in {titles.several(conditions, names)}.",)
+        parts = joined("; ", (_change(quantity, found) for quantity, found in quantities.items()))
+        said = parts if parts[1] == " " else capital(parts)
+        yield (phrase("{changes} in {conditions}.", changes=said, conditions=titles.several(conditions, names)),)
 
 
 def _inertia_text(found: MassElasticTable) -> str:
@@ -345,7 +346,8 @@ def _inertia_text(found: MassElasticTable) -> str:
 
 def _change(quantity: str, found: dict[str, list[str]]) -> str:
     """Clause with the values of one quantity, each with all masses or shafts that have it."""
-    return f"{quantity} " + "; ".join(f"of {', '.join(about)}: {text}" for text, about in found.items())
+    each = (phrase("of {names}: {value}", names=", ".join(about), value=text) for text, about in found.items())
+    return joined(" ", (phrase(quantity), joined("; ", each)))
 
 
 def _values(found: MassElasticTable) -> dict[tuple[str, str], str]:

@@ -34,7 +34,7 @@ from torsionnet.report.report_data import MOST_CASES, ReportData
 from torsionnet.report.report_instructions import instruction_blocks
 from torsionnet.report.report_machines import engine_remarks
 from torsionnet.report.report_tables import results_table, table, with_kilo_units
-from torsionnet.report.report_text import as_words, capital, in_clauses, unit
+from torsionnet.report.report_text import as_words, capital, criterion_words, in_clauses, unit
 from torsionnet.report.report_units import DIGITS, limit_scale, limit_unit
 
 MOST_DRAWN = 8
@@ -91,7 +91,7 @@ def _verdicts(subject: ReportData, judged: LimitConclusion, name: str) -> TableB
         Heading("Configuration"),
         Heading("Criterion"),
         Heading("Judged", "rpm"),
-        Heading("Speed", "r/min", numeric=True),
+        Heading("Speed", "rpm", numeric=True),
         Heading("Value", numeric=True),
         Heading("Allowed", numeric=True),
         Heading("Unit"),
@@ -143,7 +143,7 @@ def _gravest(found: LimitConclusion, name: str) -> list[LimitCheck]:
 
 
 def _numbers(subject: ReportData, check: LimitCheck, one: LimitVerdict) -> tuple[float | None, ...]:
-    """Worst speed in r/min, value and value allowed there, and utilisation in per cent, of a verdict.
+    """Worst speed in rpm, value and value allowed there, and utilisation in per cent, of a verdict.
 
     None each where there is none.
     """
@@ -202,7 +202,7 @@ def _remarks(subject: ReportData, found: LimitConclusion) -> list[str]:
     """Texts of the remarks on limits, each once, with its configurations unless they are all."""
     known = list(dict.fromkeys(check.configuration for check in found.checks))
     said = (
-        (f"{as_words(one.limit)}, {as_words(one.criterion)}", check.configuration, remark)
+        (joined(", ", (as_words(one.limit), criterion_words(one.criterion))), check.configuration, remark)
         for check in found.checks
         for one in check.verdicts
         for remark in one.remarks

@@ -13,7 +13,7 @@ import numpy as np
 from torsionnet.base.conventions import Conventions
 from torsionnet.base.errors import UsageError
 from torsionnet.base.number_text import NumberText, aligned_numbers
-from torsionnet.base.phrases import phrase
+from torsionnet.base.phrases import joined, phrase
 from torsionnet.base.units import RPM
 from torsionnet.io.tracked_order_tables import is_tracked_table, read_tracked_orders, tracked_channel
 from torsionnet.machinery.checks.limit_checks import limit_subject
@@ -234,7 +234,7 @@ def _out_rows(
         found = [row for row in rows if row.speed == one.speed][:MOST_ORDERS_OUT]
         orders = "; ".join(f"{as_words(row.name)}: {NumberText(row.amplitude * scale, 3)}" for row in found)
         yield (
-            f"{capital(place.sensor.quantity)}, {as_words(place.sensor.of)}",
+            joined(", ", (phrase(capital(place.sensor.quantity)), as_words(place.sensor.of))),
             NumberText(one.speed * RPM, 4),
             capital(one.reason),
             _case(run, at, channel.name),

@@ -91,7 +91,7 @@ def _range(subject: ReportData) -> str:
     )
     above = any(one.lowest > highest for one in subject.natural_frequencies[0])
     return phrase(
-        "The highest excitation is {what}, {frequency:.4g} Hz at {speed:.6g} r/min of {node}; {modes} below{beyond}.",
+        "The highest excitation is {what}, {frequency:.4g} Hz at {speed:.6g} rpm of {node}; {modes} below{beyond}.",
         what=what,
         frequency=highest,
         speed=speeds.values[-1] * RPM,

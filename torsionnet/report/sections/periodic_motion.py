@@ -76,7 +76,7 @@ def _turns(found: PeriodicResponse) -> Iterator[tuple[str, FoundMotion]]:
 def _turn_table(
     subject: ReportData, found: PeriodicResponse, turns: list[tuple[str, FoundMotion]], where: str
 ) -> TableBlock:
-    columns = [Heading("What"), Heading("Speed", "r/min", numeric=True)]
+    columns = [Heading("What"), Heading("Speed", "rpm", numeric=True)]
     cells: list[list[Cell]] = [
         [phrase(word) for word, _ in turns],
         list(aligned_numbers([found.shown(one.at) for _, one in turns])),
