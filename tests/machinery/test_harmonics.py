@@ -196,7 +196,7 @@ class TestSection:
         assert float(str(whole[-1][1])) == pytest.approx(sums.of(1, 6), abs=6e-5)
 
     def test_propeller_misfire_and_stars(self, section):
-        assert rows(table(section, "Screw: 4 blades, mean torque 637 kN·m at 105 r/min"))[0][:4] == (
+        assert rows(table(section, "Screw: 4 blades, mean torque 637 kN·m at 105 rpm"))[0][:4] == (
             "1",
             "4",
             "5.00",

@@ -8,7 +8,7 @@ from test_documents_by_condition import TANKER, torque
 
 import torsionnet as tn
 from torsionnet.report import make_report
-from torsionnet.report.document_tree import TableBlock
+from torsionnet.report.document_tree import Paragraph, TableBlock
 
 RATED = 110
 ARCHER = TANKER.replace(
@@ -70,3 +70,14 @@ class TestDampingByTheWater:
         speed = math.sqrt(stiffness * (1 / 9000 + 1 / 6000)) / 8 * 30 / math.pi
         damping = 30 * 80e3 * (speed / 110) ** 2 / speed
         assert f"by Archer c = a Q/n: {damping / 1e3:.1f} at {speed:.1f} kN·m·s/rad." in note
+
+
+def test_without_tolerances_the_document_says_what_was_not_examined():
+    def said(text):
+        report = make_report(tn.loads(text), sections=["resonances"], date=None)
+        return [words(one.text) for one in of(Paragraph, blocks(report, "resonances"))]
+
+    (told,) = [one for one in said(TANKER) if "states a tolerance" in one]
+    assert told.endswith("is not examined beyond the conditions listed.")
+    given = TANKER.replace("{value: 20000,", "{value: 20000, tolerance: 10 %,")
+    assert not any("states a tolerance" in one for one in said(given))

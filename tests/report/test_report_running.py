@@ -24,7 +24,7 @@ def table(report, section, caption):
 class TestExcitations:
     def test_speeds_in_the_unit_of_a_tachometer(self, found):
         text = str(of(Paragraph, blocks(found, "excitations"))[0].text)
-        assert "speed of m runs from 300 to 1500 r/min, 121 values" in text
+        assert "speed of m runs from 300 to 1500 rpm, 121 values" in text
 
     def test_amplitude_and_phase_of_every_order(self, found):
         assert rows(table(found, "excitations", "Torques of fan"))[0][:3] == ("5", "12.00", "20.0")

@@ -272,6 +272,11 @@ INTRODUCTION = (
     "inertia and square of the natural frequency; at resonance it is multiplied by the magnifier, 1/(2 × damping "
     "ratio). The generalised force is the sum of the torques of the order times the relative amplitudes where they act."
 )
+NO_TOLERANCE = (
+    "No value of the model states a tolerance: how far assumed values, such as the stiffness of a coupling, move "
+    "critical speeds is not examined beyond the conditions listed."
+)
+"""Sentence in place of the table of what values move that were assumed."""
 MODE_COLUMNS = (
     Heading("Mode"),
     Heading("Order"),
@@ -302,7 +307,10 @@ def resonances_section(subject: ReportData) -> Section | None:
         lines = [one.name for one in peaks.criticals if one.share >= LEAST_SHARE]
         criticals = [one.critical for one in peaks.criticals if one.share >= SMALL_SHARE]
     moved = assumed_values(case, criticals)
-    blocks += [moved] if moved else []
+    if moved is not None:
+        blocks.append(moved)
+    elif not any(one.tolerance for one in case.drivetrain.parameter_definitions.values()):
+        blocks.append(Paragraph((NO_TOLERANCE,)))
     blocks += separation_margins(subject)
     return Section("resonances", ("Critical speeds",), (*blocks, _diagram(case, list(dict.fromkeys(lines)) or None)))
 
