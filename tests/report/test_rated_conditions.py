@@ -7,6 +7,7 @@ from support.report_blocks import blocks, of, words
 from test_documents_by_condition import TANKER, torque
 
 import torsionnet as tn
+from torsionnet.base.number_text import NumberText
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import Paragraph, TableBlock
 
@@ -70,6 +71,19 @@ class TestDampingByTheWater:
         speed = math.sqrt(stiffness * (1 / 9000 + 1 / 6000)) / 8 * 30 / math.pi
         damping = 30 * 80e3 * (speed / 110) ** 2 / speed
         assert f"by Archer c = a Q/n: {damping / 1e3:.1f} at {speed:.1f} kN·m·s/rad." in note
+
+
+def test_cyclic_irregularity_of_a_generator():
+    """With one order h of amplitude a in the angle the speed swings by h W a, so that it is 2 h a."""
+    text = TANKER.replace(
+        "limits:", "limits:\n  flicker: {rule: machine_angle, node: p, pole_pairs: 3, angle: 9 deg, source: maker}"
+    )
+    report = make_report(tn.loads(text), sections=["components"], date=None)
+    (told,) = [words(one.text) for one in of(Paragraph, blocks(report, "components")) if "Cyclic" in words(one.text)]
+    s = 8j * RATED * math.pi / 30
+    angle = torque(RATED, 20e3, 10e3) / abs(6000 * s**2 + 20e3 * s)
+    assert told.startswith(f"Cyclic irregularity of p at {RATED} rpm, (ω_max − ω_min)/ω_mean of all orders: ")
+    assert f"1/{NumberText(1 / (2 * 8 * angle), 3)} in normal firing; 1/" in told
 
 
 def test_without_tolerances_the_document_says_what_was_not_examined():

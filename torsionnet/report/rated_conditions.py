@@ -3,18 +3,25 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 
 from torsionnet.base.number_text import NumberText
-from torsionnet.base.phrases import phrase
+from torsionnet.base.phrases import joined, phrase
+from torsionnet.base.units import RPM
+from torsionnet.machinery.excitations.speed_range import SpeedRange
+from torsionnet.machinery.limits.machine_angle import MachineAngleLimit
+from torsionnet.machinery.orders.operating_groups import cached_total_ratio
 from torsionnet.machinery.verdicts.condition_peaks import JudgedPoint
 from torsionnet.machinery.verdicts.limit_check import LimitCheck
 from torsionnet.machinery.verdicts.limit_checking import limits_at
+from torsionnet.model.channels import Sensor
 from torsionnet.report.condition_tables import component_cell, same_value
 from torsionnet.report.document_tree import Cell, Heading, TableBlock, TableGroup
 from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_tables import merge_equal_rows
+from torsionnet.report.report_text import as_words
 from torsionnet.report.report_units import DIGITS, limit_number
 
 MOST_CRITERIA, MOST_CONDITIONS = 8, 12
@@ -102,3 +109,40 @@ def _used(point: JudgedPoint | None) -> float:
 
 def _number(subject: ReportData, point: JudgedPoint | None) -> Cell:
     return "" if point is None else limit_number(point.value, point.verdict.unit, subject.conventions)
+
+
+def cyclic_irregularities(subject: ReportData) -> Iterator[str]:
+    """Yield the sentence on the cyclic irregularity of each generator at rated speed in the conditions that run there.
+
+    It is (w_max - w_min)/w_mean of the rotor's speed over a cycle, twice the half range of all orders over the mean.
+    """
+    speeds = subject.model.definition.speeds
+    generators = [one for one in subject.model.definition.limits.values() if isinstance(one, MachineAngleLimit)]
+    if speeds is None or speeds.rated is None:
+        return
+    for node in dict.fromkeys(one.node for one in generators):
+        found: dict[str, list[str]] = {}
+        for case in subject.judged_cases[: MOST_CONDITIONS + 1]:
+            if not _runs_at(case.drivetrain.definition.speeds, speeds.rated):
+                continue
+            run = case.drivetrain.order_response(Sensor("velocity", node), speeds=np.array([speeds.rated]))
+            mean = speeds.rated * abs(float(cached_total_ratio(case.drivetrain, node, run.reference)))
+            if swing := 2 * float(run.half_range[0, 0]):
+                found.setdefault(f"1/{NumberText(mean / swing, DIGITS)}", []).append(case.configuration)
+        known = [name for names in found.values() for name in names]
+        each = [
+            phrase("{value} in {conditions}", value=share, conditions=where) if where else share
+            for share, names in found.items()
+            for where in [subject.titles.several(names, known)]
+        ]
+        if each:
+            yield phrase(
+                "Cyclic irregularity of {node} at {speed:.6g} rpm, (ω_max − ω_min)/ω_mean of all orders: {values}.",
+                node=as_words(node),
+                speed=speeds.rated * RPM,
+                values=joined("; ", each),
+            )
+
+
+def _runs_at(speeds: SpeedRange | None, speed: float) -> bool:
+    return speeds is not None and speeds.values[0] * (1 - SAME_SPEED) <= speed <= speeds.values[-1] * (1 + SAME_SPEED)

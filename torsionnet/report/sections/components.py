@@ -37,7 +37,7 @@ from torsionnet.report.document_tree import (
     TableGroup,
     Text,
 )
-from torsionnet.report.rated_conditions import rated_elsewhere
+from torsionnet.report.rated_conditions import cyclic_irregularities, rated_elsewhere
 from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_text import as_words, capital, unit
@@ -86,6 +86,7 @@ def components_section(subject: ReportData) -> Section | None:
     blocks: list[Block] = [*_m68_shafts(subject, found), _all_components(subject, found, uses)]
     elsewhere = rated_elsewhere(subject)
     blocks += [elsewhere] if elsewhere else []
+    blocks += [Paragraph((text,)) for text in cyclic_irregularities(subject)]
     judged = [use for use in uses if use.group == "crankshaft" and use.value is not None]
     # Of each limit the criterion that is used most: in continuous operation or in passing.
     crankshafts = {use.worst.verdict.limit: use for use in sorted(judged, key=lambda use: use.worst.utilisation or 0.0)}
