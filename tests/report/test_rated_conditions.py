@@ -4,7 +4,7 @@ import math
 
 import pytest
 from support.report_blocks import blocks, of, words
-from test_documents_by_condition import TANKER, torque
+from support.tanker import TANKER, torque
 
 import torsionnet as tn
 from torsionnet.base.number_text import NumberText

@@ -58,7 +58,7 @@ SUM_NOTE = (
 )
 PHASES = (
     "In brackets the phase of each order in the sum, cos(h φ + phase) of order h with φ the angle of the shaft of its "
-    "excitation; 0 where the first cylinder fires."
+    "excitation; 0 at (firing) top dead centre of the first cylinder."
 )
 """Note below the table of components in the normal condition on the phases of orders."""
 

@@ -257,7 +257,7 @@ def engine_blocks(subject: ReportData, case: Case, name: str, engine: Reciprocat
     caption = phrase(
         "{name}: tangential pressure of one cylinder by order at {speed:.5g} rpm", name=_name(name), speed=own * RPM
     )
-    notes = ["Over piston area and crank radius, peak values; phase of the cosine from firing top dead centre on."]
+    notes = ["Over piston area and crank radius, peak values; phase of the cosine from (firing) top dead centre on."]
     if len(kept) < len(found):
         notes.append(
             phrase(

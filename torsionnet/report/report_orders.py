@@ -58,7 +58,12 @@ def propeller_block(case: Case, name: str, propeller: PropellerTorque) -> TableB
         law=law,
         exponent=follows,
     )
-    return table(caption, columns, list(rows), ("Phase of the torque taken; 0 where the first cylinder fires.",))
+    return table(
+        caption,
+        columns,
+        list(rows),
+        ("Phase of the torque taken; 0 at (firing) top dead centre of the first cylinder.",),
+    )
 
 
 def other_table(others: Sequence[tuple[Case, str]]) -> TableBlock:

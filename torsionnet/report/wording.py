@@ -104,7 +104,7 @@ class Wording:
         return PLACEHOLDER.sub(lambda place: self._inserted(text.values[place[1]]), said)
 
     def _said(self, text: str) -> str:
-        """Other words for a text or a template, with a capital letter where it begins a cell; empty where it stays."""
+        """Words for a text or a template, with a capital letter where it begins a cell; empty where it stays."""
         said = self.texts.get(text[:1].lower() + text[1:], "")
         return self.texts.get(text, said[:1].upper() + said[1:])
 
