@@ -170,12 +170,16 @@ class TestMassElastic:
         assert "Without pump in pump off." in notes
 
     def test_values_of_another_condition_are_one_note(self):
-        """Behind a smaller wheel three masses turn 20/40 as fast, which is one sentence with the other loss factor."""
+        """Behind a smaller wheel three masses turn 20/40 as fast, which is one sentence with the other loss factor.
+
+        Referred to the engine they count 0.25 times in the sum.
+        """
         plant = PLANT.replace('"off": {off: [pump]}', "small: {mesh.teeth: [20, -40], rubber.loss_factor: 0.1}")
         (shown,) = of(TableBlock, blocks(section(tn.loads(plant), "mass_elastic"), "mass_elastic"))
         notes = ["".join(map(str, note)) for note in shown.notes]
-        (note,) = [one for one in notes if one.endswith(" in small.")]
-        assert note == "Loss factor of rubber: 0.1; speed ratio of w, pto, p: -0.5 in small."
+        total, note = [one for one in notes if one.endswith(" in small.")]
+        assert total == f"Sum of J: {12 + 3 + (50 + 2) * 0.25:g} kg·m² in small."
+        assert note == "Loss factor of rubber: 0.1; speed ratio of w, pto, p: −0.5 in small."
 
     @pytest.mark.slow
     def test_a_brake_changes_no_value_of_the_turbine(self):
