@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TypeAlias, TypeVar
 
 import numpy as np
 
@@ -24,10 +25,13 @@ from torsionnet.report.report_tables import merge_equal_rows
 from torsionnet.report.report_text import as_words
 from torsionnet.report.report_units import DIGITS, limit_number
 
-MOST_CRITERIA, MOST_CONDITIONS = 8, 12
+MOST_CRITERIA, MOST_CONDITIONS = 8, 20
 """Largest number of criteria and of further conditions in the table, those of which a limit is used most."""
 SAME_SPEED = 1e-9
 """Relative difference up to which a speed of a check is the rated one."""
+RatedPoints: TypeAlias = dict[tuple[str, str], JudgedPoint]
+"""Values at rated speed in one condition, by limit and criterion."""
+Name = TypeVar("Name")
 NOTE = (
     "Half ranges as limits judge them; listed are conditions and components of which a value differs by more than 5 % "
     "from normal operation. Allowed: in normal operation, for continuous operation; what follows the mean torque is "
@@ -43,27 +47,17 @@ def rated_elsewhere(subject: ReportData) -> TableBlock | None:
     peaks = subject.normal_peaks
     if peaks is None or peaks.rated is None or subject.limit_conclusion is None:
         return None
-    normal = _points(peaks.points, peaks.rated)
-    others = {
-        check.configuration: points
-        for check in subject.limit_conclusion.checks
-        if check.configuration != peaks.check.configuration
-        and (points := _at(subject, check, float(peaks.points.speeds[peaks.rated])))
-    }
-    differing = [
-        name for name, one in normal.items()
-        if any(name in those and not same_value(those[name].value, one.value) for those in others.values())
-    ]  # fmt: skip
-    if not differing:
+    normal, speed = _points(peaks.points, peaks.rated), float(peaks.points.speeds[peaks.rated])
+    checks = [one for one in subject.limit_conclusion.checks if one.configuration != peaks.check.configuration]
+    others = {one.configuration: points for one in checks if (points := _at(subject, one, speed))}
+    used = {name: max(_used(those, name) for those in (normal, *others.values())) for name in normal}
+    differing = [name for name in normal if any(_differs(those, normal, name) for those in others.values())]
+    shown = _most_used(differing, used, MOST_CRITERIA)
+    strongest = {key: max((_used(those, name) for name in shown), default=0.0) for key, those in others.items()}
+    apart = [key for key, those in others.items() if any(_differs(those, normal, name) for name in shown)]
+    if not apart:
         return None
-    used = {name: max(_used(those.get(name)) for those in (normal, *others.values())) for name in differing}
-    shown = [name for name in differing if name in sorted(used, key=lambda one: -used[one])[:MOST_CRITERIA]]
-    strongest = {key: max(_used(those.get(name)) for name in shown) for key, those in others.items()}
-    kept = [
-        key for key in others
-        if key in sorted(strongest, key=lambda one: -strongest[one])[:MOST_CONDITIONS]
-        and any(name in others[key] and not same_value(others[key][name].value, normal[name].value) for name in shown)
-    ]  # fmt: skip
+    kept = _most_used(apart, strongest, MOST_CONDITIONS)
     columns = (
         Heading("Condition"),
         *(Heading(component_cell(subject, normal[name].verdict), numeric=True) for name in shown),
@@ -73,17 +67,24 @@ def rated_elsewhere(subject: ReportData) -> TableBlock | None:
     rows: list[tuple[Cell, ...]] = [(phrase("Allowed"), *allowed, "")]
     for key, those in ((peaks.check.configuration, normal), *((key, others[key]) for key in kept)):
         values = [_number(subject, those.get(name)) for name in shown]
-        most = max((_used(those.get(name)) for name in shown), default=math.nan)
+        most = max(_used(those, name) for name in shown)
         rows.append((subject.titles.of(key), *values, NumberText(100 * most, DIGITS)))
-    caption = phrase("Components at rated speed, {speed:.6g} rpm, by condition", speed=_rpm(normal))
-    return TableBlock((caption,), columns, (TableGroup(merge_equal_rows(rows)),), ((NOTE,),))
+    caption = phrase("Components at rated speed, {speed:.6g} rpm, by condition", speed=speed * RPM)
+    groups = (TableGroup(merge_equal_rows(rows)),)
+    return TableBlock((caption,), columns, groups, ((NOTE,),), len(apart) - len(kept))
 
 
-def _rpm(points: dict[tuple[str, str], JudgedPoint]) -> float:
-    return next(iter(points.values())).rpm
+def _most_used(names: Sequence[Name], used: Mapping[Name, float], most: int) -> list[Name]:
+    """The names that use most, in their order."""
+    return sorted(sorted(names, key=lambda one: -used[one])[:most], key=names.index)
 
 
-def _points(check: LimitCheck, at: int) -> dict[tuple[str, str], JudgedPoint]:
+def _differs(points: RatedPoints, normal: RatedPoints, name: tuple[str, str]) -> bool:
+    """Whether a criterion has another value than in the normal condition."""
+    return name in points and not same_value(points[name].value, normal[name].value)
+
+
+def _points(check: LimitCheck, at: int) -> RatedPoints:
     """Values of every criterion for continuous operation at one speed of a check, by limit and criterion."""
     return {
         (one.limit, one.criterion): JudgedPoint(check, one, at)
@@ -92,7 +93,7 @@ def _points(check: LimitCheck, at: int) -> dict[tuple[str, str], JudgedPoint]:
     }
 
 
-def _at(subject: ReportData, check: LimitCheck, speed: float) -> dict[tuple[str, str], JudgedPoint]:
+def _at(subject: ReportData, check: LimitCheck, speed: float) -> RatedPoints:
     """Values of a condition at a speed in rad/s; none where it does not run there."""
     if not check.speeds[0] * (1 - SAME_SPEED) <= speed <= check.speeds[-1] * (1 + SAME_SPEED):
         return {}
@@ -102,9 +103,10 @@ def _at(subject: ReportData, check: LimitCheck, speed: float) -> dict[tuple[str,
     return _points(check, at)
 
 
-def _used(point: JudgedPoint | None) -> float:
-    """Utilisation at a point; 0 without a limit there."""
-    return 0.0 if point is None or math.isnan(point.utilisation) else point.utilisation
+def _used(points: RatedPoints, name: tuple[str, str]) -> float:
+    """Utilisation of a criterion; 0 without a limit there."""
+    share = points[name].utilisation if name in points else 0.0
+    return 0.0 if math.isnan(share) else share
 
 
 def _number(subject: ReportData, point: JudgedPoint | None) -> Cell:
