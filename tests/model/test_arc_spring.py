@@ -121,10 +121,11 @@ class TestInTime:
         record = tn.loads(RIG).simulate("twist", {"T": [0.0] * 50}, 1000.0)
         assert any("dmf" in note and "linear about the working point" in note for note in record.notes)
 
-    def test_beside_laws_of_motion_it_is_refused_by_name(self):
+    def test_beside_laws_of_motion_its_friction_acts_in_full(self):
         rig = tn.loads(RIG.replace("stiffness: 3000", "stiffness: 3000, cubic: 100"))
-        with pytest.raises(tn.UsageError, match=r"(?s)dmf: .*unsupported-law"):
-            rig.simulate("twist", {"T": [0.0] * 50}, 1000.0)
+        record = rig.simulate("twist", {"T": [0.0] * 10 + [5.0] * 40}, 1000.0)
+        assert record.energy.dissipated["dmf"] > 0
+        assert not any("dmf" in note and "linear" in note for note in record.notes)
 
 
 class TestBadInput:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from torsionnet.base.errors import SolveError, UsageError, did_you_mean
 from torsionnet.base.phrases import phrase
 from torsionnet.linear.assembly.rows import FloatArray
+from torsionnet.motion.chain_phases import ChainPhases
 from torsionnet.motion.contact_form import (
     NEGLIGIBLE_ENTRY,
     ContactForm,
@@ -252,6 +253,8 @@ class ContactStates:
         return tuple(self._at(*one) for one in given)
 
     def _at(self, law: LawPhases, twist: float, rate: float, scale: float) -> int:
+        if isinstance(law, ChainPhases):
+            return law.begun(twist, rate)
         at, trend = (rate, 0.0) if law.over_rate else (twist, rate)
         place = 0
         for phase in law.phases:
@@ -330,6 +333,11 @@ class ContactStates:
     def _following(self, contact: Contact, guard: int, z: FloatArray, time: float) -> tuple[Contact, bool]:
         number, kind = divmod(guard, GUARDS_PER_LAW)
         law, phase = self.laws[number], self.laws[number].phases[contact[number]]
+        if isinstance(law, ChainPhases):
+            if kind != PUSH:
+                return _changed(contact, number, law.passed_corner()), True
+            turned = law.turned(float(self.values(z, contact)[0][number]))
+            return _changed(contact, number, turned), False
         if kind == PUSH:
             # The torque of a contact passes zero: it opens within the overlap, or closes again.
             other = "free" if phase.kind == "slope" else ""
@@ -429,7 +437,7 @@ def _in_words(law: LawPhases, before: Phase, after: Phase) -> str:
     touching, touched = (bool(one.side) and one.kind == "slope" for one in (after, before))
     if touching != touched:
         return "closes" if touching else "opens"
-    if before.kind == "free" or after.kind == "free":
+    if before.kind == "free" or after.kind == "free" or after.sense:
         return ""
     return phrase("stage {number}", number=_stage(law, after))
 

@@ -118,7 +118,7 @@ def push_offsets(n_p: int, n_u: int) -> NDArray[np.int64]:
 
 
 GUARDS_PER_LAW = 3
-"""Number of guards of a law: lower bound, upper bound, and sign of the torque of a contact."""
+"""Number of guards of a law: lower bound, upper bound, and sign of the torque of a contact, or of the rate of what remembers."""
 LOWER, UPPER, PUSH = 0, 1, 2
 MOST_TURN = 0.25
 """Angle in rad that the fastest motion may turn between two points of the finer grid, see ``DEGREE``."""
@@ -192,7 +192,9 @@ def guard_rows(form: ContactForm, laws: Sequence[LawPhases], contact: Sequence[i
             own[LOWER] = motion - phase.lower * one
         if math.isfinite(phase.upper):
             own[UPPER] = phase.upper * one - motion
-        if phase.side and phase.damping:
+        if phase.sense:
+            own[PUSH] = phase.sense * form.rates[number]
+        elif phase.side and phase.damping:
             # k d + c d' of a contact, which pushes on its own side alone.
             line = phase.torque * one + phase.stiffness * form.twists[number] + phase.damping * form.rates[number]
             own[PUSH] = line * (phase.side if phase.kind == "slope" else -phase.side)

@@ -8,7 +8,7 @@ reach but free: the phase ``"free"`` of the piece.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Literal
@@ -151,8 +151,17 @@ def motion_plant(drivetrain: AssembledModel) -> MotionPlant:
         A delay, or a law that depends on frequency, beside laws of motion.
     """
     found = placed_plant(drivetrain)
-    _refuse(drivetrain, found.assembly)
+    _refuse(found.assembly)
     return replace(found, actions=law_states(found.assembly))
+
+
+def over_time(drivetrain: AssembledModel) -> AssembledModel:
+    """Drivetrain whose elements have the laws of their motion over time."""
+    moved = {one.name: one.over_time for one in drivetrain.definition.switched_on if one.over_time is not one}
+    if not moved:
+        return drivetrain
+    elements = {**drivetrain.definition.elements, **moved}
+    return drivetrain.with_definition(replace(drivetrain.definition, elements=elements))
 
 
 def placed_plant(drivetrain: AssembledModel) -> MotionPlant:
@@ -174,15 +183,9 @@ def placed_plant(drivetrain: AssembledModel) -> MotionPlant:
     return MotionPlant(plain, moving, ())
 
 
-def _refuse(drivetrain: AssembledModel, assembly: Assembly) -> None:
+def _refuse(assembly: Assembly) -> None:
     system = assembly.system
     over_frequency = {assembly.owners[number] for number, _ in system.dynamic}
-    slow = [one for one in drivetrain.definition.switched_on if one.without_motion]
-    if slow:
-        names = ", ".join(one.name for one in slow)
-        text = f"{slow[0].without_motion}, which has no law beside other laws of motion, nor from a given start"
-        advice = "leave out arc_angle for friction of a torque of its own, or use at() for small motion about a point"
-        raise UsageError(f"{names}: {text}; {advice}", kind="unsupported-law")
     delayed = {one.owner for one in system.actions if one.delay}
     if over_frequency:
         names = ", ".join(sorted(over_frequency))
@@ -287,7 +290,8 @@ class Phase:
     """Phase of a law: torque + stiffness gamma + damping gamma' in SI units between bounds, or a row held at a place.
 
     ``place`` is the number of the piece in its curve. Of a hold, ``lower`` and ``upper`` are both the place where the
-    row is held, and ``low`` and ``high`` the torques at which it lets go.
+    row is held, and ``low`` and ``high`` the torques at which it lets go. A phase with a ``sense`` ends where the rate
+    has not its sign.
     """
 
     kind: Literal["slope", "free", "hold"]
@@ -300,6 +304,7 @@ class Phase:
     side: int = 0
     low: float = 0.0
     high: float = 0.0
+    sense: int = 0
 
     def at(self, twist: float, rate: float) -> float:
         """Torque in N m of the straight line of the phase at a twist in rad and a rate in rad/s."""
@@ -315,7 +320,7 @@ class LawPhases:
 
     owner: str
     over_rate: bool
-    phases: tuple[Phase, ...]
+    phases: Sequence[Phase]
 
     def of_piece(self, place: int, kind: str = "") -> int:
         """Number of the phase of a piece, of its free phase with ``kind`` "free"."""

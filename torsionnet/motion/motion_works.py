@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.model.elements import MotionLaw
+from torsionnet.motion.chain_phases import ChainPhase
 from torsionnet.motion.contact_form import ContactForm
 from torsionnet.motion.contact_states import Contact, ContactStates
 from torsionnet.motion.march_tables import StepMatrices, in_steps, step_matrices
@@ -28,7 +29,7 @@ class EnergyRows:
 
     squares: FloatArray
     weights: FloatArray
-    laws: tuple[MotionLaw, ...]
+    laws: tuple[MotionLaw | ChainPhase, ...]
     twists: FloatArray
 
     def at(self, Z: FloatArray) -> FloatArray:
@@ -50,8 +51,25 @@ def energy_rows(states: ContactStates, contact: Contact) -> EnergyRows:
     squares = np.vstack([system.rows @ speed, system.rows @ position])
     weights = np.concatenate([system.inertia, system.stiffness * linear]) / 2
     storing = [number for number, one in enumerate(plant.laws) if one.law.curve.over == "twist"]
-    laws = tuple(plant.laws[number].law for number in storing)
+    laws = tuple(storing_law(states, contact, number) for number in storing)
     return EnergyRows(squares[weights != 0], weights[weights != 0], laws, form.twists[storing] @ refresh)
+
+
+def storing_law(states: ContactStates, contact: Contact, number: int) -> MotionLaw | ChainPhase:
+    """Law over the twist of a number, or the phase in which it remembers, which says what it has stored."""
+    phase = states.laws[number].phases[contact[number]]
+    return phase if isinstance(phase, ChainPhase) else states.plant.laws[number].law
+
+
+def remembered_energies(states: ContactStates, contact: Contact, z: FloatArray) -> dict[str, float]:
+    """Energy in J stored in laws that remember, by element, at a state z in SI units; their works do not tell it."""
+    form = states.form(contact)
+    found: dict[str, float] = {}
+    for law, place, twists in zip(states.laws, contact, form.twists, strict=True):
+        phase = law.phases[place]
+        if isinstance(phase, ChainPhase):
+            found[law.owner] = found.get(law.owner, 0.0) + phase.energy(float(twists @ form.refresh @ z))
+    return found
 
 
 def stored_energy(states: ContactStates, contact: Contact, z: FloatArray) -> float:
@@ -213,6 +231,8 @@ def work_rows(states: ContactStates, contact: Contact, form: ContactForm, h: flo
             # Free contact: no torque acts while its energy k d^2 / 2 goes down, which is lost.
             line = phase.torque * one + phase.stiffness * form.twists[number]
             products.append((line, rate, -1.0, law_of.owner))
+        elif phase.sense:  # all that it takes up; what is stored of it stands in the balance
+            products.append((form.torques[number], rate, 1.0, law_of.owner))
         elif phase.kind == "slope" and phase.damping:
             squares.append((rate, phase.damping, law_of.owner))
     # Torques from outside and of controllers supply T times the rate of their row.

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -31,7 +31,7 @@ from torsionnet.motion.march_tables import BLOCK, MOST_TURN, in_steps, push_offs
 from torsionnet.motion.marching import with_torques
 from torsionnet.motion.motion_plant import Drive, LawPhases, Layout
 from torsionnet.motion.motion_record import MotionOverTime, MotionRecord, Stretches
-from torsionnet.motion.motion_works import Works, stored_energy
+from torsionnet.motion.motion_works import Works, remembered_energies, stored_energy
 from torsionnet.motion.scenarios.time_history import SAMPLE_SLACK
 from torsionnet.motion.smooth_laws import SplitPlant
 from torsionnet.signals.recording import AnyBalance, DeferredBalance, EnergyBalance, MotionEvent
@@ -87,6 +87,7 @@ class PieceMotion:
         z0[at.slope] = flat[at.n_u : 2 * at.n_u] - flat[: at.n_u]
         p = self._refreshed(contact, z0)[: at.n_p].copy()
         energy = stored_energy(states, contact, self._z(p, 0, 0.0))
+        begun = remembered_energies(states, contact, self._z(p, 0, 0.0) * units)
         self.kept.append(_standing(contact, 0, p))
         march = _compiled_march() if self.last >= STEPS_WORTH_COMPILING else marching.march
         state = np.array([states.number(contact), 0, self.last, 0, 0], dtype=np.int64)
@@ -128,7 +129,9 @@ class PieceMotion:
         self.kept.append(_standing(contact, self.last, p))
         self.energies = energy, stored_energy(states, contact, z)
         stored = self.energies[1] - energy
-        return MotionOverTime(record.values, tuple(self.events), DeferredBalance(lambda: self._balance(stored)))
+        kept = remembered_energies(states, contact, z * units)
+        gained = {owner: value - begun[owner] for owner, value in kept.items()}
+        return MotionOverTime(record.values, tuple(self.events), DeferredBalance(lambda: self._balance(stored, gained)))
 
     def _note(self, record: MotionRecord, numbers: NDArray[np.int64], times: FloatArray, starts: FloatArray) -> None:
         """Read stretches at the samples, and keep them for the works, or work these out at once if there are many."""
@@ -143,9 +146,11 @@ class PieceMotion:
             self.works.add(one)
         self.kept.clear()
 
-    def _balance(self, stored: float) -> EnergyBalance:
+    def _balance(self, stored: float, gained: Mapping[str, float]) -> EnergyBalance:
         self._work_out()
         works = dict(self.works.found)
+        for owner, value in gained.items():
+            works[owner] = works.get(owner, 0.0) - value
         return EnergyBalance(works.pop("", 0.0), stored, works)
 
     def _in_angles(self, contact: Contact, z: FloatArray) -> FloatArray:

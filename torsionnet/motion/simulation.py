@@ -19,7 +19,7 @@ from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest
 from torsionnet.model.channels import Channels, Sensor
 from torsionnet.motion.contact_states import Contact, MotionStart, start_state
 from torsionnet.motion.driving import Driving, Torque, acting_means, driving_of, held_load, require_request, scale_notes
-from torsionnet.motion.motion_plant import Layout, has_laws_of_motion, motion_plant
+from torsionnet.motion.motion_plant import Layout, has_laws_of_motion, motion_plant, over_time
 from torsionnet.motion.motion_record import MotionOverTime
 from torsionnet.motion.piece_system import simulate_pieces
 from torsionnet.motion.scenarios.scenario import GridTie
@@ -94,12 +94,6 @@ def simulate_torques(
         record = simulate_linear(drivetrain, outputs, inputs, sampling_rate, between)  # type: ignore[arg-type]
         notes = [f"{text}; its law acts in full beside other laws, or from a given start" for text in
                  _linear_notes(drivetrain, laws=True)]  # fmt: skip
-        notes += [
-            f"linear about the working point in its entries: {one.name}; {one.without_motion}, "
-            "which motion over time has no law for"
-            for one in drivetrain.definition.switched_on
-            if one.without_motion
-        ]
         return record.with_notes(*notes, *([NOTHING_TO_CHECK] if check else []))
     lists: dict[str, Any] = {name: one for name, one in inputs.items() if not isinstance(one, TimeHistory)}
     if lists:
@@ -120,6 +114,7 @@ def simulate_torques(
         means = acting_means(drivetrain, (nodes_of(drivetrain, place) for place in inputs))
         whole |= {node: constant(torque) for node, torque in means.items()}
     driving, torques = driving_of(whole, sampling_rate, duration, scales or {})
+    drivetrain = over_time(drivetrain)
     plant = motion_plant(drivetrain)
     request = driven_request(plant.drivetrain, outputs, whole)
     split = split_plant(drivetrain, plant, tuple(scales or {}))
@@ -191,7 +186,8 @@ def _linear_notes(drivetrain: AssembledModel, *, laws: bool) -> list[str]:
     """Notes on elements that are linear about a working point in their entries, of those with or without laws."""
     elements = drivetrain.definition.switched_on
     given = [one for one in elements if any(getattr(one, entry) is not None for entry in one.working_point)]
-    names = [one.name for one in given if one.has_motion_laws == laws and (one.has_own_working_point or not laws)]
+    in_full = {one.name: one.has_motion_laws or one.over_time is not one for one in given}
+    names = [one.name for one in given if in_full[one.name] == laws and (one.has_own_working_point or not laws)]
     return [f"linear about the working point in its entries: {name}" for name in names]
 
 

@@ -12,9 +12,11 @@ from torsionnet.base.errors import UsageError
 from torsionnet.base.expressions import FLOAT
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.rows import FloatArray
+from torsionnet.model.arc_spring.arc_curve import ArcCurve
 from torsionnet.model.element_base.laws import MotionState, TorqueCurve
 from torsionnet.model.elements import MotionLaw, Values
 from torsionnet.model.motion_laws.piece_curve import PieceCurve, Slope
+from torsionnet.motion.chain_phases import chain_phases
 from torsionnet.motion.motion_plant import LawPhases, LawRow, MotionPlant, PlacedLaw, law_phases
 from torsionnet.motion.scenarios.scenario import GridTie
 
@@ -126,6 +128,11 @@ def split_plant(drivetrain: AssembledModel, plant: MotionPlant, scales: tuple[Sc
         law = floats[one.number]
         key = (one.owner, law.scaled_by)
         scale = scales.index(key) if key in scales else -1
+        if isinstance(law.curve, ArcCurve):
+            pieces.append(replace(one, law=law))
+            phases.append(chain_phases(one.owner, law.curve))
+            scale_of.append(-1)
+            continue
         straight = isinstance(law.curve, PieceCurve)
         # A slope times a scale over time is no straight piece.
         grows = isinstance(law.curve, PieceCurve) and any(

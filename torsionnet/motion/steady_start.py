@@ -13,6 +13,7 @@ from torsionnet.base.expressions import Number
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.linear.dynamic_stiffness.action_states import LawStates
+from torsionnet.model.arc_spring.arc_curve import ArcCurve
 from torsionnet.model.balanced_state import BalancedState
 from torsionnet.model.element_base.laws import MotionState
 from torsionnet.model.motion_laws.piece_curve import PieceCurve
@@ -27,6 +28,11 @@ SAME = 1e-9
 """Share by which torques of an operating point and those at the start may differ and count as the same."""
 FREE = 1e-9
 """Singular value, over the largest, below which rows do not resist a motion of the coordinates."""
+
+MOST_STEPS = 60
+"""Most steps of Newton's method for the twist of arc springs."""
+ROUNDING = 1e-13
+"""Share of the angles by which its last step may still move them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +75,19 @@ def steady_start(drivetrain: AssembledModel, split: SplitPlant, torques: Mapping
     speeds = dict(state.speeds) if state is not None else given_speeds(drivetrain)
     v = _speeds(plant, speeds, rows, known)
     known |= _turning(rows, known, v)
-    q, accelerations, controllers = _angles(plant, rows, known, forces, v)
+    tangents: dict[int, tuple[float, float]] = {}
+    q, accelerations, controllers = _angles(plant, rows, known, forces, v, tangents)
+    # Arc springs loaded from nothing, which a balance leaves linear: Newton's method on their torques.
+    remembering = {number: one for number, one in rows.items() if isinstance(one.law.curve, ArcCurve)}
+    for _ in range(MOST_STEPS if remembering else 0):
+        before = q
+        for number, one in remembering.items():
+            state = MotionState(float(one.row @ q))
+            stiffness = float(one.law.curve.slopes(state)[0])
+            tangents[number] = stiffness, one.law.torque(state.twist, 0.0) - stiffness * state.twist
+        q, accelerations, controllers = _angles(plant, rows, known, forces, v, tangents)
+        if np.abs(q - before).max() <= ROUNDING * np.abs(q).max():
+            break
     z = np.zeros(at.n_p)
     z[at.q], z[at.v], z[at.controllers], z[at.one] = q, v, controllers, 1.0
     integrating = tuple(one.action.owner for one in plant.actions if _integrates(one))
@@ -198,9 +216,12 @@ def _free_motions(plant: MotionPlant, rows: list[FloatArray]) -> FloatArray:
 
 def _angles(
     plant: MotionPlant, rows: Mapping[int, LawRow], known: Mapping[int, tuple[MotionState, float]], forces: FloatArray,
-    v: FloatArray,
+    v: FloatArray, tangents: Mapping[int, tuple[float, float]],
 ) -> tuple[FloatArray, FloatArray, FloatArray]:  # fmt: skip
-    """Angles (n_q,) in rad, even accelerations (n_q,) in rad/s^2, and states (n_c,) of controllers."""
+    """Angles (n_q,) in rad, even accelerations (n_q,) in rad/s^2, and states (n_c,) of controllers.
+
+    ``tangents`` are stiffness in N m/rad and torque in N m at zero twist of laws that stand for springs.
+    """
     system, laws = plant.assembly.system, plant.assembly.laws
     linear = np.array([not isinstance(law, PlacedLaw) for law in laws], dtype=bool)
     K = (system.rows.T * (system.stiffness * linear)) @ system.rows
@@ -209,7 +230,9 @@ def _angles(
     twisted, wanted, held = [], [], []
     for number, one in rows.items():
         state, torque = known.get(number, (MotionState(), 0.0))
-        load -= torque * one.row
+        stiffness, offset = tangents.get(number, (0.0, 0.0))
+        K = K + stiffness * np.outer(one.row, one.row)
+        load -= (torque + offset) * one.row
         if one.law.curve.over == "twist":
             held.append(one.row)
             if number in known:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
-from torsionnet.base.expressions import Algebra
+from torsionnet.base.expressions import Algebra, Expression
 
 STEP = 1e-5
 """Step of a value over its size from which slopes to it are taken on both sides."""
@@ -83,3 +83,17 @@ def _stiffness(values: list[float]) -> complex:
 
     springs, (amplitude, torque) = ArcSprings(*values[:6]), values[6:]
     return loop_at_torque(springs, amplitude, torque).stiffness
+
+
+def arc_values(element: Any) -> tuple[Expression, ...]:
+    """Entries of an element with arc springs in the order of :func:`arc_stiffness`."""
+    return (
+        element.stiffness,
+        element.arc_angle,
+        element.friction_coefficient,
+        element.spring_mass,
+        element.spring_radius,
+        element.speed,
+        element.swing,
+        element.torque,
+    )

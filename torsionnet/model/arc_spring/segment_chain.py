@@ -72,6 +72,14 @@ class SegmentChain:
         self.twist = 0.0
         self.moved = 0  # segments that slid at the end of the last branch
 
+    @property
+    def energy(self) -> float:
+        """Energy in J stored in the springs between flange, segments and stops."""
+        k, pushed = self.segments * self.springs.stiffness, (max(self.twist, 0.0), min(self.twist, 0.0))
+        # 2 n k at both ends, which push only, and n k between: T^2/(2 k) of each.
+        ends = max(0.0, pushed[0] - float(self.places[0])), max(0.0, float(self.places[-1]) - pushed[1])
+        return k * (ends[0] ** 2 + ends[1] ** 2 + float(np.sum(np.diff(self.places) ** 2)) / 2)
+
     def lead(self, twist: float) -> LoopBranch:
         """Branch of torque over twist on the way to another twist in rad."""
         found: list[tuple[float, float]] = []

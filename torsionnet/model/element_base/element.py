@@ -261,9 +261,11 @@ class Element(Declared, ArgumentHints):
         return type(self).own_whole_parts is not Element.own_whole_parts
 
     @property
-    def without_motion(self) -> str:
-        """Reason why motion over time, too, takes the element as linear about its working point; mostly empty."""
-        return ""
+    def over_time(self) -> Self:
+        """Element with laws for motion over time that linear results do without, as friction that remembers."""
+        laws = self.other_laws
+        inner = None if laws is None else laws.element.over_time
+        return self if laws is None or inner is laws.element else self.with_laws(replace(laws, element=inner))
 
     @property
     def has_own_working_point(self) -> bool:

@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar, Self
 
 from torsionnet.base.entries.scalars import PhysicalQuantity
 from torsionnet.base.entries.spec import entry
 from torsionnet.base.expressions import Expression
-from torsionnet.model.arc_spring.linear_law import arc_stiffness
+from torsionnet.model.arc_spring.linear_law import arc_stiffness, arc_values
 from torsionnet.model.damping import DampingMeasure, DampingQuantity
 from torsionnet.model.element_base.element import Element, register, viscous
 from torsionnet.model.element_base.element_entries import NodePair
 from torsionnet.model.element_base.laws import Law, Part, Values, difference
 from torsionnet.model.elements.springs import NODE_PAIR_DESCRIPTION
-
-WITHOUT_MOTION = "friction of arc springs follows their force"
-"""Reason why arc springs have no law of motion: friction over time has a torque of its own, or that of a scenario."""
 
 
 @register
@@ -33,8 +30,9 @@ class ArcSpring(Element):
 
     ``torque`` and ``speed`` follow the operating point as parameters ``by: mean_torque`` and ``by: speed``; ``swing``
     follows the vibration as one ``by: vibratory_torque`` with a table. Loops are slow, far below sqrt(k/J)/2 in Hz with
-    J = m r^2, the first frequency of coils without friction: at a third of it k' is some 6 % below. In time the
-    friction depends on the spring force, so that ``simulate`` has no law for it.
+    J = m r^2, the first frequency of coils without friction: at a third of it k' is some 6 % below. Over time, beside
+    other laws of motion or from a given start, a chain of segments without mass has this friction, as many as give the
+    loss of a cycle of ``swing`` about ``torque`` to 1 %.
 
     Examples
     --------
@@ -63,24 +61,12 @@ class ArcSpring(Element):
     damping: Expression | DampingMeasure = entry(DampingQuantity("viscous damping in parallel", "damping", "c"), 0)
 
     @property
-    def without_motion(self) -> str:
-        return WITHOUT_MOTION
+    def over_time(self) -> Self:
+        from torsionnet.model.arc_spring.arc_curve import LawsOverTime  # of motion alone
+
+        return self.with_laws(LawsOverTime(self)) if self.other_laws is None else super().over_time
 
     def own_parts(self, value: Values) -> tuple[Part, ...]:
         stiffness, eta = arc_stiffness(value.algebra, *(value(one) for one in arc_values(self)))
         damping = viscous(self.damping, stiffness, value)
         return (Law(difference(*self.nodes), damping=damping, stiffness=stiffness, loss_factor=eta),)
-
-
-def arc_values(element: Any) -> tuple[Expression, ...]:
-    """Entries of an element with arc springs in the order of :func:`.arc_stiffness`."""
-    return (
-        element.stiffness,
-        element.arc_angle,
-        element.friction_coefficient,
-        element.spring_mass,
-        element.spring_radius,
-        element.speed,
-        element.swing,
-        element.torque,
-    )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 from torsionnet.base.entries.composite import one_exactly
 from torsionnet.base.entries.scalars import PhysicalQuantity
@@ -196,16 +196,16 @@ class DualMassFlywheel(Element):
 
     @property
     def has_motion_laws(self) -> bool:
-        # On an arc friction depends on the spring force, which no law of motion does.
+        # Springs on an arc are linear about their own working point, but for motion over time.
         return self.arc_angle is None and (bool(self.stages) or self._rubs)
 
     @property
-    def without_motion(self) -> str:
-        if self.arc_angle is None:
-            return ""
-        from torsionnet.model.elements.arc_spring import WITHOUT_MOTION  # few flywheels give an arc
+    def over_time(self) -> Self:
+        if self.arc_angle is None or self.other_laws is not None:
+            return super().over_time
+        from torsionnet.model.arc_spring.arc_curve import LawsOverTime  # few flywheels give an arc
 
-        return WITHOUT_MOTION
+        return self.with_laws(LawsOverTime(self))
 
     @property
     def has_own_working_point(self) -> bool:
@@ -240,8 +240,7 @@ class DualMassFlywheel(Element):
 
     def _arc_law(self, value: Values) -> Law:
         """Springs on an arc at their swing, with basic friction and a loss factor of their own beside them."""
-        from torsionnet.model.arc_spring.linear_law import arc_stiffness  # few flywheels give an arc
-        from torsionnet.model.elements.arc_spring import arc_values
+        from torsionnet.model.arc_spring.linear_law import arc_stiffness, arc_values  # few flywheels give an arc
 
         stiffness, eta = arc_stiffness(value.algebra, *(value(one) for one in arc_values(self)))
         eta = eta + loss_factor(self.loss_factor, value.parameters, value.algebra)

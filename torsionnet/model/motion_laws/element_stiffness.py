@@ -40,7 +40,7 @@ def element_stiffness(
     (212.462578...+84.882636...j)
     """
     value = Values(parameters, FLOAT)
-    if element.without_motion:
+    if element.over_time is not element:
         return _of_arc_springs(element, value, amplitude, mean_torque, omega)
     parts = element.whole_parts(value)
     if element.kind == "friction" and getattr(element, "stiffness", None) is not None:

@@ -104,6 +104,10 @@ class CondensedPlant:
         UsageError
             A delay, or a law that depends on frequency, has no states.
         """
+        for one in self.drivetrain.definition.switched_on:
+            if one.over_time is not one:
+                text = f"{one.name} remembers where it turned back, which no state of periodic motion holds"
+                raise UsageError(text, kind="unsupported-law")
         return split_plant(self.drivetrain, motion_plant(self.drivetrain))
 
     @cached_property

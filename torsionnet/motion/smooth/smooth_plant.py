@@ -21,6 +21,7 @@ from torsionnet.motion.driving import Driving, Stretch
 from torsionnet.motion.march_tables import guard_rows, in_steps
 from torsionnet.motion.motion_plant import Drive, LawRow, Layout, Phase, PlacedLaw
 from torsionnet.motion.motion_record import reading_rows
+from torsionnet.motion.motion_works import remembered_energies
 from torsionnet.motion.smooth_laws import SmoothLaw, SplitPlant
 
 # Equations of motion in one contact state over as few states as there are, with smooth laws as torques u.
@@ -192,6 +193,8 @@ def _powers(
             found.append((bare.torques[number], rate, 1.0, law_of.owner))
         elif phase.kind == "free":
             found.append((phase.torque * one + phase.stiffness * bare.twists[number], rate, -1.0, law_of.owner))
+        elif phase.sense:
+            found.append((bare.torques[number], rate, 1.0, law_of.owner))
         elif phase.kind == "slope" and phase.damping:
             found.append((rate, rate, phase.damping, law_of.owner))
     ones = np.eye(at.size)[at.u]
@@ -350,7 +353,8 @@ class SmoothPlant:
         found = 0.5 * float(system.inertia @ rates**2 + system.stiffness[linear] @ twists[linear] ** 2)
         laws = [(one.law, one.row) for one in plant.laws]
         laws += [(one.law, one.row) for one in self.split.smooth if one.held < 0]
-        return found + sum(float(law.energy(float(row @ q))) for law, row in laws)
+        found += sum(float(law.energy(float(row @ q))) for law, row in laws)
+        return found + sum(remembered_energies(self.states, now.contact, z).values())
 
     def rows_left(self, now: SmoothContact, z: FloatArray) -> tuple[str, str]:
         """Element whose motion at z lies beyond an end of its curve, and the message; both empty without one."""

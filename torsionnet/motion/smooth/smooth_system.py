@@ -23,7 +23,7 @@ from torsionnet.motion.contact_states import Contact, relative_state
 from torsionnet.motion.driving import Driving, Stretch
 from torsionnet.motion.march_tables import in_steps
 from torsionnet.motion.motion_record import MotionOverTime
-from torsionnet.motion.motion_works import losing_law
+from torsionnet.motion.motion_works import losing_law, remembered_energies
 from torsionnet.motion.smooth.smooth_plant import SmoothContact, SmoothPlant
 from torsionnet.motion.smooth_laws import SplitPlant
 from torsionnet.signals.recording import EnergyBalance, MotionEvent
@@ -34,6 +34,9 @@ NODES = 13
 """Number of Chebyshev points in a step, on which a polynomial of degree 12 is exact: dense output has degree 7."""
 GUARD_ROUNDING = 1e-12
 """Share of the sizes of its terms up to which a guard counts as zero."""
+ASTRAY = 1e3
+"""Roundings by which a guard that has just come into force may lie below zero if it then rises, as a rate that has just
+changed its sign."""
 
 
 @lru_cache(maxsize=1)
@@ -74,7 +77,7 @@ def first_event(values: FloatArray, sizes: FloatArray, guard_at: Callable[[int, 
 
 
 def _first_root(values: FloatArray, rounding: float, guard: int, guard_at: Callable[[int, float], float]) -> float:
-    if values[0] < -rounding:
+    if values[0] < -rounding and not (values[0] >= -ASTRAY * rounding and values[1] > 0):
         return 0.0
     series = nodes()[2] @ values
     # Between its turning points the series is monotone, so that signs there tell each fall.
@@ -270,7 +273,9 @@ class _SmoothMotion:
         lags = plant.settled(now, now.form.form.refresh @ z) if settled else np.zeros(len(plant.lagging))
         y = plant.states_of(now, z, lags)
         last = None
-        begun = energy = plant.stored_energy(now, plant.whole(now, 0.0, y, None))
+        first = plant.whole(now, 0.0, y, None)
+        begun = energy = plant.stored_energy(now, first)
+        kept = remembered_energies(plant.states, now.contact, first)
         for stretch in driving.stretches():
             # A torque that jumps at a break moves at once what has no inertia, and supplies that energy.
             self.works[""] += plant.stored_energy(now, plant.whole(now, stretch.start, y, stretch)) - energy
@@ -278,6 +283,8 @@ class _SmoothMotion:
             energy, last = plant.stored_energy(now, plant.whole(now, stretch.end, y, stretch)), stretch
         z = plant.whole(now, driving.duration, y, last)
         self.values[:, self.sample :] = (now.reads @ z)[:, None]
+        for owner, value in remembered_energies(plant.states, now.contact, z).items():
+            self.works[owner] = self.works.get(owner, 0.0) + kept[owner] - value
         supplied = self.works.pop("")
         return MotionOverTime(self.values, tuple(self.events), EnergyBalance(supplied, energy - begun, self.works))
 
