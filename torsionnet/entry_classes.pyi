@@ -3,7 +3,7 @@ from collections.abc import Mapping
 from torsionnet.base.entries.accepted_types import Entries, Scalar, WholeNumber
 from torsionnet.bench.plan.bench_motions import CoastDown, GivenSpeed, RunDown, SteadyPoints
 from torsionnet.bench.plan.parts import DropOuts, Exciter, Hum, PitchErrors, RadialVibration, RecordingSystem, StrainGauge
-from torsionnet.signals.excitation import LogarithmicSweep, Multisine, SteppedSine
+from torsionnet.signals.excitation import LoadCycles, LogarithmicSweep, Multisine, SteppedSine
 from typing import Any, Literal
 from torsionnet.bench.plan.parts import Acquisition as _Acquisition
 from torsionnet.signals.excitation import BurstRandom as _BurstRandom
@@ -172,7 +172,7 @@ class Plan(_Plan):
         self,
         *,
         drive: str = '',
-        excitation: LinearChirp | LogarithmicSweep | SteppedSine | Multisine | BurstRandom | Entries | None = None,
+        excitation: LinearChirp | LogarithmicSweep | SteppedSine | LoadCycles | Multisine | BurstRandom | Entries | None = None,
         motion: SteadyPoints | RunUp | RunDown | CoastDown | GivenSpeed | Entries | None = None,
         exciter: Exciter | Entries = Exciter(bandwidth=None, compensated=False, harmonics=None, limit=None, bits=None, full_scale=None),
         channels: Mapping[str, Transducer | StrainGauge | Encoder | ToothedWheel | Entries],

@@ -24,6 +24,7 @@ from torsionnet.bench.wheel_turning import GeneratorFor, TrueFault, TurningWheel
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.linear.between_samples import Between
 from torsionnet.model.channels import Sensor
+from torsionnet.motion.motion_plant import has_laws_of_motion, over_time
 from torsionnet.motion.simulate import read_notes
 from torsionnet.signals.excitation import Excitation
 from torsionnet.signals.recording import FloatArray, Recording, Signal
@@ -335,6 +336,13 @@ class Bench(NotebookResult):
             return _only(self.truths)
         mean = self._excitation.mean
         sensors = self.sensors
+        if self._in_full:
+            moved = self.drivetrain.simulate(
+                list(sensors.values()), {self.drive: self.exciter_output.torque}, self.plan.acquisition.rate,
+                initial_state="operating_point",
+            )  # fmt: skip
+            named = (replace(signal, name=name) for signal, name in zip(moved.signals[1:], sensors, strict=True))
+            return replace(moved, signals=(moved[self.drive], *named))
         # Motion about the equilibrium under the mean torque, whose static readings are added afterwards.
         moved = self.drivetrain.simulate(
             list(sensors.values()), {self.drive: self.exciter_output.torque - mean}, self.plan.acquisition.rate
@@ -343,6 +351,12 @@ class Bench(NotebookResult):
         read = zip(sensors, moved.signals[1:], self._equilibrium(mean), strict=True)
         signals = (replace(signal, name=name, values=signal.values + rest) for name, signal, rest in read)
         return replace(moved, signals=(torque, *signals))
+
+    @property
+    def _in_full(self) -> bool:
+        """Whether the motion about the equilibrium is not that from rest, by a law of motion or what it remembers."""
+        laws = has_laws_of_motion(self.drivetrain) and self._excitation.mean != 0
+        return laws or over_time(self.drivetrain) is not self.drivetrain
 
     def _equilibrium(self, mean: float) -> list[float]:
         """Static reading of every channel under the mean torque, in the unit of its sensor."""

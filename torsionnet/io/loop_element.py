@@ -1,4 +1,4 @@
-"""Component of a model file from the loops of a test: spring with stages, friction, clearance, with their intervals."""
+"""Component of a model file from the loops of a test, with intervals: spring in stages, friction, clearance, arcs."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.model.elements import Clearance, Friction, Lock, Spring
+from torsionnet.model.elements import ArcSpring, Clearance, Friction, Lock, Spring
+from torsionnet.signals.torque_loops.arc_loops import ARC, RADIUS, ArcLoops, arc_loops
 from torsionnet.signals.torque_loops.loop_result import LoopStage, LoopValue, TorqueLoop, TorqueLoops
 
 NODES = ("driving", "driven")
@@ -36,10 +37,14 @@ def loop_element(found: TorqueLoops) -> Drivetrain:
 
     def parameter(name: str, value: LoopValue, unit: str) -> str:
         half = "" if value.half_width is None else f" +- {value.half_width:.2g} {unit} (95 %)"
-        text = f"{value.value:.{DIGITS}g} {unit}"
+        text = f"{value.value:.{DIGITS}g} {unit}".rstrip()
         parameters[name] = {"value": text, "description": f"{text}{half}, {source}"}
         return name
 
+    arcs = arc_loops(found.loops)
+    if arcs is not None:
+        elements: list[Any] = [_arc_springs(arcs, loop, parameter, parameters), Lock("clamp", node=NODES[1])]
+        return Drivetrain("component", elements, parameters=parameters, description=f"From loops: {source}")
     both = loop.side("both")
     if loop.free_play is not None and len(both) == 1:
         gap, stiffness = parameter("gap", loop.free_play, "rad"), parameter("k_1", both[0].stiffness, "N*m/rad")
@@ -53,6 +58,38 @@ def loop_element(found: TorqueLoops) -> Drivetrain:
         torque = parameter("M", loop.friction, "N*m")
         elements.insert(1, Friction("friction", nodes=NODES, torque=torque))
     return Drivetrain("component", elements, parameters=parameters, description=f"From loops: {source}")
+
+
+def _arc_springs(arcs: ArcLoops, loop: TorqueLoop, parameter: Any, parameters: dict[str, Any]) -> ArcSpring:
+    """Arc springs about the mean torque, swing and speed of the largest loop, with what is assumed said."""
+
+    def assumed(name: str, text: str, why: str) -> str:
+        parameters[name] = {"value": text, "description": f"{text}, assumed: {why}"}
+        return name
+
+    psi = assumed("psi", f"{ARC:g} rad", "loops tell mu psi and m r^2/psi alone")
+    radius = assumed("r", f"{RADIUS:g} m", "loops tell m r^2/psi alone")
+    k = parameter("k", arcs.stiffness, "N*m/rad")
+    told = "k mu psi is {:.{}g} N m/rad".format(arcs.product.value, DIGITS)
+    if arcs.winding.half_width is None:
+        parameters["k"]["description"] += f"; {told}, of which no loop tells k from mu psi"
+        mu = assumed("mu", f"{arcs.winding.value / ARC:.{DIGITS}g}", "no loop moves all coils")
+    else:
+        mu = parameter("mu", _scaled(arcs.winding, 1 / ARC), "")
+    mass = (
+        assumed("m", "0 kg", "no loop at a speed shows it")
+        if arcs.pressing.half_width is None
+        else parameter("m", _scaled(arcs.pressing, ARC / RADIUS**2), "kg")
+    )
+    return ArcSpring(
+        "springs", nodes=NODES, stiffness=k, arc_angle=psi, friction_coefficient=mu, spring_mass=mass,
+        spring_radius=radius, speed=f"{loop.speed or 0.0:.{DIGITS}g} rad/s", torque=f"{loop.mean_torque:.{DIGITS}g} N*m",
+        swing=f"{loop.amplitude.value:.{DIGITS}g} rad",
+    )  # fmt: skip
+
+
+def _scaled(value: LoopValue, factor: float) -> LoopValue:
+    return LoopValue(factor * value.value, None if value.half_width is None else factor * value.half_width)
 
 
 def _stages(stages: Sequence[LoopStage], parameter: Any) -> list[Any]:

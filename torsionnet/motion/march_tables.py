@@ -118,7 +118,8 @@ def push_offsets(n_p: int, n_u: int) -> NDArray[np.int64]:
 
 
 GUARDS_PER_LAW = 3
-"""Number of guards of a law: lower bound, upper bound, and sign of the torque of a contact, or of the rate of what remembers."""
+"""Number of guards of a law: lower bound, upper bound, and sign of the torque of a contact, or of the rate of what
+remembers."""
 LOWER, UPPER, PUSH = 0, 1, 2
 MOST_TURN = 0.25
 """Angle in rad that the fastest motion may turn between two points of the finer grid, see ``DEGREE``."""

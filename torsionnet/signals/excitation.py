@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any, ClassVar
@@ -11,9 +11,10 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from torsionnet.base.entries.composite import Listed
 from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.scalars import SCALAR_SCHEMA, Value, plain_number
-from torsionnet.base.entries.spec import Count, EntryError, Json, Schema, Spec, coerce_part, entry
+from torsionnet.base.entries.spec import Count, EntryError, Json, OneOf, Schema, Spec, coerce_part, entry
 from torsionnet.base.errors import UsageError, got
 
 # Base class of test signals, the excitations of a test bench.
@@ -284,6 +285,79 @@ class SteppedSine(Excitation):
         step = np.searchsorted(self.starts, time, side="right") - 1
         f = np.asarray(self.frequencies, dtype=float)[step]
         return np.asarray(np.sin(TURN * f * (time - self.starts[step])))
+
+
+@dataclass(frozen=True, kw_only=True)
+class LoadCycles(Excitation):
+    """Test signal of a component bench: cycles of one course at every mean, share of the amplitude and frequency.
+
+    A mean is reached by a smooth ramp of one cycle, and cycles begin and end at it, so that nothing jumps.
+
+    Attributes
+    ----------
+    frequencies, levels, means : tuple of float
+        Hz, shares of the amplitude, and means in the unit of the amplitude beside ``mean``, in turn from the last on.
+    shape : {"triangle", "sine"}
+    cycles : int
+        How many of each.
+
+    Examples
+    --------
+    >>> slow = LoadCycles(frequencies=(0.05,), amplitude=80, levels=(0.5, 1.0), means=(0.0, 100.0), cycles=4)
+    >>> slow.length, slow.samples(1.0)[[5, 85, 175, 185]].tolist()
+    (340.0, [40.0, 80.0, 100.0, 140.0])
+    """
+
+    kind: ClassVar[str] = "load cycles"
+
+    frequencies: tuple[float, ...] = entry(Frequencies("cycles per second, one after the other"))
+    shape: str = entry(OneOf("course of a cycle", ("triangle", "sine")), "triangle")
+    cycles: int = entry(Count("how many at every mean, level and frequency", upper=10_000), 6)
+    levels: tuple[float, ...] = entry(Listed("shares of the amplitude", Value("share", "1"), form="a list"), (1.0,))
+    means: tuple[float, ...] = entry(
+        Listed("means of the torque, one after the other", Value("mean", "torque", lower=None), form="a list"), (0.0,)
+    )
+
+    def _contradictions(self) -> list[str]:
+        if not self.frequencies or min(self.frequencies) <= 0:
+            return ["frequencies must be positive numbers, at least one"]
+        if not self.levels or not 0 < min(self.levels) <= max(self.levels) <= 1 or not self.means:
+            return ["levels are shares of the amplitude above 0 up to 1, and there is at least one mean"]
+        return []
+
+    @property
+    def _pieces(self) -> Iterator[tuple[float, float, float, float]]:
+        """Mean before, mean, share of the amplitude and frequency of each piece in turn; a ramp has no share."""
+        before = 0.0
+        for mean in self.means:
+            if mean != before:
+                yield before, mean, 0.0, self.frequencies[0]
+            before = mean
+            for level in self.levels:
+                for frequency in self.frequencies:
+                    yield mean, mean, level, frequency
+
+    @property
+    def length(self) -> float:
+        return sum((self.cycles if level else 1) / frequency for _, _, level, frequency in self._pieces)
+
+    @property
+    def highest_frequency(self) -> float:
+        return max(self.frequencies)
+
+    def _alternating(self, time: FloatArray, sampling_rate: float) -> FloatArray:  # noqa: ARG002
+        found, start = np.full(len(time), self.means[-1] / self.amplitude), 0.0
+        for before, mean, level, frequency in self._pieces:
+            end = start + (self.cycles if level else 1) / frequency
+            here = (time >= start) & (time < end)
+            turns = frequency * (time[here] - start)
+            course = np.sin(TURN * turns)
+            if self.shape == "triangle":
+                course = 2 / np.pi * np.arcsin(course)
+            ramp = (1 - np.cos(np.pi * turns)) / 2 if mean != before else 1.0
+            found[here] = (before + (mean - before) * ramp) / self.amplitude + level * course
+            start = end
+        return found
 
 
 # Broadband test signals to excite a drivetrain with, periodic multisines and bursts of noise.

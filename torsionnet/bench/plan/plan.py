@@ -22,7 +22,15 @@ from torsionnet.bench.plan.parts import (
 )
 from torsionnet.model.channels import RecordedName
 from torsionnet.model.configurations import ConfigurationName
-from torsionnet.signals.excitation import BurstRandom, Excitation, LinearChirp, LogarithmicSweep, Multisine, SteppedSine
+from torsionnet.signals.excitation import (
+    BurstRandom,
+    Excitation,
+    LinearChirp,
+    LoadCycles,
+    LogarithmicSweep,
+    Multisine,
+    SteppedSine,
+)
 
 SWEEP = "{type: linear chirp, start: 0.1 Hz, stop: 80 Hz, duration: 100 s, amplitude: 15 N*m}"
 """Example of a bench's excitation, for the message that it is missing."""
@@ -40,7 +48,7 @@ _ACQUISITION = Nested("sampling of all channels", lambda: Acquisition, "bench_ac
 
 
 EXCITATIONS: dict[str, type[Excitation]] = {
-    cls.kind: cls for cls in (LinearChirp, LogarithmicSweep, SteppedSine, Multisine, BurstRandom)
+    cls.kind: cls for cls in (LinearChirp, LogarithmicSweep, SteppedSine, LoadCycles, Multisine, BurstRandom)
 }
 """Class of each type of excitation on a bench, by the word in ``type:``."""
 Sensing: TypeAlias = Transducer | Encoder | ToothedWheel

@@ -62,8 +62,9 @@ class ArcSpring(_ArcSpring):
 
     ``torque`` and ``speed`` follow the operating point as parameters ``by: mean_torque`` and ``by: speed``; ``swing``
     follows the vibration as one ``by: vibratory_torque`` with a table. Loops are slow, far below sqrt(k/J)/2 in Hz with
-    J = m r^2, the first frequency of coils without friction: at a third of it k' is some 6 % below. In time the
-    friction depends on the spring force, so that ``simulate`` has no law for it.
+    J = m r^2, the first frequency of coils without friction: at a third of it k' is some 6 % below. Over time, beside
+    other laws of motion or from a given start, a chain of segments without mass has this friction, as many as give the
+    loss of a cycle of ``swing`` about ``torque`` to 1 %.
 
     Parameters
     ----------

@@ -48,7 +48,7 @@ def library_benches() -> dict[str, Path]:
     Examples
     --------
     >>> list(library_benches())
-    ['amt_bench', 'dmf_bench', 'engine_generator_bench', 'marine_run_up']
+    ['amt_bench', 'dmf_bench', 'dmf_component_bench', 'engine_generator_bench', 'marine_run_up']
     """
     return {path.stem: path for path in sorted((library_folder() / "benches").glob("*.yaml"))}
 

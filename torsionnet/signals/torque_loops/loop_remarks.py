@@ -66,16 +66,23 @@ def loop_remarks(
                 "coils of an arc spring below their depth, and the stiffness is that of what sticks; swing further"
             )
         )
-    share = friction_build_up(loop)
-    if share > BUILD_UP:
-        found.append(
-            warning(
-                f"behind a reversal the torque needs {100 * share:.2g} % of the swing to cross over: something elastic "
-                "in series with the friction, as a slider or an adapter between the sensors; measure the twist at the "
-                "component itself, or fit a slider"
-            )
-        )
     return found
+
+
+def series_remarks(loops: Sequence[TorqueLoop]) -> list[NoteOrText]:
+    """Remarks on loops whose torque crosses over slowly behind a reversal, which those of arc springs do by themselves.
+
+    Something elastic stands in series with the friction.
+    """
+    shares = [share for one in loops if (share := friction_build_up(one)) > BUILD_UP]
+    return [
+        warning(
+            f"behind a reversal the torque needs {100 * share:.2g} % of the swing to cross over: something elastic in "
+            "series with the friction, as a slider or an adapter between the sensors; measure the twist at the "
+            "component itself, or fit a slider"
+        )
+        for share in shares
+    ]
 
 
 def _motion(loop: TorqueLoop, applied: Applied, *, sine: bool) -> list[NoteOrText]:

@@ -9,6 +9,7 @@ from torsionnet.base.notes import NoteOrText
 from torsionnet.signals.calculus import without_delays
 from torsionnet.signals.decimation import check_processable
 from torsionnet.signals.recording import FloatArray, Recording
+from torsionnet.signals.torque_loops.arc_loops import arc_loops
 from torsionnet.signals.torque_loops.corrections import (
     encoder_step,
     is_sine,
@@ -19,7 +20,7 @@ from torsionnet.signals.torque_loops.corrections import (
 )
 from torsionnet.signals.torque_loops.cycles import Cycle, cut_cycles, noise_of, repeated_cycles
 from torsionnet.signals.torque_loops.loop_numbers import LoopRecord, common_lines, loop_of, run_numbers
-from torsionnet.signals.torque_loops.loop_remarks import Applied, loop_remarks, speed_remarks
+from torsionnet.signals.torque_loops.loop_remarks import Applied, loop_remarks, series_remarks, speed_remarks
 from torsionnet.signals.torque_loops.loop_result import TorqueLoop, TorqueLoops
 
 FEWEST_CYCLES = 2
@@ -84,9 +85,12 @@ def loops(
     check_processable(chosen)
     applied = Applied(delay, inertia, drift, encoder_step)
     found = list(_loops(without_delays(chosen, {torque: delay}), torque, angles, speed_channel, applied))
-    notes = [*(note for _, ours in found for note in ours), *speed_remarks([one for one, _ in found])]
+    every = tuple(one for one, _ in found)
+    arcs = arc_loops(every)
+    notes = [*(note for _, ours in found for note in ours), *speed_remarks(every)]
+    notes += series_remarks(every) if arcs is None else arcs.notes()
     return TorqueLoops(
-        loops=tuple(one for one, _ in found),
+        loops=every,
         torque=torque,
         twist="-".join(angles),
         title=recording.title,

@@ -1,0 +1,190 @@
+"""Arc springs that loops at several amplitudes, mean torques and speeds show: k, mu psi, and m r^2/psi.
+
+The secant stiffness and the loss of each loop follow from its amplitude, the torque at its top and the speed. While
+coils are locked by friction both depend on the product k mu psi alone, and eta_s is 4/(3 pi): k and mu psi are told
+apart only by a loop that moves all coils. The pressure m r^2 Omega^2/psi is told by loops at a speed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from torsionnet.model.arc_spring.slow_loop import ArcSprings, SlowLoop, loop_from_top
+from torsionnet.signals.recording import FloatArray
+from torsionnet.signals.torque_loops.loop_numbers import student
+from torsionnet.signals.torque_loops.loop_result import LoopValue, TorqueLoop
+
+ARC = 2.6
+"""Arc angle in rad for which friction coefficients and masses are stated; loops only tell mu psi and m r^2/psi."""
+RADIUS = 0.11
+"""Radius in m for which masses are stated."""
+USUAL_WINDING = 0.3
+"""mu psi of greased springs on an arc of some 150 degrees, where loops do not tell it from k."""
+MODEL_SHARE = 0.005
+"""Share of stiffness and loss that the law itself may miss: springs are no continuum, speeds are never zero."""
+ALIKE = 0.03
+"""Largest root mean square of what the law misses of stiffness and loss, as a share, of loops of arc springs."""
+TOLD_APART = 0.25
+"""Largest standard deviation of ln k, or ln of the pressure, at which loops tell it."""
+AT_END = 0.15
+"""Share of the swing at the end of a branch through which a parabola is laid to find the torque at the tip."""
+
+
+@dataclass(frozen=True)
+class ArcLoops:
+    """Arc springs that loops show, in SI units; values that loops do not tell have no interval.
+
+    Attributes
+    ----------
+    stiffness, winding, pressing, product : LoopValue
+        k in N m/rad, mu psi, m r^2/psi in kg m^2, and k mu psi in N m/rad.
+    """
+
+    stiffness: LoopValue
+    winding: LoopValue
+    pressing: LoopValue
+    product: LoopValue
+
+    def notes(self) -> tuple[str, ...]:
+        """Notes that say what the loops show, and what they do not tell apart."""
+        found = [f"loops of arc springs: k mu psi is {_shown(self.product)} N m/rad"]
+        if self.winding.half_width is None:
+            found.append(
+                f"no loop moves all coils, so that k is not told from mu psi: with mu psi {USUAL_WINDING:g} assumed k "
+                f"is {self.stiffness.value:.4g} N m/rad; swing further, or about a lower torque"
+            )
+        else:
+            found.append(f"k is {_shown(self.stiffness)} N m/rad and mu psi {_shown(self.winding)}")
+        if self.pressing.half_width is None:
+            found.append("pressing by speed is not seen: run the loops at two speeds, with --speed-channel")
+        else:
+            found.append(f"m r^2/psi, by which speed presses the coils, is {_shown(self.pressing)} kg m^2")
+        return tuple(found)
+
+
+def _shown(value: LoopValue) -> str:
+    return f"{value.value:.4g}" + ("" if value.half_width is None else f" +- {value.half_width:.2g}")
+
+
+def arc_loops(loops: Sequence[TorqueLoop]) -> ArcLoops | None:
+    """Arc springs that loops show, or None where they are no loops of arc springs.
+
+    Loops of arc springs bend all along, and one law explains stiffness and loss of all of them.
+    """
+    from scipy.optimize import least_squares
+
+    if not all(one.bends for one in loops) or any(abs(one.mean_torque) <= 0 for one in loops):
+        return None
+    cases = [_Case.of(one) for one in loops]
+    speeds = any(one.speed for one in cases)
+    start = [np.log(cases[0].secant), np.log(USUAL_WINDING), np.log(0.004 if speeds else 1e-12)]
+    chosen = _chosen(cases, start, free=[0, 1, 2] if speeds else [0, 1])
+    if chosen is None:
+        return None
+    free, start = chosen
+    given = np.array(start)
+
+    def misses(values: FloatArray) -> FloatArray:
+        whole = given.copy()
+        whole[free] = values
+        return np.concatenate([one.misses(whole) for one in cases])
+
+    fit: Any = least_squares(misses, given[free], x_scale=0.1)
+    given[free] = fit.x
+    if np.sqrt(np.mean(np.concatenate([one.shares(given) for one in cases]) ** 2)) > ALIKE:
+        return None
+    freedom = max(1, 2 * len(cases) - len(free))
+    scatter = max(1.0, float(np.sqrt(2 * fit.cost / freedom)))
+    covariance = np.linalg.pinv(fit.jac.T @ fit.jac) * (scatter * student(freedom)) ** 2
+    halves: list[float | None] = [None, None, None]
+    for place, number in enumerate(free):
+        halves[number] = float(np.sqrt(covariance[place, place]))
+    both = [free.index(number) for number in (0, 1) if number in free]
+    product = float(np.sqrt(covariance[np.ix_(both, both)].sum()))
+    k, e, b = np.exp(given)
+
+    def value(size: float, half: float | None) -> LoopValue:
+        return LoopValue(float(size), None if half is None else float(size * half))
+
+    stiffness = value(k, halves[0] if 1 in free else None)
+    return ArcLoops(stiffness, value(e, halves[1]), value(b if speeds else 0.0, halves[2]), value(k * e, product))
+
+
+def _chosen(cases: Sequence[_Case], start: list[float], free: list[int]) -> tuple[list[int], list[float]] | None:
+    """Numbers of the unknowns that the loops tell, and where to start: k mu psi by the first loop."""
+    from scipy.optimize import least_squares
+
+    # While coils are locked k_s a = S (v - S/2) with S^2 = 2 k e a and v^2 = u_t.
+    first = cases[0]
+    v = np.sqrt(max(first.top, 1e-12))
+    root = v - np.sqrt(max(v**2 - 2 * first.secant * first.amplitude, 0.0))
+    begun = [*start]
+    begun[0] = float(np.log(max(root, 1e-9) ** 2 / (2 * first.amplitude * USUAL_WINDING)))
+    while len(free) > 1:
+        given = np.array(begun)
+
+        def misses(values: FloatArray, free: list[int] = free, given: FloatArray = given) -> FloatArray:
+            whole = given.copy()
+            whole[free] = values
+            return np.concatenate([one.misses(whole) for one in cases])
+
+        if 2 * len(cases) >= len(free):
+            fit: Any = least_squares(misses, given[free], x_scale=0.1)
+            spread = np.sqrt(np.diag(np.linalg.pinv(fit.jac.T @ fit.jac, rcond=1e-12)))
+            sizes = np.linalg.svd(fit.jac, compute_uv=False)
+            known = sizes[-1] > 1e-6 * sizes[0] and spread.max() <= TOLD_APART
+            if known:
+                given[free] = fit.x
+                return free, given.tolist()
+        # What the loops tell least stays as assumed: mu psi before the pressure.
+        free = [one for one in free if one != (1 if 1 in free else 2)]
+    return free, begun
+
+
+@dataclass(frozen=True)
+class _Case:
+    """Numbers of a loop that arc springs have to explain, with standard deviations of both as shares."""
+
+    amplitude: float
+    top: float
+    speed: float
+    secant: float
+    loss: float
+    sure: tuple[float, float]
+
+    @classmethod
+    def of(cls, loop: TorqueLoop) -> _Case:
+        sign = 1.0 if loop.mean_torque > 0 else -1.0
+        # The rising branch ends at the top, the falling one of a coast loop.
+        twist, branch = (loop.twist, loop.upper) if sign > 0 else (-loop.twist[::-1], -loop.lower[::-1])
+        near = twist > twist[-1] - AT_END * (twist[-1] - twist[0])
+        tip = (twist[0] + twist[-1]) / 2 + loop.amplitude.value  # branches leave out as much at either end
+        top = float(np.polyval(np.polyfit(twist[near] - tip, branch[near], 2), 0.0))
+        sure = [
+            float(np.hypot(MODEL_SHARE, (one.half_width or 0.0) / (2 * one.value)))
+            for one in (loop.secant_stiffness, loop.loss)
+        ]
+        return cls(
+            loop.amplitude.value, top, loop.speed or 0.0, loop.secant_stiffness.value, loop.loss.value,
+            (sure[0], sure[1]),
+        )  # fmt: skip
+
+    def _loop(self, logs: FloatArray) -> SlowLoop | None:
+        k, e, b = np.exp(np.clip(logs, -40, 40)).tolist()
+        springs = ArcSprings(k, ARC, e / ARC, b * ARC / RADIUS**2, RADIUS, self.speed)
+        return loop_from_top(springs, self.amplitude, self.top)
+
+    def shares(self, logs: FloatArray) -> FloatArray:
+        """Deviations of secant stiffness and loss from those of the law, as shares."""
+        loop = self._loop(logs)
+        if loop is None:  # the flange leaves the springs
+            return np.ones(2)
+        return np.array([loop.secant_stiffness / self.secant - 1, loop.loss / self.loss - 1])
+
+    def misses(self, logs: FloatArray) -> FloatArray:
+        """Deviations over their standard deviations."""
+        return self.shares(logs) / np.array(self.sure)
