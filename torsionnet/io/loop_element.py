@@ -81,10 +81,11 @@ def _arc_springs(arcs: ArcLoops, loop: TorqueLoop, parameter: Any, parameters: d
         if arcs.pressing.half_width is None
         else parameter("m", _scaled(arcs.pressing, ARC / RADIUS**2), "kg")
     )
+    point = (loop.speed or 0.0, "rad/s"), (loop.mean_torque, "N*m"), (loop.amplitude.value, "rad")
+    speed, torque, swing = (f"{value:.{DIGITS}g} {unit}" for value, unit in point)
     return ArcSpring(
         "springs", nodes=NODES, stiffness=k, arc_angle=psi, friction_coefficient=mu, spring_mass=mass,
-        spring_radius=radius, speed=f"{loop.speed or 0.0:.{DIGITS}g} rad/s", torque=f"{loop.mean_torque:.{DIGITS}g} N*m",
-        swing=f"{loop.amplitude.value:.{DIGITS}g} rad",
+        spring_radius=radius, speed=speed, torque=torque, swing=swing,
     )  # fmt: skip
 
 

@@ -1,6 +1,8 @@
-"""Plot of loops of torque over twist, with branches, spring line and stages."""
+"""Plots of a component bench: loops of torque over twist, and stiffness and loss over the amplitude of a sine."""
 
 from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -9,6 +11,11 @@ import torsionnet.plot.drawing.style as style
 from torsionnet.base.conventions import SI, Conventions
 from torsionnet.plot.drawing.style import GivenAxes
 from torsionnet.signals.torque_loops.loop_result import TorqueLoops
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from torsionnet.signals.stepped_levels import SteppedStiffness
 
 
 def torque_loops(
@@ -51,3 +58,32 @@ def torque_loops(
     panel.legend(fontsize=style.FONT - 1)
     style.style_axes(panel)
     return sheet.titled(found.title if title is None else title)
+
+
+def stepped_stiffness(
+    found: SteppedStiffness,
+    model: NDArray[np.complex128] | None = None,
+    title: str = "",
+    ax: GivenAxes = None,
+) -> Figure:
+    """Figure of k' and eta_1 over the amplitude of the twist, circles of the test, crosses of the model.
+
+    ``ax`` are two axes to draw into; by default those of a new figure.
+    """
+    sheet, (upper, lower) = style.stacked_panels(5.4, ["k'", "eta_1"], ax)
+    at = np.rad2deg(found.amplitudes)
+    pairs = [(found.stiffness, "o", style.PALETTE[0], "test")]
+    pairs += [] if model is None else [(model, "x", style.PALETTE[1], "model")]
+    for values, marker, color, label in pairs:
+        upper.plot(at, values.real, marker, color=color, label=label)
+        real = np.where(values.real == 0, np.nan, values.real)
+        lower.plot(at, values.imag / real, marker, color=color)
+    upper.set_ylabel("k' [N m/rad]")
+    lower.set_ylabel("loss factor eta_1")
+    lower.set_xlabel("amplitude of the twist [deg]")
+    for panel in (upper, lower):
+        panel.set_xlim(0, 1.05 * float(at.max()))
+        panel.set_ylim(0, 1.05 * panel.get_ylim()[1])
+    if model is not None:
+        sheet.legend(2)
+    return sheet.titled(title or found.title or "Stiffness over amplitude")

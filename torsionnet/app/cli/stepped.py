@@ -116,6 +116,6 @@ def _element(drivetrain: Drivetrain, sensors: tuple[str, str]) -> str:
 
 
 def _figure(found: SteppedStiffness, model: Any) -> Any:
-    from torsionnet.plot.stepped_plot import stepped_stiffness
+    from torsionnet.plot.loops_plot import stepped_stiffness
 
     return stepped_stiffness(found, model)

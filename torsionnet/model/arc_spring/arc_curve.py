@@ -39,7 +39,7 @@ class ArcCurve(TorqueCurve):
         return self.springs.first_torque(float(twist))
 
     def energy(self, twist: Any) -> Any:
-        """Zero: what a chain has stored follows from its places."""
+        """Energy in J that the curve knows of, none: what a chain has stored follows from its places."""
         return 0.0 * twist
 
     def slopes(self, state: MotionState) -> tuple[Any, ...]:
