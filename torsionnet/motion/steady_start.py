@@ -82,9 +82,9 @@ def steady_start(drivetrain: AssembledModel, split: SplitPlant, torques: Mapping
     for _ in range(MOST_STEPS if remembering else 0):
         before = q
         for number, one in remembering.items():
-            state = MotionState(float(one.row @ q))
-            stiffness = float(one.law.curve.slopes(state)[0])
-            tangents[number] = stiffness, one.law.torque(state.twist, 0.0) - stiffness * state.twist
+            there = MotionState(float(one.row @ q))
+            stiffness = float(one.law.curve.slopes(there)[0])
+            tangents[number] = stiffness, one.law.torque(there.twist, 0.0) - stiffness * there.twist
         q, accelerations, controllers = _angles(plant, rows, known, forces, v, tangents)
         if np.abs(q - before).max() <= ROUNDING * np.abs(q).max():
             break

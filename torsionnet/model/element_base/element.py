@@ -264,8 +264,10 @@ class Element(Declared, ArgumentHints):
     def over_time(self) -> Self:
         """Element with laws for motion over time that linear results do without, as friction that remembers."""
         laws = self.other_laws
-        inner = None if laws is None else laws.element.over_time
-        return self if laws is None or inner is laws.element else self.with_laws(replace(laws, element=inner))
+        if laws is None:
+            return self
+        inner = laws.element.over_time
+        return self if inner is laws.element else self.with_laws(replace(laws, element=inner))
 
     @property
     def has_own_working_point(self) -> bool:

@@ -187,4 +187,5 @@ class _Case:
 
     def misses(self, logs: FloatArray) -> FloatArray:
         """Deviations over their standard deviations."""
-        return self.shares(logs) / np.array(self.sure)
+        found: FloatArray = self.shares(logs) / np.array(self.sure)
+        return found
