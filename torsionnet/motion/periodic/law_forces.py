@@ -97,34 +97,52 @@ class PieceForce:
     def needs_rate(self) -> bool:
         return self.over_rate or bool(self.dampings.any())
 
+    def _crossing(self, acting: tuple[int, int], ends: FloatArray, follows: FloatArray) -> float:
+        """Part of an interval between two samples that is over where the first of two acting pieces gives way.
+
+        ``ends`` (2, 2) are twist and rate at both samples, ``follows`` (2,) what the corner lies on.
+        """
+        corner = self.corners[min(acting)]
+        crosses = (follows[0] < corner) != (follows[1] < corner)
+        places = [(corner - follows[0]) / (follows[1] - follows[0])] if crosses else []
+        contact = max(acting, key=lambda one: abs(self.sides[one]))
+        if self.sides[contact]:
+            pushes = self._torque(contact, ends)
+            # Contact closes where the last of twist and torque is above zero, and opens with the first below.
+            if pushes[0] * pushes[1] < 0:
+                places.append(pushes[0] / (pushes[0] - pushes[1]))
+            return float(max(places) if acting[1] == contact else min(places)) if places else 0.5
+        return float(places[0]) if places else 0.5
+
+    def _torque(self, piece: int, state: FloatArray) -> FloatArray:
+        """Torque in N m of a piece at twists and rates (2, ...)."""
+        return np.asarray(self.torques[piece] + self.stiffnesses[piece] * state[0] + self.dampings[piece] * state[1])
+
     def _share_corners(
-        self, followed: FloatArray, piece: NDArray[np.intp], rate: FloatArray | None,
+        self, acting: NDArray[np.intp], x: FloatArray, rate: FloatArray | None,
         answer: tuple[FloatArray, FloatArray, FloatArray | None],
     ) -> None:  # fmt: skip
         """Give the samples beside a corner the share of the interval in which each piece acts.
 
         So that slopes, and torques that jump, change evenly as the corner moves from sample to sample.
         """
-        following = np.roll(piece, -1)
-        for i in np.flatnonzero(np.abs(following - piece) == 1).tolist():
-            j, a, b = (i + 1) % len(piece), int(piece[i]), int(following[i])
-            corner = self.corners[min(a, b)]
+        torque, slope, rate_slope = answer
+        following = np.roll(acting, -1)
+        for i in np.flatnonzero(np.abs(following - acting) == 1).tolist():
+            j, a, b = (i + 1) % len(acting), int(acting[i]), int(following[i])
+            ends = np.array([[x[i], x[j]], [0.0, 0.0] if rate is None else [rate[i], rate[j]]])
+            theta = self._crossing((a, b), ends, ends[int(self.over_rate)])
+            there = ends[:, 0] + theta * (ends[:, 1] - ends[:, 0])
+            jump = float(self._torque(b, there) - self._torque(a, there))
             # trapezium 1/2, 1/2 against the shares theta, 1 - theta
-            apart = ((corner - followed[i]) / (followed[j] - followed[i]) - 0.5) / 2
-            jump = self.torques[a] - self.torques[b]
-            if not self.over_rate:
-                jump += (self.stiffnesses[a] - self.stiffnesses[b]) * corner
-                jump += (self.dampings[a] - self.dampings[b]) * (rate[i] if rate is not None else 0.0)
-            else:
-                jump += (self.dampings[a] - self.dampings[b]) * corner
-            for values, change in zip(
-                answer,
-                (jump, self.stiffnesses[a] - self.stiffnesses[b], self.dampings[a] - self.dampings[b]),
-                strict=True,
-            ):
-                if values is not None:
-                    values[i] += apart * change
-                    values[j] += apart * change
+            apart, pair = (0.5 - theta) / 2, [i, j]
+            torque[pair] += apart * jump
+            slope[pair] += apart * (self.stiffnesses[b] - self.stiffnesses[a])
+            if rate_slope is not None:
+                rate_slope[pair] += apart * (self.dampings[b] - self.dampings[a])
+            if not self.over_rate and jump:
+                # A torque that jumps at a twist jumps earlier, by dx/x', as the twist grows by dx.
+                slope[pair] += np.array([1 - theta, theta]) * jump / (x[j] - x[i])
 
     def over(self, x: FloatArray, rate: FloatArray | None) -> LawAnswer:
         followed = rate if self.over_rate and rate is not None else x
@@ -135,13 +153,13 @@ class PieceForce:
         if rate is not None:
             rate_slope = self.dampings[piece]
             torque = torque + rate_slope * rate
-        self._share_corners(followed, piece, rate, (torque, slope, rate_slope))
         side = self.sides[piece]
-        if side.any():
-            # Contacts push and never pull: max(0, k d + c d').
-            pulls = side * torque < 0
+        # Contacts push and never pull: max(0, k d + c d'); where they would pull, the gap beside them acts.
+        pulls = side * torque < 0
+        if pulls.any():
             torque, slope = np.where(pulls, 0.0, torque), np.where(pulls, 0.0, slope)
             rate_slope = None if rate_slope is None else np.where(pulls, 0.0, rate_slope)
+        self._share_corners(np.where(pulls, piece - side.astype(int), piece), x, rate, (torque, slope, rate_slope))
         return LawAnswer(torque, slope, rate_slope)
 
 
