@@ -78,8 +78,8 @@ class Receptances:
 class CondensedPlant:
     """Linear plant around laws of motion under torques on inputs, see the text of the module."""
 
-    def __init__(self, drivetrain: AssembledModel, inputs: Sequence[Input]) -> None:
-        self.drivetrain = drivetrain
+    def __init__(self, drivetrain: AssembledModel, inputs: Sequence[Input], reference: str = "") -> None:
+        self.drivetrain, self.reference = drivetrain, reference
         self.placed = placed_plant(drivetrain)
         self.assembly = self.placed.assembly
         self.inputs = tuple(inputs)
@@ -93,6 +93,7 @@ class CondensedPlant:
         n_q = self.assembly.system.n_coordinates
         self.rows = np.array([one.row for one in self.laws]).reshape(len(self.laws), n_q)
         self.references = np.array([one.reference for one in self.laws])
+        self.driven = self.assembly.rows_of({reference: 1})[0] if reference else np.zeros(n_q)
         self.columns = np.array([self.assembly.rows_of(one.row)[0] for one in inputs]).reshape(-1, n_q).T
 
     @cached_property
@@ -162,6 +163,10 @@ class CondensedPlant:
         still = s == 0
         if (~still).any():
             found[~still] = np.linalg.solve(D[~still], np.broadcast_to(loads, (int((~still).sum()), *loads.shape)))
+        if still.any() and self.turning.any():
+            # the drive gives what is left over on what turns freely
+            (turns,) = self.free.T
+            loads = loads - np.outer(self.driven, turns @ loads) / (turns @ self.driven)
         for place in np.flatnonzero(still):
             found[place] = _held(D[place].real) @ loads
         n_in = self.columns.shape[1]
@@ -174,8 +179,22 @@ class CondensedPlant:
         left, sizes, _ = np.linalg.svd(scaled)
         return np.asarray(left[:, sizes <= FREE * sizes.max(initial=0.0)] * scale[:, None])
 
+    @cached_property
+    def turning(self) -> FloatArray:
+        """Mean rates (n_laws,) of laws over the speed of the reference node, as parts of what turns freely with it.
+
+        Only of laws without steps, whose mean torques the drive at that node balances at each speed.
+        """
+        if self.free.shape[1] != 1 or abs(share := float(self.driven @ self.free[:, 0])) < FREE:
+            return np.zeros(len(self.laws))
+        follows = [one.law.curve.over == "rate" and not has_steps(one.law.curve) for one in self.laws]
+        rates = self.rows @ self.free[:, 0] / share
+        return np.where(follows & (np.abs(rates) > FREE), rates, 0.0)
+
     def require_balance(self, means: FloatArray) -> None:
         """Require that mean torques (n_in,) in N m balance on what turns freely.
+
+        Where laws turn with it the drive balances them.
 
         Raises
         ------
@@ -185,13 +204,15 @@ class CondensedPlant:
         free = self.free
         torques = self.columns @ means
         over = free.T @ torques
-        if (np.abs(over) > BALANCED * (np.abs(free.T) @ np.abs(torques))).any():
+        if not self.turning.any() and (np.abs(over) > BALANCED * (np.abs(free.T) @ np.abs(torques))).any():
             worst = int(np.abs(over).argmax())
             rest = float(over[worst] / np.abs(free[:, worst]).max())
             text = "the mean torques do not balance on what turns freely: {rest:.6g} N m are left; give the load"
             raise UsageError(phrase(text, rest=rest), kind="unbalanced-torques")
         turned = [
-            one for one, row in zip(self.laws, self.rows @ free, strict=True) if np.abs(row).max(initial=0.0) > FREE
+            one
+            for one, row, rate in zip(self.laws, self.rows @ free, self.turning, strict=True)
+            if np.abs(row).max(initial=0.0) > FREE and not rate
         ]
         if turned:
             names, loads = (
@@ -200,8 +221,8 @@ class CondensedPlant:
             )
             text = "friction alone holds the mean twist here; give a spring beside it"
             if loads:
-                text = "its torque follows the mean speed of what turns freely, which periodic motion does not work out"
-                text += "; give its mean torque and its damping at the speed instead, or use simulate"
+                text = "its torque follows the mean speed of what turns freely, which has no place over frequency"
+                text += "; ask over speed, or give its mean torque and its damping at the speed instead"
             raise UsageError(f"{names}: {text}", kind="unsupported-law" if loads else "indeterminate-motion")
 
     def spring_before(self, law: int, highest: float) -> float:

@@ -157,7 +157,7 @@ def over_speed(
             torques[0, inputs.index(channel)] += means_at(speed).get(node, 0.0)
         return torques
 
-    drive = PeriodicDrive(lambda speed: float(base) * speed, loads)
+    drive = PeriodicDrive(lambda speed: float(base) * speed, loads, lambda speed: speed)
     return Forcing(drivetrain, inputs, drive, parameters, request.reference, float(base))
 
 

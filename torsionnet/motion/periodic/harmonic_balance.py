@@ -25,6 +25,8 @@ CLOSE = 1e-9
 """Last step of Newton's method, over the motion: it doubles the digits, and what follows it is rounding."""
 MOST_STEPS = 40
 """Most steps of Newton's method from one start."""
+NOWHERE = 1e-8
+"""Stiffness over k_0 that resists a mean twist in the slopes alone, so that these are never singular."""
 SHORTEST = 1 / 64
 """Shortest part of a step of Newton's method that is tried."""
 
@@ -44,6 +46,8 @@ class HarmonicBalance:
         rad/s.
     references : (n_laws,) array
         Springs k_0 in N m/rad.
+    rates : (n_laws,) array
+        Mean rates of the laws in rad/s, besides those of the motions.
     """
 
     forces: Sequence[Force]
@@ -51,6 +55,7 @@ class HarmonicBalance:
     driven: ComplexArray
     omega: float
     references: FloatArray
+    rates: FloatArray
 
     @property
     def harmonics(self) -> int:
@@ -63,7 +68,8 @@ class HarmonicBalance:
         for number, force in enumerate(self.forces):
             values = over_time(x[:, number], n)
             s = 1j * self.omega * np.arange(len(x))
-            found.append(force.over(values, over_time(s * x[:, number], n) if force.needs_rate else None))
+            rate = over_time(s * x[:, number], n) + self.rates[number] if force.needs_rate else None
+            found.append(force.over(values, rate))
         return found
 
     def taus(self, x: ComplexArray, torques: ComplexArray) -> ComplexArray:
@@ -88,7 +94,7 @@ class HarmonicBalance:
         """Put the describing functions of laws that have one in the place of what samples give."""
         for number, force in enumerate(self.forces):
             found = force.describing(abs(x[1, number]), float(x[0, number].real), self.omega)
-            if found is not None:
+            if found is not None and not self.rates[number]:
                 torques[:, number] = found.mean_torque, found.stiffness * x[1, number]
 
     def slopes(self, answers: Sequence[LawAnswer]) -> FloatArray:
@@ -99,6 +105,8 @@ class HarmonicBalance:
         for m, (answer, force) in enumerate(zip(answers, self.forces, strict=True)):
             change = self.change(answer)
             tau = change * (1 + self.references[m] * force.yielding) - self.references[m] * identity
+            # What stays within a gap may stand anywhere in it: a little stiffness leaves it where it is.
+            tau[0, 0] += NOWHERE * self.references[m]
             found[:, :, m] = self.G[:, :, m].T[:, :, None] * tau
             found[m, :, m] += identity - force.yielding * change
         parts = np.concatenate([found.real, found.imag[:, 1:]], axis=1)
@@ -174,9 +182,12 @@ def unpacked(u: FloatArray, n_laws: int) -> ComplexArray:
 
 
 def balance_of(
-    plant: CondensedPlant, forces: Sequence[Force], omega: float, loads: ComplexArray, harmonics: int
+    plant: CondensedPlant, forces: Sequence[Force], omega: float, loads: ComplexArray, harmonics: int, speed: float
 ) -> HarmonicBalance:
-    """Equations of a period at omega in rad/s under the harmonics (n, n_in) in N m of the torques on the inputs."""
+    """Equations of a period at omega in rad/s under the harmonics (n, n_in) in N m of the torques on the inputs.
+
+    ``speed`` in rad/s is that of the reference node.
+    """
     found = plant.receptances(omega, range(harmonics + 1))
     amplitudes = np.zeros((harmonics + 1, loads.shape[1]), dtype=complex)
     count = min(len(loads), harmonics + 1)
@@ -184,7 +195,7 @@ def balance_of(
     powers = found.s[:, None] ** np.array([one.power for one in forces])
     driven = powers * (plant.rows @ found.driven @ amplitudes[:, :, None])[:, :, 0]
     own = powers[:, :, None] * (plant.rows @ found.own)
-    return HarmonicBalance(forces, own, driven, omega, plant.references)
+    return HarmonicBalance(forces, own, driven, omega, plant.references, plant.turning * speed)
 
 
 def newton(balance: HarmonicBalance, start: ComplexArray) -> ComplexArray | None:

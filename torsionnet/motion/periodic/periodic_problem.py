@@ -46,10 +46,13 @@ class PeriodicDrive:
         p -> fundamental circular frequency in rad/s, that of harmonic 1 of the torques.
     loads : callable
         p -> harmonics (n, n_in) in N m of the torques on the inputs, the mean first.
+    speed : callable
+        p -> mean speed in rad/s of the reference node; 0 over frequency.
     """
 
     omega: Callable[[float], float]
     loads: Callable[[float], ComplexArray]
+    speed: Callable[[float], float] = lambda _: 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,7 +120,8 @@ class PeriodicProblem:
         loads, nu = self.drive.loads(parameter), self.subharmonics
         spread = np.zeros((nu * (len(loads) - 1) + 1, loads.shape[1]), dtype=complex)
         spread[::nu] = loads
-        found = balance_of(self.plant, self.forces, self.drive.omega(parameter) / nu, spread, harmonics)
+        omega, speed = self.drive.omega(parameter) / nu, self.drive.speed(parameter)
+        found = balance_of(self.plant, self.forces, omega, spread, harmonics, speed)
         return found if (self.shares == 1).all() else replace(found, G=found.G * self.shares)
 
     def solve(self, parameter: float, start: ComplexArray, harmonics: Harmonics = "auto") -> PeriodicMotion | None:

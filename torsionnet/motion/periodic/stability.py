@@ -85,8 +85,8 @@ class Stability:
         return float(np.prod(1 + self.multipliers).real)
 
 
-def stability_of(problem: PeriodicProblem, motion: PeriodicMotion, *, turns: bool = False) -> Stability:
-    """Stability of a periodic motion; where its branch ``turns`` no period near it closes better than another."""
+def stability_of(problem: PeriodicProblem, motion: PeriodicMotion, *, on_edge: bool = False) -> Stability:
+    """Stability of a periodic motion; where it is ``on_edge`` no period near it closes better than another."""
     try:
         split = problem.plant.in_time
     except UsageError as error:
@@ -94,8 +94,8 @@ def stability_of(problem: PeriodicProblem, motion: PeriodicMotion, *, turns: boo
         if counted is None:
             return Stability(np.zeros(0, dtype=complex), str(error))
         return Stability(counted[1], growing=counted[0])
-    if not split.smooth:
-        return _over_contacts(problem, motion, 0 if turns else MOST_CLOSED)
+    if not split.smooth and not problem.plant.turning.any():
+        return _over_contacts(problem, motion, 0 if on_edge else MOST_CLOSED)
     if all(isinstance(one, CurveForce | PieceForce) for one in problem.forces):
         return _variational(problem, motion)
     return Stability(np.zeros(0, dtype=complex), "friction that sticks beside laws without straight pieces")
@@ -157,7 +157,8 @@ def _slopes(
     for number, force in enumerate(problem.forces):
         # x at t + place h: every harmonic turned on by that much
         x = motion.x[:, number] * np.exp(2j * math.pi * k * place / count)
-        rate = over_time(1j * motion.omega * k * x, count) if force.needs_rate else None
+        turning = problem.plant.turning[number] * problem.drive.speed(motion.parameter)
+        rate = over_time(1j * motion.omega * k * x, count) + turning if force.needs_rate else None
         answer = force.over(over_time(x, count), rate)
         change = answer.slope[:, None] * angles[number]
         if answer.rate_slope is not None:

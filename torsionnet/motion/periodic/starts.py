@@ -38,7 +38,8 @@ def _scaled_loads(problem: PeriodicProblem, parameter: float, *, vibrates: bool)
     loads, omega = problem.drive.loads(parameter), problem.drive.omega(parameter)
     means = np.zeros_like(loads)
     means[0] = loads[0]
-    return PeriodicDrive(lambda p: omega, lambda p: means + p * (loads - means) if vibrates else means)  # noqa: ARG005
+    speed = problem.drive.speed(parameter)
+    return PeriodicDrive(lambda _: omega, lambda p: means + p * (loads - means) if vibrates else means, lambda _: speed)
 
 
 def mean_start(problem: PeriodicProblem, parameter: float) -> ComplexArray | None:
