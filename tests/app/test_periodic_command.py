@@ -74,3 +74,16 @@ def test_a_word_that_is_none_is_told_at_its_place(tmp_path):
     said = run("check", str(path), code=1).stdout
     assert "rattle.yaml:10:66: error: expected linear or periodic" in said
     assert "[unknown-word]" in said
+
+
+def test_state_of_simulations_is_read_and_refused(tmp_path):
+    from torsionnet.app.cli.commands.periodic import _start
+    from torsionnet.motion import MotionStart
+
+    assert _start(()) is None
+    assert _start(("rest",)) == "rest"
+    assert _start(("a=0.1,0", "b=0,-2")) == MotionStart({"a": 0.1, "b": 0.0}, {"a": 0.0, "b": -2.0})
+    (tmp_path / "rattle.yaml").write_text(RATTLE)
+    asked = ("periodic", str(tmp_path / "rattle.yaml"), "--output", "twist(mesh)", "--frequencies", "50,51", *DRIVEN)
+    for state, kind in (("sleep", "unknown-word"), ("a=0.1", "wrong-form"), ("c=0.1,0", "unknown-node")):
+        assert f"[{kind}]" in run(*asked, "--initial-state", state, code=2).stderr

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -12,6 +13,7 @@ from torsionnet.app.cli.options import ANGLE, PairOption, option
 from torsionnet.base.errors import UsageError
 
 if TYPE_CHECKING:
+    from torsionnet.motion.contact_states import MotionStart
     from torsionnet.motion.periodic.periodic_result import PeriodicResponse
 
 
@@ -55,6 +57,12 @@ class PeriodicCommand(ModelCommand):
         show_default=True,
         help="Most periods of the torques after which motions that are followed repeat.",
     )
+    states: tuple[str, ...] = option(
+        "--initial-state",
+        metavar="STATE",
+        help='Also simulate, from "rest", from the "operating_point", or from "NODE=ANGLE,SPEED" in rad and rad/s '
+        "(repeatable), for motions that no other start leads to.",
+    )
     angle: str = ANGLE
 
     def answer(self) -> Answer:
@@ -93,7 +101,11 @@ class PeriodicCommand(ModelCommand):
 
     def _run(self, case: ConfiguredCase, over: dict[str, Any]) -> PeriodicResponse:
         found: PeriodicResponse = case.drivetrain.periodic_response(
-            list(self.outputs), harmonics=self.harmonics or "auto", subharmonics=int(self.subharmonics), **over
+            list(self.outputs),
+            harmonics=self.harmonics or "auto",
+            subharmonics=int(self.subharmonics),
+            initial_state=_start(self.states),
+            **over,
         )
         return found
 
@@ -109,3 +121,25 @@ def _harmonics(name: str, text: str) -> dict[int, complex]:
     except ValueError:
         what = f'{name}: a torque is written as its mean and amplitudes in N m, "40,60", got "{text}"'
         raise UsageError(what, kind="wrong-form") from None
+
+
+def _start(states: Sequence[str]) -> str | MotionStart | None:
+    """State in which simulations begin: a word, or angles and speeds from "NODE=ANGLE,SPEED"; None without one.
+
+    >>> _start(["a=0.1,0", "b=0,-2"])
+    MotionStart(angles={'a': 0.1, 'b': 0.0}, speeds={'a': 0.0, 'b': -2.0})
+    """
+    from torsionnet.motion.contact_states import MotionStart
+
+    if len(states) <= 1 and not any("=" in one for one in states):
+        return states[0] if states else None
+    angles: dict[str, float] = {}
+    speeds: dict[str, float] = {}
+    for state in states:
+        node, _, text = state.partition("=")
+        try:
+            angles[node], speeds[node] = map(float, text.split(","))
+        except ValueError:
+            what = f'a state is "rest", "operating_point", or "NODE=ANGLE,SPEED" in rad and rad/s, got "{state}"'
+            raise UsageError(what, kind="wrong-form") from None
+    return MotionStart(angles, speeds)
