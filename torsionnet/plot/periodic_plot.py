@@ -17,7 +17,7 @@ from torsionnet.plot.drawing.style import GivenAxes
 if TYPE_CHECKING:
     from torsionnet.motion.periodic.periodic_result import FoundMotion, PeriodicResponse
 
-TURNS = {"fold": "o", "doubling": "D", "second frequency": "s"}
+TURNS = {"fold": "o", "doubling": "D", "symmetry": "^", "second frequency": "s"}
 """Marker of matplotlib of each kind of place at which a branch turns."""
 
 
@@ -26,8 +26,8 @@ def periodic_response(
 ) -> Figure:
     """Figure of the peak to peak of every output over frequency or speed, branch by branch; what is unstable is dashed.
 
-    Dotted parts are those whose stability is not determined. Circles are folds, diamonds doublings, squares
-    onsets of a second frequency.
+    Dotted parts are those whose stability is not determined. Circles are folds, diamonds doublings, triangles where
+    lopsided motions begin, squares onsets of a second frequency.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def _begins(found: PeriodicResponse, first: FoundMotion) -> list[FoundMotion]:
 
 def _dashes(one: FoundMotion, other: FoundMotion) -> str:
     """Line style between two motions: where one lies on the edge of stability the other decides."""
-    states = [each.is_stable for each in (one, other) if not each.turn]
+    states = [each.is_stable for each in (one, other) if not each.on_edge]
     if any(state is False for state in states):
         return "--"
     return ":" if not states or None in states else "-"

@@ -58,7 +58,7 @@ class ExaminedSpeeds:
     refine : bool
         Whether speeds are added between these: in a range, not in a list of speeds.
     periodic : bool
-        Whether laws of motion act in full: then the speeds are added at which sweeps jump.
+        Whether laws of motion act in full: then the speeds are added at which branches turn or outputs have peaks.
     """
 
     request: OrderRequest
@@ -111,10 +111,10 @@ class ExaminedSpeeds:
     def response(
         self, drivetrain: AssembledModel, output: Channels, speeds: FloatArray, excitation: Iterable[str] | None
     ) -> OrderResponse:
-        """Order response at speeds in rad/s of the reference, and of periodic motion at those where it jumps."""
+        """Order response at speeds in rad/s of the reference, and of periodic motion where it turns or has peaks."""
         if self.periodic:
             found: OrderResponse = imported(PERIODIC_ORDERS)(
-                drivetrain, output, speeds=speeds, speed_of=self.reference, excitation=excitation, jumps=self.refine
+                drivetrain, output, speeds=speeds, speed_of=self.reference, excitation=excitation, between=self.refine
             )
             return found
         return orders_at_speeds(drivetrain, output, speeds=speeds, speed_of=self.reference, excitations=excitation)
@@ -169,8 +169,8 @@ def order_response(
         Which of the model's excitations act; default: all.
     refine : bool
         Whether the result has more speeds between these, until the largest half range and the largest amplitudes
-        are known to 0.1 %; between the speeds of a list is nothing. Of periodic motion only the speeds at which it
-        jumps are added.
+        are known to 0.1 %; between the speeds of a list is nothing. Of periodic motion those are added at which its
+        branches turn or outputs have peaks.
     nonlinear : {"linear", "periodic"}, optional
         Whether laws of motion are linear about the operating point, or act in full, as in :meth:`periodic_response`;
         then every output has the largest motion that is stable. Default: that of the model, else linear.

@@ -74,8 +74,7 @@ def check_limits(
     refine : bool, optional
         Whether speeds between these are examined as well, until the largest value over value allowed and the ends
         of ranges are known to 0.1 %; the result has them among its speeds. Default: yes, but for a model whose
-        speeds are a list, which is all that is examined then. Of periodic motion only the speeds at which it jumps
-        are added.
+        speeds are a list, which is all that is examined then.
     nonlinear : {"linear", "periodic"}, optional
         As for :meth:`order_response`: with ``"periodic"`` the largest stable motion is judged, and where none was found
         that is stable, a limit that would hold is not judged.

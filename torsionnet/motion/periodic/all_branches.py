@@ -1,7 +1,7 @@
 """Search for all branches of periodic motions over a range of a parameter, each with the way by which it was found.
 
 From rest at both ends and in the middle of the range; from starts of other sizes and phases, for branches that nothing
-joins to these; from motions simulated from a given state; from doublings. There may be more: nothing short of a search
+joins to these; from motions simulated from a given state; from forks. There may be more: nothing short of a search
 of all starts would rule that out.
 """
 
@@ -16,7 +16,7 @@ from torsionnet.linear.assembly.rows import ComplexArray
 from torsionnet.motion.contact_states import MotionStart
 from torsionnet.motion.periodic.branch import BranchPoint, MotionBranch, Tracer
 from torsionnet.motion.periodic.crossings import second_frequencies
-from torsionnet.motion.periodic.doubling import Doubling, doubled_branch, doublings
+from torsionnet.motion.periodic.doubling import Fork, doublings, forked_branch, losses_of_symmetry
 from torsionnet.motion.periodic.harmonic_balance import fitted
 from torsionnet.motion.periodic.periodic_problem import Harmonics, PeriodicMotion, PeriodicProblem
 from torsionnet.motion.periodic.starts import from_rest, mean_start
@@ -39,16 +39,16 @@ STARTS = tuple((size, phase) for size in (1.0, 3.0, 10.0) for phase in (1.0, -1.
 
 @dataclass(frozen=True, eq=False)
 class FoundBranch:
-    """Branch with its doublings, and the doubling at which it begins, if it does.
+    """Branch with its forks, and the fork at which it begins, if it does.
 
     ``second_frequencies`` are the motions at which a second frequency sets in or ends, each with the number of the
     point before it.
     """
 
     branch: MotionBranch
-    doublings: tuple[Doubling, ...]
+    forks: tuple[Fork, ...]
     second_frequencies: tuple[tuple[int, PeriodicMotion], ...] = ()
-    begins: Doubling | None = None
+    begins: Fork | None = None
 
     @property
     def problem(self) -> PeriodicProblem:
@@ -90,17 +90,18 @@ def all_branches(
     while place < len(found):
         one = found[place]
         place += 1
-        if 2 * one.problem.subharmonics > subharmonics:
-            continue
-        for doubling in one.doublings:
-            branch = _doubled(one.problem, doubling, (low, high), 2 * traced)
+        for fork in one.forks:
+            if fork.periods > subharmonics:
+                continue
+            branch = _forked(one.problem, fork, (low, high), min(fork.periods, 2) * traced)
             if branch is not None and not _known(found, branch.tracer.motion(branch.points[len(branch.points) // 2])):
-                found.append(replace(_with_crossings(branch), begins=doubling))
+                found.append(replace(_with_crossings(branch), begins=fork))
     return found
 
 
 def _with_crossings(branch: MotionBranch) -> FoundBranch:
-    return FoundBranch(branch, tuple(doublings(branch)), tuple(second_frequencies(branch)))
+    forks = (*doublings(branch), *losses_of_symmetry(branch))
+    return FoundBranch(branch, forks, tuple(second_frequencies(branch)))
 
 
 def _known(found: list[FoundBranch], motion: PeriodicMotion) -> bool:
@@ -174,11 +175,9 @@ def _other_starts(problem: PeriodicProblem, parameters: tuple[float, ...], harmo
                     yield full
 
 
-def _doubled(
-    problem: PeriodicProblem, doubling: Doubling, ends: tuple[float, float], harmonics: int
-) -> MotionBranch | None:
-    tracer = Tracer(problem.with_subharmonics(2 * problem.subharmonics), harmonics)
-    traced = doubled_branch(tracer, doubling, MOST_POINTS)
+def _forked(problem: PeriodicProblem, fork: Fork, ends: tuple[float, float], harmonics: int) -> MotionBranch | None:
+    tracer = Tracer(problem.with_subharmonics(fork.periods), harmonics)
+    traced = forked_branch(tracer, fork, MOST_POINTS)
     low, high = ends[0] * (1 - WIDER), ends[1] * (1 + WIDER)
     points: list[BranchPoint] = []
     for point in traced:
@@ -188,4 +187,4 @@ def _doubled(
     if len(points) < 2:
         return None
     stops = ((tracer.motion(points[-1]), tracer.stopped),) if tracer.stopped else ()
-    return MotionBranch(tracer, tuple(points), "doubled", stops)
+    return MotionBranch(tracer, tuple(points), fork.kind, stops)

@@ -1,8 +1,10 @@
-"""Period doubling along branches: where it begins, and the motions of twice the period beyond it.
+"""Forks of branches: where the period doubles or symmetry is lost, and the motions that begin there.
 
 A motion of one period is one of two periods whose odd harmonics, in the numbers of two periods, are zero. Its slope
 matrix over two periods falls apart into even and odd harmonics; where the odd part is singular a multiplier passes -1,
-and its null vector is the way into the doubled motions.
+and its null vector is the way into the doubled motions. So with motions that are their own mirror images half a period
+later: their even harmonics are zero, and where the even part is singular a multiplier passes 1 without a fold, and two
+lopsided motions begin, mirror images of each other (J. M. T. Thompson, H. B. Stewart, Nonlinear Dynamics and Chaos).
 """
 
 from __future__ import annotations
@@ -10,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Literal
 
 import numpy as np
 
@@ -21,12 +24,14 @@ from torsionnet.motion.periodic.periodic_problem import PeriodicMotion, Periodic
 from torsionnet.motion.periodic.stability import stability_of
 
 ENDS = 0.3
-"""Share of the largest odd harmonics along a branch of doubled motions below which its end is near."""
+"""Share of the largest new harmonics along a branch from a fork below which its other end is near."""
+SYMMETRIC = 1e-9
+"""Even harmonics, over the largest, up to which a motion is its own mirror image half a period later."""
 
 
 @dataclass(frozen=True, eq=False)
-class Doubling:
-    """Motion at which a multiplier passes -1, and the harmonics over two periods of the way to the doubled motion.
+class Fork:
+    """Motion at which others begin, and the harmonics of the way to them: at a doubling over two periods.
 
     ``place`` is the number of the point of the branch before it.
     """
@@ -34,6 +39,12 @@ class Doubling:
     motion: PeriodicMotion
     way: ComplexArray
     place: int = 0
+    kind: Literal["doubling", "symmetry"] = "doubling"
+
+    @property
+    def periods(self) -> int:
+        """Periods of the torques after which the motions that begin repeat."""
+        return self.motion.subharmonics * (2 if self.kind == "doubling" else 1)
 
 
 def odd_part(problem: PeriodicProblem, motion: PeriodicMotion) -> FloatArray:
@@ -53,6 +64,13 @@ def doubled(x: ComplexArray, harmonics: int) -> ComplexArray:
     return fitted(found, harmonics)
 
 
+def even_part(problem: PeriodicProblem, motion: PeriodicMotion) -> FloatArray:
+    """Slope matrix over the even harmonics, the mean among them."""
+    balance = problem.balance(motion.parameter, motion.harmonics)
+    even = _even(motion.harmonics, len(problem.forces))
+    return np.asarray(balance.slopes(balance.answers(motion.x))[np.ix_(even, even)])
+
+
 def _odd(harmonics: int, n_laws: int) -> FloatArray:
     """Places of odd harmonics among packed ones."""
     own = np.arange(1, harmonics + 1, 2)
@@ -60,20 +78,59 @@ def _odd(harmonics: int, n_laws: int) -> FloatArray:
     return np.concatenate([per_law + law * (2 * harmonics + 1) for law in range(n_laws)])
 
 
-def doublings(branch: MotionBranch) -> Iterator[Doubling]:
+def _even(harmonics: int, n_laws: int) -> FloatArray:
+    """Places of even harmonics among packed ones, the mean first."""
+    own = np.arange(2, harmonics + 1, 2)
+    per_law = np.concatenate([[0], own, harmonics + own])
+    return np.concatenate([per_law + law * (2 * harmonics + 1) for law in range(n_laws)])
+
+
+def doublings(branch: MotionBranch) -> Iterator[Fork]:
     """Yield the doublings along a branch in its order."""
     problem, tracer = branch.tracer.problem, branch.tracer
     signs = [np.linalg.slogdet(odd_part(problem, tracer.motion(point)))[0] for point in branch.points]
-    for place, ((before, first), (after, second)) in enumerate(pairwise(zip(branch.points, signs, strict=True))):
+    for place, (first, second) in enumerate(pairwise(signs)):
         if first * second < 0:
+            before, after = branch.points[place], branch.points[place + 1]
             found = located_doubling(problem, before, after, tracer.n_laws, place)
             if found is not None:
                 yield found
 
 
+def losses_of_symmetry(branch: MotionBranch) -> Iterator[Fork]:
+    """Yield the motions of a branch at which symmetry is lost, in its order; none where no motion is symmetric."""
+    problem, tracer = branch.tracer.problem, branch.tracer
+    if not all(_is_symmetric(unpacked(point.u, tracer.n_laws)) for point in branch.points):
+        return
+
+    def value(motion: PeriodicMotion) -> float:
+        if not problem.plant.has_states or not (stability := stability_of(problem, motion)).has_all:
+            return _determinant(even_part(problem, motion))
+        return float(np.prod(1 - stability.multipliers).real)
+
+    signs = [np.linalg.slogdet(even_part(problem, tracer.motion(point)))[0] for point in branch.points]
+    for place, (first, second) in enumerate(pairwise(signs)):
+        if first * second < 0:
+            before, after = branch.points[place], branch.points[place + 1]
+            motion = located_crossing(problem, before, after, tracer.n_laws, value)
+            if motion is not None:
+                even = _even(motion.harmonics, tracer.n_laws)
+                way = _way(even_part(problem, motion), even, motion.harmonics, tracer.n_laws)
+                yield Fork(motion, way, place, "symmetry")
+
+
+def _is_symmetric(x: ComplexArray) -> bool:
+    return bool(np.abs(x[::2]).max() <= SYMMETRIC * np.abs(x).max())
+
+
+def _determinant(matrix: FloatArray) -> float:
+    sign, size = np.linalg.slogdet(matrix)
+    return float(sign * np.exp(min(size, 500.0)))
+
+
 def located_doubling(
     problem: PeriodicProblem, before: BranchPoint, after: BranchPoint, n_laws: int, place: int = 0
-) -> Doubling | None:
+) -> Fork | None:
     """Doubling between two points of a branch, of which the first has the number ``place``.
 
     What passes zero is the product of 1 + multiplier, and without multipliers the determinant of the odd part.
@@ -81,37 +138,39 @@ def located_doubling(
 
     def value(motion: PeriodicMotion) -> float:
         if not problem.plant.has_states or not (stability := stability_of(problem, motion)).has_all:
-            sign, size = np.linalg.slogdet(odd_part(problem, motion))
-            return float(sign * np.exp(min(size, 500.0)))
+            return _determinant(odd_part(problem, motion))
         return stability.doubling
 
     motion = located_crossing(problem, before, after, n_laws, value)
-    return None if motion is None else Doubling(motion, _way(problem, motion), place)
-
-
-def _way(problem: PeriodicProblem, motion: PeriodicMotion) -> ComplexArray:
-    _, _, right = np.linalg.svd(odd_part(problem, motion))
+    if motion is None:
+        return None
     harmonics = 2 * motion.harmonics + 1
-    u = np.zeros(len(problem.forces) * (2 * harmonics + 1))
-    u[_odd(harmonics, len(problem.forces))] = right[-1]
-    return unpacked(u, len(problem.forces))
+    return Fork(motion, _way(odd_part(problem, motion), _odd(harmonics, n_laws), harmonics, n_laws), place)
 
 
-def doubled_branch(tracer: Tracer, doubling: Doubling, most: int) -> Iterator[BranchPoint]:
-    """Yield points of the branch of doubled motions from a doubling on, until it ends at another or comes back.
+def _way(part: FloatArray, places: FloatArray, harmonics: int, n_laws: int) -> ComplexArray:
+    """Harmonics of the null vector of a part of the slope matrix, which has these places among the packed ones."""
+    u = np.zeros(n_laws * (2 * harmonics + 1))
+    u[places] = np.linalg.svd(part)[2][-1]
+    return unpacked(u, n_laws)
 
-    ``tracer`` is that of the problem of twice the period.
+
+def forked_branch(tracer: Tracer, fork: Fork, most: int) -> Iterator[BranchPoint]:
+    """Yield points of the branch that begins at a fork, until it ends at another or comes back.
+
+    ``tracer`` is that of the problem with the period of its motions.
     """
-    motion, harmonics = doubling.motion, tracer.harmonics
-    u = packed(doubled(motion.x, harmonics))
+    motion, harmonics = fork.motion, tracer.harmonics
+    doubles = fork.kind == "doubling"
+    u = packed(doubled(motion.x, harmonics) if doubles else fitted(motion.x, harmonics))
     scale = tracer.scale(u, motion.parameter)
-    along = np.append(packed(fitted(doubling.way, harmonics)), 0.0) / scale
-    odd = _odd(harmonics, tracer.n_laws)
+    along = np.append(packed(fitted(fork.way, harmonics)), 0.0) / scale
+    new = (_odd if doubles else _even)(harmonics, tracer.n_laws)
     largest = 0.0
     for point in tracer.along(BranchPoint(motion.parameter, u, along / np.linalg.norm(along), scale), most):
         yield point
-        size = float(np.linalg.norm(point.u[odd]))
+        size = float(np.linalg.norm(point.u[new]))
         largest = max(largest, size)
-        # The odd harmonics fade: the other end of the branch, where the motion is a single one again.
-        if size < ENDS * largest and size < np.linalg.norm(point.tangent[odd] * point.scale[odd]) * LONGEST_STEP:
+        # The new harmonics fade: the other end of the branch, where the motion is one of the branch that it left.
+        if size < ENDS * largest and size < np.linalg.norm(point.tangent[new] * point.scale[new]) * LONGEST_STEP:
             return

@@ -38,6 +38,9 @@ def periodic_notes(
     for one in found.turns("doubling"):
         follow = "" if 2 * one.periods in doubled else f"; subharmonics={2 * one.periods} follows it"
         yield f"at {_at(found, one.at)} the motion of branch {one.branch + 1} doubles its period{follow}"
+    for one in found.turns("symmetry"):
+        text = "loses its symmetry, and two lopsided ones begin, mirror images of each other, of which one is followed"
+        yield f"at {_at(found, one.at)} the motion of branch {one.branch + 1} {text}"
     for one in found.turns("second frequency"):
         text = "passes into motions with a second frequency, which no period repeats; simulate shows them"
         yield f"at {_at(found, one.at)} the motion of branch {one.branch + 1} {text}"
@@ -70,15 +73,16 @@ def _span(found: PeriodicResponse, places: Sequence[float]) -> str:
 def _cascades(found: PeriodicResponse, branches: Sequence[FoundBranch]) -> Iterator[str]:
     """Yield a note for each row of doublings that goes on, with the place at which it would have become chaos."""
     for one in branches:
-        if not one.doublings:
+        doublings = [each.motion.parameter for each in one.forks if each.kind == "doubling"]
+        if not doublings:
             continue
         last, chain = one, []
-        while last.begins is not None:
+        while last.begins is not None and last.begins.kind == "doubling":
             chain.append(last.begins.motion.parameter)
-            last = next(each for each in branches if last.begins in each.doublings)
+            last = next(each for each in branches if last.begins in each.forks)
         if len(chain) + 1 < MANY:
             continue
-        nearest = min((each.motion.parameter for each in one.doublings), key=lambda at: abs(at - chain[0]))
+        nearest = min(doublings, key=lambda at: abs(at - chain[0]))
         row = np.array([*reversed(chain), nearest])[-MANY:]
         steps = np.diff(row)
         if steps[0] * steps[1] <= 0 or abs(steps[1]) >= abs(steps[0]):

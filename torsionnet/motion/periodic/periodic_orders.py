@@ -32,12 +32,14 @@ SUBHARMONICS = 4
 """Most periods of the torques after which motions repeat whose orders are looked for."""
 AROUND = (0.8, 1.25)
 """Ends, over a single speed, of the speeds over which its motions are followed where the model says nothing."""
+EDGE = 0.01
+"""Distance from the unit circle of a multiplier that passes it, at a place that is located."""
 SMALLEST_ORDER = 1e-6
 """Amplitude of an order, over the largest half range of its output, below which it is left out."""
 TAKEN = "laws of motion in full: at every speed the largest motion of each output that is stable"
 """Text of the note on the motions whose orders an order response holds."""
-BETWEEN = "between the speeds given only those at which sweeps jump are examined; a smaller step shows more"
-"""Text of the note on the speeds of a range, between which peaks of periodic motion are not looked for."""
+BETWEEN = "between the speeds given those are added at which branches of motions turn or outputs have a peak"
+"""Text of the note on the speeds that are added to those of a range."""
 UNMET = "{where} no motion found is stable: the values there are of one that is not met"
 """Text of the note on the speeds at which the motion of an order response is not stable."""
 OPEN = "{where} it is not determined whether the largest motion is stable"
@@ -91,7 +93,7 @@ def periodic_orders(
     speeds: ArrayLike | None = None,
     speed_of: str | None = None,
     excitation: str | Iterable[str] | None = None,
-    jumps: bool = False,
+    between: bool = False,
 ) -> PeriodicOrders:
     """Orders of the periodic motions of a drivetrain over speed, its laws of motion in full.
 
@@ -99,8 +101,8 @@ def periodic_orders(
     ----------
     output, speeds, speed_of, excitation
         As for :meth:`order_response`.
-    jumps : bool
-        Whether the speeds at which sweeps jump are added, at which a branch is largest.
+    between : bool
+        Whether those speeds between are added at which branches end, turn or have peaks: there a value is largest.
 
     Raises
     ------
@@ -122,13 +124,13 @@ def periodic_orders(
         )  # fmt: skip
 
     found = found_at(at)
-    leaps = np.array([speed for _, speed in found.jumps if at[0] < speed < at[-1]]) if jumps else np.empty(0)
-    if len(leaps):
-        at = np.unique(np.concatenate([at, leaps]))
+    turned = np.array([one.at for one in (*found.turns(), *found.peaks) if between and at[0] < one.at < at[-1]])
+    if len(turned):
+        at = np.unique(np.concatenate([at, turned]))
         found = found_at(at)
     taken = [[largest_met(found, speed, place) for place in range(len(found.outputs))] for speed in at.tolist()]
     lines, values = _orders(found, taken, SUM_SEPARATOR.join(request.excitations))
-    notes = (TAKEN, *([BETWEEN] if jumps else []), *found.jump_sentences, *unsettled(at, taken), *found.notes)
+    notes = (TAKEN, *([BETWEEN] if between else []), *found.jump_sentences, *unsettled(at, taken), *found.notes)
     return PeriodicOrders(
         at, request.reference, lines, values, found.outputs, found.title, notes=notes, motions=found,
     )  # fmt: skip
@@ -137,14 +139,14 @@ def periodic_orders(
 def largest_met(found: PeriodicResponse, at: float, place: int) -> FoundMotion:
     """Motion at a speed in rad/s with the largest half range of an output that is stable, or may be.
 
-    A motion on a fold counts as stable, as the end of those that are. Where none is stable it is the largest of all.
+    A motion on the edge counts as stable, as the end of those that are. Where none is stable it is the largest of all.
 
     Raises
     ------
     UsageError
         No motion was found at this speed.
     """
-    here = [one for one in found.motions if one.turn in ("", "fold") and math.isclose(one.at, at, rel_tol=1e-9)]
+    here = [one for one in found.motions if math.isclose(one.at, at, rel_tol=1e-9)]
     if not here:
         text = f"at {found.shown(at):.6g} {found.unit} no periodic motion was found; simulate shows what happens there"
         raise UsageError(text, kind="no-period")
@@ -153,7 +155,9 @@ def largest_met(found: PeriodicResponse, at: float, place: int) -> FoundMotion:
 
 
 def _stable(motion: FoundMotion) -> bool | None:
-    return motion.turn == "fold" or motion.is_stable
+    if motion.on_edge:
+        return bool((np.abs(motion.multipliers) < 1 + EDGE).all())
+    return motion.is_stable
 
 
 def _require_one_case(request: OrderRequest, at: FloatArray) -> None:

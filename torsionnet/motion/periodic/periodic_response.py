@@ -25,14 +25,17 @@ from torsionnet.motion.periodic.branch import BranchPoint, located_fold
 from torsionnet.motion.periodic.condensed import CondensedPlant
 from torsionnet.motion.periodic.forcing import Forcing, Torques, over_frequency, over_speed
 from torsionnet.motion.periodic.harmonic_balance import unpacked
+from torsionnet.motion.periodic.peaks import ListedMotion, with_peaks
 from torsionnet.motion.periodic.periodic_notes import periodic_notes
 from torsionnet.motion.periodic.periodic_problem import Harmonics, PeriodicMotion, PeriodicProblem, peak_to_peak
-from torsionnet.motion.periodic.periodic_result import FoundMotion, PeriodicResponse
+from torsionnet.motion.periodic.periodic_result import EDGES, FoundMotion, PeriodicResponse
 from torsionnet.motion.periodic.stability import Stability, stability_of
 from torsionnet.motion.periodic.starts import without_start
 
 POINTS_READ = 1000
 """Points in a period at which outputs are read for their extremes, besides all corners."""
+BEGUN = {"doubling": "doubled", "symmetry": "lopsided"}
+"""Words for branches that begin where others fork, by the kind of the fork."""
 AMPLITUDES = 16
 """Harmonics of the torques' period whose amplitudes a result keeps."""
 
@@ -51,7 +54,8 @@ def periodic_response(
 ) -> PeriodicResponse:
     """Periodic motions with all laws of motion in full: every branch found, its stability, and where it jumps.
 
-    The unknowns are the twists of the laws of motion; everything else answers with its exact dynamic stiffness.
+    The unknowns are the twists of the laws of motion; everything else answers with its exact dynamic stiffness. Between
+    the places asked for, those are added at which an output swings further than at both beside it.
 
     Parameters
     ----------
@@ -101,7 +105,7 @@ def periodic_response(
         if frequencies is not None
         else over_speed(drivetrain, speeds, speed_of, excitation)
     )
-    plant = CondensedPlant(forcing.drivetrain, forcing.inputs)
+    plant = CondensedPlant(forcing.drivetrain, forcing.inputs, forcing.reference)
     if not plant.laws:
         text = "the drivetrain has no laws of motion: it is linear, and has a frequency or order response"
         raise UsageError(text, kind="no-effect")
@@ -159,12 +163,14 @@ def _result(
     beyond: list[tuple[int, float, str]] = []
     missed: list[float] = []
     for number, one in enumerate(branches):
-        for motion, turn in motions_along(one, forcing.parameters, harmonics, missed):
-            left = one.problem.beyond(motion)
+        listed = list(motions_along(one, forcing.parameters, harmonics, missed))
+        ends = float(forcing.parameters[0]), float(forcing.parameters[-1])
+        for each in with_peaks(one, listed, readings, harmonics, ends):
+            left = one.problem.beyond(each.motion)
             if left:
-                beyond.append((number, motion.parameter, left))
+                beyond.append((number, each.motion.parameter, left))
             else:
-                motions.append(_found(one.problem, motion, turn, number, readings))
+                motions.append(_found(one.problem, each.motion, each.turn, number, readings))
     if not motions:
         what = beyond[0][2] if beyond else "no motion was found where one was asked for; ask for more places"
         raise SolveError(what, kind="beyond-table" if beyond else "no-period")
@@ -172,23 +178,23 @@ def _result(
         over, forcing.reference, forcing.order, tuple(one.channel for one in readings), tuple(motions),
         tuple(one.branch.way for one in branches), forcing.drivetrain.title,
     )  # fmt: skip
-    doubled = {
-        number: f"doubled at {found.shown(one.begins.motion.parameter):.8g} {found.unit}"
+    begun = {
+        number: f"{BEGUN[one.begins.kind]} at {found.shown(one.begins.motion.parameter):.8g} {found.unit}"
         for number, one in enumerate(branches)
         if one.begins is not None
     }
-    ways = tuple(doubled.get(number, way) for number, way in enumerate(found.ways))
+    ways = tuple(begun.get(number, way) for number, way in enumerate(found.ways))
     return replace(found, ways=ways, notes=tuple(periodic_notes(found, branches, beyond, missed)))
 
 
 def motions_along(
     one: FoundBranch, parameters: FloatArray, harmonics: Harmonics, missed: list[float]
-) -> Iterator[tuple[PeriodicMotion, str]]:
+) -> Iterator[ListedMotion]:
     """Yield the motions of a branch in its order: those at parameters asked for, and where it turns with the kind.
 
     Parameters at which the branch passes, but no motion with enough harmonics was found, go to ``missed``.
     """
-    crossings = [(each.place, each.motion, "doubling") for each in one.doublings]
+    crossings: list[tuple[int, PeriodicMotion, str]] = [(each.place, each.motion, each.kind) for each in one.forks]
     crossings += [(place, motion, "second frequency") for place, motion in one.second_frequencies]
     for number, (before, after) in enumerate(pairwise(one.branch.points)):
         lines: list[tuple[float, PeriodicMotion, str]] = []
@@ -203,7 +209,7 @@ def motions_along(
             else:
                 lines.append((abs(at - before.p), motion, ""))
         lines += [(abs(each.parameter - before.p), each, kind) for place, each, kind in crossings if place == number]
-        along = [(motion, turn) for _, motion, turn in sorted(lines, key=lambda line: line[0])]
+        along = [ListedMotion(number, motion, turn) for _, motion, turn in sorted(lines, key=lambda line: line[0])]
         fold = (
             located_fold(one.problem, before, after, one.branch.tracer.n_laws)
             if before.turns * after.turns < 0
@@ -214,7 +220,7 @@ def motions_along(
         ahead = (after.p - before.p) * before.turns > 0
         yield from along if ahead else ()
         if fold is not None:
-            yield fold.motion, "fold"
+            yield ListedMotion(number, fold.motion, "fold")
         yield from () if ahead else along
 
 
@@ -228,7 +234,8 @@ def _between(
 def _found(
     problem: PeriodicProblem, motion: PeriodicMotion, turn: str, branch: int, readings: Sequence[Functional]
 ) -> FoundMotion:
-    stability = stability_of(problem, motion, turns=bool(turn))
+    on_edge = turn in EDGES
+    stability = stability_of(problem, motion, on_edge=on_edge)
     amplitudes = problem.readings(motion, readings)
     lowest, highest = _extremes(stability, amplitudes, readings)
     angles, speeds = _start(problem, motion, stability)
@@ -236,7 +243,7 @@ def _found(
     return FoundMotion(
         motion.parameter, branch, turn, motion.subharmonics, motion.harmonics, motion.left_out, lowest, highest,
         amplitudes[: AMPLITUDES * motion.subharmonics + 1], stability.multipliers,
-        f"on the edge: {turn}" if turn and not stability.undetermined else words, angles, speeds,
+        f"on the edge: {turn}" if on_edge and not stability.undetermined else words, angles, speeds,
     )  # fmt: skip
 
 
@@ -261,6 +268,9 @@ def _start(
         harmonics = problem.coordinates(motion)[0]
         s = 1j * motion.omega * np.arange(len(harmonics))[:, None]
         q, v = harmonics.sum(axis=0).real, (s * harmonics).sum(axis=0).real
+    if problem.plant.turning.any():
+        (turning,) = problem.plant.free.T
+        v = v + turning * problem.drive.speed(motion.parameter) / (problem.plant.driven @ turning)
     angles, speeds = assembly.T @ q, assembly.T @ v
     return dict(zip(assembly.nodes, angles.tolist(), strict=True)), dict(
         zip(assembly.nodes, speeds.tolist(), strict=True)

@@ -17,6 +17,9 @@ from torsionnet.base.table import Table, result_table
 from torsionnet.base.units import RPM
 from torsionnet.linear.frequency_response import Channel, ComplexArray, FloatArray
 
+EDGES = ("fold", "doubling", "symmetry", "second frequency")
+"""Kinds of places at which a motion lies on the edge of stability."""
+
 
 @dataclass(frozen=True, eq=False)
 class FoundMotion:
@@ -29,7 +32,8 @@ class FoundMotion:
     branch : int
         Number of its branch.
     turn : str
-        ``"fold"``, ``"doubling"`` or ``"second frequency"`` (Neimark-Sacker) where the branch turns there, else empty:
+        ``"fold"``, ``"doubling"``, ``"symmetry"`` (lopsided motions begin) or ``"second frequency"`` (Neimark-Sacker)
+        where the branch turns there, ``"peak"`` where an output swings further than at the places beside it; empty at
         a place that was asked for.
     periods : int
         Periods of the torques after which it repeats.
@@ -61,6 +65,11 @@ class FoundMotion:
     stability: str
     angles: Mapping[str, float] = field(default_factory=dict)
     speeds: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def on_edge(self) -> bool:
+        """Whether the branch turns here, so that the motion lies on the edge of stability."""
+        return self.turn in EDGES
 
     @property
     def is_stable(self) -> bool | None:
@@ -142,9 +151,16 @@ class PeriodicResponse(SavedResult):
         """Stable motions at a frequency in Hz or speed in rad/s that was asked for: those that can be met."""
         return tuple(one for one in self.motions_at(at) if one.is_stable)
 
-    def turns(self, kind: Literal["fold", "doubling", "second frequency"] | None = None) -> tuple[FoundMotion, ...]:
-        """Motions at which branches turn, or those of one kind: folds, doublings, onsets of a second frequency."""
-        return tuple(one for one in self.motions if one.turn and kind in (None, one.turn))
+    def turns(
+        self, kind: Literal["fold", "doubling", "symmetry", "second frequency"] | None = None
+    ) -> tuple[FoundMotion, ...]:
+        """Motions at which branches turn, or those of one kind, as folds and onsets of a second frequency."""
+        return tuple(one for one in self.motions if one.on_edge and kind in (None, one.turn))
+
+    @property
+    def peaks(self) -> tuple[FoundMotion, ...]:
+        """Motions between places asked for at which an output swings further than at those beside it."""
+        return tuple(one for one in self.motions if one.turn == "peak")
 
     def peak_to_peak(self, motion: FoundMotion, output: str | None = None) -> float:
         """Highest less lowest value of an output in a motion, in SI units."""

@@ -70,6 +70,7 @@ def _turns(found: PeriodicResponse) -> Iterator[tuple[str, FoundMotion]]:
     folds = {one.at: one for one in found.turns("fold")}
     yield from ((way.capitalize(), folds[at]) for way, at in found.jumps)
     yield from (("Period doubles", one) for one in found.turns("doubling"))
+    yield from (("Symmetry is lost", one) for one in found.turns("symmetry"))
     yield from (("Second frequency", one) for one in found.motions if one.turn == "second frequency")
 
 
