@@ -73,7 +73,6 @@ RESULTS: dict[str, str] = {
     "torsionnet.model.channels": "Input Sensor",
     "torsionnet.model.parameters": "Parameter",
     "torsionnet.model.sheets.mass_elastic_sheet": "MassElasticSheet",
-    "torsionnet.motion.periodic.periodic_orders": "PeriodicOrders",
     "torsionnet.motion.periodic.periodic_result": "PeriodicResponse",
     "torsionnet.report.document_tree": "Picture Report",
     "torsionnet.signals.comparison": "Difference",

@@ -12,8 +12,8 @@ from support.law_flow import Contact, Cubic, Flow, Slider
 import torsionnet as tn
 from torsionnet.motion.periodic.periodic_result import FoundMotion, PeriodicResponse
 
-CLOSES = 1e-7
-"""Share of its state by which a motion may fail to come back in the flow."""
+CLOSES = 1e-6
+"""Share of its state by which a motion may fail to come back in the flow: what harmonics may leave out of a swing."""
 SHARE = 1e-5
 """Share of the swing to which its ends have to be right."""
 MULTIPLIER = 1e-3

@@ -173,7 +173,8 @@ def order_response(
         branches turn or outputs have peaks.
     nonlinear : {"linear", "periodic"}, optional
         Whether laws of motion are linear about the operating point, or act in full, as in :meth:`periodic_response`;
-        then every output has the largest motion that is stable. Default: that of the model, else linear.
+        then every output has the largest motion that is stable, and ``motions`` of the result are all that were found.
+        Default: that of the model, else linear.
 
     Raises
     ------

@@ -30,6 +30,9 @@ from torsionnet.model.motion_laws.describing_functions import (
 from torsionnet.model.motion_laws.piece_curve import Hold, PieceCurve, Slope
 from torsionnet.model.motion_laws.smooth_curves import CubicCurve
 
+PLACES = 257
+"""Places over its range of motion at which a curve without corners is calculated: cubics between miss 1e-10 of it."""
+
 
 @dataclass(frozen=True, eq=False)
 class LawAnswer:
@@ -257,11 +260,26 @@ class CurveForce:
         if isinstance(curve, CubicCurve):
             k, third = float(curve.stiffness), float(curve.cubic)
             return LawAnswer(scale * (k * x + third * x**3), scale * (k + 3 * third * x**2))
-        rates = np.zeros_like(x) if rate is None else rate
-        pairs = list(zip(x.tolist(), rates.tolist(), strict=True))
-        torque = scale * np.array([float(curve.torque(*one)) for one in pairs])
-        slopes = scale * np.array([[float(value) for value in curve.slopes(MotionState(*one))[:2]] for one in pairs])
-        return LawAnswer(torque, slopes[:, 0], slopes[:, 1] if self.needs_rate else None)
+        if rate is not None and self.needs_rate:
+            torque, slope = self._interpolated(rate)
+            return LawAnswer(scale * torque, np.zeros_like(x), scale * slope)
+        torque, slope = self._interpolated(x)
+        return LawAnswer(scale * torque, scale * slope)
+
+    def _interpolated(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Torques and slopes (N,) at twists or rates, by cubics through torques and slopes at some of them."""
+        curve, low, high = self.law.curve, float(values.min()), float(values.max())
+        inside = [float(one) for one in curve.corners() if low < float(one) < high]
+        places = np.unique([*np.linspace(low, high, PLACES).tolist(), *inside])
+        states = [MotionState(0.0, one) if self.needs_rate else MotionState(one) for one in places.tolist()]
+        torques = np.array([float(curve.torque(one.twist, one.rate)) for one in states])
+        slopes = np.array([float(curve.slopes(one)[int(self.needs_rate)]) for one in states])
+        if len(places) == 1:
+            return np.full(len(values), torques[0]), np.full(len(values), slopes[0])
+        from scipy.interpolate import CubicHermiteSpline
+
+        course = CubicHermiteSpline(places, torques, slopes)
+        return np.asarray(course(values)), np.asarray(course(values, 1))
 
 
 def force_of(owner: str, law: MotionLaw, spring_before: Callable[[], float], size: float) -> Force:
