@@ -33,6 +33,8 @@ WIDER = 1e-3
 """Share by which a branch is followed beyond the range, so that its ends are inside."""
 SAME = 1e-3
 """Share of a motion by which another may differ and still be the same one."""
+NEAR = 0.2
+"""Share of a motion by which one between two points of a branch may differ that may lead to it."""
 STARTS = tuple((size, phase) for size in (1.0, 3.0, 10.0) for phase in (1.0, -1.0, 1j, -1j))
 """Sizes and phases, over the motion with springs in place of the laws, of starts for branches that nothing joins."""
 
@@ -107,18 +109,20 @@ def _with_crossings(branch: MotionBranch) -> FoundBranch:
 def _known(found: list[FoundBranch], motion: PeriodicMotion) -> bool:
     """Whether a motion lies on a branch."""
     return any(
-        _alike(other.x, motion.x)
+        _alike(x, motion.x, NEAR)
+        and (other := one.problem.solve(motion.parameter, x)) is not None
+        and _alike(other.x, motion.x, SAME)
         for one in found
         if one.problem.subharmonics == motion.subharmonics
-        for other in one.branch.at(motion.parameter)
+        for x in one.branch.near(motion.parameter)
     )
 
 
-def _alike(first: ComplexArray, second: ComplexArray) -> bool:
-    """Whether two motions are the same but for a shift by periods of the torques."""
+def _alike(first: ComplexArray, second: ComplexArray, share: float) -> bool:
+    """Whether two motions differ by at most a share, but for a shift by periods of the torques."""
     count = max(len(first), len(second))
     a, b = (np.abs(fitted(one, count - 1)) for one in (first, second))
-    return bool(np.abs(a - b).max() <= SAME * b.max())
+    return bool(np.abs(a - b).max() <= share * b.max())
 
 
 def _both_ways(

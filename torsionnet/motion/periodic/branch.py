@@ -175,19 +175,17 @@ class MotionBranch:
 
     def at(self, parameter: float) -> list[PeriodicMotion]:
         """Motions of the branch at a parameter, with as many harmonics as they need, in the order of the branch."""
-        found = []
+        solved = (self.tracer.problem.solve(parameter, x) for x in self.near(parameter))
+        return [motion for motion in solved if motion is not None]
+
+    def near(self, parameter: float) -> Iterator[ComplexArray]:
+        """Yield the harmonics at a parameter, straight between points of the branch, in its order."""
         for before, after in pairwise(self.points):
-            inside = (before.p - parameter) * (after.p - parameter) < 0 or before.p == parameter
-            if not inside:
-                continue
-            share = (parameter - before.p) / (after.p - before.p) if after.p != before.p else 0.0
-            u = before.u + share * (after.u - before.u)
-            motion = self.tracer.problem.solve(parameter, unpacked(u, self.tracer.n_laws))
-            if motion is not None:
-                found.append(motion)
+            if (before.p - parameter) * (after.p - parameter) < 0 or before.p == parameter:
+                share = (parameter - before.p) / (after.p - before.p) if after.p != before.p else 0.0
+                yield unpacked(before.u + share * (after.u - before.u), self.tracer.n_laws)
         if self.points and self.points[-1].p == parameter:
-            found.append(self.tracer.motion(self.points[-1]))
-        return found
+            yield unpacked(self.points[-1].u, self.tracer.n_laws)
 
     def folds(self) -> list[Fold]:
         """Motions at which the branch folds back, located with as many harmonics as they need."""
