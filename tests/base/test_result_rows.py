@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import importlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,7 +12,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from torsionnet.app.cli.output import OUTPUTS
+from torsionnet.app.cli.output import OUTPUTS, output_kinds
 from torsionnet.base.conventions import Conventions
 from torsionnet.base.result_rows import NUMBER_ROWS, Out, json_schema, out_fields, to_json
 from torsionnet.base.table import Column, result_table
@@ -198,8 +197,6 @@ def declared(kind):
 @pytest.mark.parametrize("command", sorted(OUTPUTS))
 def test_a_column_in_hertz_has_a_key_in_hertz(command):
     """One declaration says both; they must not contradict each other."""
-    places = [one.split(":") for one in OUTPUTS[command].removeprefix("list[").removesuffix("]").split(" or ")]
-    kinds = [getattr(importlib.import_module(module), name) for module, names in places for name in names.split("|")]
-    fields = [one for kind in kinds if isinstance(kind, type) for one in declared(kind)]
+    fields = [one for kind in output_kinds(command) if isinstance(kind, type) for one in declared(kind)]
     wrong = [one.name for one in fields if one.key and one.out.unit == "Hz" and not one.key.endswith("_Hz")]
     assert wrong == []

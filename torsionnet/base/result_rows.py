@@ -83,10 +83,9 @@ class OutField(NamedTuple):
         """Key of the result field in JSON, None where JSON leaves it out."""
         return None if self.out.json is None else self.out.json or self.name.rpartition(".")[2]
 
-    @property
-    def schema(self) -> Schema:
+    def schema(self, without: Collection[str] = ()) -> Schema:
         """JSON Schema of the values of the result field; an optional field has no null, as its key is left out then."""
-        schema = self.out.schema or json_schema(self.type)
+        schema = self.out.schema or json_schema(self.type, without)
         choices: Any = schema.get("anyOf", [])
         return choices[0] if self.out.optional and choices[1:] == [{"type": "null"}] else schema
 
@@ -95,7 +94,8 @@ class OutField(NamedTuple):
 def out_fields(kind: type) -> tuple[OutField, ...]:
     """Fields of a result class in the order of JSON; of its properties those that are declared.
 
-    A class that holds more than it shows names what it shows in ``SHOWN``: fields and properties, in this order, and
+    A class that holds more than it shows names what it shows in ``SHOWN``: fields, properties and methods without
+    arguments, in this order, and
     with a dot those of a part, as ``"pattern.teeth"``, which are None where there is no part.
     """
     if names := getattr(kind, "SHOWN", ()):
@@ -112,10 +112,16 @@ def out_fields(kind: type) -> tuple[OutField, ...]:
     return tuple(found)
 
 
+def printed_fields(kind: type, without: Collection[str] = ()) -> list[OutField]:
+    """Fields of a result class that JSON has, but for those with these names."""
+    return [one for one in out_fields(kind) if one.key is not None and one.name not in without]
+
+
 def shown_value(result: object, name: str) -> Any:
     """Value of a field of a result; of a name with dots that of its part, None where there is no part."""
     for part in name.split("."):
-        result = None if result is None else getattr(result, part)
+        value = None if result is None else getattr(result, part)
+        result = value() if isinstance(value, types.MethodType) else value
     return result
 
 
@@ -132,9 +138,9 @@ def _annotation(kind: type, name: str) -> Any:
 
 
 def _returned(kind: type, name: str) -> Any:
-    """Type that a property, or a value kept once it is calculated, is declared to return."""
+    """Type that a property, a value kept once it is calculated, or a method is declared to return."""
     member: Any = getattr(kind, name)
-    getter = member.fget if isinstance(member, property) else member.func
+    getter = member.fget if isinstance(member, property) else getattr(member, "func", member)
     return get_type_hints(getter, include_extras=True).get("return")
 
 
@@ -151,17 +157,22 @@ def _declared(name: str, annotation: Any) -> OutField:
     return OutField(name, annotation, Out())
 
 
-def to_json(value: Any) -> Any:
-    """Plain data of a result: objects, lists, numbers; complex numbers as pairs of real and imaginary part."""
+def to_json(value: Any, without: Collection[str] = ()) -> Any:
+    """Plain data of a result: objects, lists, numbers; complex numbers as pairs of real and imaginary part.
+
+    Fields with names in ``without`` are left out, those of its parts too.
+    """
     if isinstance(value, Note):
         return str(value)
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        pairs = ((one, shown_value(value, one.name)) for one in out_fields(type(value)) if one.key is not None)
-        return {str(one.key): to_json(field) for one, field in pairs if not (one.out.optional and field is None)}
+        pairs = ((one, shown_value(value, one.name)) for one in printed_fields(type(value), without))
+        return {
+            str(one.key): to_json(field, without) for one, field in pairs if not (one.out.optional and field is None)
+        }
     if isinstance(value, Mapping):
-        return {key: to_json(one) for key, one in value.items()}
+        return {key: to_json(one, without) for key, one in value.items()}
     if isinstance(value, list | tuple):
-        return [to_json(one) for one in value]
+        return [to_json(one, without) for one in value]
     if isinstance(value, complex):
         return [value.real, value.imag]
     if hasattr(value, "tolist"):  # an array, or a number of numpy
@@ -179,8 +190,8 @@ def record_schema(properties: Mapping[str, Schema], optional: Collection[str] = 
     }
 
 
-def json_schema(kind: Any) -> Schema:
-    """JSON Schema of the JSON data that values of a type make.
+def json_schema(kind: Any, without: Collection[str] = ()) -> Schema:
+    """JSON Schema of the JSON data that values of a type make, without the fields with these names.
 
     A result class, a plain type, or tuples, lists and mappings of them.
 
@@ -200,11 +211,11 @@ def json_schema(kind: Any) -> Schema:
     match get_origin(kind):
         case origin if origin in (Union, types.UnionType):
             (inner,) = (one for one in arguments if one is not type(None))
-            return {"anyOf": [json_schema(inner), {"type": "null"}]}
+            return {"anyOf": [json_schema(inner, without), {"type": "null"}]}
         case origin if origin in (tuple, list):
-            return {"type": "array", "items": json_schema(arguments[0])}
+            return {"type": "array", "items": json_schema(arguments[0], without)}
         case origin if isinstance(origin, type) and issubclass(origin, Mapping):
-            return {"type": "object", "additionalProperties": json_schema(arguments[1])}
+            return {"type": "object", "additionalProperties": json_schema(arguments[1], without)}
         case origin if origin is Literal:
             return {"enum": list(arguments)}
         # NDArray is an alias of its own from numpy 2.5 on, before it was ndarray itself.
@@ -212,7 +223,7 @@ def json_schema(kind: Any) -> Schema:
             return NUMBERS
     if not dataclasses.is_dataclass(kind):
         raise TypeError(f"no JSON Schema is known of {kind}; give one by Out(schema=...)")
-    fields = [one for one in out_fields(kind) if one.key is not None]  # type: ignore[arg-type]
+    fields = printed_fields(kind, without)  # type: ignore[arg-type]
     return record_schema(
-        {str(one.key): one.schema for one in fields}, [str(one.key) for one in fields if one.out.optional]
+        {str(one.key): one.schema(without) for one in fields}, [str(one.key) for one in fields if one.out.optional]
     )

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from torsionnet.base.errors import UsageError
 from torsionnet.base.notes import NoteOrText
 from torsionnet.base.packages import NotebookResult
+from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Column, Table
 
 if TYPE_CHECKING:
@@ -69,19 +70,29 @@ class SteppedStiffness(NotebookResult):
     notes : tuple of str
     """
 
-    frequencies: FloatArray
+    SHOWN: ClassVar = (
+        "title", "notes", "frequencies", "amplitudes", "torque_amplitudes", "mean_twists", "mean_torques", "real",
+        "imaginary", "loss_factors", "distortion",
+    )  # fmt: skip
+
+    frequencies: Annotated[FloatArray, Out(json="frequency_Hz")]
     twists: NDArray[np.complex128]
     torques: NDArray[np.complex128]
-    mean_twists: FloatArray
-    mean_torques: FloatArray
-    distortion: FloatArray
+    mean_twists: Annotated[FloatArray, Out(json="mean_twist_rad")]
+    mean_torques: Annotated[FloatArray, Out(json="mean_torque_Nm")]
+    distortion: Annotated[FloatArray, Out(json="other_harmonics")]
     title: str = ""
     notes: tuple[NoteOrText, ...] = ()
 
     @property
-    def amplitudes(self) -> FloatArray:
+    def amplitudes(self) -> Annotated[FloatArray, Out(json="amplitude_rad")]:
         """Amplitudes of the twist in rad, shape (n,)."""
         return np.asarray(np.abs(self.twists))
+
+    @property
+    def torque_amplitudes(self) -> Annotated[FloatArray, Out(json="torque_amplitude_Nm")]:
+        """Amplitudes of the torque in N m, shape (n,)."""
+        return np.asarray(np.abs(self.torques))
 
     @property
     def stiffness(self) -> NDArray[np.complex128]:
@@ -89,13 +100,23 @@ class SteppedStiffness(NotebookResult):
         return np.asarray(self.torques / self.twists)
 
     @property
-    def loss_factors(self) -> FloatArray:
+    def real(self) -> Annotated[FloatArray, Out(json="k1_Nm_per_rad")]:
+        """Stiffness k' in N m/rad, shape (n,)."""
+        return self.stiffness.real
+
+    @property
+    def imaginary(self) -> Annotated[FloatArray, Out(json="k2_Nm_per_rad")]:
+        """Part k'' of the stiffness in N m/rad, a quarter period ahead of the twist, shape (n,)."""
+        return self.stiffness.imag
+
+    @property
+    def loss_factors(self) -> Annotated[FloatArray, Out(json="eta_1")]:
         """Loss factors eta_1 = k''/k', shape (n,)."""
-        return _quotient(self.stiffness.imag, self.stiffness.real)
+        return _quotient(self.imaginary, self.real)
 
     def backbone(self, inertia: float) -> FloatArray:
         """Frequencies sqrt(k'(a)/J)/(2 pi) in Hz at which an inertia in kg m^2 on the element resonates, shape (n,)."""
-        return np.asarray(np.sqrt(np.maximum(self.stiffness.real, 0.0) / inertia) / (2 * np.pi))
+        return np.asarray(np.sqrt(np.maximum(self.real, 0.0) / inertia) / (2 * np.pi))
 
     def model_stiffness(self, drivetrain: HasElements, element: str) -> NDArray[np.complex128]:
         """Stiffness k' + j k'' in N m/rad of an element of a model at the same amplitudes and means, shape (n,).
@@ -132,10 +153,10 @@ class SteppedStiffness(NotebookResult):
         data = (
             self.frequencies,
             np.rad2deg(self.amplitudes),
-            np.abs(self.torques),
+            self.torque_amplitudes,
             self.mean_torques,
-            self.stiffness.real,
-            self.stiffness.imag,
+            self.real,
+            self.imaginary,
             self.loss_factors,
             self.distortion,
         )

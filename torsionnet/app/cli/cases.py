@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from torsionnet.app.cli.command import Command
 from torsionnet.app.cli.options import SETTINGS, WrongUsage, argument, load_model, option
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
 
 Result = TypeVar("Result")
+Entry = TypeVar("Entry")
 CONFIGURATIONS_NAMED = 12
 """Number of configurations that a note names before it ends in "...", about two lines of a terminal."""
 
@@ -27,6 +28,22 @@ class ConfiguredCase:
 
     configuration: str
     drivetrain: Drivetrain
+
+    def data(self, result: object, without: Collection[str] = ()) -> dict[str, Any]:
+        """JSON data of a result of the case, without the fields with these names, with its configuration."""
+        from torsionnet.base.result_rows import to_json
+
+        return with_configuration(to_json(result, without), self.configuration)
+
+
+def with_configuration(entries: Mapping[str, Entry], configuration: Entry) -> dict[str, Entry]:
+    """Entries of a result by key, with that of its configuration behind the title, or first where it has none.
+
+    >>> list(with_configuration({"title": "rig", "modes": ()}, "V"))
+    ['title', 'configuration', 'modes']
+    """
+    title = {key: entries[key] for key in ("title",) if key in entries}
+    return {**title, "configuration": configuration, **entries}
 
 
 class ModelCommand(Command):

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
-from torsionnet.app.cli.cases import ConfiguredCase
 from torsionnet.base.conventions import Conventions
 from torsionnet.base.equal_remarks import collected_warnings
 from torsionnet.base.errors import UsageError
@@ -23,6 +22,8 @@ from torsionnet.linear.responses.grid import RANGE_BELOW, Peak, Solver, peaks, s
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from torsionnet.app.cli.cases import ConfiguredCase
 
 
 @dataclass(frozen=True)
@@ -104,8 +105,11 @@ def full_table(response: FrequencyResponse, shown: DisplayUnits) -> Table:
 
 
 @dataclass(frozen=True, eq=False)
-class CurveRow:
-    """Complex transfer function of one output to one input in the angle unit chosen, at all frequencies."""
+class ResponseCurve:
+    """Complex transfer function of one output to one input in the angle unit chosen, at all frequencies.
+
+    Calculated ones have their static value and peaks, estimated ones their coherence.
+    """
 
     output: str
     input: str
@@ -113,78 +117,54 @@ class CurveRow:
     unit: str
     real: FloatArray
     imag: FloatArray
+    coherence: FloatArray | None = None
+    static: Annotated[complex, Out(after="unit")] = math.nan
+    peaks: Annotated[tuple[Peak, ...], Out(after="static")] = ()
 
 
 @dataclass(frozen=True, eq=False)
-class SolvedCurveRow(CurveRow):
-    """Calculated transfer function of one output to one input: static value, peaks, values at all frequencies."""
-
-    static: Annotated[complex, Out(after="unit")]
-    peaks: Annotated[tuple[Peak, ...], Out(after="static")]
-
-
-@dataclass(frozen=True, eq=False)
-class EstimatedCurveRow(CurveRow):
-    """Estimated transfer function of one output to one input, with its coherence."""
-
-    coherence: FloatArray | None
-
-
-@dataclass(frozen=True, eq=False)
-class ResponsesRecord:
-    """Frequency responses of one configuration, as ``torsionnet frf --json`` prints them."""
-
-    title: str
-    configuration: str
-    notes: tuple[NoteOrText, ...]
-    frequencies: Annotated[FloatArray, Out(json="frequencies_Hz")]
-    responses: tuple[SolvedCurveRow, ...]
-
-
-@dataclass(frozen=True, eq=False)
-class EstimateRecord:
-    """Estimated frequency responses, as ``torsionnet estimate --json`` prints them."""
+class ResponseCurves:
+    """Frequency response in the angle unit chosen, curve by curve."""
 
     title: str
     notes: tuple[NoteOrText, ...]
     usable_up_to: Annotated[float | None, Out(json="usable_up_to_Hz")]
     frequencies: Annotated[FloatArray, Out(json="frequencies_Hz")]
-    responses: tuple[EstimatedCurveRow, ...]
+    responses: tuple[ResponseCurve, ...]
 
 
-def responses_record(
-    case: ConfiguredCase, response: FrequencyResponse, solve: Solver, conventions: Conventions
-) -> ResponsesRecord:
-    """Record of a calculated response for JSON, with complex values in the angle unit chosen, and peaks."""
-    rows = []
-    for o, i, _ in output_input_pairs(response):
+OF_ESTIMATES, OF_SOLVERS = ("usable_up_to", "coherence"), ("static", "peaks")
+"""Fields of curves that only estimates have, and only calculated responses: JSON of the others leaves them out."""
+
+
+def solved_curves(response: FrequencyResponse, solve: Solver, conventions: Conventions) -> ResponseCurves:
+    """Curves of a calculated response with static values and peaks, in the angle unit chosen."""
+    curves = []
+    for (o, i, _), curve in zip(output_input_pairs(response), _curves(response, conventions), strict=True):
         scale = response.scale(conventions, o, i)
-        found = tuple(replace(peak, magnitude=peak.magnitude * scale) for peak in peaks(response, solve, o, i))
-        static = static_value(solve, o, i) * scale
-        rows.append(SolvedCurveRow(**vars(_curve(response, conventions, o, i)), static=static, peaks=found))
-    notes = (*_notes(response, solve), SIGN_NOTE)
-    return ResponsesRecord(response.title, case.configuration, notes, response.frequencies, tuple(rows))
-
-
-def estimated_responses_record(response: FrequencyResponse, conventions: Conventions) -> EstimateRecord:
-    """Record of an estimated response for JSON with complex values in the angle unit chosen, and coherence."""
-    coherence = response.coherence
-    rows = tuple(
-        EstimatedCurveRow(
-            **vars(_curve(response, conventions, o, i)), coherence=None if coherence is None else coherence[:, o, i]
-        )
-        for o, i, _ in output_input_pairs(response)
+        scaled = tuple(replace(peak, magnitude=peak.magnitude * scale) for peak in peaks(response, solve, o, i))
+        curves.append(replace(curve, static=static_value(solve, o, i) * scale, peaks=scaled))
+    return ResponseCurves(
+        response.title, (*_notes(response, solve), SIGN_NOTE), None, response.frequencies, tuple(curves)
     )
-    return EstimateRecord(response.title, response.notes, response.usable_up_to, response.frequencies, rows)
 
 
-def _curve(response: FrequencyResponse, conventions: Conventions, o: int, i: int) -> CurveRow:
-    # Part by part: infinite values at a free turn times a complex scale are no numbers.
-    values, scale = response.values[:, o, i], response.scale(conventions, o, i)
-    names = response.outputs[o].name, response.inputs[i].name
-    return CurveRow(
-        *names, response.kind(o, i), response.unit(o, i, conventions), values.real * scale, values.imag * scale
-    )
+def estimated_curves(response: FrequencyResponse, conventions: Conventions) -> ResponseCurves:
+    """Curves of an estimated response with their coherence, in the angle unit chosen."""
+    curves = tuple(_curves(response, conventions))
+    return ResponseCurves(response.title, response.notes, response.usable_up_to, response.frequencies, curves)
+
+
+def _curves(response: FrequencyResponse, conventions: Conventions) -> Iterator[ResponseCurve]:
+    for o, i, _ in output_input_pairs(response):
+        # Part by part: infinite values at a free turn times a complex scale are no numbers.
+        values, scale = response.values[:, o, i], response.scale(conventions, o, i)
+        names = response.outputs[o].name, response.inputs[i].name
+        coherence = None if response.coherence is None else response.coherence[:, o, i]
+        yield ResponseCurve(
+            *names, response.kind(o, i), response.unit(o, i, conventions),
+            values.real * scale, values.imag * scale, coherence,
+        )  # fmt: skip
 
 
 # Frequencies of a response from the command line: a list, a range, or a range chosen from the modes.

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib import import_module
-from typing import Annotated, Any
+from typing import Annotated, Any, cast
 
+from torsionnet.app.cli.cases import with_configuration
 from torsionnet.base.entries.spec import Schema
 from torsionnet.base.result_rows import NUMBER, Out, json_schema, out_fields, record_schema, to_json
 from torsionnet.drivetrain import Drivetrain
@@ -17,13 +19,6 @@ from torsionnet.study.study import Study
 from torsionnet.study.study_result import StatisticsRecord
 
 # Equations of motion, matrices and transfer functions as plain data, for JSON.
-
-
-@dataclass(frozen=True)
-class Configured:
-    """Name of the configuration that a record is of; empty for the model as written."""
-
-    configuration: str
 
 
 @dataclass(frozen=True)
@@ -39,20 +34,14 @@ class EquationsOfMotion:
     stiffness: Annotated[list[list[str]], Out(json="K")]
 
 
-@dataclass(frozen=True)
-class ConfiguredMotion(EquationsOfMotion, Configured):
-    """Equations of motion of one configuration, as ``torsionnet equations --json`` prints them."""
-
-
 SIMPLIFICATION_ERRORS = record_schema(dict.fromkeys(("omega", "zeta", "decibels"), NUMBER))
 """JSON Schema of the errors of a simplified drivetrain, relative ones and that of magnitudes in dB."""
 
 
 @dataclass(frozen=True)
-class TransferFunctionRecord:
+class WrittenTransferFunction:
     """Transfer function as text, as ``torsionnet equations --tf --json`` prints it, and what was left out of it."""
 
-    configuration: str
     transfer_function: str
     text: str
     left_out: Annotated[tuple[str, ...] | None, Out(optional=True)] = None
@@ -174,7 +163,7 @@ def study_json(study: Study, answered: AnsweredStudy) -> dict[str, Any]:
 def study_schema() -> Schema:
     """JSON Schema of the data of a study that :func:`study_json` returns."""
     fields = (*out_fields(StatisticsRecord), *out_fields(StudyRecord))
-    properties = {str(one.key): one.schema for one in fields}
+    properties = {str(one.key): one.schema() for one in fields}
     return record_schema(properties, optional=properties.keys() - {"title", "answers"})
 
 
@@ -186,22 +175,24 @@ OUTPUTS: dict[str, str] = {
     "calibrate-wheel": "torsionnet.signals.rotation.calibration_result:WheelCalibration",
     "campaign": "torsionnet.bench.campaign.campaign_result:CampaignResult",
     "check": "list[torsionnet.base.fault_rows:CheckRecord]",
-    "compare": "torsionnet.app.cli.commands.compare:ComparisonRecord or torsionnet.app.cli.stepped:SteppedComparison",
+    "compare": "torsionnet.app.cli.commands.compare:ComparedCurves or torsionnet.app.cli.stepped:SteppedComparison "
+    "without static, peaks",
     "clocks": "torsionnet.signals.rotation.clock_drift:ClockDrift",
     "critical-speeds": "list[torsionnet.machinery.criticals.critical_speeds:CriticalSpeeds]",
     "damper": "list[torsionnet.machinery.design.damper_optimum:DamperOptimum]",
     "damping": "torsionnet.modal.operational.operational_modes:OperationalModes",
-    "equations": "list[torsionnet.app.cli.output:ConfiguredMotion|TransferFunctionRecord]",
-    "estimate": "torsionnet.app.cli.frf_output:EstimateRecord or torsionnet.app.cli.stepped:SteppedRecord",
+    "equations": "configured[torsionnet.app.cli.output:EquationsOfMotion|WrittenTransferFunction]",
+    "estimate": "torsionnet.app.cli.frf_output:ResponseCurves or torsionnet.signals.stepped_levels:SteppedStiffness "
+    "without static, peaks",
     "fit": "torsionnet.identification.ranking:FitAnswer|Ranking",
-    "frf": "list[torsionnet.app.cli.frf_output:ResponsesRecord]",
+    "frf": "configured[torsionnet.app.cli.frf_output:ResponseCurves without usable_up_to, coherence]",
     "holzer": "list[torsionnet.machinery.holzer.holzer_table:HolzerTable]",
     "identify-modes": "torsionnet.modal.modal_estimate:ModalEstimate",
     "library": "list[torsionnet.app.cli.commands.model_files:LibraryFile]",
     "limits": "list[torsionnet.machinery.verdicts.limit_conclusion:ConcludedCheck]",
     "loops": "torsionnet.signals.torque_loops.loop_result:TorqueLoops",
-    "margins": "list[torsionnet.linear.responses.loop_margins:MarginsRecord]",
-    "modes": "list[torsionnet.linear.modes.modes:ModesRecord]",
+    "margins": "configured[torsionnet.linear.responses.loop_margins:LoopMargins]",
+    "modes": "configured[torsionnet.linear.modes.modes:Modes]",
     "orders": "list[torsionnet.machinery.orders.orders_record:OrdersRecord]",
     "periodic": "list[torsionnet.motion.periodic.periodic_result:PeriodicRecord]",
     "sensitivity": "list[torsionnet.linear.sensitivity.sensitivities_of_modes:SensitivityRecord]",
@@ -213,20 +204,39 @@ OUTPUTS: dict[str, str] = {
     "track": "list[torsionnet.signals.orders.tracked_orders:TrackedOrders]",
 }
 """Module and class of what each command prints with ``--json``, by command; list[...] has one for each
-configuration, "or" and "|" part what options choose from, in several modules or in one."""
+configuration, configured[...] also puts its name in; "or" and "|" part what options choose from, in several modules or
+in one; fields behind "without" are left out."""
+WRITTEN = re.compile(r"(?:(?P<each>list|configured)\[)?(?P<places>.*?)(?: without (?P<without>[^]]*))?\]?")
+"""Form of a line of ``OUTPUTS``."""
+
+
+def output_kinds(command: str) -> list[type | Callable[[], Schema]]:
+    """Classes of what a command prints with ``--json``, or functions that return its schema."""
+    places = [place.split(":") for place in _written(command)["places"].split(" or ")]
+    return [getattr(import_module(module), name) for module, names in places for name in names.split("|")]
+
+
+def _written(command: str) -> Mapping[str, str]:
+    written = WRITTEN.fullmatch(OUTPUTS[command])
+    assert written
+    return written.groupdict("")
 
 
 def output_schema(command: str) -> Schema:
     """JSON Schema of what a command prints with ``--json``."""
-    place = OUTPUTS[command]
-    places = [one.split(":") for one in place.removeprefix("list[").removesuffix("]").split(" or ")]
-    schemas = [_schema(getattr(import_module(module), name)) for module, names in places for name in names.split("|")]
-    one: Schema = schemas[0] if len(schemas) == 1 else {"anyOf": schemas}
-    return {"type": "array", "items": one} if place.startswith("list[") else one
+    written, kinds = _written(command), output_kinds(command)
+    without = written["without"].split(", ")
+    schemas = [json_schema(kind, without) if isinstance(kind, type) else kind() for kind in kinds]
+    if written["each"] == "configured":
+        schemas = [_configured(schema) for schema in schemas]
+    schema: Schema = schemas[0] if len(schemas) == 1 else {"anyOf": schemas}
+    return {"type": "array", "items": schema} if written["each"] else schema
 
 
-def _schema(found: type | Callable[[], Schema]) -> Schema:
-    return json_schema(found) if isinstance(found, type) else found()
+def _configured(schema: Schema) -> Schema:
+    """JSON Schema of a result into which the name of its configuration is put."""
+    properties, required = cast("dict[str, Schema]", schema["properties"]), cast("list[str]", schema["required"])
+    return record_schema(with_configuration(properties, json_schema(str)), properties.keys() - set(required))
 
 
 def output_schema_text(command: str) -> str:

@@ -3,63 +3,43 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any
-
-import numpy as np
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from torsionnet.app.cli.command import Answer
 from torsionnet.app.cli.options import WrongUsage
 from torsionnet.app.cli.record_options import RecordReading
-from torsionnet.base.notes import NoteOrText
 from torsionnet.base.result_rows import Out
-from torsionnet.linear.frequency_response import FloatArray
+from torsionnet.linear.frequency_response import ComplexArray, FloatArray
+from torsionnet.signals.stepped_levels import SteppedStiffness
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
-    from torsionnet.signals.stepped_levels import SteppedStiffness
 
 
 @dataclass(frozen=True, eq=False)
-class SteppedRecord:
-    """First harmonics at the steps of a sine test, as ``torsionnet estimate --stepped --json`` prints them."""
+class SteppedComparison:
+    """Steps of a sine test beside an element of a model, as ``torsionnet compare --stepped --json`` prints them."""
 
-    title: str
-    notes: tuple[NoteOrText, ...]
-    frequencies: Annotated[FloatArray, Out(json="frequency_Hz")]
-    amplitudes: Annotated[FloatArray, Out(json="amplitude_rad")]
-    torque_amplitudes: Annotated[FloatArray, Out(json="torque_amplitude_Nm")]
-    mean_twists: Annotated[FloatArray, Out(json="mean_twist_rad")]
-    mean_torques: Annotated[FloatArray, Out(json="mean_torque_Nm")]
-    real: Annotated[FloatArray, Out(json="k1_Nm_per_rad")]
-    imaginary: Annotated[FloatArray, Out(json="k2_Nm_per_rad")]
-    loss_factors: Annotated[FloatArray, Out(json="eta_1")]
-    other_harmonics: FloatArray
+    SHOWN: ClassVar = (
+        *(f"steps.{name}" for name in SteppedStiffness.SHOWN),
+        "element",
+        "model_real",
+        "model_imaginary",
+    )
 
-
-@dataclass(frozen=True, eq=False)
-class SteppedComparison(SteppedRecord):
-    """Steps of a sine test beside a model, as ``torsionnet compare --stepped --json`` prints them."""
-
+    steps: SteppedStiffness
     element: str
-    model_real: Annotated[FloatArray, Out(json="model_k1_Nm_per_rad")]
-    model_imaginary: Annotated[FloatArray, Out(json="model_k2_Nm_per_rad")]
+    model: ComplexArray
 
+    @property
+    def model_real(self) -> Annotated[FloatArray, Out(json="model_k1_Nm_per_rad")]:
+        """Stiffness k' of the model's element at each step in N m/rad, shape (n,)."""
+        return self.model.real
 
-def _fields(found: SteppedStiffness) -> dict[str, Any]:
-    """Fields of a record of steps."""
-    return {
-        "title": found.title,
-        "notes": found.notes,
-        "frequencies": found.frequencies,
-        "amplitudes": found.amplitudes,
-        "torque_amplitudes": np.abs(found.torques),
-        "mean_twists": found.mean_twists,
-        "mean_torques": found.mean_torques,
-        "real": found.stiffness.real,
-        "imaginary": found.stiffness.imag,
-        "loss_factors": found.loss_factors,
-        "other_harmonics": found.distortion,
-    }
+    @property
+    def model_imaginary(self) -> Annotated[FloatArray, Out(json="model_k2_Nm_per_rad")]:
+        """Part k'' of the model's element at each step in N m/rad, shape (n,)."""
+        return self.model.imag
 
 
 def stepped_answer(record: str, reading: RecordReading, outputs: tuple[str, ...], inputs: tuple[str, ...]) -> Answer:
@@ -67,7 +47,7 @@ def stepped_answer(record: str, reading: RecordReading, outputs: tuple[str, ...]
     found = _found(record, reading, outputs, inputs)
     return Answer(
         screen=lambda: [found.table()],
-        data=lambda: SteppedRecord(**_fields(found)),
+        data=lambda: found,
         csv=lambda: [("", found.table())],
         figures=lambda _: [("", _figure(found, None))],
     )
@@ -82,9 +62,7 @@ def stepped_comparison(
     table, model = found.compared(drivetrain, element), found.model_stiffness(drivetrain, element)
     return Answer(
         screen=lambda: [table],
-        data=lambda: SteppedComparison(
-            **_fields(found), element=element, model_real=model.real, model_imaginary=model.imag
-        ),
+        data=lambda: SteppedComparison(found, element, model),
         csv=lambda: [("", table)],
         figures=lambda _: [("", _figure(found, model))],
     )

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, TypeAlias
+from typing import TYPE_CHECKING, Annotated, ClassVar, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -79,18 +79,6 @@ MODE_COLUMNS = (
 )  # fmt: skip
 
 
-@dataclass(frozen=True, eq=False)
-class ModesRecord:
-    """Modes of one configuration in Hz (eigenvalues in rad/s), as ``torsionnet modes --json`` prints them."""
-
-    title: str
-    configuration: str
-    notes: tuple[str, ...]
-    undamped_natural_frequencies: Annotated[FloatArray, Out(json="undamped_natural_frequencies_Hz")]
-    nodes: tuple[str, ...]
-    modes: tuple[ModeRow, ...]
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class Modes(SavedResult):
     """Complex modes of a drivetrain, one per conjugate pair, real pole or rigid-body mode, sorted by ``|lambda|``.
@@ -130,11 +118,13 @@ class Modes(SavedResult):
     (2, 7.105, 0.2227)
     """
 
+    SHOWN: ClassVar = ("title", "notes", "undamped_natural_frequencies", "nodes", "rows")
+
     eigenvalues: ComplexArray
     kinds: tuple[str, ...]
     nodes: tuple[str, ...]
     shapes: ComplexArray
-    undamped_natural_frequencies: FloatArray
+    undamped_natural_frequencies: Annotated[FloatArray, Out(json="undamped_natural_frequencies_Hz")]
     elements: tuple[str, ...]
     kinetic: FloatArray
     strain: FloatArray
@@ -218,7 +208,7 @@ class Modes(SavedResult):
         )
         return result_table(self.title, self.rows(), ModeRow, MODE_COLUMNS, conventions, notes)
 
-    def rows(self) -> tuple[ModeRow, ...]:
+    def rows(self) -> Annotated[tuple[ModeRow, ...], Out(json="modes")]:
         """Modes as plain data, a record for each by rising ``|lambda|``, frequencies in Hz, eigenvalues in rad/s."""
         return tuple(
             ModeRow(
@@ -234,12 +224,6 @@ class Modes(SavedResult):
                 {name: EnergyShares(*parts) for name, parts in self.energy_shares(index).items()},
             )
             for index, value in enumerate(self.eigenvalues)
-        )
-
-    def record(self, configuration: str = "") -> ModesRecord:
-        """Modes of one configuration as plain data for JSON, frequencies in Hz, eigenvalues in rad/s."""
-        return ModesRecord(
-            self.title, configuration, self.notes, self.undamped_natural_frequencies, self.nodes, self.rows()
         )
 
     def shape_table(self) -> Table:

@@ -39,21 +39,6 @@ class Margin:
     frequency: Annotated[float, Out(json="frequency_Hz")] = math.nan
 
 
-@dataclass(frozen=True)
-class MarginsRecord:
-    """Stability margins (deg, s) of one configuration, as ``torsionnet margins --json`` prints them."""
-
-    title: str
-    configuration: str
-    controller: str
-    stable: bool
-    gain_increase: Margin
-    gain_decrease: Margin
-    phase: Annotated[Margin, Out(json="phase_deg")]
-    delay: Annotated[Margin, Out(json="delay_s")]
-    modulus: Margin
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class LoopMargins(SavedResult):
     """Open loop L(j omega), without unit, at a controller's torque, all other loops closed, and its stability margins.
@@ -83,6 +68,9 @@ class LoopMargins(SavedResult):
     """
 
     picture: ClassVar[str] = "nyquist"
+    SHOWN: ClassVar = (
+        "title", "controller", "stable", "gain_increase", "gain_decrease", "phase", "delay", "modulus",
+    )  # fmt: skip
 
     controller: str
     frequencies: NDArray[np.float64]
@@ -90,17 +78,10 @@ class LoopMargins(SavedResult):
     stable: bool
     gain_increase: Margin
     gain_decrease: Margin
-    phase: Margin
-    delay: Margin
+    phase: Annotated[Margin, Out(json="phase_deg")]
+    delay: Annotated[Margin, Out(json="delay_s")]
     modulus: Margin
     title: str = ""
-
-    def record(self, configuration: str = "") -> MarginsRecord:
-        """Stability margins of one configuration as plain data for JSON, phase in degrees, delay in s."""
-        return MarginsRecord(
-            self.title, configuration, self.controller, self.stable, self.gain_increase, self.gain_decrease,
-            self.phase, self.delay, self.modulus,
-        )  # fmt: skip
 
     def table(self) -> Table:
         """Table of stability margins of a loop, if unstable of changes to a pole on the axis, and frequencies in Hz."""

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Annotated
 
 from torsionnet.app.cli.cases import ModelCommand
 from torsionnet.app.cli.command import TABLE, Answer
-from torsionnet.app.cli.frf_output import EstimateRecord, estimated_responses_record
+from torsionnet.app.cli.frf_output import OF_SOLVERS, ResponseCurves, estimated_curves
 from torsionnet.app.cli.options import ALIGN, ANGLE, DRIVEN_BY, STEPPED, USABLE_BAND, option
 from torsionnet.app.cli.record_options import Averaging, Estimator, RecordCommand
 from torsionnet.base.notes import NoteOrText
-from torsionnet.base.result_rows import Out
+from torsionnet.base.result_rows import Out, to_json
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.signals.comparison import AgreementNumber, agreement, agreement_numbers, difference
 
@@ -23,26 +23,26 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class ComparisonRecord:
-    """Record of a test and of the model's response, as ``torsionnet compare --json`` prints it.
+class ComparedCurves:
+    """Curves of a test and of the model's response, as ``torsionnet compare --json`` prints them.
 
     Differences are test - model.
     """
 
-    test: EstimateRecord
-    model: EstimateRecord
+    test: ResponseCurves
+    model: ResponseCurves
     decibels: Annotated[FloatArray, Out(json="difference_dB")]
     degrees: Annotated[FloatArray, Out(json="difference_deg")]
     summary: tuple[AgreementNumber, ...]
     notes: tuple[NoteOrText, ...]
 
 
-def comparison_record(test: FrequencyResponse, model: FrequencyResponse, conventions: Conventions) -> ComparisonRecord:
-    """Record of a test and of the model's response as plain data for JSON, in the angle unit chosen."""
+def compared_curves(test: FrequencyResponse, model: FrequencyResponse, conventions: Conventions) -> ComparedCurves:
+    """Curves of a test and of the model's response, in the angle unit chosen."""
     apart = difference(test, model)
-    return ComparisonRecord(
-        estimated_responses_record(test, conventions),
-        estimated_responses_record(model, conventions),
+    return ComparedCurves(
+        estimated_curves(test, conventions),
+        estimated_curves(model, conventions),
         apart.decibels[:, 0, 0],
         apart.degrees[:, 0, 0],
         agreement_numbers(test, model, conventions),
@@ -103,7 +103,7 @@ class CompareCommand(ModelCommand, RecordCommand):
         conventions = Conventions(angle=self.angle)
         return Answer(
             screen=lambda: [agreement(test, calculated, conventions)],
-            data=lambda: comparison_record(test, calculated, conventions),
+            data=lambda: to_json(compared_curves(test, calculated, conventions), OF_SOLVERS),
             csv=lambda: [("", _full(test, calculated, conventions))],
             figures=lambda plot: [("", plot.comparison(test, calculated, conventions=conventions))],
         )

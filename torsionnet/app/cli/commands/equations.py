@@ -6,7 +6,6 @@ Also texts and tables of equations and matrices for ``torsionnet show``.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -15,8 +14,8 @@ from torsionnet.app.cli.cases import ConfiguredCase, ModelCommand
 from torsionnet.app.cli.command import JSON, Answer
 from torsionnet.app.cli.options import SIMPLIFY, EntryOption, WrongUsage, band_option, option
 from torsionnet.app.cli.output import (
-    ConfiguredMotion,
-    TransferFunctionRecord,
+    EquationsOfMotion,
+    WrittenTransferFunction,
     dependent_angles,
     equations_of_motion,
     matrix_rows,
@@ -64,7 +63,8 @@ class EquationsCommand(ModelCommand):
         self._refuse_what_would_be_ignored()
         cases = self.cases()
         return Answer(
-            screen=lambda: self._parts(cases), data=lambda: [found for case in cases for found in self._records(case)]
+            screen=lambda: self._parts(cases),
+            data=lambda: [case.data(found) for case in cases for found in self._results(case)],
         )
 
     def _refuse_what_would_be_ignored(self) -> None:
@@ -100,14 +100,13 @@ class EquationsCommand(ModelCommand):
                     yield f"{mark}error {low:g} to {high:g} Hz: {short.errors}"
                 yield self._written(found)
 
-    def _records(self, case: ConfiguredCase) -> Iterator[ConfiguredMotion | TransferFunctionRecord]:
+    def _results(self, case: ConfiguredCase) -> Iterator[EquationsOfMotion | WrittenTransferFunction]:
         if not self.pairs:
-            motion = equations_of_motion(case.drivetrain)
-            yield ConfiguredMotion(case.configuration, *(getattr(motion, one.name) for one in fields(motion)))
+            yield equations_of_motion(case.drivetrain)
         for pair in self.pairs:
             found, short = self._found(case.drivetrain, pair)
             more = (short.changes, short.band, short.errors) if short is not None else ()
-            yield TransferFunctionRecord(case.configuration, str(pair), self._written(found), *more)
+            yield WrittenTransferFunction(str(pair), self._written(found), *more)
 
     def _found(self, rig: Drivetrain, pair: Pair) -> tuple[TransferFunction, Simplified | None]:
         symbolic = rig.symbolic()

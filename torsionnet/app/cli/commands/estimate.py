@@ -9,6 +9,7 @@ from torsionnet.app.cli.options import ALIGN, ANGLE, STEPPED, WrongUsage, file_o
 from torsionnet.app.cli.record_options import Averaging, EstimateArguments, Estimator, RecordReading
 from torsionnet.app.cli.terminal import print_warnings
 from torsionnet.base.notes import is_warning
+from torsionnet.base.result_rows import to_json
 
 if TYPE_CHECKING:
     from torsionnet.base.conventions import Conventions
@@ -38,7 +39,7 @@ class EstimateCommand(EstimateArguments):
     output_file: str | None = file_option("Write the response: UFF58, MAT, NPZ or CSV.", RESPONSE_ENDINGS)
 
     def answer(self) -> Answer:
-        from torsionnet.app.cli.frf_output import estimated_responses_record
+        from torsionnet.app.cli.frf_output import OF_SOLVERS, estimated_curves
         from torsionnet.base.conventions import Conventions
         from torsionnet.io import write_frequency_response
 
@@ -61,7 +62,7 @@ class EstimateCommand(EstimateArguments):
         conventions = Conventions(angle=self.angle)
         return Answer(
             screen=lambda: [peak_table(response, conventions)],
-            data=lambda: estimated_responses_record(response, conventions),
+            data=lambda: to_json(estimated_curves(response, conventions), OF_SOLVERS),
             csv=lambda: [("", response.table(conventions))],
             files=[(self.output_file, lambda file: write_frequency_response(response, file))],
             figures=lambda plot: [("", plot.bode(response, conventions=conventions))],

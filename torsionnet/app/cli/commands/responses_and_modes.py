@@ -93,7 +93,7 @@ class ModesCommand(ModelCommand):
             screen=lambda: separated_by_lines(
                 part for pair in zip(results, tables, strict=True) for part in self.parts(*pair)
             ),
-            data=lambda: [modes.record(case.configuration) for case, modes in pairs],
+            data=lambda: [case.data(modes) for case, modes in pairs],
             csv=lambda: [("", self.combined_table(cases, tables))],
             # overlaid the shapes of several configurations could not be told apart
             figures=lambda plot: [
@@ -171,7 +171,7 @@ class MarginsCommand(ModelCommand):
         pairs = list(zip(cases, found, strict=True))
         return Answer(
             screen=lambda: separated_by_lines(tables),
-            data=lambda: [margins.record(case.configuration) for case, margins in pairs],
+            data=lambda: [case.data(margins) for case, margins in pairs],
             csv=lambda: [("", self.combined_table(cases, tables))],
             figures=lambda plot: [(case.configuration, plot.nyquist(one)) for case, one in pairs],
         )
@@ -326,7 +326,14 @@ class FrfCommand(ModelCommand):
 
     def answer(self) -> Answer:
         cases = self.cases()
-        from torsionnet.app.cli.frf_output import DisplayUnits, Sampling, full_table, peak_table, responses_record
+        from torsionnet.app.cli.frf_output import (
+            OF_ESTIMATES,
+            DisplayUnits,
+            Sampling,
+            full_table,
+            peak_table,
+            solved_curves,
+        )
         from torsionnet.base.conventions import Conventions
 
         shown = DisplayUnits(Conventions(angle=self.angle, frequency=self.frequency_unit), self.decibels)
@@ -343,7 +350,10 @@ class FrfCommand(ModelCommand):
 
         return Answer(
             screen=lambda: [self.combined_table(cases, full() if self.full else brief())],
-            data=lambda: [responses_record(*trio, shown.conventions) for trio in trios],
+            data=lambda: [
+                case.data(solved_curves(response, solve, shown.conventions), OF_ESTIMATES)
+                for case, response, solve in trios
+            ],
             csv=lambda: [("", self.combined_table(cases, full()))],
             figures=lambda plot: [("", plot.bode(responses, conventions=shown.conventions, decibels=self.decibels))],
         )
