@@ -22,8 +22,8 @@ from pathlib import Path
 import torsionnet as tn
 from benchmarks._sizes import ARGUMENTS, SHORT, sized
 from torsionnet.study.quantities.response import ResponseQuantity
-from torsionnet.study.run.calculating import ChunkWork
-from torsionnet.study.run.chunk_files import chunk_file
+from torsionnet.study.run.run_chunks import ChunkWork
+from torsionnet.study.run.chunk_values import chunk_file
 from torsionnet.study.run.chunk_values import Chunks
 from torsionnet.study.run.cluster import dask_executor as connecting
 from torsionnet.study.run.cluster.dask_executor import DaskExecutor, connected

@@ -6,8 +6,7 @@ import shlex
 import pytest
 from support.command_line import run
 
-from torsionnet.app.cli.app import COMMANDS, GROUPS, app
-from torsionnet.app.cli.other_words import SAME
+from torsionnet.app.cli.app import COMMANDS, GROUPS, SAME, app
 
 
 def options_of(name):

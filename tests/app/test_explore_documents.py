@@ -455,7 +455,7 @@ class TestCommand:
     def served(self, monkeypatch):
         found = []
         monkeypatch.setattr(
-            "torsionnet.app.cli.commands.editing._serve",
+            "torsionnet.app.cli.commands.tools._serve",
             lambda server, **_: found.append(Page(server.documents).ask("open")),
         )
         return found

@@ -14,8 +14,7 @@ from torsionnet.base.errors import ModelError, UsageError
 from torsionnet.base.notes import Note, warning
 from torsionnet.io import read_tracked_orders, write_recording, write_tracked_orders
 from torsionnet.io.tracked_order_tables import is_tracked_table
-from torsionnet.signals.orders.derived_orders import order_slices, stress_orders
-from torsionnet.signals.orders.tracked_orders import TrackedOrders, TrackingKernel
+from torsionnet.signals.orders.tracked_orders import TrackedOrders, TrackingKernel, order_slices, stress_orders
 from torsionnet.signals.orders.tracking_entries import BANDWIDTH, ORDERS
 from torsionnet.signals.recording import Recording, Signal
 from torsionnet.signals.rotation.pulse_channel import PulseChannel

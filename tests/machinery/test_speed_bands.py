@@ -12,13 +12,13 @@ from support.limit_cases import RPM, hump, m68, stressed
 import torsionnet as tn
 from torsionnet.machinery import LimitConclusion
 from torsionnet.machinery.verdicts.limit_check import LimitCheck
+from torsionnet.machinery.verdicts.limit_verdict import settled
 from torsionnet.machinery.verdicts.operating_instructions import (
     instruction_table,
     operating_instructions,
     passed_ranges,
     refused_ranges,
 )
-from torsionnet.machinery.verdicts.settled_verdicts import settled
 from torsionnet.machinery.verdicts.speed_spans import SpeedSpan
 from torsionnet.model.condition_titles import ConditionTitles
 

@@ -29,8 +29,7 @@ from torsionnet.report.document_tree import (
     TableBlock,
     TableGroup,
 )
-from torsionnet.report.writers.docx_table import table_xml
-from torsionnet.report.writers.docx_text import FIGURE_SPACE, POINT_SPACE, omml
+from torsionnet.report.writers.docx_text import FIGURE_SPACE, POINT_SPACE, omml, table_xml
 from torsionnet.report.writers.table_layout import TableLayout
 
 docx = pytest.importorskip("docx")

@@ -20,7 +20,7 @@ from torsionnet.report.document_tree import (
     TableGroup,
 )
 from torsionnet.report.writers import pdf
-from torsionnet.report.writers.docx_table import table_xml
+from torsionnet.report.writers.docx_text import table_xml
 from torsionnet.report.writers.html import HtmlWriter, html_page
 from torsionnet.report.writers.table_layout import TableColumn, TableLayout
 

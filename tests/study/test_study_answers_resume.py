@@ -17,7 +17,8 @@ from support.study_runs import answers_as_text, processes_of_session, small_stud
 from torsionnet.app.cli.app import app
 from torsionnet.base.errors import SolveError, UsageError
 from torsionnet.study.quantities.evaluator import Evaluator
-from torsionnet.study.run import evaluation_memory, shared_blocks
+from torsionnet.study.run import evaluation_memory
+from torsionnet.study.run import evaluation_memory as shared_blocks
 from torsionnet.study.run.answering import Workers, answer_study
 from torsionnet.study.run.evaluation_memory import EvaluationLog, EvaluationMemory, record_at, records
 from torsionnet.study.run.process_pool import ProcessExecutor

@@ -492,7 +492,7 @@ def test_answers_on_a_cluster(local, study_folder, monkeypatch):
     from support.study_runs import answers_as_text, study_of_answers
 
     from torsionnet.study.quantities.evaluator import Evaluator
-    from torsionnet.study.run import shared_blocks
+    from torsionnet.study.run import evaluation_memory as shared_blocks
     from torsionnet.study.run.answering import Workers
 
     @contextmanager

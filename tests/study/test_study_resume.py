@@ -16,8 +16,8 @@ from support.patience import PATIENCE, wait_for
 from support.study_runs import CHUNK, VARIANTS, contents, deadly, deaf, processes_of_session, small_study, started
 
 from torsionnet.base.errors import SolveError, TorsionnetWarning, UsageError
-from torsionnet.study.run import calculating
-from torsionnet.study.run import chunk_files as chunk_store
+from torsionnet.study.run import chunk_values as chunk_store
+from torsionnet.study.run import run_chunks as calculating
 from torsionnet.study.run import run_chunks as workload
 from torsionnet.study.run import study_folder as folder_lock
 from torsionnet.study.run import study_folder as study_record

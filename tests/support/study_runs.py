@@ -13,8 +13,8 @@ from typing import Any
 
 import torsionnet as tn
 from torsionnet.study.quantities.evaluator import Evaluator
+from torsionnet.study.run import evaluation_memory as shared_blocks
 from torsionnet.study.run import run_chunks as workload
-from torsionnet.study.run import shared_blocks
 from torsionnet.study.run.answering import Workers, answer_study
 from torsionnet.study.run.run_chunks import run_study
 from torsionnet.study.study import Study, define

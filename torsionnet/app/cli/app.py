@@ -189,7 +189,10 @@ FILES = {
     **dict.fromkeys(("static", "simulate"), "under_load"),
     **dict.fromkeys(("limits", "damper"), "limits"),
     **dict.fromkeys(("export", "import"), "exchange"),
-    **dict.fromkeys(("explore", "language-server"), "editing"),
+    **dict.fromkeys(("explore", "explain", "language-server"), "tools"),
+    **dict.fromkeys(("estimate", "compare", "identify-modes"), "estimate"),
+    **dict.fromkeys(("angle", "calibrate-wheel", "clocks"), "wheels"),
+    **dict.fromkeys(("bench", "campaign"), "bench"),
 }
 """File in ``commands`` of each command that shares one with others; the rest stand in a file of their name."""
 
@@ -214,7 +217,6 @@ class LazyGroup(click.Group):
     def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
         if args and not args[0].startswith("-") and args[0] not in COMMANDS:
             from torsionnet.app.cli.options import WrongUsage
-            from torsionnet.app.cli.other_words import same_command
             from torsionnet.base.errors import did_you_mean
 
             same = same_command(args[0])
@@ -275,3 +277,56 @@ def run(arguments: Sequence[str] | None) -> int:
         except SystemExit as finished:
             return finished.code if isinstance(finished.code, int) else 0
     return 0
+
+
+# Words from other programs and textbooks that name no command here, and what does the same; read on a miss alone.
+
+SAME = {
+    "frf --plot bode.png": "bode bodeplot bodemag freqresp freq response responses receptance mobility tf transfer",
+    "margins --plot nyquist.png": "nyquist margin stability allmargin",
+    "modes": "eig eigs eigenvalues eigenfrequencies poles pole damp frequencies modal pzmap natural-frequencies",
+    "modes --shapes --plot shapes.png": "shape shapes mode-shapes eigenvectors modeshapes",
+    "equations": "symbolic latex formula formulas eom motion",
+    "equations --tf OUTPUT/INPUT": "transfer-function transfer-functions",
+    "show --plot schematic.svg": "draw picture schematic scheme diagram graph view",
+    "show --matrices": "matrix matrices mck",
+    "frf --plot, orders --plot, modes --plot, show --plot": "plot plots figure",
+    "simulate, with a scenario of the model": "step impulse lsim sim transient time scenario run integrate ode45",
+    "critical-speeds --plot campbell.png": "campbell interference resonance resonances criticals lateral",
+    "orders --plot orders.png --picture waterfall": "waterfall cascade",
+    "orders": "forced harmonic harmonics excitation tvc tva torsional",
+    "static": "mean balance power torque equilibrium",
+    "limits": "fatigue stress barred allowable strength rules",
+    "damper": "tune absorber optimize-damper optimise-damper",
+    "study": "monte-carlo montecarlo tolerance tolerances sweep sobol optimize optimise optimization variants doe",
+    "sensitivity": "tornado gradient derivatives influence",
+    "explore": "gui app ui browser slider sliders open edit",
+    "check": "lint validate verify test-model",
+    "new": "init create template start",
+    "library": "examples list models parts catalogue",
+    "bench": "test measure virtual record",
+    "estimate": "h1 h2 coherence tfestimate welch",
+    "spectrogram": "fft psd spectrum stft signal",
+    "track": "order-tracking rpmtrack ordertrack ordertracking vold-kalman",
+    "angle": "teeth encoder pulses tacho tachometer speed",
+    "fit": "identify identification calibrate update correlate updating",
+    "identify-modes": "ema modalfit stabilisation stabilization lscf",
+    "damping": "decay logdec decrement oma ambient run-up",
+    "report": "document doc word docx pdf html approval",
+    "export MODEL -o model.mat": "ss state-space statespace",
+    "export": "convert matlab modelica fmu fmi simulink tors opentorsion write save",
+    "import": "load read sheet",
+    "language-server": "lsp editor",
+    "--help": "help commands usage man",
+    "--version": "version about",
+}
+"""Commands as they are typed behind ``torsionnet``, each with the words that people try for it."""
+
+
+def same_command(word: str) -> str:
+    """Command for what a word from elsewhere asks for, as it is typed; the empty string where nothing is known.
+
+    >>> same_command("bode"), same_command("brake")
+    ('torsionnet frf --plot bode.png', '')
+    """
+    return next((f"torsionnet {said}" for said, words in SAME.items() if word.lower() in words.split()), "")

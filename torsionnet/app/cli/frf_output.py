@@ -23,7 +23,7 @@ from torsionnet.linear.responses.grid import RANGE_BELOW, Peak, Solver, peaks, s
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from torsionnet.app.cli.cases import ConfiguredCase
+    from torsionnet.app.cli.command import ConfiguredCase
 
 
 @dataclass(frozen=True)

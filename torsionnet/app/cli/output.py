@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import Annotated, Any, cast
 
-from torsionnet.app.cli.cases import with_configuration
+from torsionnet.app.cli.command import with_configuration
 from torsionnet.base.entries.spec import Schema
 from torsionnet.base.result_rows import NUMBER, Out, json_schema, out_fields, record_schema, to_json
 from torsionnet.drivetrain import Drivetrain
@@ -170,12 +170,12 @@ def study_schema() -> Schema:
 # JSON Schema of the output of every command with ``--json``.
 
 OUTPUTS: dict[str, str] = {
-    "angle": "torsionnet.app.cli.commands.angle:TurnedWheels",
+    "angle": "torsionnet.app.cli.commands.wheels:TurnedWheels",
     "bench": "list[torsionnet.app.cli.commands.bench:BenchRun]",
     "calibrate-wheel": "torsionnet.signals.rotation.calibration_result:WheelCalibration",
     "campaign": "torsionnet.bench.campaign.campaign_result:CampaignResult",
     "check": "list[torsionnet.base.fault_rows:CheckRecord]",
-    "compare": "torsionnet.app.cli.commands.compare:ComparedCurves or torsionnet.app.cli.stepped:SteppedComparison "
+    "compare": "torsionnet.app.cli.commands.estimate:ComparedCurves or torsionnet.app.cli.stepped:SteppedComparison "
     "without static, peaks",
     "clocks": "torsionnet.signals.rotation.clock_drift:ClockDrift",
     "critical-speeds": "list[torsionnet.machinery.criticals.critical_speeds:CriticalSpeeds]",

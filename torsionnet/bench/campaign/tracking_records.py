@@ -25,7 +25,7 @@ from torsionnet.bench.campaign.campaign_file import (
     CampaignRecord,
     tracked_entries,
 )
-from torsionnet.io.turning_records import read_turning_record
+from torsionnet.io.wheel_files import read_turning_record
 from torsionnet.signals.calculus import with_gain
 from torsionnet.signals.decimation import Recordings
 from torsionnet.signals.orders.cycle_average import CycleAverage

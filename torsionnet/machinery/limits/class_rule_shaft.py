@@ -19,8 +19,7 @@ from torsionnet.machinery.limits.m68_factors import CAPS, usual_range
 from torsionnet.machinery.limits.shaft_limit import ShaftLimit
 from torsionnet.machinery.limits.society_rules import SET_SOCIETIES, SOCIETIES, GeneratingSetNumbers, SocietyName
 from torsionnet.machinery.orders.speed_refinement import vertex_speed
-from torsionnet.machinery.verdicts.limit_verdict import FAIL, PASS, LimitVerdict
-from torsionnet.machinery.verdicts.rule_factors import RuleText
+from torsionnet.machinery.verdicts.limit_verdict import FAIL, PASS, LimitVerdict, RuleText
 from torsionnet.machinery.verdicts.speed_spans import SpeedSpan, joined_spans, range_end_remarks, spans_above
 
 

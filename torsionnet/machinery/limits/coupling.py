@@ -18,7 +18,7 @@ from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.limits.element_limit import ElementLimit, constant_over_speed
 from torsionnet.machinery.limits.evidence import Evidence, LimitSubject
 from torsionnet.machinery.limits.limit import LimitLine, line_without_data, register_rule
-from torsionnet.machinery.verdicts.rule_factors import RuleText
+from torsionnet.machinery.verdicts.limit_verdict import RuleText
 from torsionnet.model.channels import Sensor
 
 # Steady temperature of a part that vibration heats, by the balance of the heat it takes up and gives off.

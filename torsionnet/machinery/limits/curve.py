@@ -22,8 +22,7 @@ from torsionnet.machinery.limits.evidence import Evidence, LimitSubject
 from torsionnet.machinery.limits.limit import PASSING_TIME, TOLERANCE, LimitLine, register_rule
 from torsionnet.machinery.limits.speed_band import InSpeedBand
 from torsionnet.machinery.orders.order_line import lines_of_one_frequency
-from torsionnet.machinery.verdicts.limit_verdict import LimitVerdict
-from torsionnet.machinery.verdicts.rule_factors import RuleText
+from torsionnet.machinery.verdicts.limit_verdict import LimitVerdict, RuleText
 from torsionnet.model.channels import UNITS, ChannelName, Sensor, named_sensor
 from torsionnet.model.element_base.round_section import section_fault
 

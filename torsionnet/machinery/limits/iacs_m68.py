@@ -45,8 +45,7 @@ from torsionnet.machinery.limits.m68_factors import (
 )
 from torsionnet.machinery.limits.shaft_limit import RoundSection
 from torsionnet.machinery.limits.society_rules import SHAFT_SOCIETIES, SOCIETIES, Society, SocietyName
-from torsionnet.machinery.verdicts.limit_verdict import FAIL, LimitVerdict
-from torsionnet.machinery.verdicts.rule_factors import RuleText
+from torsionnet.machinery.verdicts.limit_verdict import FAIL, LimitVerdict, RuleText
 from torsionnet.machinery.verdicts.speed_spans import SpeedSpan, restriction_words
 
 

@@ -24,8 +24,8 @@ from torsionnet.machinery.verdicts.limit_verdict import (
     PASS,
     REDUCED,
     LimitVerdict,
+    RuleText,
 )
-from torsionnet.machinery.verdicts.rule_factors import RuleText
 from torsionnet.machinery.verdicts.speed_spans import (
     SpeedSpan,
     joined_spans,

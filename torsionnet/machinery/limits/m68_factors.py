@@ -9,7 +9,7 @@ import numpy as np
 
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.limits.shaft_limit import RoundSection
-from torsionnet.machinery.verdicts.rule_factors import RuleFactor, RuleSymbol, RuleWords
+from torsionnet.machinery.verdicts.limit_verdict import RuleFactor, RuleSymbol, RuleWords
 from torsionnet.machinery.verdicts.speed_spans import SpeedSpan
 
 # Formulas and numbers of IACS UR M68 on torsional vibration stresses.

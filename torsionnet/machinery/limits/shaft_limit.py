@@ -19,7 +19,7 @@ from torsionnet.machinery.limits.limit import LimitLine, line_without_data, regi
 from torsionnet.machinery.limits.society_rules import in_all_words
 from torsionnet.machinery.limits.speed_band import InSpeedBand
 from torsionnet.machinery.orders.order_amplitudes import OrderAmplitudes
-from torsionnet.machinery.verdicts.rule_factors import RuleText
+from torsionnet.machinery.verdicts.limit_verdict import RuleText
 from torsionnet.model.channels import Sensor
 from torsionnet.model.element_base.element_entries import ElementName
 from torsionnet.model.elements import Element, Values

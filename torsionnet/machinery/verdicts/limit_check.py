@@ -26,12 +26,12 @@ from torsionnet.machinery.verdicts.limit_verdict import (
     OPEN,
     VERDICT,
     LimitVerdict,
+    RuleText,
     gravest,
+    highest_permitted,
     listed_names,
 )
-from torsionnet.machinery.verdicts.rule_factors import RuleText
 from torsionnet.machinery.verdicts.run_up_check import RunUpCheck, run_up_sentences
-from torsionnet.machinery.verdicts.settled_verdicts import highest_permitted
 from torsionnet.machinery.verdicts.speed_spans import (
     WHOLE_RPM_RELATIVE,
     SpeedSpan,

@@ -34,9 +34,16 @@ from torsionnet.machinery.orders.speed_refinement import refine_speeds, speeds_t
 from torsionnet.machinery.orders.worst_response import WorstResponse
 from torsionnet.machinery.passage.passage_solution import passage_response
 from torsionnet.machinery.verdicts.limit_check import LimitCheck
-from torsionnet.machinery.verdicts.limit_verdict import FAIL, OPEN, PASS, LimitVerdict, listed_names
+from torsionnet.machinery.verdicts.limit_verdict import (
+    FAIL,
+    OPEN,
+    PASS,
+    LimitVerdict,
+    highest_permitted,
+    listed_names,
+    settled,
+)
 from torsionnet.machinery.verdicts.run_up_check import PassedLimit, RunUpCheck
-from torsionnet.machinery.verdicts.settled_verdicts import highest_permitted, settled
 from torsionnet.machinery.verdicts.speed_spans import SpeedSpan, spans_above
 from torsionnet.model.channels import Sensor
 from torsionnet.model.definition import Definition

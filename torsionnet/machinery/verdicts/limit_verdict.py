@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Annotated, ClassVar
+from typing import Annotated, ClassVar, TypeAlias
 
 import numpy as np
 
 from torsionnet.base.entries.spec import Schema
 from torsionnet.base.errors import comma_list
+from torsionnet.base.phrases import phrase
 from torsionnet.base.result_rows import Out
 from torsionnet.base.units import RPM
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.orders.order_amplitudes import OrderAmplitudes
-from torsionnet.machinery.verdicts.rule_factors import RuleText
 from torsionnet.machinery.verdicts.speed_spans import (
     SpeedSpan,
     joined_spans,
@@ -26,6 +26,76 @@ from torsionnet.machinery.verdicts.speed_spans import (
     spans_below,
     utilisation_of,
 )
+
+# Factors of the rule of a limit, each with where it comes from, and the symbols that a rule writes.
+
+
+@dataclass(frozen=True)
+class RuleSymbol:
+    """Symbol of a rule, with its index, its exponent, the argument at which it is taken, and whether it is a root.
+
+    Examples
+    --------
+    >>> str(RuleSymbol("tau", "C", at="0.8")), str(RuleSymbol("C", "K", root=True)), str(RuleSymbol("d", power="-0.2"))
+    ('tau_C(0.8)', 'sqrt(C_K)', 'd^-0.2')
+    """
+
+    letter: str
+    index: str = ""
+    power: str = ""
+    at: str = ""
+    root: bool = False
+
+    def __str__(self) -> str:
+        text = self.letter + (f"_{self.index}" if self.index else "") + (f"^{self.power}" if self.power else "")
+        text += f"({self.at})" if self.at else ""
+        return f"sqrt({text})" if self.root else text
+
+
+RuleWords: TypeAlias = tuple[str | RuleSymbol, ...]
+"""Words and formulas about a rule, symbols apart from the text between them."""
+
+
+@dataclass(frozen=True)
+class RuleFactor:
+    """Factor of a limit's rule, in SI units, with its symbol and where it comes from.
+
+    Attributes
+    ----------
+    name : tuple of str and RuleSymbol
+        What it is, in words.
+    symbol : RuleSymbol
+        As the rule writes it, such as C_K.
+    value : float
+        SI units.
+    unit : str
+        SI unit; "1" for none.
+    origin : tuple of str and RuleSymbol
+        Where the value comes from: an entry of the model, or the formula or table of the rule.
+
+    Examples
+    --------
+    >>> origin = ("propeller shaft, keyless taper fitting",)
+    >>> RuleFactor(("design feature",), RuleSymbol("C", "K"), 0.55, "1", origin).value
+    0.55
+    """
+
+    name: RuleWords
+    symbol: RuleSymbol
+    value: float
+    unit: str
+    origin: RuleWords
+
+
+@dataclass(frozen=True)
+class RuleText:
+    """Text on the rule of a limit, with its source, its formula, what it does not cover, and its factors."""
+
+    source: str
+    formula: str
+    not_covered: str
+    factors: tuple[RuleFactor, ...] = ()
+
 
 PASS, BARRED, REDUCED, INCOMPLETE, OPEN, FAIL = (
     "pass", "barred range", "reduced speed", "incomplete", "not judged", "fail",
@@ -233,3 +303,51 @@ class LimitVerdict:
     def highest_rpm(self) -> float | None:
         """Highest speed permitted by a limit in rpm where a cylinder is out; None where any speed may be run."""
         return None if self.highest is None else self.highest * RPM
+
+
+# Verdicts on all limits of one condition together: what one of them refuses, no other one bars or reduces.
+
+NOT_PASSED = "{span} is not passed: in this condition no speed above {speed:.5g} rpm is permitted"
+"""Remark on a range that a limit would bar, and that another one does not let be passed."""
+NOT_KEPT = "another limit is not kept in this condition"
+"""Remark on a limit that would hold up to a highest speed in a condition in which another limit does not hold."""
+
+
+def highest_permitted(verdicts: Sequence[LimitVerdict], speeds: FloatArray) -> float | None:
+    """Highest speed in rad/s below all ranges that may not be passed; None where every speed is reached.
+
+    It is the low end of the first range that a limit refuses, joined with the barred ranges that overlap it. Where
+    that is the lowest speed examined, no speed is permitted.
+    """
+    refused = [span for one in verdicts for span in one.refused]
+    refused += [SpeedSpan(one.highest, float(speeds[-1])) for one in verdicts if one.highest is not None]
+    ranges = joined_spans([*refused, *(span for one in verdicts for span in one.barred)])
+    return min((one.low for one in ranges if any(one.holds(span.low) for span in refused)), default=None)
+
+
+def settled(verdicts: Sequence[LimitVerdict], speeds: FloatArray) -> tuple[LimitVerdict, ...]:
+    """Verdicts of one condition of which none contradicts another one.
+
+    A range barred by one limit is not passed where another one refuses that range or one below it; and no limit is
+    kept by a reduced speed in a condition in which another one fails.
+    """
+    highest = highest_permitted(verdicts, speeds)
+    if highest is None:
+        return tuple(verdicts)
+    fails = any(one.verdict == FAIL and one.refused for one in verdicts)
+    return tuple(_settled(one, highest, fails=fails) for one in verdicts)
+
+
+def _settled(one: LimitVerdict, highest: float, *, fails: bool) -> LimitVerdict:
+    if one.verdict not in (BARRED, REDUCED):
+        return one
+    above = tuple(span for span in one.barred if span.high > highest)
+    kept = tuple(span for span in one.barred if span not in above)
+    said = [phrase(NOT_PASSED, span=span, speed=highest * RPM) for span in above]
+    if fails and one.verdict == REDUCED:
+        return replace(one, verdict=FAIL, barred=kept, unpassed=above, remarks=(NOT_KEPT, *one.remarks))
+    if not above or one.verdict == REDUCED:
+        return one
+    if fails:
+        return replace(one, verdict=FAIL, barred=kept, unpassed=above, remarks=(*said, *one.remarks))
+    return replace(one, verdict=REDUCED, highest=above[0].low, remarks=(*said, *one.remarks))

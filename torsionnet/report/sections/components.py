@@ -17,7 +17,7 @@ from torsionnet.machinery.limits.iacs_m68 import IacsM68
 from torsionnet.machinery.limits.m68_factors import BORE
 from torsionnet.machinery.limits.society_rules import in_all_words
 from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion, WorstLimit
-from torsionnet.machinery.verdicts.rule_factors import RuleFactor, RuleSymbol, RuleWords
+from torsionnet.machinery.verdicts.limit_verdict import RuleFactor, RuleSymbol, RuleWords
 from torsionnet.machinery.verdicts.speed_spans import utilisation_of
 from torsionnet.model.channels import Sensor
 from torsionnet.report.component_uses import GROUPS, ComponentUse, component_uses

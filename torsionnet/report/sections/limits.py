@@ -14,10 +14,9 @@ from torsionnet.base.phrases import joined, phrase
 from torsionnet.linear.frequency_response import Channel
 from torsionnet.machinery.verdicts.limit_check import LimitCheck
 from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion
-from torsionnet.machinery.verdicts.limit_verdict import PASS, LimitVerdict, gravest
+from torsionnet.machinery.verdicts.limit_verdict import PASS, LimitVerdict, RuleText, gravest
 from torsionnet.machinery.verdicts.operating_instructions import PassedRange, instruction, passed_ranges, refused_ranges
 from torsionnet.machinery.verdicts.range_passage import EXCEEDED, KEPT, RangePassage, passage_table
-from torsionnet.machinery.verdicts.rule_factors import RuleText
 from torsionnet.report.document_tree import (
     Block,
     Cell,

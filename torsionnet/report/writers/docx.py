@@ -16,17 +16,22 @@ from torsionnet.report.document_tree import BreakableMath, Picture, Report, Sect
 from torsionnet.report.template_folder import TemplateFolder
 from torsionnet.report.wording import Wording
 from torsionnet.report.writers.blocks import BlockWriter, CountedLabel
-from torsionnet.report.writers.docx_table import (
+from torsionnet.report.writers.docx_text import (
     HEADINGS,
     TEXT_WIDTH,
+    bold,
+    counted,
     facts_xml,
+    inline,
     number_headings,
+    omml,
+    paragraph,
+    run,
     set_styles,
     table_xml,
     title_block_xml,
     with_names,
 )
-from torsionnet.report.writers.docx_text import bold, counted, inline, omml, paragraph, run
 from torsionnet.report.writers.html import without_controls
 from torsionnet.report.writers.table_layout import TableLayout
 

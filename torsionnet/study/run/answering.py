@@ -23,8 +23,7 @@ from torsionnet.study.study import Study
 from torsionnet.study.study_result import StudyResult, read_notes
 
 if TYPE_CHECKING:
-    from torsionnet.study.run.evaluation_memory import EvaluationMemory
-    from torsionnet.study.run.shared_blocks import SharedBlocks
+    from torsionnet.study.run.evaluation_memory import EvaluationMemory, SharedBlocks
 
 # Choice of the processes or the cluster that calculate a study.
 
@@ -223,7 +222,7 @@ def study_for_answers(
     study: Study, folder: Path | None, executor: Executor | None = None
 ) -> Iterator[tuple[SharedStudy, SharedBlocks]]:
     """Yield the study with a calculator for its answers that reads back what is in the folder, and that calculator."""
-    from torsionnet.study.run.shared_blocks import SharedBlocks
+    from torsionnet.study.run.evaluation_memory import SharedBlocks
 
     with _memory(study, folder) as memory:
         calculator = SharedBlocks(executor or SerialExecutor(), memory)

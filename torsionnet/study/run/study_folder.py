@@ -20,8 +20,7 @@ from typing import Any
 from torsionnet.base.atomic import write_text
 from torsionnet.base.errors import SolveError, TorsionnetWarning, UsageError
 from torsionnet.base.version import __version__
-from torsionnet.study.run.chunk_files import CHUNKS, read_chunk
-from torsionnet.study.run.chunk_values import Chunks, ChunkValues, counted_limits
+from torsionnet.study.run.chunk_values import CHUNKS, Chunks, ChunkValues, counted_limits, read_chunk
 from torsionnet.study.study import Study
 
 # Record of what the results in a folder depend on (model, study, versions, method), and its differences.

@@ -188,8 +188,7 @@ class DampingCommand(RecordCommand):
     def _turning(self, wheels: dict[str, WheelOfTest], kept: list[str]) -> Recording:
         """Recording of the channels kept, with the angle (rad) of each wheel, or its speed (rad/s), by its name."""
         from torsionnet.app.cli.record_options import checked_record
-        from torsionnet.io.turning_records import read_turning_record
-        from torsionnet.io.wheel_files import channels_of, patterns_of
+        from torsionnet.io.wheel_files import channels_of, patterns_of, read_turning_record
         from torsionnet.signals.rotation.rotations_of_wheels import angle_record, rotations_of_wheels
 
         channels = channels_of(wheels)

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from torsionnet.app.cli.cases import ConfiguredCase, ModelCommand
-from torsionnet.app.cli.command import JSON, Answer
+from torsionnet.app.cli.command import JSON, Answer, ConfiguredCase, ModelCommand
 from torsionnet.app.cli.options import SIMPLIFY, EntryOption, WrongUsage, band_option, option
 from torsionnet.app.cli.output import (
     EquationsOfMotion,

@@ -2,19 +2,29 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Annotated, Any
 
-from torsionnet.app.cli.command import TABLE, Answer
-from torsionnet.app.cli.options import ALIGN, ANGLE, STEPPED, WrongUsage, file_option
-from torsionnet.app.cli.record_options import Averaging, EstimateArguments, Estimator, RecordReading
+import click
+
+from torsionnet.app.cli.command import TABLE, Answer, ModelCommand, separated_by_lines
+from torsionnet.app.cli.frf_output import OF_SOLVERS, ResponseCurves, estimated_curves
+from torsionnet.app.cli.options import ALIGN, ANGLE, DRIVEN_BY, STEPPED, USABLE_BAND, WrongUsage, file_option, option
+from torsionnet.app.cli.record_options import Averaging, EstimateArguments, Estimator, RecordCommand, RecordReading
 from torsionnet.app.cli.terminal import print_warnings
-from torsionnet.base.notes import is_warning
-from torsionnet.base.result_rows import to_json
+from torsionnet.base.notes import NoteOrText, is_warning
+from torsionnet.base.result_rows import Out, to_json
+from torsionnet.linear.frequency_response import FloatArray
+from torsionnet.signals.comparison import AgreementNumber, agreement, agreement_numbers, difference
 
 if TYPE_CHECKING:
     from torsionnet.base.conventions import Conventions
     from torsionnet.base.table import Table
+    from torsionnet.drivetrain import Drivetrain
     from torsionnet.linear.frequency_response import FrequencyResponse
+    from torsionnet.modal.matching import Match
+    from torsionnet.modal.modal_estimate import ModalEstimate
+
 
 RESPONSE_ENDINGS = (".uff", ".unv", ".mat", ".npz", ".csv")
 
@@ -129,3 +139,210 @@ def _places(response: FrequencyResponse, o: int, i: int) -> list[tuple[str, int]
         return []
     found = significant_peaks(response.between(0, above_noise_up_to(response, o)).magnitude[:, o, i])
     return [("first line", 0), *((f"peak {number}", index) for number, index in enumerate(found, 1))]
+
+
+# Command ``torsionnet compare``, which compares a record with a model.
+
+
+@dataclass(frozen=True, eq=False)
+class ComparedCurves:
+    """Curves of a test and of the model's response, as ``torsionnet compare --json`` prints them.
+
+    Differences are test - model.
+    """
+
+    test: ResponseCurves
+    model: ResponseCurves
+    decibels: Annotated[FloatArray, Out(json="difference_dB")]
+    degrees: Annotated[FloatArray, Out(json="difference_deg")]
+    summary: tuple[AgreementNumber, ...]
+    notes: tuple[NoteOrText, ...]
+
+
+def compared_curves(test: FrequencyResponse, model: FrequencyResponse, conventions: Conventions) -> ComparedCurves:
+    """Curves of a test and of the model's response, in the angle unit chosen."""
+    apart = difference(test, model)
+    return ComparedCurves(
+        estimated_curves(test, conventions),
+        estimated_curves(model, conventions),
+        apart.decibels[:, 0, 0],
+        apart.degrees[:, 0, 0],
+        agreement_numbers(test, model, conventions),
+        agreement(test, model, conventions).notes,
+    )
+
+
+class CompareCommand(ModelCommand, RecordCommand):
+    """A record against a model: both responses, how far they are apart, and where the test can be trusted.
+
+    \b
+    torsionnet bench amt_bench -c V -o gear_V.npz
+    torsionnet compare gear_V.npz amt_rig -c V --output theta_1 --input T_T --preset paper --band 0 40 --plot V.png
+    """
+
+    forms = TABLE
+    picture = "test over model, with their differences"
+
+    sensor: str = option("--output", metavar="NAME", help="Channel of the record, and sensor of the model.")
+    into: str = option("--input", metavar="NAME", help="Channel of the record, and input or sensor.")
+    model_output: str | None = option(
+        "--model-output", metavar="NAME", help="Sensor of the model, if it has another name there."
+    )
+    model_input: str | None = option(
+        "--model-input", metavar="NAME", help="Input or sensor of the model, if it has another name there."
+    )
+    driven_by: str | None = DRIVEN_BY
+    averaging: Averaging
+    estimator: Estimator
+    band: tuple[float, float] | None = USABLE_BAND
+    angle: str = ANGLE
+    align: bool = ALIGN
+    stepped: bool = STEPPED
+
+    def answer(self) -> Answer:
+        from torsionnet.base.conventions import Conventions
+
+        self.require_one("a record is of one configuration: name one with -c")
+        case = self.cases()[0]
+        names = (self.model_output or self.sensor, self.model_input or self.into)
+        if self.stepped:
+            from torsionnet.app.cli.stepped import stepped_comparison
+
+            channels = (self.sensor, self.into)
+            return stepped_comparison(self.record, self.reading, channels, case.drivetrain, names)
+        test = estimate_record(
+            self.record,
+            self.reading,
+            (self.sensor,),
+            (self.into,),
+            self.averaging,
+            self.estimator,
+            self.band,
+            align=self.align,
+        )
+        calculated = _calculated(case.drivetrain, test, *names, self.driven_by)
+        conventions = Conventions(angle=self.angle)
+        return Answer(
+            screen=lambda: [agreement(test, calculated, conventions)],
+            data=lambda: to_json(compared_curves(test, calculated, conventions), OF_SOLVERS),
+            csv=lambda: [("", _full(test, calculated, conventions))],
+            figures=lambda plot: [("", plot.comparison(test, calculated, conventions=conventions))],
+        )
+
+
+def _calculated(
+    drivetrain: Drivetrain, test: FrequencyResponse, output: str, into: str, excitation: str | None
+) -> FrequencyResponse:
+    """Calculated response of the model at the frequencies of the test, under the test's channel names."""
+    from dataclasses import replace
+
+    found = drivetrain.frequency_response(output, into, test.frequencies, driven_by=excitation)
+    same = [
+        tuple(replace(channel, name=other.name) for channel, other in zip(mine, theirs, strict=True))
+        for mine, theirs in ((found.outputs, test.outputs), (found.inputs, test.inputs))
+    ]
+    return replace(found, outputs=same[0], inputs=same[1])
+
+
+def _full(test: FrequencyResponse, model: FrequencyResponse, conventions: Conventions) -> Table:
+    """Table of test, model, their differences and coherence, with a row for each frequency in Hz."""
+    from torsionnet.base.table import Column, Table
+
+    differences, unit, scale = difference(test, model), test.unit(conventions=conventions), test.scale(conventions)
+    data = {
+        ("frequency", "Hz"): test.frequencies,
+        ("|test|", unit): test.magnitude[:, 0, 0] * scale,
+        ("phase test", "deg"): test.phase[:, 0, 0],
+        ("|model|", unit): model.magnitude[:, 0, 0] * scale,
+        ("phase model", "deg"): model.phase[:, 0, 0],
+        ("difference", "dB"): differences.decibels[:, 0, 0],
+        ("difference of phase", "deg"): differences.degrees[:, 0, 0],
+    }
+    if test.coherence is not None:
+        data[("coherence", "1")] = test.coherence[:, 0, 0]
+    rows = tuple(tuple(map(float, row)) for row in zip(*data.values(), strict=True))
+    notes = tuple(map(str, (*test.notes, *model.notes)))
+    return Table(model.title, tuple(Column(*key) for key in data), rows, notes)
+
+
+# Command ``torsionnet identify-modes``, which finds modes in a record without a model.
+
+METHODS = ("auto", "rational", "lscf", "peaks")
+
+
+class IdentifyModesCommand(EstimateArguments):
+    """Natural frequencies, damping ratios and shapes at the sensors from a record, without a model.
+
+    Against a measured torque these are the poles of the drivetrain cut at the transducer; --model compares them with
+    those of a model in the same way.
+
+    \b
+    torsionnet identify-modes test.npz --output theta_1 --input T_T --preset paper --model amt_rig -c V
+    """
+
+    forms = TABLE
+    picture = "the stabilisation diagram"
+
+    method: str = option(
+        "--method",
+        type=click.Choice(METHODS),
+        default="auto",
+        show_default=True,
+        help="rational: few modes of any damping, also close ones; lscf: many light modes; auto: the better of these.",
+    )
+    model_order: int | None = option("--model-order", type=click.IntRange(1), help="Highest order of the fit.")
+    model: str | None = option("--model", metavar="MODEL", help="Compare with the modes of this model.")
+    configuration: str = option("--configuration", "-c", metavar="NAME", default="", help="Of that model.")
+
+    def answer(self) -> Answer:
+
+        if self.output.plot_file and self.method == "peaks":
+            raise WrongUsage(
+                "peak picking has no stabilisation diagram; leave --plot out, or choose another --method",
+                kind="needless-entry",
+            )
+        response = estimate_record(
+            self.record,
+            self.reading,
+            self.outputs,
+            self.inputs,
+            self.averaging,
+            self.estimator,
+            self.band,
+            align=False,
+        )
+        if self.band is None and response.usable_up_to is not None:
+            response = response.between(0, response.usable_up_to)
+        found, diagram = _identified(response, self.method, self.model_order)
+        compared = _compared(found, self.model, self.configuration, self.inputs) if self.model else None
+        print_warnings(found.notes)
+        return Answer(
+            screen=lambda: separated_by_lines([found.table(), *([compared.table()] if compared else [])]),
+            data=lambda: replace(found, against_model=compared),
+            csv=lambda: [("", found.table())],
+            figures=lambda plot: [("", plot.stabilisation(diagram, found))],
+        )
+
+
+def _identified(response: FrequencyResponse, method: Any, order: int | None) -> tuple[ModalEstimate, Any]:
+    from torsionnet.modal import Settings, identify_modes, peak_picking, stabilisation
+
+    if method == "peaks":
+        return peak_picking(response), None
+    chosen = Settings(method, order, weights=_weights(response))
+    diagram = stabilisation(response, chosen)
+    return identify_modes(diagram), diagram
+
+
+def _weights(response: FrequencyResponse) -> Any:
+    return "coherence" if response.coherence is not None else "uniform"
+
+
+def _compared(found: ModalEstimate, model: str, configuration: str, inputs: tuple[str, ...]) -> Match:
+    from torsionnet.loading import load
+    from torsionnet.modal import match
+
+    rig = load(model)
+    rig = rig.configured(configuration) if configuration else rig
+    measured = [name for name in inputs if name in rig.sensors]
+    return match(found, rig.modes(measured_input=measured) if measured else rig.modes())

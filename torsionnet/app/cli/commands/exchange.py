@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from torsionnet.app.cli.cases import ModelCommand
-from torsionnet.app.cli.command import Answer, Command, result_path, text_answer
+from torsionnet.app.cli.command import Answer, Command, ModelCommand, result_path, text_answer
 from torsionnet.app.cli.options import WrongUsage, argument, file_option, option
 from torsionnet.app.cli.terminal import message, print_file_written
 from torsionnet.base.errors import UsageError

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from torsionnet.app.cli.cases import ConfiguredCase, ModelCommand
-from torsionnet.app.cli.command import TABLE, Answer, separated_by_lines
+from torsionnet.app.cli.command import TABLE, Answer, ConfiguredCase, ModelCommand, separated_by_lines
 from torsionnet.app.cli.options import ANGLE, NONLINEAR, FiniteFloat, PairType, band_option, option, refuse
 
 if TYPE_CHECKING:

@@ -12,8 +12,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import click
 
-from torsionnet.app.cli.cases import ConfiguredCase, ModelCommand
-from torsionnet.app.cli.command import JSON, TABLE, Answer, Command, separated_by_lines, text_answer
+from torsionnet.app.cli.command import (
+    JSON,
+    TABLE,
+    Answer,
+    Command,
+    ConfiguredCase,
+    ModelCommand,
+    separated_by_lines,
+    text_answer,
+)
 from torsionnet.app.cli.options import STANDARD_INPUT, OutputFile, WrongUsage, argument, checked_model, option, refuse
 from torsionnet.app.cli.terminal import message, print_line
 from torsionnet.base.errors import Fault, UsageError, in_brackets, readable_text

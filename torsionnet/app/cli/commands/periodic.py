@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from torsionnet.app.cli.cases import ConfiguredCase, ModelCommand
-from torsionnet.app.cli.command import TABLE, Answer, separated_by_lines
+from torsionnet.app.cli.command import TABLE, Answer, ConfiguredCase, ModelCommand, separated_by_lines
 from torsionnet.app.cli.options import ANGLE, PairOption, option
 from torsionnet.base.errors import UsageError
 

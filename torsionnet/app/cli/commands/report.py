@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from torsionnet.app.cli.cases import ModelCommand
-from torsionnet.app.cli.command import Answer
+from torsionnet.app.cli.command import Answer, ModelCommand
 from torsionnet.app.cli.options import (
     PRESETS,
     SIMPLIFY,

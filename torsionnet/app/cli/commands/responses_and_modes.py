@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from torsionnet.app.cli.cases import ConfiguredCase, ModelCommand
-from torsionnet.app.cli.command import TABLE, Answer, separated_by_lines
+from torsionnet.app.cli.command import TABLE, Answer, ConfiguredCase, ModelCommand, separated_by_lines
 from torsionnet.app.cli.options import (
     ANGLE,
     DRIVEN_BY,

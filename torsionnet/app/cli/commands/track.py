@@ -134,8 +134,8 @@ class TrackCommand(Command):
         """Complex orders of all channels and wheels asked for, in SI."""
         from torsionnet.app.cli.record_options import load_record
         from torsionnet.app.cli.terminal import progress
-        from torsionnet.signals.orders.derived_orders import order_slices
         from torsionnet.signals.orders.track_orders import orders_of_test
+        from torsionnet.signals.orders.tracked_orders import order_slices
 
         self.span.check(self.record)
         shafts = [one for one in (self.reference, self.further) if one]
@@ -194,8 +194,7 @@ class TrackCommand(Command):
         self, wheels: dict[str, WheelOfTest]
     ) -> tuple[dict[str, WheelRotation], PhaseMark, dict[str, PulseChannel]]:
         """Rotations of the wheels, the mark of the phases, and channels of one pulse per turn, all from the record."""
-        from torsionnet.io.turning_records import read_turning_record
-        from torsionnet.io.wheel_files import channels_of, patterns_of
+        from torsionnet.io.wheel_files import channels_of, patterns_of, read_turning_record
         from torsionnet.signals.orders.track_orders import PhaseMark
         from torsionnet.signals.rotation.rotations_of_wheels import rotations_of_wheels
         from torsionnet.signals.rotation.wheel_channel import wheel_pulses
@@ -265,7 +264,7 @@ class TrackCommand(Command):
 
     def _stresses(self, found: tuple[TrackedOrders, ...]) -> Iterator[TrackedOrders]:
         from torsionnet.base.entries.spec import EntryError
-        from torsionnet.signals.orders.derived_orders import stress_orders
+        from torsionnet.signals.orders.tracked_orders import stress_orders
         from torsionnet.signals.orders.tracking_entries import DIAMETER
 
         for name, text in self.diameters:

@@ -7,8 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from torsionnet.app.cli.cases import ConfiguredCase, ModelCommand
-from torsionnet.app.cli.command import TABLE, Answer, result_path, separated_by_lines
+from torsionnet.app.cli.command import TABLE, Answer, ConfiguredCase, ModelCommand, result_path, separated_by_lines
 from torsionnet.app.cli.options import ANGLE, EntryOption, argument, file_option, option
 from torsionnet.app.cli.terminal import message
 from torsionnet.base.packages import imported

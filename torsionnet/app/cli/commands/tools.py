@@ -1,17 +1,25 @@
-"""Commands that edit a model file: ``explore`` in a page, ``language-server`` in an editor."""
+"""Commands that open the page or the editor's server, and explain the words behind messages."""
 
 from __future__ import annotations
 
 import sys
 import threading
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import click
 
-from torsionnet.app.cli.cases import ModelCommand
-from torsionnet.app.cli.command import Answer, Command
-from torsionnet.app.cli.options import STANDARD_INPUT, WrongUsage, argument, band_option, option, standard_input_text
+from torsionnet.app.cli.command import Answer, Command, ModelCommand
+from torsionnet.app.cli.options import (
+    STANDARD_INPUT,
+    WrongUsage,
+    argument,
+    band_option,
+    option,
+    standard_input_text,
+)
 from torsionnet.app.cli.terminal import message, print_faults, print_line
+from torsionnet.app.text.fault_table import GROUPS, FaultKind, fault_kind, fault_kinds
 
 if TYPE_CHECKING:
     from torsionnet.app.explore import ExploreServer
@@ -149,3 +157,35 @@ class LanguageServerCommand(Command):
         from torsionnet.app.language_server.standard_streams import serve_standard_streams
 
         return Answer(exit_code=serve_standard_streams())
+
+
+# Command ``torsionnet explain``, which explains the word in brackets behind the message on a fault.
+
+
+class ExplainCommand(Command):
+    """Explain a kind of fault, the word in brackets behind a message: what it means, an example, and its mending.
+
+    Without a word it lists all of them.
+
+    \b
+    torsionnet explain
+    torsionnet explain unknown-node
+    """
+
+    kind: str | None = argument("[KIND]", required=False)
+
+    def answer(self) -> Answer:
+        shown = fault_kind(self.kind).explanation if self.kind else _listed(fault_kinds().values())
+        return Answer(screen=shown.splitlines)
+
+
+def _listed(kinds: Iterable[FaultKind]) -> str:
+    """All kinds by group, each with its meaning."""
+    groups = {group: [one for one in kinds if one.group == group] for group in GROUPS}
+    widest = max(len(one.name) for one in kinds)
+    parts = [
+        "\n".join([GROUPS[group], *(f"  {one.name:{widest}}  {one.means}" for one in found)])
+        for group, found in groups.items()
+        if found
+    ]
+    return "\n\n".join(parts)
