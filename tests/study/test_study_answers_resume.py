@@ -18,7 +18,6 @@ from torsionnet.app.cli.app import app
 from torsionnet.base.errors import SolveError, UsageError
 from torsionnet.study.quantities.evaluator import Evaluator
 from torsionnet.study.run import evaluation_memory
-from torsionnet.study.run import evaluation_memory as shared_blocks
 from torsionnet.study.run.answering import Workers, answer_study
 from torsionnet.study.run.evaluation_memory import EvaluationLog, EvaluationMemory, record_at, records
 from torsionnet.study.run.process_pool import ProcessExecutor
@@ -40,8 +39,8 @@ def few():
 
 @pytest.fixture
 def all_shared(monkeypatch):
-    monkeypatch.setattr(shared_blocks, "LEAST_SHARED_SECONDS", 0.0)
-    monkeypatch.setattr(shared_blocks, "LEAST_CALL_SECONDS", 0.0)
+    monkeypatch.setattr(evaluation_memory, "LEAST_SHARED_SECONDS", 0.0)
+    monkeypatch.setattr(evaluation_memory, "LEAST_CALL_SECONDS", 0.0)
 
 
 def logs(folder):

@@ -492,7 +492,7 @@ def test_answers_on_a_cluster(local, study_folder, monkeypatch):
     from support.study_runs import answers_as_text, study_of_answers
 
     from torsionnet.study.quantities.evaluator import Evaluator
-    from torsionnet.study.run import evaluation_memory as shared_blocks
+    from torsionnet.study.run import evaluation_memory
     from torsionnet.study.run.answering import Workers
 
     @contextmanager
@@ -500,8 +500,8 @@ def test_answers_on_a_cluster(local, study_folder, monkeypatch):
         yield local
 
     monkeypatch.setattr("torsionnet.study.run.cluster.dask_executor.connected", these)
-    monkeypatch.setattr(shared_blocks, "LEAST_SHARED_SECONDS", 0.0)
-    monkeypatch.setattr(shared_blocks, "LEAST_CALL_SECONDS", 0.0)
+    monkeypatch.setattr(evaluation_memory, "LEAST_SHARED_SECONDS", 0.0)
+    monkeypatch.setattr(evaluation_memory, "LEAST_CALL_SECONDS", 0.0)
     study = study_of_answers(("shares", "worst"))
     alone = answers_as_text(study)
     assert answers_as_text(study, study_folder, Workers(cluster="local:2")) == alone

@@ -16,8 +16,7 @@ from support.patience import PATIENCE, wait_for
 from support.study_runs import CHUNK, VARIANTS, contents, deadly, deaf, processes_of_session, small_study, started
 
 from torsionnet.base.errors import SolveError, TorsionnetWarning, UsageError
-from torsionnet.study.run import chunk_values as chunk_store
-from torsionnet.study.run import run_chunks as calculating
+from torsionnet.study.run import chunk_values, run_chunks
 from torsionnet.study.run import run_chunks as workload
 from torsionnet.study.run import study_folder as folder_lock
 from torsionnet.study.run import study_folder as study_record
@@ -106,7 +105,7 @@ class TestFolder:
     @pytest.mark.slow
     def test_what_is_there_is_not_calculated_again(self, whole, tmp_path, monkeypatch):
         shutil.copytree(whole, tmp_path / "study")
-        monkeypatch.setattr(calculating.ChunkWork, "__call__", lambda *_: pytest.fail("calculated"))
+        monkeypatch.setattr(run_chunks.ChunkWork, "__call__", lambda *_: pytest.fail("calculated"))
         told = []
         run_study(small_study(), tmp_path / "study", progress=lambda done, total: told.append((done, total)))
         assert told == [(CHUNKS, CHUNKS)]
@@ -190,19 +189,19 @@ class TestFolder:
 
     @pytest.mark.slow
     def test_full_disk(self, tmp_path, monkeypatch, whole):
-        folder, write, left = tmp_path / "study", chunk_store.write_bytes, iter(range(5))
+        folder, write, left = tmp_path / "study", chunk_values.write_bytes, iter(range(5))
 
         def full(path, data):
             if next(left, None) is None:
                 raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
             write(path, data)
 
-        monkeypatch.setattr(chunk_store, "write_bytes", full)
+        monkeypatch.setattr(chunk_values, "write_bytes", full)
         with pytest.raises(SolveError, match=r"(?s)full.*unusable-place"):
             run_study(small_study(), folder)
         assert len(chunk_files(folder)) == 5
         assert not (folder / LOCK).exists()
-        monkeypatch.setattr(chunk_store, "write_bytes", write)
+        monkeypatch.setattr(chunk_values, "write_bytes", write)
         run_study(small_study(), folder)
         assert contents(folder) == contents(whole)
 

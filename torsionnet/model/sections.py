@@ -141,8 +141,8 @@ OWNERS = {
     ),
     "scenarios": SectionOwner(
         "torsionnet.motion.scenarios:scenario_kinds",
-        "torsionnet.motion.scenario_run:unfit_scenarios",
-        "torsionnet.motion.scenario_run:scenario_faults",
+        "torsionnet.motion.scenario_courses:unfit_scenarios",
+        "torsionnet.motion.scenario_courses:scenario_faults",
     ),
     "bench": SectionOwner("torsionnet.bench.plan.plan:Plan", "torsionnet.bench.plan.bench_checks:unfit_bench"),
     "report": SectionOwner(

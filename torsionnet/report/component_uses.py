@@ -12,7 +12,7 @@ from torsionnet.machinery.excitations.engine_entries import EngineEntries
 from torsionnet.machinery.limits import Limit
 from torsionnet.machinery.limits.coupling import DamperLimit
 from torsionnet.machinery.limits.curve import CurveLimit
-from torsionnet.machinery.limits.element_limit import MachineAngleLimit
+from torsionnet.machinery.limits.machine_angle import MachineAngleLimit
 from torsionnet.machinery.limits.society_rules import in_all_words
 from torsionnet.machinery.verdicts.condition_peaks import ConditionPeaks
 from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion, WorstLimit

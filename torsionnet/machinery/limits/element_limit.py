@@ -10,7 +10,7 @@ import numpy as np
 
 from torsionnet.base.entries.composite import given_entries, one_at_most
 from torsionnet.base.entries.scalars import Value
-from torsionnet.base.entries.spec import Count, Flag, Spec, Text, entry
+from torsionnet.base.entries.spec import Flag, Spec, Text, entry
 from torsionnet.base.errors import EntryPath, Fault, ModelError
 from torsionnet.machinery.limits.evidence import Evidence, LimitSubject
 from torsionnet.machinery.limits.limit import LimitLine, line_without_data, register_rule
@@ -18,7 +18,7 @@ from torsionnet.machinery.limits.speed_band import InSpeedBand
 from torsionnet.machinery.verdicts.limit_verdict import RuleText
 from torsionnet.model.catalogues.catalogue_reading import cell_value
 from torsionnet.model.channels import Sensor, port_fault
-from torsionnet.model.element_base.element_entries import ElementName, NodeName, PlaceOnElement
+from torsionnet.model.element_base.element_entries import ElementName, PlaceOnElement
 from torsionnet.model.elements import Element
 
 
@@ -227,50 +227,3 @@ def _unknown(evidence: Evidence) -> str:
     if not evidence.why_no_mean and evidence.idle:
         return "it transmits no mean torque at rated speed, here or as written; give rated_torque"
     return f"the mean torque is not known: {evidence.why_no_mean or 'the rated speed is not among the speeds'}"
-
-
-# Limits of generators on the swing of the rotor in electrical degrees, at which lamps begin to flicker.
-
-
-@register_rule
-@dataclass(frozen=True, kw_only=True)
-class MachineAngleLimit(InSpeedBand):
-    """Vibratory angle of the rotor of an electric machine in electrical degrees: pole pairs times the mechanical angle.
-
-    Examples
-    --------
-    >>> round(MachineAngleLimit(node="rotor", pole_pairs=4, angle="3.5 deg").angle, 6)
-    0.061087
-    """
-
-    kind: ClassVar[str] = "machine_angle"
-    holds_in_band_alone: ClassVar[bool] = True
-
-    node: str = entry(NodeName("the node of its rotor", allow_ground=False))
-    pole_pairs: int = entry(Count("pairs of poles", 1, 200))
-    angle: float = entry(Value("angle allowed, peak value, electrical", "angle", exclusive=True))
-    source: str = entry(Text("who states the value, and where"), "value given by the user")
-
-    @property
-    def of(self) -> str:
-        return str(self.node)
-
-    @property
-    def named(self) -> tuple[tuple[EntryPath, str, str], ...]:
-        return ((("node",), "node", self.node),)
-
-    def order_sensors(self, subject: LimitSubject) -> list[Sensor]:
-        del subject
-        return [Sensor("angle", self.node)]
-
-    def text(self, evidence: Evidence) -> RuleText:
-        del evidence
-        formula = f"{self.pole_pairs} pole pairs x half range of the angle <= angle allowed, electrical"
-        return RuleText(self.source, formula, "swinging of machines that run in parallel against each other")
-
-    def lines(self, evidence: Evidence) -> Iterator[LimitLine]:
-        angle = self.order_sensors(evidence.subject)
-        # Electrical angle = pole pairs times mechanical angle.
-        values, orders = self.pole_pairs * evidence.size(angle), evidence.orders(angle).times(self.pole_pairs)
-        allowed = constant_over_speed(self.angle, evidence)
-        yield LimitLine("electrical angle", "electrical angle, half range", "rad", values, allowed, (), orders)

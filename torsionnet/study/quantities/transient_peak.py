@@ -18,7 +18,7 @@ from torsionnet.identification.plan.fit_entries import READING, FileReading
 from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.linear.dynamic_stiffness.transfer_request import named_output, resolve_inputs
 from torsionnet.linear.modes.natural_modes import natural_modes
-from torsionnet.motion.scenario_run import scenario_of
+from torsionnet.motion.scenario_courses import scenario_of
 from torsionnet.signals.recording import Recording
 from torsionnet.signals.records.recording_files import read_even
 from torsionnet.study.quantities.quantity import QuantityForm, StudyQuantity, register_quantity
