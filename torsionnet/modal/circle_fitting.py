@@ -191,6 +191,7 @@ def _around(size: FloatArray, omega: FloatArray, near: float) -> slice:
     place = int(np.abs(omega[summits] - near).argmin())
     before, top, after = np.concatenate([[0], summits, [len(size)]])[place : place + 3].tolist()
     ends = []
+    # To the valley on each side, at most to where the curve has fallen to that part of its peak.
     for side in (size[before : top + 1][::-1], size[top:after]):
         low = np.flatnonzero(side < LOWEST_PART_OF_PEAK * size[top])
         end = int(low[0]) if len(low) else len(side)

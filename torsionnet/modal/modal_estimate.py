@@ -239,6 +239,7 @@ def estimate_from_expansion(
     """Modal estimate from an expansion fitted to the lines of a response, with contributions and misfit."""
     modes = range(len(expansion.poles))
     factor = lines.s[:, None, None] ** lines.powers * lines.balance
+    # Contribution of a mode: root mean square of its term over the lines, in balanced units.
     shares = [np.sqrt(np.mean(np.abs(expansion.term(mode, lines.s) * factor) ** 2)) for mode in modes]
     left = lines.values - expansion.values(lines.s, lines.powers)
     unknown = np.full(len(modes), np.nan)

@@ -152,6 +152,7 @@ def reweighted(problem: Projection, logarithms: FloatArray) -> Lines:
         for place in np.ndindex(*left.shape[1:]):
             at = (slice(None), *place)
             size[at] = np.sqrt(_variance(squares[at], passed[at]))
+    # A response that is fitted down to rounding must not take all the weight.
     floor = SMALLEST_VALUE * np.sqrt(np.mean(np.abs(lines.weights * lines.values) ** 2, axis=0))
     return replace(lines, weights=lines.weights / np.maximum(size, floor))
 

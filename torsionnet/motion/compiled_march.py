@@ -34,6 +34,7 @@ def near_zero(values: Any, count: int) -> Any:
         for guard in range(values.shape[1]):
             here, there = values[step, guard], values[step + 1, guard]
             bend = 0.0
+            # Second differences on both sides bound how far a guard may dip between two points.
             for place in (max(step, 1), min(step + 1, last - 1)):
                 bent = abs(values[place + 1, guard] - 2 * values[place, guard] + values[place - 1, guard])
                 bend = max(bend, bent)

@@ -339,6 +339,7 @@ class Works:
 
     def _over_parts(self, tables: _Tables, few: Stretches) -> FloatArray:
         z, lengths = few.whole_states(self.drive), few.times[:, 1]
+        # Work is the integral of power: Gauss points in each part of a step, motion from its Taylor polynomial there.
         places, weights = gauss_points(NODES_IN_PART)
         total = np.zeros(len(tables.work.owners))
         for part in range(self.n_sub):

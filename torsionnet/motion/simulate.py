@@ -98,6 +98,7 @@ def delayed_response(
     while error > ERROR_TOLERANCE and used <= MOST_TIME_STEPS:
         fineness *= 2
         finer = _delayed_steps(form, torques, h, fineness)
+        # Richardson: the error falls as h^2, so that x_h/2 + (x_h/2 - x_h)/3 is free of that term.
         extrapolated = finer + (finer - last) / 3
         sizes = np.abs(extrapolated).max(axis=1, keepdims=True)
         error = float((np.abs(extrapolated - found) / np.where(sizes > 0, sizes, 1.0)).max(initial=0.0))
@@ -119,6 +120,7 @@ def _form(drivetrain: AssembledModel, request: TransferRequest) -> DelayedForm:
     form = first_order(
         assembly, request.excitations, closing=[one for one in laws if not one.action.delay], opened=opened
     )
+    # Below the drivetrain's states those of each delayed controller, z' = F z + G (y, y')^T.
     sizes = np.cumsum([len(form.A), *(len(one.F) for one in opened)])
     A, B = np.zeros((sizes[-1], sizes[-1])), np.zeros((sizes[-1], form.B.shape[1]))
     n = len(form.A)
@@ -130,6 +132,7 @@ def _form(drivetrain: AssembledModel, request: TransferRequest) -> DelayedForm:
         A[own, own] = law.F
         A[own, :n] = np.outer(law.G[:, 0], y) + np.outer(law.G[:, 1], rate)
         B[own] = np.outer(law.G[:, 0], direct) + np.outer(law.G[:, 1], rate_direct)
+        # Its torque before the delay is H z + the shares of y and y' that act at once.
         E[place, own], E[place, :n] = law.H, law.at_once[0] * y + law.at_once[1] * rate
         F[place] = law.at_once[0] * direct + law.at_once[1] * rate_direct
     C, D = output_matrices(assembly, request.outputs, request.excitations, form, opened)
@@ -154,12 +157,14 @@ def _delayed_steps(form: DelayedForm, torques: TorqueCourses, h: float, fineness
     inside = torques.within(np.arange(fineness + 1) / fineness)
     drive = np.hstack([inside[:, :, :-1].reshape(n_in, -1), torques.samples[:, -1:]])
     ends = inside[:, :, 1:].reshape(n_in, -1).T
+    # x(t + h) = exp(A h) x + weights of u at both ends, exact for inputs that are straight in between.
     passage, before, after = (part.real for part in first_order_hold(form.A, form.B, step))
     weights = [_Between(delay / step) for delay in form.delays]
     x, found = np.zeros(len(form.A)), np.zeros((count, len(form.delays)))
     u = np.concatenate([drive, np.zeros((len(form.delays), count))]).T.copy()
     states = np.zeros((n, len(x)))
     for point in range(count):
+        # Controllers act now with what they asked for one delay ago, which is solved already.
         for number, one in enumerate(weights):
             u[point, n_in + number] = one.read(found[:, number], point)
         if point:

@@ -243,6 +243,7 @@ def _march(form: DrivenForm, x: FloatArray, histories: Sequence[TimeHistory], ra
     values = np.zeros((len(form.C), count))
     end = (count - 1) / rate
     starts = [0.0, *sorted({time for one in histories for time in one.breaks if 0 < time <= end})]
+    # Between breaks of the histories z' = A z, exact by exp(A t); at a break the rows of the histories start anew.
     step = np.asarray(expm(form.A / rate))
     for start, following in zip(starts, [*starts[1:], np.inf], strict=True):
         z = form.started(x, histories, start)

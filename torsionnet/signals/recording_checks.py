@@ -110,11 +110,13 @@ def repeated_blocks(values: FloatArray, sampling_rate: float, step: float = 0.0)
 
 def _maximal(values: FloatArray, width: int) -> Iterator[RepeatedBlock]:
     """Yield the longest pairs of equal stretches that contain a window starting at a multiple of its width."""
+    # Stretches that stand still equal every other pause: only windows in which values change are compared.
     changes = np.concatenate([[0], np.cumsum(values[1:] != values[:-1])])
     moves = changes[width - 1 :] - changes[: len(changes) - width + 1] >= FEWEST_CHANGES // 2
     prints = _fingerprints(values, width)
     anchors = np.arange(0, len(prints), width)
     anchors = anchors[moves[anchors]]
+    # A table of the first bits of the fingerprints passes over most windows before they are looked up in order.
     table, places = np.zeros(1 << _TABLE_BITS, dtype=bool), prints >> np.uint64(64 - _TABLE_BITS)
     table[places[anchors]] = True
     seen = np.flatnonzero(table[places] & moves)
@@ -126,6 +128,7 @@ def _maximal(values: FloatArray, width: int) -> Iterator[RepeatedBlock]:
     pairs = np.sort(np.stack([anchors[at][alike], seen[alike]]), axis=0)
     if pairs.shape[1] * width > 2 * MOST_REPEATED_SHARE * np.count_nonzero(moves) + width:
         return
+    # Pairs of one lag belong together: each stretch is widened to both sides once, and its other pairs are passed over.
     lags = pairs[1] - pairs[0]
     reached: dict[int, int] = {}
     for number in np.lexsort((pairs[0], lags)):

@@ -254,6 +254,7 @@ def _reversals(angle: FloatArray) -> list[tuple[int, bool]]:
     found: list[tuple[int, bool]] = []
     top = bottom = 0
     rising: bool | None = None
+    # An extreme is one once the twist has come back from it by more than noise does.
     for place in range(1, len(angle)):
         top = place if angle[place] > angle[top] else top
         bottom = place if angle[place] < angle[bottom] else bottom

@@ -68,6 +68,7 @@ def wrap_jumps(values: FloatArray) -> tuple[NDArray[np.intp], float]:
     jumps = np.flatnonzero(np.abs(steps) > max(0.8 * span, 0.8 * np.pi)) if span > 0 else np.empty(0, np.intp)
     if not len(jumps) or len(jumps) == len(steps):
         return np.empty(0, np.intp), 0.0
+    # Jumps of a wrapping encoder are all of one size, far above the steps between them.
     sizes, others = np.abs(steps[jumps]), np.abs(np.delete(steps, jumps))
     size = float(np.median(sizes))
     alike = np.all(np.abs(sizes - size) <= SAME_JUMP_DIFFERENCE * size) and np.max(others) < size / 2

@@ -195,6 +195,7 @@ def archer_at_small_torque(external: ExternalTorques) -> Iterator[Fault]:
         ratio = abs(external.ratios.get(str(screw.node), 0.0))
         if full is None or not ratio:
             continue
+        # Full ahead at this speed by the propeller's own law, T (n/n_rated)^exponent.
         taken, whole = float(torque.evaluate(values)), full.torque * (ratio * rated / full.rated) ** full.exponent
         if SLIP_TORQUE_SHARE * whole < taken < SMALL_TORQUE_SHARE * whole:
             text = f"Archer's damping with {taken / 1e3:.4g} kN*m, {taken / whole:.0%} of the torque of full ahead"

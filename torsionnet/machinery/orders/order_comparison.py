@@ -121,6 +121,7 @@ def order_agreement(pair: OrderPair) -> OrderAgreement:
     found = (_bounded(used) if used.bound else _judged(used)) if used is not None else _without_interval(pair)
     at_peak, over_speed = _phase_degrees(pair)
     test, model = np.abs(pair.measured), np.abs(pair.calculated)
+    # Differences of complex values, so that a wrong phase counts as a wrong amplitude does.
     apart = float(np.mean(np.abs(pair.measured - pair.calculated) ** 2))
     return OrderAgreement(
         found.verdict,

@@ -364,6 +364,7 @@ def _window_angles(
     rates += [np.maximum(np.abs(line.frequency(speeds)), 1 / longest) for line in lines if line.fixed and line.order]
     if len(rates) == 1:
         return angles
+    # The longest window counts: its rate over time is integrated by trapezoids, one window being one cycle.
     slowest = np.min(rates, axis=0)
     turned = np.cumsum(np.diff(times) * (slowest[1:] + slowest[:-1]) / 2)
     return np.asarray(angles[0] + cycle * np.concatenate([[0.0], turned]))

@@ -72,6 +72,7 @@ def sweep_of(times: FloatArray, angle: FloatArray, order: float, excitation_law:
         )
     spline = CubicSpline(times, order * angle)
     speed = np.asarray(spline(times, 1))
+    # Torques of inertia grow with the square of speed; 1 at the highest one.
     amplitude = np.ones(len(times)) if excitation_law == "constant" else (speed / np.abs(speed).max()) ** 2
     middle = np.asarray(spline((times[1:] + times[:-1]) / 2))
     return SpeedSweep(float((times[-1] - times[0]) / (len(times) - 1)), order * angle, middle, speed, amplitude)
@@ -297,6 +298,7 @@ def _projected(passage: _Passage, start: FloatArray) -> tuple[FloatArray, FloatA
     data = np.concatenate(passage.data)
     scale = np.linalg.norm(data)
 
+    # Variable projection: amplitudes follow from poles by linear least squares, so that poles alone are searched.
     def solved(at: FloatArray) -> tuple[ComplexArray, ComplexArray]:
         columns = passage.whitened(passage.columns(_poles(at)))
         amplitudes = np.linalg.lstsq(columns, data, rcond=None)[0]

@@ -52,6 +52,7 @@ def steady_reading(frequencies: FloatArray, amplitude: FloatArray) -> SteadyRead
     rising = np.argsort(frequencies, kind="stable")
     f, size = frequencies[rising], amplitude[rising]
     top = int(size.argmax())
+    # At half power the amplitude is 1/sqrt(2) of its peak, and zeta = (f_2 - f_1)/(2 f_0).
     level = size[top] / np.sqrt(2)
     below, above = np.flatnonzero(size[:top] < level), np.flatnonzero(size[top:] < level)
     if not len(below) or not len(above):
@@ -422,6 +423,7 @@ def _section(
     factor = int((len(times) - 1) / (times[-1] - times[0]) / (SAMPLES_PER_CYCLE * band[1]))
     if factor < 2:
         return times, values, angle
+    # The filter takes the record to be zero beyond its ends: without its straight line it nearly is.
     line = np.polynomial.Polynomial.fit(times, values, 1)(times)
     kept = slice(None, None, factor)
     return times[kept], resample_poly(values - line, 1, factor) + line[kept], angle[kept]

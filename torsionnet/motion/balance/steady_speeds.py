@@ -303,6 +303,7 @@ class _Motions:
         if not linear.all():
             (row,), (bent,) = rows[~linear], [one for one in laws if one not in self.network.dampers]
             s, free = float(row @ back @ row), float(row @ back @ torques)
+            # The network of dampers acts on the bent law as one damper 1/s would, driven by free/s.
             path = MotionLaw(bent.law.row, PieceCurve("rate", (Slope(damping=1 / s),)))
             roots = roots_along([bent.law, path], [1.0, 1.0], free / s)
             motions = [(back @ (torques - row * torque), torque) for torque in ((free - rate) / s for rate in roots)]

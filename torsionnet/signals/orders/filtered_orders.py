@@ -182,6 +182,7 @@ def half_ranges(values: ComplexArray, orders: FloatArray, cycle: int) -> FloatAr
     turning = np.exp(1j * np.outer(orders, angles))
     found = np.empty(values.shape[::2])
     for signal, lines in enumerate(values):
+        # Some hundred times at once: sums of all orders at all angles would not fit into memory.
         for begin in range(0, lines.shape[1], 256):
             wave = (lines[:, begin : begin + 256].T @ turning).real
             found[signal, begin : begin + 256] = np.ptp(wave, axis=1) / 2

@@ -306,6 +306,7 @@ def stress_orders(torque: TrackedOrders, diameter: float) -> TrackedOrders:
         )
     if not diameter > 0:
         raise UsageError(f"the diameter of a shaft is positive, got {diameter:g} m", kind="out-of-range")
+    # tau = T/W, W = pi d^3/16.
     factor = 16 / (np.pi * diameter**3)
     return replace(
         torque,

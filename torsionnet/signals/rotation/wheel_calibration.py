@@ -188,6 +188,7 @@ def speed_range(tests: Sequence[WheelTest], wheel: Wheel) -> tuple[float, float]
         ends = np.searchsorted(
             pulses.numbers, pulses.numbers[0] + length * np.arange(1 + np.ptp(pulses.numbers) // length)
         )
+        # A record shorter than a window is one window.
         ends = np.append(ends, len(pulses.numbers) - 1) if len(ends) < 2 else ends
         speeds.append(
             2 * np.pi / wheel.teeth * wheel.ratio * np.diff(pulses.numbers[ends]) / np.diff(pulses.times[ends])
