@@ -216,7 +216,8 @@ def clusters(diagram: Stabilisation) -> list[Place]:
         like = [number for number, (other, _) in enumerate(found) if _is_same(diagram, place, other)]
         if like:
             # At one order the shapes of a repeated pole are independent, between orders they are not.
-            shared = set[int].intersection(*(_orders(chain) for chain in [own, *(found[number][1] for number in like)]))
+            chains = [own, *(found[number][1] for number in like)]
+            shared = set[int].intersection(*({index for index, _ in chain} for chain in chains))
             if not shared:
                 continue
             last = max(shared)
@@ -226,10 +227,6 @@ def clusters(diagram: Stabilisation) -> list[Place]:
         if low <= abs(_pole(diagram, place)) <= high:
             found.append((place, own))
     return [place for place, _ in found]
-
-
-def _orders(chain: list[Place]) -> set[int]:
-    return {index for index, _ in chain}
 
 
 def _at(chain: list[Place], index: int) -> Place:

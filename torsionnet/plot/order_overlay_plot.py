@@ -221,7 +221,8 @@ def tracked_orders(
         if is_steady(rpm):
             drawn |= {"marker": "o", "markersize": 4}
         values = tracked.along(order)[rising]
-        widths = np.nan_to_num(tracked.half_widths[_place(tracked, order), rising])
+        place = int(np.abs(tracked.orders - order).argmin())
+        widths = np.nan_to_num(tracked.half_widths[place, rising])
         size = np.abs(values) * scale
         low, high = np.maximum(size - widths * scale, 0), size + widths * scale
         top.fill_between(rpm, low, high, color=drawn["color"], alpha=0.2, linewidth=0)
@@ -241,7 +242,3 @@ def tracked_orders(
     fit_speeds(panels[-1], rpm)
     named = f"{tracked.title}: {tracked.name}" if tracked.title else f"{tracked.name}, measured orders"
     return sheet.titled(named if title is None else title)
-
-
-def _place(tracked: TrackedOrders, order: float) -> int:
-    return int(np.abs(tracked.orders - order).argmin())

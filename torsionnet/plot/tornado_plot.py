@@ -72,7 +72,7 @@ def tornado(
     sheet, panels = style.grid_panels(style.WIDTH, height, shows, ax, columns=len(what))
     for row, place in zip(panels, chosen, strict=True):
         _bars(row[0], result, result.relative_frequencies[place], shown, style.PALETTE[0])
-        row[0].set_title(_title(result, place), fontsize=style.FONT)
+        row[0].set_title(f"{result.name(place)}: {result.natural_frequencies[place]:.4g} Hz", fontsize=style.FONT)
         if damped:
             _damping(sheet, row[1], result, place, shown)
     for axes, one in zip(_lowest(panels), what, strict=True):
@@ -83,10 +83,6 @@ def tornado(
 def _moves(result: ModeSensitivities, mode: int) -> bool:
     slopes = np.abs(np.concatenate([result.relative_frequencies[mode], result.relative_dampings[mode]]))
     return bool(slopes.max(initial=0.0) > ROUNDING)
-
-
-def _title(result: ModeSensitivities, mode: int) -> str:
-    return f"{result.name(mode)}: {result.natural_frequencies[mode]:.4g} Hz"
 
 
 def _damping(sheet: style.Sheet, axes: Axes, result: ModeSensitivities, mode: int, shown: list[int]) -> None:

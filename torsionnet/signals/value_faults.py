@@ -148,13 +148,10 @@ def frozen_stretches(values: FloatArray, sampling_rate: float, step: float = 0.0
         ):
             continue
         sides = values[firsts[before.start] : first + 1], values[last + 1 : int(firsts[after][-1]) + 1]
-        if _moves(sides, step) and (is_rough(sides) or jumps_away(sides, values[last + 1] - level)):
+        moves = np.ptp(np.concatenate(sides)) >= LEAST_RANGE_STEPS * step
+        if moves and (is_rough(sides) or jumps_away(sides, values[last + 1] - level)):
             found.append((first, last))
     return found
-
-
-def _moves(sides: tuple[FloatArray, FloatArray], step: float) -> bool:
-    return bool(np.ptp(np.concatenate(sides)) >= LEAST_RANGE_STEPS * step)
 
 
 def is_rough(sides: tuple[FloatArray, FloatArray]) -> bool:

@@ -112,11 +112,8 @@ def _add_units(root: Element, variables: Variables) -> None:
 
 def xml_attributes(attributes: Mapping[str, str]) -> dict[str, str]:
     """Attributes by name that are not empty, each on one line and without characters that XML cannot hold."""
-    return {name: _plain(text) for name, text in attributes.items() if text}
-
-
-def _plain(text: str) -> str:
-    return "".join(sign for sign in " ".join(text.split()) if sign.isprintable())
+    spaced = {name: " ".join(text.split()) for name, text in attributes.items() if text}
+    return {name: "".join(filter(str.isprintable, text)) for name, text in spaced.items()}
 
 
 def xml_document(root: Element) -> bytes:

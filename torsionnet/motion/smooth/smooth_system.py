@@ -82,7 +82,8 @@ def _first_root(values: FloatArray, rounding: float, guard: int, guard_at: Calla
     series = nodes()[2] @ values
     # Between its turning points the series is monotone, so that signs there tell each fall.
     turning = chebyshev.chebroots(chebyshev.chebder(series)) if np.abs(series[2:]).max() > 0 else np.zeros(0)
-    inside = sorted(float(one.real + 1) / 2 for one in np.atleast_1d(turning) if _is_inside(one))
+    real = (one.real for one in np.atleast_1d(turning) if abs(one.imag) < 1e-6)
+    inside = sorted(float(one + 1) / 2 for one in real if -1 < one < 1)
     last, positive = 0.0, values[0] > rounding
     for place in (*inside, 1.0):
         value = float(values[-1]) if place == 1.0 else float(chebyshev.chebval(2 * place - 1, series))
@@ -93,10 +94,6 @@ def _first_root(values: FloatArray, rounding: float, guard: int, guard_at: Calla
         if value > rounding:
             last, positive = place, True
     return -1.0
-
-
-def _is_inside(root: complex) -> bool:
-    return abs(root.imag) < 1e-6 and -1 < root.real < 1
 
 
 def _refined(guard: int, above: float, below: float, guard_at: Callable[[int, float], float]) -> float:

@@ -85,7 +85,8 @@ def scatter_matrix(
         )
     shown = _strongest(result, cases)
     si = {**result.parameter_units, **result.units}
-    columns = {name: _columns(result, cases, name, units.scale(name, si[name])) for name in (*shown, *result.units)}
+    scales = {name: units.scale(name, si[name]) for name in (*shown, *result.units)}
+    columns = {name: {case: scale * result.points[case][name] for case in cases} for name, scale in scales.items()}
     width = max(style.WIDTH, PANEL_WIDTH * len(shown))
     shows = [f"{quantity} over {parameter}" for quantity in result.units for parameter in shown]
     height = 0.9 + PANEL_HEIGHT * len(result.units)
@@ -112,10 +113,6 @@ def _strongest(result: ScatterResult, cases: list[str]) -> list[str]:
     )
     kept = sorted(np.argsort(-sizes, kind="stable")[:MOST_PARAMETERS].tolist())
     return [list(result.parameter_units)[place] for place in kept]
-
-
-def _columns(result: ScatterResult, cases: list[str], name: str, scale: float) -> dict[str, FloatArray]:
-    return {case: scale * result.points[case][name] for case in cases}
 
 
 def _points(axes: Axes, x: dict[str, FloatArray], y: dict[str, FloatArray]) -> None:

@@ -69,13 +69,11 @@ def encoder_recording(source: Source, options: ReadOptions, file: str) -> Record
     if faults:
         raise ModelError(faults, file)
     turning = [
-        _turning(source, every[name], options, file) for name in options.pulses if _is_asked(name, options.names)
+        _turning(source, every[name], options, file)
+        for name in options.pulses
+        if options.names is None or name in options.names
     ]
     return _together(_others(source, options, file), turning, options, file)
-
-
-def _is_asked(name: str, names: Sequence[str] | Mapping[str, str] | None) -> bool:
-    return names is None or name in names
 
 
 def _others(source: Source, options: ReadOptions, file: str) -> Recording | None:

@@ -99,7 +99,7 @@ def _testlab(fields: _Fields) -> Found | None:
     prefixes = [name.removesuffix(VALUES) for name in fields.arrays if name.endswith(VALUES)]
     channels, places, notes = list[FileChannel](), list[tuple[int, int]](), list[NoteOrText]()
     faults = list[str]()
-    names = [_names(fields, prefix) for prefix in prefixes]
+    names = [fields.words(f"{prefix}.function_record.name") for prefix in prefixes]
     often = Counter(name for some in names for name in some)
     for prefix, given in zip(prefixes, names, strict=True):
         number, item = fields.arrays[f"{prefix}{VALUES}"]
@@ -128,10 +128,6 @@ def _testlab(fields: _Fields) -> Found | None:
     if faults:
         raise ValueError("; ".join(faults))
     return (channels, places, notes) if prefixes else None
-
-
-def _names(fields: _Fields, prefix: str) -> list[str]:
-    return fields.words(f"{prefix}.function_record.name")
 
 
 def _abscissa_fault(fields: _Fields, prefix: str, item: StoredArray) -> str:

@@ -329,13 +329,9 @@ def _identified(response: FrequencyResponse, method: Any, order: int | None) -> 
 
     if method == "peaks":
         return peak_picking(response), None
-    chosen = Settings(method, order, weights=_weights(response))
+    chosen = Settings(method, order, weights="uniform" if response.coherence is None else "coherence")
     diagram = stabilisation(response, chosen)
     return identify_modes(diagram), diagram
-
-
-def _weights(response: FrequencyResponse) -> Any:
-    return "coherence" if response.coherence is not None else "uniform"
 
 
 def _compared(found: ModalEstimate, model: str, configuration: str, inputs: tuple[str, ...]) -> Match:

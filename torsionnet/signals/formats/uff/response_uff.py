@@ -254,7 +254,8 @@ def _datasets(response: FrequencyResponse) -> Iterator[dict[str, Any]]:
             place = {"id1": _first_line(out, into), "rsp_node": numbers[out.name], "rsp_dir": ROTATION_ABOUT_X,
                      "ref_node": numbers[into.name], "ref_dir": ROTATION_ABOUT_X,
                      "rsp_ent_name": _entity(out), "ref_ent_name": _entity(into)}  # fmt: skip
-            yield {**common, **place, "func_type": FRF, "data": _complex(response.values[:, o, i]),
+            curve = np.ascontiguousarray(response.values[:, o, i], dtype=complex)
+            yield {**common, **place, "func_type": FRF, "data": curve,
                    **_side("ordinate", out), **_side("orddenom", into)}  # fmt: skip
             if response.coherence is not None:
                 yield {**common, **place, "func_type": COHERENCE, "data": _real(response.coherence[:, o, i])}
@@ -305,10 +306,6 @@ def _side(axis: str, channel: Channel) -> dict[str, Any]:
         f"{axis}_spec_data_type": DATA_TYPES.get(channel.unit, 0),
         f"{axis}_axis_units_lab": channel.unit[:LABEL_WIDTH] or "NONE",
     }
-
-
-def _complex(values: Any) -> Any:
-    return np.ascontiguousarray(values, dtype=complex)
 
 
 def _real(values: Any) -> Any:
