@@ -18,8 +18,7 @@ import numpy as np
 from torsionnet.base.atomic import atomic_replacement
 from torsionnet.base.errors import Fault, ModelError
 from torsionnet.linear.frequency_response import FrequencyResponse
-from torsionnet.signals.foreign import ForeignFileError
-from torsionnet.signals.foreign import content as resource_limits
+from torsionnet.signals.foreign import ForeignFileError, resource_limits
 from torsionnet.signals.foreign.content import Slice, StoredArray, sliced_blocks
 from torsionnet.signals.recording import FloatArray, Recording
 from torsionnet.signals.records.arrays import array_source, with_left_out
