@@ -142,7 +142,17 @@ class TestUnitsAndCases:
             "Dauerbetrieb",
         ):
             assert word in page, word
-        for word in ("misfire of", "without ignition", "rpm", "r/min", "1/min", "continuous"):
+        assert "auch beim Durchfahren; T_v S_theta &lt;= T_KW; P &lt;= P_KV mal Temperaturfaktor" in page
+        for word in (
+            "also in passing",
+            "half range",
+            "misfire of",
+            "without ignition",
+            "rpm",
+            "r/min",
+            "1/min",
+            "continuous",
+        ):
             assert word not in page, word
 
     def test_english(self):

@@ -14,6 +14,7 @@ from torsionnet.base.entries.scalars import Value, read_scalar
 from torsionnet.base.entries.spec import EntryError, OneOf, entry, not_none
 from torsionnet.base.errors import Fault
 from torsionnet.base.expressions import Number
+from torsionnet.base.phrases import joined, phrase
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.limits.element_limit import ElementLimit, constant_over_speed
 from torsionnet.machinery.limits.evidence import Evidence, LimitSubject
@@ -85,12 +86,11 @@ def steady_temperature(power: Heat, heat_transfer: float, ambient: float) -> Hea
 
 REFERENCE_HZ = 10.0
 """Frequency in Hz up to which DIN 740-2 takes the permissible vibratory torque of a coupling for constant."""
-FORMULA = (
-    "T_mean S_theta <= T_KN; (T_mean + T_v) S_theta <= T_Kmax, also in passing; {vibratory} <= T_KW; "
-    "P <= P_KV times the factor for temperature, P = sum over frequencies of Re(T conj(dgamma/dt))/2 with T the whole "
-    "torque, elastic and damping; T_v: half range of the sum of all orders; S_theta = {theta:g}"
-)
-"""Formula of the rule for couplings as reports print it."""
+TORQUES = ("T_mean S_theta <= T_KN", "(T_mean + T_v) S_theta <= T_Kmax, also in passing")
+VIBRATORY_BY_DIN = "T_v S_theta, orders times sqrt(f/10 Hz) above 10 Hz (DIN 740-2:1986), <= T_KW"
+HEAT_ALLOWED = "P <= P_KV times the factor for temperature"
+HEAT = "P = sum over frequencies of Re(T conj(dgamma/dt))/2 with T the whole torque, elastic and damping"
+"""Clauses of the rule for couplings as reports print it; heat is that of dampers, too."""
 
 
 @register_rule
@@ -207,8 +207,19 @@ class CouplingLimit(ElementLimit):
     def text(self, evidence: Evidence) -> RuleText:
         del evidence
         by_din = self.frequency_factor == "din_740_2"
-        vibratory = "T_v S_theta" + (", orders times sqrt(f/10 Hz) above 10 Hz (DIN 740-2:1986)," if by_din else "")
-        formula = FORMULA.format(vibratory=vibratory, theta=self.torque_temperature_factor) + self._balance()
+        vibratory = phrase(VIBRATORY_BY_DIN if by_din else "T_v S_theta <= T_KW")
+        theta = f"S_theta = {self.torque_temperature_factor:g}"
+        half_range = phrase("T_v: half range of the sum of all orders")
+        parts = [
+            *map(phrase, TORQUES),
+            vibratory,
+            phrase(HEAT_ALLOWED),
+            phrase(HEAT),
+            half_range,
+            theta,
+            *self._balance(),
+        ]
+        formula = joined("; ", parts)
         missing = "starts, short circuits and other transients; radial and axial loads; heat of a steady slip"
         return RuleText(self.source, formula, missing)
 
@@ -249,14 +260,12 @@ class CouplingLimit(ElementLimit):
             (temperature_words(hottest),), steady_temperature=hottest,
         )  # fmt: skip
 
-    def _balance(self) -> str:
+    def _balance(self) -> list[str]:
         if self.given_off is None or self.ambient_temperature is None or self.largest_temperature is None:
-            return ""
+            return []
         ambient, largest = self.ambient_temperature - ICE_POINT, self.largest_temperature - ICE_POINT
-        return (
-            f"; t = t_a + P/Lambda <= {largest:g} degC in steady operation, t_a = {ambient:g} degC, "
-            f"Lambda = {self.given_off:.4g} W/K"
-        )
+        template = "t = t_a + P/Lambda <= {largest:g} degC in steady operation, t_a = {ambient:g} degC, "
+        return [phrase(f"{template}Lambda = {{off:.4g}} W/K", largest=largest, ambient=ambient, off=self.given_off)]
 
     def _vibratory(self, evidence: Evidence) -> LimitLine:
         weights = np.ones(evidence.run.frequencies.shape)
@@ -323,14 +332,16 @@ class DamperLimit(ElementLimit):
 
     def text(self, evidence: Evidence) -> RuleText:
         del evidence
-        parts = ["P = sum over frequencies of Re(T conj(dgamma/dt))/2 with T the whole torque, elastic and damping"]
+        parts = [phrase(HEAT)]
         if self.power_per_area is not None:
             parts.append(f"P <= {self.power_per_area / 1000:g} kW/m^2 x {self.area:g} m^2")
         elif self.power is not None:
             parts.append(f"P <= {self.power / 1000:g} kW")
         if self.vibratory_twist is not None:
-            parts.append("half range of twist <= vibratory_twist")
-        return RuleText(self.source, "; ".join(parts), "ageing of the fluid, temperature of the film, wear of springs")
+            parts.append(phrase("half range of twist <= vibratory_twist"))
+        return RuleText(
+            self.source, joined("; ", parts), "ageing of the fluid, temperature of the film, wear of springs"
+        )
 
     def lines(self, evidence: Evidence) -> Iterator[LimitLine]:
         if self.allowed_power is not None:

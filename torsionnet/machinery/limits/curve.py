@@ -14,7 +14,7 @@ from torsionnet.base.entries.scalars import SCALAR_SCHEMA, Value, ValueInUnitOfU
 from torsionnet.base.entries.spec import EntryError, Json, OneOf, Plural, Schema, Text, entry, name_fault
 from torsionnet.base.errors import EntryPath, Fault, got, unknown_name
 from torsionnet.base.expressions import Number
-from torsionnet.base.phrases import phrase
+from torsionnet.base.phrases import joined, phrase
 from torsionnet.base.units import RPM
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.excitations.order_excitation import ORDER
@@ -271,12 +271,16 @@ class CurveLimit(InSpeedBand):
 
     def text(self, evidence: Evidence) -> RuleText:
         del evidence
-        what = "half range of the sum of all orders" if self.measure == "half_range" else "amplitude of each order"
+        what = phrase(
+            "half range of the sum of all orders" if self.measure == "half_range" else "amplitude of each order"
+        )
         if self.orders:
-            what += f" of {', '.join(f'{order:g}' for order in self.orders)}"
+            what = phrase("{what} of {orders}", what=what, orders=", ".join(f"{order:g}" for order in self.orders))
         beyond = "" if self.value else "speeds outside of the table"
-        passing = f"; in passing {self.transient_factor:g} times as much" if self.transient_factor else ""
-        return RuleText(self.source, f"{what} <= value allowed{passing}", beyond)
+        formula = [phrase("{what} <= value allowed", what=what)]
+        if self.transient_factor:
+            formula.append(phrase("in passing {factor:g} times as much", factor=self.transient_factor))
+        return RuleText(self.source, joined("; ", formula), beyond)
 
     def breaks(self, subject: LimitSubject) -> list[float]:
         edges = super().breaks(subject)

@@ -12,6 +12,7 @@ from torsionnet.base.entries.composite import given_entries, one_at_most
 from torsionnet.base.entries.scalars import Value
 from torsionnet.base.entries.spec import Flag, Spec, Text, entry
 from torsionnet.base.errors import EntryPath, Fault, ModelError
+from torsionnet.base.phrases import joined, phrase
 from torsionnet.machinery.limits.evidence import Evidence, LimitSubject
 from torsionnet.machinery.limits.limit import LimitLine, line_without_data, register_rule
 from torsionnet.machinery.limits.speed_band import InSpeedBand
@@ -175,12 +176,13 @@ class GearLimit(ElementLimit):
         del evidence
         parts = []
         if self.vibratory_share is not None:
-            parts.append(f"T_v <= {100 * self.vibratory_share:g} % of the mean torque at rated speed")
+            share = 100 * self.vibratory_share
+            parts.append(phrase("T_v <= {share:g} % of the mean torque at rated speed", share=share))
         if self.vibratory_torque is not None:
             parts.append(f"T_v <= {self.vibratory_torque:g} N*m")
         if self.hammer:
-            parts.append("no gear hammer: T_v <= mean torque at the same speed")
-        formula = "; ".join(parts) + "; T_v: half range of the sum of all orders"
+            parts.append(phrase("no gear hammer: T_v <= mean torque at the same speed"))
+        formula = joined("; ", [*parts, phrase("T_v: half range of the sum of all orders")])
         return RuleText(self.source, formula, "tooth root and flank strength, backlash and its noise in other gears")
 
     def lines(self, evidence: Evidence) -> Iterator[LimitLine]:

@@ -9,6 +9,7 @@ from typing import ClassVar
 from torsionnet.base.entries.scalars import Value
 from torsionnet.base.entries.spec import Count, Text, entry
 from torsionnet.base.errors import EntryPath
+from torsionnet.base.phrases import phrase
 from torsionnet.machinery.limits.element_limit import constant_over_speed
 from torsionnet.machinery.limits.evidence import Evidence, LimitSubject
 from torsionnet.machinery.limits.limit import LimitLine, register_rule
@@ -51,7 +52,9 @@ class MachineAngleLimit(InSpeedBand):
 
     def text(self, evidence: Evidence) -> RuleText:
         del evidence
-        formula = f"{self.pole_pairs} pole pairs x half range of the angle <= angle allowed, electrical"
+        formula = phrase(
+            "{count} pole pairs x half range of the angle <= angle allowed, electrical", count=self.pole_pairs
+        )
         return RuleText(self.source, formula, "swinging of machines that run in parallel against each other")
 
     def lines(self, evidence: Evidence) -> Iterator[LimitLine]:
