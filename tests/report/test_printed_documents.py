@@ -217,3 +217,25 @@ PLAN = """**Table 1** Components at rated speed in normal operation, full, and i
 )
 def test_two_stresses_at_rated_speed_are_noticed(condition, judged, faults):
     assert len(document_faults(PLAN.format(condition=condition, judged=judged))) == faults
+
+
+CONDITIONS = """**Table 1** Components at rated speed in normal operation, full, and in their worst condition
+
+| Component | Unit | At rated | Allowed at rated |
+|---|---|---:|---:|
+| rubber | kN·m | 3.812 | 15 |
+| rubber | kN·m | 38.2 | 50 |
+
+**Table 2** Components at rated speed, 750 rpm, by condition
+
+| Condition | rubber $T_{KW}$, kN·m | Used most \\[%\\] |
+|---|---:|---:|
+| Allowed | ALLOWED | |
+| full | VALUE | 25.4 |
+| misfire | 5.77 | 38.5 |
+"""
+
+
+@pytest.mark.parametrize(("allowed", "value", "faults"), [("15", "3.81", 0), ("15", "3.9", 1), ("18", "3.81", 1)])
+def test_two_values_at_rated_speed_are_noticed(allowed, value, faults):
+    assert len(document_faults(CONDITIONS.replace("ALLOWED", allowed).replace("VALUE", value))) == faults

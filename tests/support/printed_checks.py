@@ -43,6 +43,7 @@ def document_faults(text: str) -> list[str]:
     found += repeated_faults(tables)
     found += made_faults(tables)
     found += rated_stress_faults(tables)
+    found += rated_condition_faults(tables)
     return found
 
 
@@ -329,3 +330,21 @@ def rated_stress_faults(tables: Sequence[PrintedTable]) -> Iterator[str]:
             stress = row.number("Judged")
             if stress is not None and "Rated" in row.text("What it is") and not any(map(stress.agrees, known)):
                 yield f"{table.caption}: stress of {stress} judged at rated speed is no component's there"
+
+
+def rated_condition_faults(tables: Sequence[PrintedTable]) -> Iterator[str]:
+    """Values at rated speed in the normal condition, and those allowed, that two tables print differently."""
+    normal = next((one for one in tables if "at rated speed in normal operation" in one.caption), None)
+    by_condition = [one for one in tables if one.caption.endswith(", by condition")]
+    for table in by_condition if normal is not None else ():
+        for row, head in zip(table.rows[:2], ("Allowed at rated", "At rated"), strict=True):
+            for column, cell in zip(table.heads, row.cells, strict=True):
+                component, _, unit = column.rpartition(", ")
+                known = [
+                    one.number(head)
+                    for one in normal.rows
+                    if component.split(" $")[0] == one.text("Component") and unit == one.text("Unit")
+                ]
+                number, others = Printed.read(cell), [one for one in known if one is not None]
+                if number is not None and others and not any(map(number.times(SI.get(unit, 1.0)).agrees, others)):
+                    yield f"{table.caption}: {column} is {number}, no value {head.lower()} of it elsewhere"
