@@ -250,7 +250,7 @@ def test_faults_of_a_file_have_their_place(tmp_path):
         f"{heading}\n0,1,2,3,4\n": r":1:28: .*unknown-unit",
         f"{heading.replace('kgm', 'N*m').replace('imag', 'img')}\n0,1,2,3,4\n": r":1:28: .*missing-column",
         f"{heading.replace('kgm', 'N*m')}\n0,nan,2,3,4\n": r":2:3: .*not-a-number",
-        f"{heading.replace('kgm', 'N*m')}\n0,1,2,3,4\n0,1,2,3,4\n": r":3:1: .*repeated-entry",
+        f"{heading.replace('kgm', 'N*m')}\n0,1,2,3,4\n0,1,2,3,4\n": r":3:1: .*repeated-name",
         f"{heading.replace('kgm', 'N*m')}\n0,1,2,3,4\n0,1,3,3,4\n1,1,2,3,4\n": r":4:1: .*wrong-count",
     }.items():
         file.write_text(body)

@@ -69,6 +69,25 @@ def test_constructors():
         tn.Inertia("j", "a", 2, xyz=1)
 
 
+def test_arguments_of_methods():
+    rig = tn.load("dmf_rig")
+    with pytest.raises(TypeError, match=r"^modes\(\) got .*'damping'; write damping=\{\"zeta\""):
+        rig.modes(damping=0.02)
+    with pytest.raises(
+        TypeError, match=r"^simulate\(\) .*'method'; it is one of frequency_response\(\), frequency_responses\(\)$"
+    ):
+        rig.simulate("theta_1", "T_T", 100, method="fast")
+    with pytest.raises(TypeError, match=r"'freqs'; did you mean .frequencies.[?]$"):
+        rig.frequency_response("theta_1", "T_T", freqs=[1.0])
+    with pytest.raises(TypeError, match=r"'rpm'; it takes measured_input, driven_by, lowest, up_to$"):
+        rig.modes(rpm=100)
+
+
+def test_methods_keep_their_signatures():
+    of_class, of_object = inspect.signature(tn.Drivetrain.modes), inspect.signature(tn.load("dmf_rig").modes)
+    assert [*of_object.parameters.values()] == [*of_class.parameters.values()][1:]
+
+
 def test_names_of_packages():
     with pytest.raises(AttributeError, match=r"no attribute 'Model'; write tn.Drivetrain"):
         tn.Model  # noqa: B018

@@ -212,7 +212,7 @@ def test_faults_of_orders_are_named():
     rig = engine_model()
     for given, names, kind in (
         ({"orders_used": (0.5, 7.0)}, ["k_cpl"], "unknown-order"),
-        ({"speeds": (1.0, 2.0)}, ["k_cpl"], "empty-band"),
+        ({"speeds": (1.0, 2.0)}, ["k_cpl"], "missing-data"),
         ({"output": "phi"}, ["k_cpl"], "wrong-unit"),
         ({}, ["engine.misfire_share.7"], "unknown-name"),
         ({"input": "T"}, ["k_cpl"], "needless-entry"),
@@ -243,7 +243,7 @@ def test_fit_file_of_orders_tells_all_faults_with_their_place(tmp_path):
     with pytest.raises(ModelError) as caught:
         load_fit_plan(tmp_path / "fit.yaml", read_frequency_response)
     assert sorted((fault.position.line, fault.kind) for fault in caught.value.faults) == [
-        (3, "unknown-name"), (5, "unknown-channel"), (6, "empty-band"), (6, "unknown-order"),
+        (3, "unknown-name"), (5, "unknown-channel"), (6, "missing-data"), (6, "unknown-order"),
         (7, "needless-entry"), (7, "needless-entry"), (8, "needless-entry"),
     ]  # fmt: skip
 

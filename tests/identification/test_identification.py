@@ -558,7 +558,7 @@ def test_unknown_words_and_double_names():
 
 def test_no_line_of_a_record_in_the_band(amt):
     rig, records = amt
-    with pytest.raises(UsageError, match=r"(?s)7\.1.*7\.2.*empty-band"):
+    with pytest.raises(UsageError, match=r"(?s)7\.1.*7\.2.*missing-data"):
         tn.identify(rig, measured(records["II"], "II", settings=FAST, band=(7.1, 7.2)), ["c_O"])
 
 

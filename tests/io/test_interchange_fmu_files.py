@@ -325,7 +325,7 @@ def test_sources_of_two_units_in_one_program(tmp_path):
                 "loose", [tn.Damper("d", nodes=("a", "ground"), damping=3), tn.Spring("s", nodes=("a", "b"), stiffness=5)],
                 inputs={"T": {"torque": "b"}}, sensors={"rate": {"velocity": "b"}},
             ),
-            "rig.fmu", {}, "no-state-space",
+            "rig.fmu", {}, "unsupported-law",
         ),
         (
             lambda: tn.Drivetrain(

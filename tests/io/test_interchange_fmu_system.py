@@ -82,7 +82,7 @@ def with_every_sensor(drawn, source):
 
 
 ELEMENTS = EVERY_ELEMENT | EXPORTED
-OVER_FREQUENCY = "no-state-space"
+OVER_FREQUENCY = "unsupported-law"
 FOLLOWS = "unsupported-law"
 REFUSED = {
     "arc_spring": OVER_FREQUENCY,
@@ -91,7 +91,7 @@ REFUSED = {
     "hysteretic_spring": OVER_FREQUENCY,
     "tabulated_spring": OVER_FREQUENCY,
     "continuous_shaft": OVER_FREQUENCY,
-    "controller": "no-state-space",
+    "controller": "unsupported-law",
     "fluid_coupling": FOLLOWS,
     "torque_converter": FOLLOWS,
 }

@@ -84,12 +84,12 @@ def test_controllers_without_states_have_a_place_in_them():
 
 
 def test_what_has_no_matrices_says_so():
-    with pytest.raises(tn.UsageError, match="no-state-space"):
+    with pytest.raises(tn.UsageError, match="unsupported-law"):
         controlled(law=-7, delay=0.01).matrices()
-    with pytest.raises(tn.UsageError, match="no-state-space"):
+    with pytest.raises(tn.UsageError, match="unsupported-law"):
         controlled(law={"p": -7, "i": -3, "d": 2, "filter": 0.1}).matrices()
     turned = tn.Drivetrain("turned", [tn.Inertia("J", node="a", inertia=2)], inputs={"phi": {"angle": "a"}})
-    with pytest.raises(tn.UsageError, match="no-state-space"):
+    with pytest.raises(tn.UsageError, match="unsupported-law"):
         turned.matrices()
     with pytest.raises(AttributeError, match=r"model.matrices\(\)"):
         _ = controlled(law=1).M

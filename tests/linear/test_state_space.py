@@ -54,7 +54,7 @@ def test_what_has_no_state_space_says_so():
         inputs={"T": {"torque": "b"}},
         sensors={"v": {"velocity": "b"}},
     )
-    with pytest.raises(tn.UsageError, match="no-state-space"):
+    with pytest.raises(tn.UsageError, match="unsupported-law"):
         rate.to_control()
     hysteretic = [*rig.elements.values(), tn.HystereticSpring("rubber", nodes=("m", "g"), stiffness=9, loss_factor=0.1)]
     with pytest.raises(tn.UsageError, match="rubber"):

@@ -221,7 +221,7 @@ class TestQuestions:
             ("angle", "T", {"driven_by": "nobody"}, "no input or node"),
             ("angle", ["T", "T_M"], {}, "T_M is an excitation"),
             ("angle", ["T", "twist(soft)"], {}, "2 measured"),
-            ("angle", "T_M", {"driven_by": "g"}, "unmatched-excitations"),
+            ("angle", "T_M", {"driven_by": "g"}, "wrong-count"),
             ([], "T_M", {}, "at least one"),
             ("angle", "h", {}, "no-effect"),
         ],

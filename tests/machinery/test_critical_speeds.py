@@ -385,7 +385,7 @@ class TestDampers:
         [
             ("lockd", None, "unknown-word"),
             ("locked", ["dampr"], "unknown-element"),
-            ("locked", ["spring"], "unfit-element"),
+            ("locked", ["spring"], "not-applicable"),
         ],
     )
     def test_what_is_refused(self, state, names, kind):
@@ -393,7 +393,7 @@ class TestDampers:
             damped_mass().critical_speeds(rings=state, damper=names)
 
     def test_without_a_damper(self):
-        with pytest.raises(tn.UsageError, match="unfit-element"):
+        with pytest.raises(tn.UsageError, match="not-applicable"):
             two_mass(damping=0.0).critical_speeds(rings="free")
 
 
@@ -602,7 +602,7 @@ class TestPictures:
     def test_no_stars(self):
         from torsionnet.plot import star_diagrams
 
-        with pytest.raises(tn.UsageError, match="nothing-to-draw"):
+        with pytest.raises(tn.UsageError, match="missing-data"):
             star_diagrams([])
 
 

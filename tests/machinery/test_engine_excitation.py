@@ -122,9 +122,9 @@ class TestFiles:
     @pytest.mark.parametrize(
         ("degrees", "pressures", "heading", "line", "text"),
         [
-            (np.arange(700), None, None, 701, r":701:1: .*699.*720.*unfit-trace"),
-            (np.arange(721), lambda at: bar(at) + at / 50, None, 722, "unfit-trace"),
-            (np.arange(720), lambda at: bar(at) + at / 50, None, 721, "unfit-trace"),
+            (np.arange(700), None, None, 701, r":701:1: .*699.*720.*unfit-curve"),
+            (np.arange(721), lambda at: bar(at) + at / 50, None, 722, "unfit-curve"),
+            (np.arange(720), lambda at: bar(at) + at / 50, None, 721, "unfit-curve"),
             (np.arange(720), None, "angle [deg];pressure", 1, r":1:1: .*missing-unit"),
             (np.arange(720), None, "angle;pressure [bar]", 1, r":1:1: .*missing-unit"),
             (np.arange(720), None, "angle [deg];pressure [Nm]", 1, r":1:1: .*wrong-unit"),
@@ -132,7 +132,7 @@ class TestFiles:
             (np.arange(720), None, "angle [deg];p [Pa]", 1, r":1:1: .*100.*0\.001.*implausible-size"),
             (np.r_[0:5, 3, 6:720], None, None, 7, r":7:1: .*unordered-rows"),
             (np.arange(720), lambda at: np.where(at == 7, np.nan, bar(at)), None, 9, "a number is missing"),
-            (np.arange(0, 720, 36), None, None, 21, r":21:1: .*20.*unfit-trace"),
+            (np.arange(0, 720, 36), None, None, 21, r":21:1: .*20.*unfit-curve"),
         ],
     )  # fmt: skip
     def test_a_fault_is_told_with_its_line(self, tmp_path, degrees, pressures, heading, line, text):
@@ -161,7 +161,7 @@ class TestFiles:
 
     def test_a_cycle_of_one_revolution_does_not_suit_a_four_stroke(self, tmp_path):
         path = csv(tmp_path, "p.csv", np.arange(360), bar(np.arange(360), 1).tolist())
-        with pytest.raises(tn.ModelError, match=r":1:1: .*360.*720.*unfit-trace"):
+        with pytest.raises(tn.ModelError, match=r":1:1: .*360.*720.*unfit-curve"):
             engine(gas={"fired": path})
         assert engine(cycle=2, orders=[1, 2], gas={"fired": path}).gas.fired.revolutions == 1
 

@@ -405,9 +405,9 @@ M68 = "shaft: intermediate, feature: integral_flange, material: carbon, tensile_
     ("entry", "kind"),
     [
         (f"{{rule: iacs_m86, element: shaft, {M68}}}", "unknown-word"),
-        (f"{{element: shaft, {M68}}}", "missing-type"),
+        (f"{{element: shaft, {M68}}}", "missing-entry"),
         (f"{{rule: iacs_m68, element: shafft, {M68}}}", "unknown-element"),
-        (f"{{rule: iacs_m68, element: spring, {M68}}}", "unfit-element"),
+        (f"{{rule: iacs_m68, element: spring, {M68}}}", "not-applicable"),
         (f"{{rule: iacs_m68, element: shaft, {M68.replace('flange', 'flang')}}}", "unknown-word"),
         (f"{{rule: iacs_m68, element: shaft, {M68.replace('integral_flange', 'keyless')}}}", "unfit-rule"),
         (f"{{rule: iacs_m68, element: shaft, {M68.replace('carbon', 'karbon')}}}", "unknown-word"),
@@ -440,7 +440,7 @@ def test_wrong_limits_are_named_with_their_place(entry, kind):
 
 
 def test_a_limit_without_its_rule_is_marked_at_its_name():
-    with pytest.raises(tn.ModelError, match=r":11:3: .*missing-type"):
+    with pytest.raises(tn.ModelError, match=r":11:3: .*missing-entry"):
         tn.loads(f"{BASE}  wrong: {{element: shaft}}\n")
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from support.faults import raised_faults
 
 import torsionnet as tn
 from torsionnet.base.entries.spec import EntryError
@@ -49,3 +50,16 @@ def test_what_a_configuration_cannot_change_is_named(tmp_path, change, words):
     (tmp_path / "ship.yaml").write_text(text)
     with pytest.raises(tn.ModelError, match=words):
         tn.load(tmp_path / "ship.yaml")
+
+
+@pytest.mark.parametrize("frequency", ["0 Hz", "f_0"])
+def test_a_spring_that_cannot_be_calculated_is_told_beside_engines_on_other_shafts(frequency):
+    """The ratio between the shafts needs the laws of the spring, of which the fault stands at its entry."""
+    car = library_models()["front_wheel_drive_car"]
+    text = car.read_text(encoding="utf-8").replace("{zeta: 0.02, at: 300 Hz}", f"{{zeta: 0.02, at: {frequency}}}", 1)
+    text = text.replace("parameters:", "parameters:\n  f_0: 0 Hz", 1)
+    line, column = next((n, row.index(frequency)) for n, row in enumerate(text.splitlines()) if "zeta: 0.02" in row)
+    faults = raised_faults(lambda: tn.loads(text, folder=car.parent))
+    assert [(one.kind, one.position.line, one.position.column) for one in faults] == [
+        ("out-of-range", line + 1, column + 1)
+    ]

@@ -406,7 +406,7 @@ class TestFiles:
             ("600..1200 rpm", "1200..600 rpm", "7:", "unordered-rows"),
             ("cylinders: {1: c1", "cylinders: {front: c1", "13:17", "invalid-name"),
             ("mass: 1 kg", "mass: 1 kg\n    orders: [1e9]", "19:14", "out-of-range"),
-            ("mass: 1 kg", "mass: 1 kg\n    gas: {fired: [1, 2]}", "19:", "unfit-trace"),
+            ("mass: 1 kg", "mass: 1 kg\n    gas: {fired: [1, 2]}", "19:", "unfit-curve"),
         ],
     )
     def test_faults_have_their_place(self, old, new, where, kind):
@@ -438,7 +438,7 @@ class TestFiles:
 
     def test_a_trace_that_does_not_close(self):
         pressure = list(np.linspace(1e5, 9e6, 721))
-        with pytest.raises(tn.ModelError, match=r"gas\.fired: .*100000.*unfit-trace"):
+        with pytest.raises(tn.ModelError, match=r"gas\.fired: .*100000.*unfit-curve"):
             engine_of(1, [1], gas={"fired": pressure})
 
     def test_a_trace_with_both_ends_is_that_with_one(self):

@@ -109,7 +109,7 @@ def test_half_a_cycle_in_a_file(tmp_path):
     rows = "\n".join(f"{angle};{FIRED[angle] / 1e5:.4f}" for angle in range(361))
     rows = rows.replace(f"360;{FIRED[360] / 1e5:.4f}", "360;3.5")
     (tmp_path / "half.csv").write_text(f"angle [deg];pressure [bar]\n{rows}\n", encoding="utf-8")
-    with pytest.raises(tn.ModelError, match=r":362:1: .*114\.539.*3\.5.*unfit-trace"):
+    with pytest.raises(tn.ModelError, match=r":362:1: .*114\.539.*3\.5.*unfit-curve"):
         plant(engine(gas={"fired": tmp_path / "half.csv"}))
 
 

@@ -128,7 +128,7 @@ def test_teeth_of_opposite_sign_turn_the_sense():
             r"elements\.g\.teeth: .*contradicting-values",
         ),
         (lambda: tn.Spring("s", nodes=("a", "a"), stiffness=1), r"elements\.s\.nodes\.1: .*same-node"),
-        (lambda: tn.Spring("s", nodes="ab", stiffness=1), r"elements\.s\.nodes: .*not-two-nodes"),
+        (lambda: tn.Spring("s", nodes="ab", stiffness=1), r"elements\.s\.nodes: .*not-a-node"),
         (
             lambda: tn.Spring("s", nodes=("a", "b"), stiffness=1, damping={"zeta": 0.1}),
             r"elements\.s\.damping: .*missing-entry",

@@ -68,7 +68,7 @@ def test_what_cannot_be_followed_is_told():
         tn.Inertia("one", node="a", inertia=1),
         tn.Controller("c", sense={"acceleration": "a"}, act="a", law=-0.3, delay=0.1),
     ]
-    with pytest.raises(tn.UsageError, match="no-state-space"):
+    with pytest.raises(tn.UsageError, match="unsupported-law"):
         tn.Drivetrain("x", elements).simulate("angle(a)", {"a": np.ones(5)}, 10)
     short = tn.Controller("c", sense={"velocity": "a"}, act="a", law=-0.3, delay="1 us")
     with pytest.raises(tn.UsageError, match="too-large"):

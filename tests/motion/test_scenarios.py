@@ -440,7 +440,7 @@ scenarios:
         ("{type: short_circuit, machine: A, phases: 3, x: -1}", "-1", "out-of-range"),
         ("{type: short_circuit, machine: A, angle: 200 deg, x: 0.1}", "200 deg", "out-of-range"),
         ("{type: sudden, x: -1}", "sudden", "unknown-word"),
-        ("{type: torques, duration: 2 s, torque: {a: {5 ms: 1, 5 ms: 2}}}", "5 ms: 2", "repeated-entry"),
+        ("{type: torques, duration: 2 s, torque: {a: {5 ms: 1, 5 ms: 2}}}", "5 ms: 2", "repeated-name"),
         ("{type: torques, duration: 2 s, torque: {a: {-5 ms: 1}}}", "-5 ms", "out-of-range"),
         ("{type: torques, duration: 2 s, torque: {a: {5 kg: 1}}}", "5 kg", "wrong-unit"),
         ("{type: torques, duration: 2 s, torque: {a: [[5 ms, 1, 2]]}}", "[5 ms", "wrong-form"),
@@ -450,7 +450,7 @@ scenarios:
         ("{type: short_circuit, machine: A, phases: 3, x: 0}", "0}", "out-of-range"),
         ("{type: short_circuit, machine: A, phases: 3, x: 1, decay_double: 1 s}", "decay_double", "needless-entry"),
         ("{type: short_circuit, machine: A, phases: 3, x: 1, at: 2 s, duration: 1 s}", "1 s}", "needless-entry"),
-        ("{type: short_circuit, machine: k, phases: 3, x: 1}", "k,", "unfit-element"),
+        ("{type: short_circuit, machine: k, phases: 3, x: 1}", "k,", "not-applicable"),
         ("{type: short_circuit, machine: a, phases: 3, x: 1}", "a,", "unknown-element"),
     ],
 )

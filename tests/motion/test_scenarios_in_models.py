@@ -276,7 +276,7 @@ def test_a_fault_acts_against_the_rotation_and_the_other_way_on_the_stator(speed
 
 def test_a_fan_is_no_electric_machine():
     text = MACHINE.replace("SPEED", "1500 rpm").replace("machine: machine", "machine: fan")
-    with pytest.raises(tn.ModelError, match=r":13:41: .*unfit-element"):
+    with pytest.raises(tn.ModelError, match=r":13:41: .*not-applicable"):
         tn.loads(text)
 
 

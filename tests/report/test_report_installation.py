@@ -336,7 +336,7 @@ class TestConditions:
         [
             ("idling: [400 rpm]", r":30:19: .*400.*500.*out-of-range"),
             ("idling: 600 rpm", r":30:18: .*wrong-form"),
-            ("not_examined: [Astern]", r":30:24: .*not-a-table"),
+            ("not_examined: [Astern]", r":30:24: .*wrong-form"),
             ("not_examined: {Astern: 3}", r":30:33: .*wrong-form"),
         ],
     )

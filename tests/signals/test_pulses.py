@@ -361,5 +361,5 @@ measurements:
         (one,) = load_fit_plan("fit.yaml", lambda path: path).measurements
         assert one.data["n1"].unit == "rad"
         (folder / "fit.yaml").write_text(fit.replace("{n1: 60}", "60"))
-        with pytest.raises(ModelError, match=r":5:59: .*not-a-table"):
+        with pytest.raises(ModelError, match=r":5:59: .*wrong-form"):
             load_fit_plan("fit.yaml", lambda path: path)

@@ -135,7 +135,7 @@ class TestTdms:
         assert not any("warning" in note for note in found.notes)
 
     def test_offsets_that_differ_and_several_rates_are_refused(self, tmp_path):
-        with pytest.raises(ModelError, match=r"(?s)1000.*1000.*no-common-time"):
+        with pytest.raises(ModelError, match=r"(?s)1000.*1000.*unlike-results"):
             self.waves(tmp_path, (0.0, 0.5))
         with pytest.raises(ModelError, match=r"(?s)500.*0\.5.*unlike-results"):
             self.waves(tmp_path, (0.0, 0.5), (1e-3, 2e-3))

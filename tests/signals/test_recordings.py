@@ -300,7 +300,7 @@ class TestFaultyFiles:
 
     def test_unit_of_another_quantity(self, tmp_path):
         path = write(tmp_path, "time,T [deg]\n0,1\n1,2\n")
-        with pytest.raises(ModelError, match=r":1:1: .*wrong-unit"):
+        with pytest.raises(ModelError, match=r":1:6: .*wrong-unit"):
             read_recording(path, {"T": "torque"})
 
     def test_a_file_is_closed_though_it_is_not_read_to_its_end(self, tmp_path, monkeypatch):

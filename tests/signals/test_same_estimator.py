@@ -152,5 +152,5 @@ class TestSettling:
 
 
 def test_no_line_in_the_band():
-    with pytest.raises(UsageError, match=r"(?s)2\.1 and 2\.9.*empty-band"):
+    with pytest.raises(UsageError, match=r"(?s)2\.1 and 2\.9.*missing-data"):
         prepared(SETTINGS[0], band=(2.1, 2.9))

@@ -112,5 +112,5 @@ class TestFiles:
 
     def test_pulses_of_two_shafts_at_other_times(self, tmp_path):
         np.savez(tmp_path / "two.npz", n1=np.arange(100) / 1500, n2=9 + np.arange(90) / 1500)
-        with pytest.raises(ModelError, match=r"channels\.n1: .*0\.066.*no-common-time"):
+        with pytest.raises(ModelError, match=r"channels\.n1: .*0\.066.*unlike-results"):
             read_recording(tmp_path / "two.npz", pulses={"n1": 60, "n2": 60})

@@ -284,7 +284,7 @@ def test_every_answer_has_words_a_table_data_and_a_picture(everything, name):
     ({"type": "worst_case", "quantity": "g"}, r"answers\.a\.quantity: .*unknown-name"),
     ({"type": "map", "x": "J", "y": "J", "quantity": "f"}, r"answers\.a\.y: .*contradicting-entries"),
     ({"type": "map", "x": "J", "y": "m", "quantity": "f"}, r"answers\.a\.y: .*unknown-name"),
-    ({"type": "percentile_bands", "quantity": "f"}, r"answers\.a\.quantity: .*unfit-quantity"),
+    ({"type": "percentile_bands", "quantity": "f"}, r"answers\.a\.quantity: .*not-applicable"),
     ({"type": "failure_probability", "limits": ["H"]}, r"answers\.a\.limits\.0: .*unknown-name"),
 ])  # fmt: skip
 def test_what_does_not_fit_is_said(answer, said):

@@ -428,7 +428,7 @@ FAULTS = [
         "vary.k_2.type",
         "unknown-word",
     ),
-    ({"vary": {}}, "vary", "not-a-table"),
+    ({"vary": {}}, "vary", "wrong-form"),
     (
         {"vary": {"k_2": {"type": "normal", "deviation": "50 %"}}},
         "vary.k_2",

@@ -191,7 +191,7 @@ def test_percent_of_a_negative_value_is_below_and_above_it():
         (Uniform(low="+10 %", high="-10 %"), "low", "unordered-rows"),
         (Triangular(low=550, high=600), "", "out-of-range"),
         (Triangular(low=550, mode=700, high=600), "mode", "out-of-range"),
-        (ListOfValues(values=[500, "0 %"]), "values.1", "repeated-entry"),
+        (ListOfValues(values=[500, "0 %"]), "values.1", "repeated-name"),
         (ListOfValues(values=[500, "1 kg"]), "values.1", "wrong-unit"),
         (ValueRange(low=3, high=2, count=5), "low", "unordered-rows"),
         (ValueRange(low=0, high=2, count=5, spacing="log"), "low", "out-of-range"),

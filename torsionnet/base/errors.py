@@ -49,8 +49,10 @@ class Position:
     source: str = ""
 
 
-NAMED = ("node", "element", "parameter", "configuration", "axis", "part", "port", "channel")
+NAMED = ("node", "element", "parameter", "configuration", "part", "port", "channel")
 """Things of a model that have a name; that of none of them has the kind of fault "unknown-node" and so on."""
+_KINDS_OF_NAMES = {"sensor": "channel", "input": "channel", "axis": "configuration"}
+"""Words for things in messages, by the thing of which their kind of fault is."""
 UNKNOWN_NAMES = frozenset(("unknown-name", *(f"unknown-{one}" for one in NAMED)))
 """Kinds of faults of a name that nothing defines."""
 
@@ -376,7 +378,7 @@ def unknown_name(
     """
     text = phrase('no {} is named "{}"', what, ModelName(name))
     thing = what.split(" ", 1)[0].rstrip(",")
-    kind = f"unknown-{'channel' if thing in ('sensor', 'input') else thing}"
+    kind = f"unknown-{_KINDS_OF_NAMES.get(thing, thing)}"
     kind = kind if kind in UNKNOWN_NAMES else "unknown-name"
     return unfit_word(text, name, known, path, rest, on_key=on_key, kind=kind)
 

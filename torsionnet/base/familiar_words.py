@@ -202,6 +202,7 @@ PYTHON: Mapping[str, Mapping[str, str]] = {
 """Python code by a name that a package has not, and by the package."""
 
 _MATRICES = "model.matrices(), which has M, C and K in numbers, or model.symbolic() for formulas"
+_DAMPING = 'damping={"zeta": "2 %", "at": "12 Hz"} of its springs, to which damping belongs'
 METHODS: Mapping[str, Mapping[str, str]] = {
     "Drivetrain": {
         "C": _MATRICES,
@@ -209,6 +210,7 @@ METHODS: Mapping[str, Mapping[str, str]] = {
         "M": _MATRICES,
         "bode": "plot.bode(model.frequency_response(output, input, frequencies))",
         "campbell": "model.critical_speeds(), and plot.interference_diagram for its picture",
+        "damping": _DAMPING,
         "damping_ratios": "model.modes().damping_ratios",
         "eig": "model.modes()",
         "eigenfrequencies": "model.modes().natural_frequencies",
@@ -220,7 +222,7 @@ METHODS: Mapping[str, Mapping[str, str]] = {
         "linearize": "model.at(torque={...}), whose results are linear about that operating point",
         "lsim": "model.simulate(output, input, sampling_rate)",
         "modal": "model.modes()",
-        "modal_damping": 'damping={"zeta": "2 %", "at": "12 Hz"} of its springs, to which damping belongs',
+        "modal_damping": _DAMPING,
         "mode_shapes": "model.modes().shapes",
         "natural_frequencies": "model.modes().natural_frequencies",
         "orders": "model.order_response(output)",

@@ -21,6 +21,8 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import wraps
+from inspect import getattr_static, signature
 from types import FunctionType, MethodType, ModuleType
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol, Self, TypeVar
 
@@ -90,6 +92,7 @@ class LazyMethod:
     def __init__(self, place: str) -> None:
         self._place = place
         self._function: Any = None
+        self._hinting: Any = None
 
     def __getattr__(self, name: str) -> LazyMethod:
         if name.startswith("_"):  # no function is private
@@ -100,7 +103,42 @@ class LazyMethod:
         if self._function is None:
             module, _, name = self._place.rpartition(".")
             self._function = getattr(importlib.import_module(module), name)
-        return self._function if instance is None else MethodType(self._function, instance)
+            self._hinting = _with_argument_hints(self._function)
+        return self._function if instance is None else MethodType(self._hinting, instance)
+
+
+def _with_argument_hints(method: Callable[..., Any]) -> Callable[..., Any]:
+    """Method that says, for an argument that it does not take, which other does, or what was meant."""
+    own = _parameters(method)
+
+    @wraps(method)  # the signature is that of the method, for inspect and for editors
+    def called(instance: object, /, *arguments: object, **options: object) -> Any:
+        for name in options:
+            if name not in own:
+                hint = _method_hint(type(instance), name, own)
+                raise TypeError(f"{method.__name__}() got an unexpected keyword argument {name!r}{hint}")
+        return method(instance, *arguments, **options)
+
+    return called
+
+
+def _method_hint(owner: type, name: str, own: list[str]) -> str:
+    """End of the message on an argument that a method does not take: what other does, or what it takes."""
+    from torsionnet.base.familiar_words import METHODS
+
+    advice = METHODS.get(owner.__name__, {}).get(name, "")
+    lazy = [one for one in dir(owner) if isinstance(getattr_static(owner, one), LazyMethod)]
+    takers = [f"{one}()" for one in lazy if name in _parameters(getattr(owner, one))]
+    if advice:
+        return f"; write {advice}"
+    if takers:
+        return f"; it is one of {', '.join(takers)}"
+    return _argument_hint(name, own) or f"; it takes {', '.join(own) or 'none'}"
+
+
+def _parameters(method: Callable[..., Any]) -> list[str]:
+    """Names of what a method takes, without the object that it is of."""
+    return [*signature(method).parameters][1:]
 
 
 def python_hint(table: Mapping[str, str], name: str, known: Iterable[str]) -> str:

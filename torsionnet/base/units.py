@@ -347,7 +347,7 @@ def _ratio(numeral: re.Match[str]) -> tuple[int, int]:
     sign, mantissa, exponent = numeral.groups()
     if mantissa[0] == "0" and mantissa[1:2].isdigit():
         text = f'"{numeral[0]}" begins with 0, which some programs read as octal; leave the 0 out'
-        raise UnitError(Fault(text, kind="leading-zero"))
+        raise UnitError(Fault(text, kind="ambiguous-number"))
     if exponent and (len(exponent) > len("+0330") or abs(int(exponent)) > _MAX_DECIMAL_EXPONENT):
         raise UnitError(f'"{numeral[0]}" is too large or too small a number', kind="not-finite")
     whole, _, decimals = mantissa.partition(".")

@@ -288,7 +288,7 @@ class Bench(NotebookResult):
     def _excitation(self) -> Excitation:
         if self.plan.excitation is None:
             raise UsageError(
-                "a bench with motion: has no exciter; the excitations of its model act", kind="unfit-bench"
+                "a bench with motion: has no exciter; the excitations of its model act", kind="not-applicable"
             )
         return self.plan.excitation
 
@@ -310,7 +310,7 @@ class Bench(NotebookResult):
             plan; default: that one.
         """
         if self.plan.motion is None:
-            raise UsageError("this bench shakes; a bench with motion: turns", kind="unfit-bench")
+            raise UsageError("this bench shakes; a bench with motion: turns", kind="not-applicable")
         number = self.plan.seed if seed is None else seed
         return turning_test(self.drivetrain, self.plan, self.motions, number, self._what)
 

@@ -237,7 +237,7 @@ def _misplaced(file: Path, numbers: FloatArray, lines: Sequence[int], wanted: in
         first = seen.setdefault((time, order), line)
         if first != line:
             text = f"order {order:g} at {time:g} s stands in line {first}, too: leave one of the rows out"
-            faults.append(Fault(text, position=Position(file.name, line, 1, 2), kind="repeated-entry"))
+            faults.append(Fault(text, position=Position(file.name, line, 1, 2), kind="repeated-name"))
     if not faults and len(numbers) != wanted:
         text = f"{wanted - len(numbers)} of {wanted} rows are missing: each time needs a row for each order"
         faults.append(Fault(text, position=Position(file.name, lines[-1], 1, 2), kind="wrong-count"))

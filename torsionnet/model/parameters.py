@@ -312,7 +312,7 @@ def resolve(parameters: Mapping[str, Parameter]) -> tuple[dict[str, Fraction | f
                 named_list([*cycle, cycle[0]], between=" -> "),
             ),
             ("parameters", cycle[0]),
-            kind="circular-parameters",
+            kind="circular-definition",
         )
         for cycle in cycles
     ]

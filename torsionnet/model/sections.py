@@ -101,7 +101,7 @@ def _beyond_bounds(cls: type[Element], known: Mapping[str, Any], told: Container
 def _kind_fault(kind: Any) -> Fault:
     known = ", ".join(ELEMENT_TYPES)
     if kind is None:
-        return Fault(f"an element needs a type: {known}", on_key=True, kind="missing-type")
+        return Fault(f"an element needs a type: {known}", on_key=True, kind="missing-entry")
     from torsionnet.base.familiar_words import ELEMENT_TYPES as FAMILIAR_TYPES
 
     familiar = FAMILIAR_TYPES.get(str(kind).casefold(), "")

@@ -121,7 +121,7 @@ def bode(
     """
     given = [responses] if isinstance(responses, FrequencyResponse) else list(responses)
     if not given:
-        raise UsageError("there is no frequency response to plot", kind="nothing-to-draw")
+        raise UsageError("there is no frequency response to plot", kind="missing-data")
     chosen = [response.select(output, input) for response in given]
     unit = _common_unit(chosen, conventions)
     common, names = _labels(chosen, labels)

@@ -123,7 +123,7 @@ def fit(result: Fit, *, conventions: Conventions = SI, title: str | None = None,
     """
     shown = result.comparisons[:MOST_MEASUREMENTS]
     if not shown:
-        raise UsageError("the fit holds no measurement to plot", kind="nothing-to-draw")
+        raise UsageError("the fit holds no measurement to plot", kind="missing-data")
     width = max(style.WIDTH, 2.6 * len(shown))
     # Outputs of orders differ in size and unit, responses of one sensor do not.
     alike = len(shown) == 1 or all(one.orders is None for one in shown)

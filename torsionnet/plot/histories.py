@@ -69,7 +69,7 @@ def _histories(
     """Sheet with a panel for each signal of a recording over time, without title."""
     chosen = recording if names is None else recording.select([names] if isinstance(names, str) else names)
     if not len(chosen):
-        raise UsageError("the recording has no samples to plot", kind="nothing-to-draw")
+        raise UsageError("the recording has no samples to plot", kind="missing-data")
     shows = [signal.name for signal in chosen.signals]
     sheet, panels = style.stacked_panels(1.0 + 1.5 * len(shows), shows, ax)
     for number, (panel, signal) in enumerate(zip(panels, chosen, strict=True)):

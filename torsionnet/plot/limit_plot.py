@@ -102,7 +102,7 @@ def _panels(check: LimitCheck, names: Sequence[str] | None) -> list[list[LimitVe
     if not found:
         raise UsageError(
             "nothing to draw: none of these limits could be judged; the table of limits says why",
-            kind="nothing-to-draw",
+            kind="missing-data",
         )
     return list(found.values())
 
@@ -230,7 +230,7 @@ def limit_families(
     if not families:
         raise UsageError(
             "nothing to draw: no limit on vibration could be judged; the table of limits says why",
-            kind="nothing-to-draw",
+            kind="missing-data",
         )
     columns = min(2, len(families))
     height = 0.3 * bool(title) + (PANEL_HEIGHT if columns > 1 else 3.0) * math.ceil(len(families) / columns)

@@ -352,7 +352,7 @@ def relative_amplitudes(tables: Sequence[HolzerTable]) -> Figure:
     2
     """
     if not tables:
-        raise UsageError("there is no Holzer table to draw: give those of the modes", kind="nothing-to-draw")
+        raise UsageError("there is no Holzer table to draw: give those of the modes", kind="missing-data")
     sheet, panels = style.stacked_panels(0.2 + PANEL_HEIGHT * len(tables) + NAMES_HEIGHT, [""] * len(tables))
     for panel, holzer in zip(panels, tables, strict=True):
         _draw(panel, holzer)

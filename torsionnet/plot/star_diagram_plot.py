@@ -49,7 +49,7 @@ def star_diagrams(stars: Sequence[StarDiagram], *, title: str | None = None, ax:
     if not stars:
         raise UsageError(
             "there is no star diagram to draw: no order meets this mode in or near the operating range",
-            kind="nothing-to-draw",
+            kind="missing-data",
         )
     groups = _alike(stars)
     across = min(PANELS_PER_ROW, len(groups))

@@ -61,7 +61,7 @@ def tornado(
     if not chosen:
         raise UsageError(
             "there is nothing to draw: none of the parameters moves these modes; choose other modes or parameters",
-            kind="nothing-to-draw",
+            kind="missing-data",
         )
     size = (np.abs(result.relative_frequencies) + np.abs(result.relative_dampings))[chosen].max(axis=0)
     shown = [int(p) for p in np.argsort(-size)[:MOST_PARAMETERS] if size[p] > SHORTEST_BAR * size.max()]

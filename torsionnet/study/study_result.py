@@ -184,7 +184,7 @@ class StudyResult(NotebookResult):
         key = self._key(quantity, configuration)
         if key not in self._numbers:
             raise UsageError(
-                f"{quantity} is a curve; summary() has its mean, extremes and percentiles", kind="unfit-quantity"
+                f"{quantity} is a curve; summary() has its mean, extremes and percentiles", kind="not-applicable"
             )
         if self.kept.every > 1:
             raise UsageError(

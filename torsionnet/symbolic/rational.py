@@ -369,7 +369,7 @@ def lowest_terms_in_s(function: SymbolicFraction, coefficient: Any, vanishes: An
         if limit > 4 * len(function.steps.steps) + 4:
             raise UsageError(
                 "numerator and denominator of the transfer function are both zero; choose another output or input",
-                kind="zero-input",
+                kind="zero-reading",
             )
         limit *= 4
 

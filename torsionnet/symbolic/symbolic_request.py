@@ -109,7 +109,7 @@ def resolve(
         felt = f"{request.names} does not feel the {request.excitations[0]}"
         raise UsageError(
             f"{felt}: the transfer function against it does not exist; choose another excitation",
-            kind="unmatched-excitations",
+            kind="wrong-count",
         )
     whole = replace(whole, measured=measured[0])
     kept = elements_beyond_cut(drivetrain, request)

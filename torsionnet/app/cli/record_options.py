@@ -302,7 +302,7 @@ def _checked_blocks(
         if not tests and end is not None and abs(block.start - end) * block.sampling_rate > SAME_CLOCK:
             raise UsageError(
                 f"{path} holds blocks that do not follow each other; save each in a file of its own",
-                kind="unreadable-time",
+                kind="uneven-samples",
             )
         _tell_notes(block, told)
         end, told = block.start + block.duration, block
@@ -323,7 +323,7 @@ def _even(record: Recording, reading: RecordReading, path: str) -> Recording:
         faults = [fault for fault in check_recording(record) if fault.path[:1] == ("time",)]
         texts = [replace(fault, severity="error", path=()) for fault in faults]
         raise ModelError(
-            texts or [Fault("the time stamps are not uniform: --resample makes them so", kind="unreadable-time")], path
+            texts or [Fault("the time stamps are not uniform: --resample makes them so", kind="uneven-samples")], path
         )
     return record
 

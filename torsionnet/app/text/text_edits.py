@@ -205,7 +205,7 @@ class WrittenText:
             inside = self.text.index("{", self.start(node)) + 1
             return TextEdit(TextSpan(inside, inside), text)
         if node.value is not None or node.key_place is None:
-            raise UsageError(f"{'.'.join(map(str, parent)) or 'the text'} is no table of entries", kind="not-a-table")
+            raise UsageError(f"{'.'.join(map(str, parent)) or 'the text'} is no table of entries", kind="wrong-form")
         line, column = node.key_place[:2]
         if self.is_json or not self._in_block(parent):
             return TextEdit(self.value_span(node), f"{'' if self.is_json else ' '}{{{text}}}")

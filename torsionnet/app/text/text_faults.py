@@ -43,7 +43,7 @@ def unstable_configurations(definition: Definition) -> list[Fault]:
 
 # Faults of the rest of a model text that is no sound YAML, without those that only follow from the break.
 
-_MISPLACED = ("wrong-indentation", "stray-colon", "misplaced-line")
+_MISPLACED = ("wrong-indentation", "stray-colon")
 """Kinds of breaks that leave it open to which section the entries around belong."""
 
 

@@ -359,7 +359,7 @@ class NumberRows:
         for row, text in wrong:
             line = lines[row].rstrip("\r\n")
             at = max(line.find(rows[row][self.stamped[0]].strip()), 0)
-            self._fault("unreadable-time", text, numbers[row], line, at, max(len(texts[row]), 1))
+            self._fault("not-a-number", text, numbers[row], line, at, max(len(texts[row]), 1))
 
     def _check_end(self, lines: list[str]) -> None:
         """Add a fault where the last line of a file without a final line end is cut."""

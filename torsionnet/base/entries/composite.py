@@ -124,7 +124,7 @@ class Typed(Composite[D]):
                 Fault(
                     f"expected {{{self.key}: ..., ...}} with one of the {self.key}s {names}",
                     on_key=True,
-                    kind="missing-type",
+                    kind="missing-entry",
                 )
             ]
         text = f'no {self.what} {self.key} is named "{kind}"'
@@ -205,7 +205,7 @@ class Named(Composite[Mapping[str, Stored_co]], Plural[Mapping[str, Stored_co]])
 
     def read(self, raw: object) -> tuple[Mapping[str, Stored_co], list[Fault]]:
         if not isinstance(raw, Mapping) or len(raw) < self.fewest:
-            return {}, [Fault(f"expected {self.form}, {got(raw)}", kind="not-a-table")]
+            return {}, [Fault(f"expected {self.form}, {got(raw)}", kind="wrong-form")]
         table: dict[str, Stored_co] = {}
         faults: list[Fault] = []
         for name, entry in raw.items():

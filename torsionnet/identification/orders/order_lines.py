@@ -144,7 +144,7 @@ def order_lines(measurement: Measurement, excited: Sequence[float]) -> OrderLine
     orders, speeds, values, widths = (np.concatenate(part) for part in zip(*map(_columns, rows), strict=True))
     kept = _kept(measurement, orders, speeds) & np.isfinite(values) & (values != 0)
     if not kept.any():
-        raise UsageError(f"{measurement.label} has nothing to compare: {_speeds_there(speeds)}", kind="empty-band")
+        raise UsageError(f"{measurement.label} has nothing to compare: {_speeds_there(speeds)}", kind="missing-data")
     times = np.concatenate([row[4] for row in rows])
     related = np.concatenate([np.full(len(row[1]), row[5]) for row in rows])
     order = np.lexsort((speeds[kept], orders[kept]))
@@ -175,7 +175,7 @@ def order_faults(measurement: Measurement, excited: Sequence[float]) -> list[Fau
     if measurement.speeds is not None and not _inside(measurement.speeds, speeds).any():
         low, high = (edge * RPM for edge in measurement.speeds)
         text = f"nothing was measured from {low:g} to {high:g} rpm: {_speeds_there(speeds)}"
-        found.append(Fault(text, ("speeds",), kind="empty-band"))
+        found.append(Fault(text, ("speeds",), kind="missing-data"))
     if not shows_phases(measurement):
         if measurement.reference_angle:
             text = "a reference angle is found from phases, but the phases of these orders have no reference"

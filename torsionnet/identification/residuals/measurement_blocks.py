@@ -187,7 +187,7 @@ def _chosen_lines(data: FrequencyResponse, measurement: Measurement) -> Frequenc
     for start, stop in measurement.excluded:
         kept &= (data.frequencies < start) | (data.frequencies > stop)
     if not kept.any():
-        raise UsageError(_empty(data.frequencies, measurement), kind="empty-band")
+        raise UsageError(_empty(data.frequencies, measurement), kind="missing-data")
     return data.at_lines(kept)
 
 
@@ -196,7 +196,7 @@ def _kept(frequencies: FloatArray, measurement: Measurement) -> NDArray[np.bool_
     for start, stop in measurement.excluded:
         kept &= (frequencies < start) | (frequencies > stop)
     if not kept.any():
-        raise UsageError(_empty(frequencies, measurement), kind="empty-band")
+        raise UsageError(_empty(frequencies, measurement), kind="missing-data")
     return kept
 
 

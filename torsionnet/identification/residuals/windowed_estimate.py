@@ -377,7 +377,7 @@ def _lines_in(band: tuple[float, float], settings: Welch, rate: float) -> NDArra
     if not len(kept):
         lines_are = f"its lines are {rate / length:g} Hz apart"
         raise UsageError(
-            f"no line of the estimate lies between {band[0]:g} and {band[1]:g} Hz; {lines_are}", kind="empty-band"
+            f"no line of the estimate lies between {band[0]:g} and {band[1]:g} Hz; {lines_are}", kind="missing-data"
         )
     return kept
 

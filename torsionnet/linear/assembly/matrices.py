@@ -95,7 +95,7 @@ def matrices(drivetrain: AssembledModel, *, at: float | str | None = None) -> Sy
         names = ", ".join(assembly.kinematics.imposed)
         raise UsageError(
             f"the angle imposed by {names} is no coordinate; matrices hold free coordinates alone",
-            kind="no-state-space",
+            kind="unsupported-law",
         )
     frequency = None if at is None else _hertz(at)
     if rows.dynamic and frequency is None:
@@ -130,12 +130,12 @@ def _direct_terms(action: ActionLaw) -> tuple[float, float, float]:
     if action.delay:
         raise UsageError(
             f"{action.owner} acts with a delay, which no matrices M, C and K have; use frequency_response",
-            kind="no-state-space",
+            kind="unsupported-law",
         )
     if len(action.denominator) > 1 or len(action.numerator) > HIGHEST_POWER + 1:
         raise UsageError(
             f"{action.owner} has states of its own, which M, C and K do not have; use to_control()",
-            kind="no-state-space",
+            kind="unsupported-law",
         )
     k, c, J = (*map(float, action.numerator), 0.0, 0.0)[: HIGHEST_POWER + 1]
     return k, c, J

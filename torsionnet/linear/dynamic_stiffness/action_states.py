@@ -68,7 +68,7 @@ def undelayed_states(assembly: Assembly, action: ActionLaw) -> LawStates:
     whole, rest = divide_polynomials(action.numerator, action.denominator)
     if len(whole) > HIGHEST_POWER + 1:
         text = "its law grows quicker with frequency than the acceleration of what it senses; give it a filter"
-        raise UsageError(f"{action.owner}: {text}", kind="no-state-space")
+        raise UsageError(f"{action.owner}: {text}", kind="unsupported-law")
     P = np.array([float(value) for value in (*whole, 0, 0, 0)[: HIGHEST_POWER + 1]])
     F, w, h = companion(rest, action.denominator)
     G = np.zeros((len(F), 2))
@@ -83,7 +83,7 @@ def _states(assembly: Assembly, action: ActionLaw, points: int) -> LawStates:
         return alone
     if not points:
         text = "a delay has no finite number of states; leave it out, or ask for modes, responses or a motion"
-        raise UsageError(f"{action.owner}: {text}", kind="no-state-space")
+        raise UsageError(f"{action.owner}: {text}", kind="unsupported-law")
     refuse_delayed_acceleration(alone)
     travelling = _delayed(alone.at_once, alone.F, alone.G, alone.H, float(action.delay), points)
     return LawStates(action, alone.row, alone.sensed, np.zeros(3), *travelling)
@@ -101,7 +101,7 @@ def refuse_delayed_acceleration(law: LawStates) -> None:
     """
     if law.at_once[HIGHEST_POWER]:
         text = "what follows an acceleration with a delay and without a filter has infinitely many fast poles"
-        raise UsageError(f"{law.action.owner}: {text}; give it a filter", kind="no-state-space")
+        raise UsageError(f"{law.action.owner}: {text}; give it a filter", kind="unsupported-law")
 
 
 def companion(numerator: Sequence[Fraction], denominator: Sequence[Fraction]) -> tuple[FloatArray, float, FloatArray]:

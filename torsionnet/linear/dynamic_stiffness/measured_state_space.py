@@ -131,7 +131,8 @@ def _until_driven(A: FloatArray, B: FloatArray, row: FloatArray, direct: FloatAr
         drive, scale = row @ B, size @ np.abs(B)
         row, size = row @ A, size @ np.abs(A)
     raise UsageError(
-        f"{names} stay zero under the excitations at every frequency; they cannot be measured inputs", kind="zero-input"
+        f"{names} stay zero under the excitations at every frequency; they cannot be measured inputs",
+        kind="zero-reading",
     )
 
 
@@ -168,7 +169,7 @@ def _refuse_rates(
                 raise UsageError(
                     f"{read[place]}/{names} contains the rate of change of the measured input; it has a frequency "
                     "response but no state space",
-                    kind="no-state-space",
+                    kind="unsupported-law",
                 )
 
 

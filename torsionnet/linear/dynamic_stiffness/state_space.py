@@ -220,12 +220,12 @@ def first_order(
         names = ", ".join(sorted({assembly.owners[index] for index, _ in system.dynamic}))
         raise UsageError(
             f"{names}: a stiffness that depends on frequency has no state space{_way_out(system)}",
-            kind="no-state-space",
+            kind="unsupported-law",
         )
     if any(channel.quantity != "torque" for channel in inputs):
         raise UsageError(
             "an imposed angle has no state space with torque inputs; make it a torque, or use frequency_response",
-            kind="no-state-space",
+            kind="unsupported-law",
         )
     loads = [assembly.rows_of(channel.row)[0] for channel in inputs]
     actions = law_states(assembly, points) if closing is None else closing
@@ -239,7 +239,7 @@ def first_order(
         raise UsageError(
             "the torques that follow the motion leave no unique motion of what has no inertia; "
             "give its nodes inertia or dampers",
-            kind="no-state-space",
+            kind="unsupported-law",
         ) from None
     return close_loops_in_states(form, actions) if actions else form
 
@@ -263,7 +263,7 @@ def reduced_matrices(
                 what = "inertia" if power == HIGHEST_POWER else "inertia or damper"
                 raise UsageError(
                     f"{one.action.owner} acts at once on a rate where there is no {what}; give it a filter",
-                    kind="no-state-space",
+                    kind="unsupported-law",
                 )
     for one in actions:
         found = [
@@ -288,7 +288,7 @@ def close_loops_in_states(form: StateSpaceForm, actions: Sequence[LawStates]) ->
         names = ", ".join(dict.fromkeys(one.action.owner for one in actions))
         raise UsageError(
             f"{names}: the rate of what has neither inertia nor damper follows the rate of a torque",
-            kind="no-state-space",
+            kind="unsupported-law",
         )
     (B, B_act), (Y_u, Y_act) = (np.split(part, [n_u], axis=1) for part in (form.B, Y_in))
     # z' = F z + G_0 y + G_1 y' with y = Y x + Y_u u + Y_act H z, and y' = Y x' where G_1 asks for it.
@@ -419,7 +419,7 @@ def _output_rows(
     if np.any(np.abs(rates) > NEGLIGIBLE_COEFFICIENT * np.maximum(sizes, 1e-300)[:, None]):
         raise UsageError(
             f"{reading.name} contains the rate of change of an input; it has a frequency response but no state space",
-            kind="no-state-space",
+            kind="unsupported-law",
         )
     return C, D
 

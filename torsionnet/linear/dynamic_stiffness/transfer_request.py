@@ -72,13 +72,13 @@ class TransferRequest:
             if not reached:
                 raise UsageError(
                     f"{reading.name} stays zero under a {driven} at every frequency; it cannot be a measured input",
-                    kind="zero-input",
+                    kind="zero-reading",
                 )
         for number, excitation in enumerate(self.excitations):
             if not any(number in reached for reached in felt):
                 where = f"under a {excitation} at every frequency"
                 raise UsageError(
-                    f"{self.names} stay zero {where}; they cannot be its measured inputs", kind="zero-input"
+                    f"{self.names} stay zero {where}; they cannot be its measured inputs", kind="zero-reading"
                 )
         return self
 
@@ -88,7 +88,7 @@ class TransferRequest:
         if len(self.measured) == 1:
             return UsageError(
                 f"{names} stays zero under a {driven} at every frequency; it cannot be a measured input",
-                kind="zero-input",
+                kind="zero-reading",
             )
         return UsageError(
             f"{names} depend on each other under {driven}: they cannot be measured inputs together",
@@ -184,7 +184,7 @@ def resolve_inputs(
         if excitation is not None and _chosen(drivetrain, excitation) != excitations:
             raise UsageError(
                 f"{remedy('driven_by=')} goes with measured inputs; here the input itself is the excitation",
-                kind="unmatched-excitations",
+                kind="wrong-count",
             )
         pairs = zip(entries, excitations, strict=True)
         inputs = tuple(Functional(str(entry), UNITS[one.quantity], ()) for entry, one in pairs)
@@ -194,7 +194,7 @@ def resolve_inputs(
         raise UsageError(
             f"{', '.join(unmeasured)} is an excitation and the other inputs are measured; "
             "put a sensor where the excitation acts, or name measured inputs only",
-            kind="unmatched-excitations",
+            kind="wrong-count",
         )
     # Y_out Y_in^-1 needs as many independent excitations as there are measured inputs.
     if excitation is not None:
@@ -203,15 +203,15 @@ def resolve_inputs(
         excitations = (_present(drivetrain, *drivetrain.inputs),)
     elif drivetrain.inputs:
         several = f"the model has several inputs; say with {remedy('driven_by=')} which one drives"
-        raise UsageError(f"{several}{_known_inputs(drivetrain)}", kind="unmatched-excitations")
+        raise UsageError(f"{several}{_known_inputs(drivetrain)}", kind="wrong-count")
     else:
         missing = "a measured input needs an excitation; declare an input in the model"
-        raise UsageError(f"{missing} or name a node with {remedy('driven_by=')}", kind="unmatched-excitations")
+        raise UsageError(f"{missing} or name a node with {remedy('driven_by=')}", kind="wrong-count")
     if len(excitations) != len(measured):
         raise UsageError(
             f"{len(measured)} measured input(s) but {len(excitations)} excitation(s); "
             f"there must be as many of one as of the other{_known_inputs(drivetrain)}",
-            kind="unmatched-excitations",
+            kind="wrong-count",
         )
     names = ", ".join(str(entry) for entry in excitations)
     notes = (f"measured input; excitation: {names}",)
@@ -313,7 +313,7 @@ def _twist_in(drivetrain: AssembledModel, channel: Input) -> Input:
     element = drivetrain.elements[channel.of]
     text = twist_fault(element, element.parts(Values(drivetrain.exact_values)))
     if text:
-        raise UsageError(text, kind="unfit-element")
+        raise UsageError(text, kind="not-applicable")
     return channel
 
 

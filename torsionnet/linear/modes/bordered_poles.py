@@ -214,7 +214,7 @@ def measured_poles(drivetrain: AssembledModel, request: TransferRequest) -> tupl
     if counts is None:
         raise UsageError(
             f"the excitation does not reach {names}: the measured input is zero at every frequency; choose another",
-            kind="zero-input",
+            kind="zero-reading",
         )
     # Roots at zero have shapes at rest, P_0 v = 0, which fractions give exactly.
     still = _still(bordered) if counts[1] else np.zeros((bordered.size, 0))

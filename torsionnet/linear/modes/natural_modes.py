@@ -145,7 +145,7 @@ def _of_cut_system(
     except SolveError as error:  # the whole drivetrain resists every motion, so the cut leaves a loose end
         raise UsageError(
             f"{measured} is zero at every frequency: nothing on the other side of the transducer resists a motion",
-            kind="zero-input",
+            kind="zero-reading",
         ) from error
     shapes = np.full((len(drivetrain.nodes), len(rest_modes)), np.nan + 0j)
     place = {node: number for number, node in enumerate(drivetrain.nodes)}
@@ -206,7 +206,7 @@ def modes(
     if measured_input is None and driven_by is not None:
         raise UsageError(
             "driven_by= goes with measured_input=; the modes of the drivetrain itself need none",
-            kind="unmatched-excitations",
+            kind="wrong-count",
         )
     request = None if measured_input is None else resolve_inputs(drivetrain, measured_input, driven_by)
     found = modes_against(drivetrain, request, lowest, up_to)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from torsionnet.base.entries.spec import not_none
-from torsionnet.base.errors import EntryPath, Fault, UsageError, message_of, unknown_name
+from torsionnet.base.errors import EntryPath, Fault, TorsionnetError, UsageError, message_of, unknown_name
 from torsionnet.base.phrases import ModelName, phrase
 from torsionnet.machinery.excitations import OrderExcitation
 from torsionnet.machinery.excitations.propeller_torque import PropellerTorque
@@ -44,8 +44,11 @@ def unfit_excitations(definition: Definition) -> list[Fault]:
     values, wrong = resolve(definition.parameters)
     if faults or not _has_values(definition, values):
         return faults
-    ratios, without = ({}, []) if wrong else _shaft_ratios(definition, values)
-    found = [*without, *(() if wrong else _rigid(definition, values)), *_on_imposed(definition)]
+    try:
+        ratios, without = ({}, []) if wrong else _shaft_ratios(definition, values)
+        found = [*without, *(() if wrong else _rigid(definition, values)), *_on_imposed(definition)]
+    except (TorsionnetError, ArithmeticError):  # an element that cannot be calculated is a fault of its values
+        return []
     return found or [*_remarks(definition, ratios)]
 
 
@@ -96,7 +99,7 @@ def _rigid(definition: Definition, values: Mapping[str, Any]) -> Iterator[Fault]
             path, element = excitation.element_entry
             fault = twist_fault(definition.elements[element], definition.elements[element].parts(Values(values)))
             if fault:
-                yield Fault(fault, ("excitations", name, *path), kind="unfit-element")
+                yield Fault(fault, ("excitations", name, *path), kind="not-applicable")
 
 
 def _shaft_ratios(definition: Definition, values: Mapping[str, Any]) -> tuple[dict[str, float], list[Fault]]:

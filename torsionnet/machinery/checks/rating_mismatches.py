@@ -183,7 +183,7 @@ def _of_load(external: ExternalTorques, unlike: Sequence[_Unlike], work: Mapping
     stated = " and ".join(f"{one.machine.name} {power_text(one.machine.powers[0])}" for one in unlike)
     text = f"the load takes {power_text(_taken(work))} at rated speed, but stated are of {stated}"
     cause, meant = likely_load(_taken(work), min(sizes), getattr(load, entry) if entry == "torque" else None)
-    return [Fault(text + cause, ("load", entry), "warning", meant=meant, kind="contradicting-ratings")] if cause else []
+    return [Fault(text + cause, ("load", entry), "warning", meant=meant, kind="contradicting-values")] if cause else []
 
 
 def _machines(external: ExternalTorques, rated: float) -> Iterator[_Machine]:
@@ -222,7 +222,7 @@ def _unlike(
         text = f"a rated speed of {stated * RPM:.6g} rpm, but {node} turns at {expected * RPM:.6g} rpm"
         text += f" with {external.reference} at its rated {known[external.reference] * RPM:.6g} rpm"
         cause, meant = likely_speed(stated, expected, node, known)
-        yield Fault(text + cause, path, "warning", meant=meant, kind="contradicting-ratings")
+        yield Fault(text + cause, path, "warning", meant=meant, kind="contradicting-values")
 
 
 def _absorbed(external: ExternalTorques, machines: list[_Machine], work: Mapping[str, float]) -> Iterator[_Unlike]:
@@ -242,7 +242,7 @@ def _absorbed(external: ExternalTorques, machines: list[_Machine], work: Mapping
                 "warning",
                 about=LOAD,
                 meant=meant,
-                kind="contradicting-ratings",
+                kind="contradicting-values",
             )
             yield _Unlike(one, one.powers[0] / taken, fault)
 
@@ -264,7 +264,7 @@ def _given(external: ExternalTorques, machines: list[_Machine], work: Mapping[st
         least = given * one.rating.shares[0]
         severity = "note" if least > wanted and not cause else "warning"
         fault = Fault(
-            text + cause, one.path(one.rating.path), severity, about=LOAD, meant=meant, kind="contradicting-ratings"
+            text + cause, one.path(one.rating.path), severity, about=LOAD, meant=meant, kind="contradicting-values"
         )
         yield _Unlike(one, given / wanted, fault)
 

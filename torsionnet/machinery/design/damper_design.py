@@ -330,7 +330,7 @@ def with_dampers(
     if not chosen:
         raise UsageError(
             "the model has no element of type viscous_damper; name the spring or damper that is the film",
-            kind="unfit-element",
+            kind="not-applicable",
         )
     elements = dict(definition.elements)
     for name in chosen:
@@ -372,7 +372,7 @@ def _hub_and_ring(film: Element, active: Mapping[str, Element]) -> tuple[str, st
     if len(rings) != 1:
         raise UsageError(
             f'"{film.name}" is no film of a damper: a film lies between a hub and a ring on which nothing else acts',
-            kind="unfit-element",
+            kind="not-applicable",
         )
     (ring,) = rings
     return next(node for node in ends if node != ring), ring
@@ -457,7 +457,7 @@ class ViscousLaws(OtherLaws):
             if kappa.real < 0:
                 at = f"{self.element.name}: at {float(self.frequency):g} Hz the stiffness is {kappa.real:.6g} N m/rad"
                 rest = "a continuous shaft may be given as type: shaft with segments"
-                raise UsageError(f"{at}, which no spring has; {rest}", kind="unfit-element")
+                raise UsageError(f"{at}, which no spring has; {rest}", kind="not-applicable")
             stiffness = stiffness + value.algebra.number(Fraction(kappa.real))
             lost = lost + value.algebra.number(Fraction(kappa.imag))
         return replace(law, stiffness=stiffness, damping=law.damping + lost / omega, loss_factor=0, table=None)

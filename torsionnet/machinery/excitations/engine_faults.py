@@ -306,7 +306,7 @@ def _traces(engine: EngineEntries) -> Iterator[Fault]:
         if trace.revolutions not in (None, engine.revolutions):
             text = f"{trace.file} covers {360 * trace.revolutions} deg"
             text += f"; the cycle of a {STROKES[engine.cycle]}-stroke engine has {360 * engine.revolutions} deg"
-            yield Fault(text, ("gas", *path), position=trace.place, kind="unfit-trace")
+            yield Fault(text, ("gas", *path), position=trace.place, kind="unfit-curve")
 
 
 def engine_remarks(engine: EngineEntries, speeds: FloatArray | None) -> Iterator[Fault]:
@@ -339,7 +339,7 @@ def engine_remarks(engine: EngineEntries, speeds: FloatArray | None) -> Iterator
                 f"{text}, but it is given under {pressure / 1e5:.4g} bar; correct one of them",
                 ("gas", "traces"),
                 severity="warning",
-                kind="contradicting-ratings",
+                kind="contradicting-values",
             )
     if speeds is not None:
         try:

@@ -113,7 +113,7 @@ def measured_lines(headings: Sequence[str], rows: FloatArray) -> MeasuredLines:
         _require(
             all(len(group) == 1 for group in groups),
             f"every {key} has one row, unless there is a column of speeds",
-            "repeated-entry",
+            "repeated-name",
         )
         return MeasuredLines(
             quantity, key == "frequency", found, (), _parts(values, groups), has_phase, _parts(widths, groups)
@@ -123,7 +123,7 @@ def measured_lines(headings: Sequence[str], rows: FloatArray) -> MeasuredLines:
     _require(
         all((np.diff(speeds[group]) > 0).all() for group in sorted_groups),
         f"every {key} has one row at each speed",
-        "repeated-entry",
+        "repeated-name",
     )
     at, of = _parts(speeds, sorted_groups), _parts(values, sorted_groups)
     return MeasuredLines(quantity, key == "frequency", found, at, of, has_phase, _parts(widths, sorted_groups))
@@ -161,7 +161,7 @@ def _columns(headings: Sequence[str]) -> dict[str, tuple[int, str]]:
             hint = did_you_mean(name, KNOWN)
             raise UsageError(
                 f'"{heading}" is not a heading of a recording{hint}; known: {", ".join(KNOWN)}, as {FORM}',
-                kind="unknown-column",
+                kind="unknown-entry",
             )
         _require(name not in found, f"{name} is given by two headings; keep one of them", "repeated-name")
         found[name] = place, (match[2] or "").strip()

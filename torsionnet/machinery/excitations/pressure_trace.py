@@ -314,7 +314,7 @@ def _wrong_rows(rows: _Rows) -> Iterator[Fault]:
         yield rows.fault(text, row + 1, kind="unordered-rows")
     if len(rows.angles) < LEAST_SAMPLES:
         text = f"{len(rows.angles)} pressures are too few for a cycle; give {LEAST_SAMPLES} or more"
-        yield rows.fault(text, len(rows.angles) - 1, kind="unfit-trace")
+        yield rows.fault(text, len(rows.angles) - 1, kind="unfit-curve")
 
 
 def _covered(rows: _Rows) -> tuple[int, bool]:
@@ -327,7 +327,7 @@ def _covered(rows: _Rows) -> tuple[int, bool]:
             return revolutions, missing < step / 2
     text = f"the trace covers {rows.angles[0]:g} to {rows.angles[-1]:g} deg"
     text += f"; {WHOLE_CYCLE}, with one or both ends"
-    raise ModelError([rows.fault(text, len(rows.angles) - 1, kind="unfit-trace")], rows.file)
+    raise ModelError([rows.fault(text, len(rows.angles) - 1, kind="unfit-curve")], rows.file)
 
 
 def _not_closing(rows: _Rows, both_ends: bool, revolutions: int) -> Iterator[Fault]:
@@ -339,7 +339,7 @@ def _not_closing(rows: _Rows, both_ends: bool, revolutions: int) -> Iterator[Fau
     if abs(p[0] - p[-1]) > allowed:
         text = f"the trace does not close: it begins with {p[0] / 1e5:.6g} bar and ends with {p[-1] / 1e5:.6g} bar"
         yield rows.fault(
-            f"{text}; it covers 360 deg: {WHOLE_CYCLE}" if revolutions == 1 else text, len(p) - 1, kind="unfit-trace"
+            f"{text}; it covers 360 deg: {WHOLE_CYCLE}" if revolutions == 1 else text, len(p) - 1, kind="unfit-curve"
         )
 
 
@@ -403,7 +403,7 @@ class TraceEntry(Composite[PressureTrace]):
         if not isinstance(raw, Sequence | np.ndarray):
             raise EntryError(f"expected a list of pressures or the name of a file, {got(raw)}", kind="wrong-form")
         values, faults = _numbers(raw)
-        faults = faults or [Fault(text, on_key=True, kind="unfit-trace") for text in _wrong(values)]
+        faults = faults or [Fault(text, on_key=True, kind="unfit-curve") for text in _wrong(values)]
         return PressureTrace(tuple(values[:-1] if len(values) % 2 else values), start), faults
 
     def plain(self, value: Any) -> Json:

@@ -114,7 +114,7 @@ class UniversalJoint(TwistExcitation):
         element = elements[self.joint]
         if element.glyph not in ("spring", "shaft"):
             said = "{} is a {}; a joint is in a spring between its two shafts"
-            return [Fault(phrase(said, ModelName(self.joint), element.kind), ("joint",), kind="unfit-element")]
+            return [Fault(phrase(said, ModelName(self.joint), element.kind), ("joint",), kind="not-applicable")]
         shafts = shafts_of(element)
         if self.speed_of in shafts:
             return []
@@ -239,13 +239,13 @@ class GearMesh(TwistExcitation):
             if gear.kind in KINDS_WITH_SEVERAL_MESHES:
                 own = "write the pair in question as an element of its own, {type: gear, teeth: ..., stiffness: ...}"
                 text = phrase("{}; {}", text, own)
-            return [Fault(text, ("mesh",), kind="unfit-element")]
+            return [Fault(text, ("mesh",), kind="not-applicable")]
         if self.speed_of not in gear.nodes:
             said = "{} connects {} and {}; speed_of is one of them"
             return [Fault(phrase(said, mesh, *map(ModelName, gear.nodes)), ("speed_of",), kind="unknown-node")]
         if gear.housing is not None:
             said = "{} is in a housing that turns; its tooth frequency is not known"
-            return [Fault(phrase(said, mesh), ("mesh",), kind="unfit-element")]
+            return [Fault(phrase(said, mesh), ("mesh",), kind="not-applicable")]
         given = [gear.teeth, gear.teeth and gear.teeth[::-1]][gear.nodes.index(self.speed_of)]
         faults = []
         for place, name in enumerate(("teeth", "mate_teeth")):

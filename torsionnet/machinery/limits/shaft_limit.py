@@ -75,12 +75,12 @@ class ShaftLimit(InSpeedBand):
         element, name = subject.elements[self.element], ModelName(self.element)
         if element.diameters is None and self.diameter is None:
             said = "{}, a {}, has no diameter, and so no stress; give the limit one, diameter: 300 mm, or make the "
-            yield Fault(phrase(f"{said}element a shaft", name, element.kind), ("element",), kind="unfit-element")
+            yield Fault(phrase(f"{said}element a shaft", name, element.kind), ("element",), kind="not-applicable")
         elif len(element.ports) != 2:
             yield Fault(
                 phrase("{}, a {}, is no shaft between two nodes", name, element.kind),
                 ("element",),
-                kind="unfit-element",
+                kind="not-applicable",
             )
         else:
             section = self.section(subject)

@@ -142,7 +142,7 @@ def _cycle(orders: FloatArray) -> int:
             return cycle
     raise UsageError(
         phrase("the orders have no common cycle of {count} revolutions or fewer", count=LONGEST_CYCLE),
-        kind="no-common-cycle",
+        kind="no-period",
     )
 
 

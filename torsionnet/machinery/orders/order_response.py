@@ -451,7 +451,7 @@ class OrderResponse(SavedResult):
 
     def _cycle(self) -> int:
         if self.revolutions is None:
-            raise UsageError(f"{self.no_cycle}; use half_range", kind="no-common-cycle")
+            raise UsageError(f"{self.no_cycle}; use half_range", kind="no-period")
         return self.revolutions
 
     def by_frequency(self) -> ComplexArray:

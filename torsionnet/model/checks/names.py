@@ -230,9 +230,7 @@ def unused_parameters(definition: Definition) -> list[Fault]:
     for name in definition.parameters:
         if name not in used:
             text = phrase('parameter "{}" is not used', ModelName(name))
-            faults.append(
-                Fault(text, ("parameters", name), "warning", on_key=True, kind="unused-parameter", about=name)
-            )
+            faults.append(Fault(text, ("parameters", name), "warning", on_key=True, kind="unused-name", about=name))
     return faults
 
 
@@ -379,12 +377,12 @@ def hidden_names(definition: Definition) -> list[Fault]:
                 what = "a measured input" if table == "sensors" else channel_words(channel)
                 said = '"{}" is also a node; as input= it means {}, as output= {}, not the node'
                 text = phrase(said, ModelName(name), what, channel_words(channel))
-                faults.append(Fault(text, (table, name), "warning", on_key=True, kind="misleading-name"))
+                faults.append(Fault(text, (table, name), "warning", on_key=True, kind="ambiguous-name"))
     for name in definition.sensors:
         if name in definition.inputs:
             said = '"{}" is a sensor and an input; as input= it means the excitation, as output= the sensor'
             text = phrase(said, ModelName(name))
-            faults.append(Fault(text, ("sensors", name), "warning", on_key=True, kind="misleading-name"))
+            faults.append(Fault(text, ("sensors", name), "warning", on_key=True, kind="ambiguous-name"))
     return faults
 
 

@@ -91,7 +91,7 @@ class NodePair(Spec[tuple[str, str]]):
             one: Any = [raw] if isinstance(raw, str) else raw
             alone = isinstance(one, Sequence) and len(one) == 1 and isinstance(one[0], str)
             ground = f"; to the ground: [{one[0]}, ground]" if alone else ""
-            raise EntryError(Fault(f"expected two nodes [first, second], {got(raw)}{ground}", kind="not-two-nodes"))
+            raise EntryError(Fault(f"expected two nodes [first, second], {got(raw)}{ground}", kind="not-a-node"))
         names: list[str] = []
         for index, node in enumerate(raw):
             try:

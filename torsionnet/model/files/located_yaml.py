@@ -42,7 +42,7 @@ _MEANINGS = (
     ),
     (
         "expected '?<document start",
-        "misplaced-line",
+        "wrong-indentation",
         "this stands outside of the model; check the indentation of the lines above",
     ),
     (
@@ -83,7 +83,7 @@ def explain(error: yaml.MarkedYAMLError, lines: Sequence[str]) -> tuple[Fault, t
     unseparated = _UNSEPARATED.match(lines[mark[0]]) if kind == "stray-colon" else None
     if unseparated:
         text = f'write "{unseparated[2]}: " with a colon and a blank after the name'
-        return Fault(text, kind="missing-blank"), (mark[0], unseparated.start(2))
+        return Fault(text, kind="missing-colon"), (mark[0], unseparated.start(2))
     if "unexpected ':'" in problem and (bare := _VALUELESS.search(lines[mark[0]][: mark[1] + 2])):
         return Fault(f'"{bare[1]}" has no value; write it behind "{bare[1]}: "', kind="missing-value"), mark
     if error.context_mark is not None:
@@ -111,8 +111,8 @@ def _is_whole(line: str) -> bool:
 
 def _no_start(character: str) -> Fault:
     if character == "\t":
-        return Fault("a tab stands here; YAML is indented with spaces", kind="tab-indentation")
-    return Fault(f'a value cannot begin with "{character}"; put it in quotes', kind="invalid-beginning")
+        return Fault("a tab stands here; YAML is indented with spaces", kind="wrong-indentation")
+    return Fault(f'a value cannot begin with "{character}"; put it in quotes', kind="missing-quotes")
 
 
 def _mark(mark: yaml.Mark | None, lines: Sequence[str]) -> tuple[int, int]:
@@ -318,7 +318,7 @@ def compose(text: str, file: str, parser: Any = None) -> LocatedDocument:
             more = composer.events.get_event()
             if type(more) is not StreamEndEvent:
                 what = "a second document begins here (---); a file holds one model"
-                raise composer.refusal(what, _span(more), kind="misplaced-line")
+                raise composer.refusal(what, _span(more), kind="wrong-indentation")
     except yaml.MarkedYAMLError as error:
         fault, mark = explain(error, document.lines)
         raise ModelError([document.fault(fault, Span(mark[0], mark[1], mark[0], mark[1] + 1))]) from None
@@ -367,7 +367,7 @@ class _Composer:
     def alias(self, event: Any) -> LocatedNode:
         if event.anchor not in self.anchors:
             text = f'no anchor "&{event.anchor}" stands before this alias; text that begins with * needs quotes'
-            raise self.refusal(Fault(text, kind="unknown-alias"), _span(event))
+            raise self.refusal(Fault(text, kind="missing-quotes"), _span(event))
         return replace(self.anchors[event.anchor], place=_place(event, event), key_place=None)
 
     def sequence(self, event: Any, path: EntryPath, depth: int) -> LocatedNode:
@@ -390,7 +390,7 @@ class _Composer:
             key, place = inner.value, _place(inner, inner)
             if key == "<<" and inner.implicit[0]:
                 raise self.refusal(
-                    "merging with << is not supported; write the entries out", _span(inner), kind="unknown-alias"
+                    "merging with << is not supported; write the entries out", _span(inner), kind="missing-quotes"
                 )
             if inner.tag is not None:
                 raise self.refusal(_no_tag(inner.tag), _span(inner))
@@ -410,7 +410,7 @@ class _Composer:
         assert second.key is not None
         where = f"line {first.key.line + 1}, column {first.key.column + 1}"
         text = f'"{path[-1]}" was already given at {where}; each name stands once'
-        self.result.faults.append(self.result.fault(Fault(text, path, kind="repeated-entry"), second.key))
+        self.result.faults.append(self.result.fault(Fault(text, path, kind="repeated-name"), second.key))
         self.result.dropped.append((path, second.value))
 
 
@@ -426,4 +426,4 @@ def _span(event: Any) -> Span:
 
 def _no_tag(tag: str) -> Fault:
     shown = tag.replace("tag:yaml.org,2002:", "!!")
-    return Fault(f'tags such as "{shown}" have no meaning in a model file; delete it', kind="unknown-tag")
+    return Fault(f'tags such as "{shown}" have no meaning in a model file; delete it', kind="missing-quotes")

@@ -97,7 +97,7 @@ class _Including:
         home = path.resolve()
         if home in within or home == Path(self.document.file).resolve():
             raise EntryError(
-                f'"{name}" includes itself, directly or by way of others; leave it out', kind="circular-parts"
+                f'"{name}" includes itself, directly or by way of others; leave it out', kind="circular-definition"
             )
         if home in self.read:
             return

@@ -192,7 +192,7 @@ class _Flattening:
         for name in parts:
             if name not in self.done:
                 text = f'part "{name}" is not used'
-                self.faults.append(Fault(text, ("parts", name), "warning", on_key=True, about=name, kind="unused-part"))
+                self.faults.append(Fault(text, ("parts", name), "warning", on_key=True, about=name, kind="unused-name"))
 
     def content(self, owner: Definition | Part, path: EntryPath, within: tuple[str, ...]) -> PartContent:
         """Elements, parameters and other contents of a model or a part with everything it uses."""
@@ -219,7 +219,7 @@ class _Flattening:
                 Fault(
                     f"a part cannot contain itself: {circle}; leave out one of these uses",
                     (*place, "part"),
-                    kind="circular-parts",
+                    kind="circular-definition",
                 )
             )
             return False

@@ -156,7 +156,7 @@ def _question(
     )
     at = max(column.cell.text.find(factor.text), 0)
     shown = factor.text if factor.text in column.cell.text else column.cell.text
-    return grid.fault(text, Cell(shown, column.cell.line, column.cell.column + at), kind="ambiguous-heading")
+    return grid.fault(text, Cell(shown, column.cell.line, column.cell.column + at), kind="ambiguous-name")
 
 
 def _hertz(possible: PossibleReading) -> str:

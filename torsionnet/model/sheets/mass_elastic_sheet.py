@@ -109,7 +109,7 @@ def decide_side(columns: SheetColumns, rows: SheetRows, grid: CellGrid, option: 
                 grid.fault(
                     f"{both}; choose by the option values, real or referred",
                     Cell(first.text, first.line, 1),
-                    kind="ambiguous-heading",
+                    kind="ambiguous-name",
                 )
             )
         faults += [grid.fault(f'"{cell.text}" {_UNKNOWN_SIDE}', cell, kind="unknown-word") for cell in unclear]
@@ -121,7 +121,7 @@ def decide_side(columns: SheetColumns, rows: SheetRows, grid: CellGrid, option: 
                     grid.fault(
                         f"{said_to}; give ratios to that speed, or choose by the option values",
                         cell,
-                        kind="ambiguous-heading",
+                        kind="ambiguous-name",
                     )
                 )
     referred = option == "referred" if option else bool(said and said[0])

@@ -257,13 +257,13 @@ def _column(
             faults.append(grid.fault(_bad_unit(unit_text, known[0]), cell, kind="wrong-unit"))
         return blank
     meaning = _preferred(fitting, unit)
-    doubt = "ambiguous-heading" if meaning.key == "gear ratio" else "missing-unit"
+    doubt = "ambiguous-name" if meaning.key == "gear ratio" else "missing-unit"
     faults += [grid.fault(text, cell, kind=doubt) for text in _doubts(meaning, cell.text, unit_text, below)]
     if not meaning.is_text:
-        faults += [grid.fault(text, cell, kind="ambiguous-heading") for text in _unclear(heading, words, meaning)]
+        faults += [grid.fault(text, cell, kind="ambiguous-name") for text in _unclear(heading, words, meaning)]
     if referred and meaning.fits(DIMENSIONS["length"]):
         text = f'"{cell.text}" is not of the shaft itself; give the stiffness instead, or its real {meaning.shown}'
-        faults.append(grid.fault(text, cell, kind="ambiguous-heading"))
+        faults.append(grid.fault(text, cell, kind="ambiguous-name"))
     return replace(blank, meaning=meaning.key)
 
 
@@ -306,9 +306,9 @@ def _not_understood(unknown: Sequence[str], meaning: Meaning, texts: Sequence[Ce
         at = cell.text.casefold().find(unknown[0])
         if at >= 0:
             return grid.fault(
-                text, Cell(cell.text[at : at + len(unknown[0])], cell.line, cell.column + at), kind="ambiguous-heading"
+                text, Cell(cell.text[at : at + len(unknown[0])], cell.line, cell.column + at), kind="ambiguous-name"
             )
-    return grid.fault(text, texts[0], kind="ambiguous-heading")
+    return grid.fault(text, texts[0], kind="ambiguous-name")
 
 
 def _preferred(fitting: Sequence[Meaning], unit: SheetUnit | None) -> Meaning:
@@ -398,4 +398,4 @@ def _misspelt(column: SheetColumn, columns: Sequence[SheetColumn], grid: CellGri
     near = [word for word in _WORDS if SequenceMatcher(None, plain, word).ratio() >= LEAST_SIMILARITY]
     if near and _WORDS[near[0]] not in {one.meaning for one in columns}:
         yield grid.fault(f'"{column.heading}" is no heading of a mass-elastic sheet; did you mean "{near[0]}"?',
-                         column.cell, kind="unknown-column")  # fmt: skip
+                         column.cell, kind="unknown-entry")  # fmt: skip

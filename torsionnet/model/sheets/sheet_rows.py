@@ -226,7 +226,7 @@ class _Rows:
         assert column is not None
         text = f'"{column.heading}" does not say what it acts on'
         text += '; call it "absolute damping" (of the mass, to ground) or "relative damping" (of the shaft)'
-        fault = self.values.grid.fault(text, column.cell, kind="ambiguous-heading")
+        fault = self.values.grid.fault(text, column.cell, kind="ambiguous-name")
         if fault not in self.values.faults:
             self.values.faults.append(fault)
         return None

@@ -265,11 +265,11 @@ def machine_of(model: ScenarioSubject, name: str) -> FaultedMachine | Fault:
     node = getattr(one, "node", None)
     if not isinstance(node, str):
         return Fault(
-            f"{name} has no rotor on one node; name the element that is the rotor or the machine", kind="unfit-element"
+            f"{name} has no rotor on one node; name the element that is the rotor or the machine", kind="not-applicable"
         )
     if one.kind not in ROTORS:
         text = f"{name} is a {one.kind.replace('_', ' ')}, no electric machine; name one, or the inertia of its rotor"
-        return Fault(text, kind="unfit-element")
+        return Fault(text, kind="not-applicable")
     stator = next((found for key in ("stator", "housing") if (found := getattr(one, key, None))), None)
     torque, frequency = _rating(one, node, model)
     pairs, speed = getattr(one, "pole_pairs", None), model.speeds.get(node)

@@ -138,7 +138,7 @@ def _even(first: float, last: float, rate: float, turning: Sequence[EncoderRotat
     place, most = ("channels", turning[0].name), max(len(one.times) for one in turning)
     if last < first:
         spans = "; ".join(f"{one.name} from {one.times[0]:.6g} to {one.times[-1]:.6g} s" for one in turning)
-        raise ModelError([Fault(f"the pulses have no time in common: {spans}", place, kind="no-common-time")], file)
+        raise ModelError([Fault(f"the pulses have no time in common: {spans}", place, kind="unlike-results")], file)
     try:
         return even_times(first, last, rate, most, "pulses")
     except UsageError as error:
@@ -163,7 +163,7 @@ def _together(
             text = (
                 f"pulses from {first:.6g} to {last:.6g} s and a record from {record.start:.6g} s have no time in common"
             )
-            raise ModelError([Fault(text, ("channels",), kind="no-common-time")], file)
+            raise ModelError([Fault(text, ("channels",), kind="unlike-results")], file)
         if not inside.all():
             record = record.with_notes(f"cut to where there are pulses: from {times[0]:.6g} to {times[-1]:.6g} s")
         signals = tuple(replace(signal, values=signal.values[inside]) for signal in record)

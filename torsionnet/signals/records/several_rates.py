@@ -182,7 +182,7 @@ def _together(
     cut, cut_choices = cut_together(source, kept, rate)
     if cut_choices[0].channel.length == 0:
         text = f"the channels have no time in common: {listed(kept, source)}; read them one by one"
-        return RateChoice(source, list(kept), faults=[Fault(text, kind="no-common-time")])
+        return RateChoice(source, list(kept), faults=[Fault(text, kind="unlike-results")])
     return _with_others_or_without(cut, cut_choices, [*others, *between], rate, options)
 
 
@@ -305,7 +305,7 @@ def with_others(
     if not inside.any():
         text = f"channels of other rates, from {first:.6g} to {last:.6g} s, have no time in common with the others, "
         raise ModelError(
-            [Fault(f"{text}from {time[0]:.6g} to {time[-1]:.6g} s; read them one by one", kind="no-common-time")], file
+            [Fault(f"{text}from {time[0]:.6g} to {time[-1]:.6g} s; read them one by one", kind="unlike-results")], file
         )
     new, times = record.sampling_rate, time[inside]
     losses = [

@@ -125,7 +125,7 @@ def on_first_clock(recording: Recording, clocks: ClockDrift, like: Recording | N
         )
     inside = (like.time >= start) & (like.time <= start + (len(recording) - 1) / rate)
     if not inside.any():
-        raise UsageError(f"the two records have no time in common on one clock; {COMMON}", kind="no-common-time")
+        raise UsageError(f"the two records have no time in common on one clock; {COMMON}", kind="unlike-results")
     even = like.time[inside]
     signals = tuple(
         replace(one, values=interpolated_at(one.values, rate, start, even, like.sampling_rate)) for one in recording
@@ -199,7 +199,7 @@ def rotation_clocks(first: WheelRotation, second: WheelRotation, *, same_start: 
     left = errors - errors.mean()
     if abs(drift) > MOST_DRIFT or float(np.sqrt(np.mean(left**2))) > MOST_DISAGREEMENT:
         raise UsageError(
-            f"{names} do not show one rotation, or have no time in common; {COMMON}", kind="no-common-time"
+            f"{names} do not show one rotation, or have no time in common; {COMMON}", kind="unlike-results"
         )
     return _result(times, left, rates, offset, drift, free=free, same_start=same_start, names=names)
 
@@ -380,7 +380,7 @@ def signal_clocks(first: Recording, second: Recording, name: str, *, seconds: fl
         raise UsageError(
             f"{name}: the two records correlate in {len(centres)} of {len(starts)} windows, less than "
             f"{LEAST_CORRELATION:g} in the others; they have too little in common to compare their clocks; {COMMON}",
-            kind="no-common-time",
+            kind="unlike-results",
         )
     return clocks_of_delays(np.array(centres), np.array(delays), np.array(weights), period, name)
 

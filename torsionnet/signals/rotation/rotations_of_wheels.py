@@ -180,7 +180,7 @@ def angle_record(
     first, last = max(one.times[0] for one in wheels), min(one.times[-1] for one in wheels)
     if not last > first:
         spans = "; ".join(f"{one.name} from {one.times[0]:.6g} to {one.times[-1]:.6g} s" for one in wheels)
-        raise UsageError(f"the pulses have no time in common: {spans}", kind="no-common-time")
+        raise UsageError(f"the pulses have no time in common: {spans}", kind="unlike-results")
     kept = recording.select(keep) if keep else replace(recording, signals=(), times=None)
     notes = list(recording.notes)
     if keep:
@@ -189,7 +189,7 @@ def angle_record(
         if not inside.any():
             raise UsageError(
                 f"no sample of {keep[0]} lies between first and last pulse, {first:.6g} and {last:.6g} s",
-                kind="no-common-time",
+                kind="unlike-results",
             )
         if not inside.all():
             notes.append(f"cut to where there are pulses: from {times[inside][0]:.6g} to {times[inside][-1]:.6g} s")
@@ -312,7 +312,7 @@ def _shares(first: WheelRotation, second: WheelRotation, number: int) -> FloatAr
     inside = (first.times >= second.times[0]) & (first.times <= second.times[-1])
     times, numbers = first.times[inside], first.numbers[inside] - number
     if len(times) < 2:
-        raise UsageError(f"{first.name} and {second.name} have no time in common", kind="no-common-time")
+        raise UsageError(f"{first.name} and {second.name} have no time in common", kind="unlike-results")
     # Less n_2/n_1 pitches for each tooth the phase is constant.
     pitches = second.rotation.at(times) - numbers * second.wheel.teeth / first.wheel.teeth
     if np.ptp(pitches) > 1:

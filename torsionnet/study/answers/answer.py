@@ -233,11 +233,11 @@ def quantity_faults(study: AskedStudy, names: tuple[str, ...], key: str) -> Iter
         path = (key, place) if key == "quantities" else (key,)
         if name in study.quantities and measure_of(study, name).is_curve:
             yield Fault(
-                f"{name} is a curve; name a quantity that is a single number, as its peak", path, kind="unfit-quantity"
+                f"{name} is a curve; name a quantity that is a single number, as its peak", path, kind="not-applicable"
             )
     if not names and not chosen_quantities(study, ()):
         yield Fault(
-            "none of the quantities is a single number, as a frequency or a peak", on_key=True, kind="unfit-quantity"
+            "none of the quantities is a single number, as a frequency or a peak", on_key=True, kind="not-applicable"
         )
 
 

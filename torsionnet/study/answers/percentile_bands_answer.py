@@ -44,7 +44,7 @@ class PercentileBands(StudyAnswer):
 
     def study_faults(self, study: AskedStudy) -> Iterator[Fault]:
         if self.quantity in study.quantities and not measure_of(study, self.quantity).is_curve:
-            yield Fault(f"{self.quantity} is a single number and no curve", ("quantity",), kind="unfit-quantity")
+            yield Fault(f"{self.quantity} is a single number and no curve", ("quantity",), kind="not-applicable")
 
     def conclude(self, study: AskedStudy, result: VariantValues) -> PercentileBandsResult:
         shares = tuple(sorted(self.percentiles or DEFAULT_PERCENTILES))

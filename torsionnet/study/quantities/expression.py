@@ -76,7 +76,7 @@ class QuantityExpression(StudyQuantity):
         circle = self.circle(quantities)
         if circle:
             yield Fault(
-                f"{' needs '.join(circle)}: quantities go round in a circle", ("of",), kind="circular-parameters"
+                f"{' needs '.join(circle)}: quantities go round in a circle", ("of",), kind="circular-definition"
             )
         if circle or not self.has_all(quantities):
             return
@@ -137,7 +137,7 @@ class QuantityExpression(StudyQuantity):
     def evaluate(self, block: VariantBlock) -> FloatArray:
         circle = self.circle(block.quantities)
         if circle:
-            raise UsageError(f"{' needs '.join(circle)}: quantities go round in a circle", kind="circular-parameters")
+            raise UsageError(f"{' needs '.join(circle)}: quantities go round in a circle", kind="circular-definition")
         values = {name: block.of(name) for name in self.of.names}
         with np.errstate(all="ignore"):
             return np.asarray(self.of.evaluate(values, ARRAYS), dtype=float)

@@ -64,7 +64,8 @@ def entry_without_value(place: FaultPlace) -> Iterator[TextFix]:
 def given_twice(place: FaultPlace) -> Iterator[TextFix]:
     """Another name for the second of two entries with one name, or one of both left out."""
     fault, text = place.fault, place.written.text
-    if fault.kind != "repeated-entry":
+    entries_dropped = dict(place.written.document.dropped)
+    if fault.kind != "repeated-name" or fault.path not in entries_dropped:
         return
     name, span = str(fault.path[-1]), place.span
     siblings = place.written.node(fault.path[:-1]).entries
@@ -73,7 +74,7 @@ def given_twice(place: FaultPlace) -> Iterator[TextFix]:
     second = edited(text, [TextEdit(span, new)])
     if len(fault.path) == 2 and fault.path[0] in _SECTIONS_OF_NAMES:
         yield from place.fix(f"rename to {new}", TextEdit(span, new))
-    dropped = dict(place.written.document.dropped).get(fault.path)
+    dropped = entries_dropped[fault.path]
     if siblings[name].value != dropped and (isinstance(dropped, (dict, list)) or len(fault.path) <= 2):
         return  # what it says would be lost
     try:
@@ -89,7 +90,7 @@ def given_twice(place: FaultPlace) -> Iterator[TextFix]:
 
 def unused_parameter(place: FaultPlace) -> Iterator[TextFix]:
     """Parameter deleted that nothing uses; with errors in the text, what cannot be read may be its use."""
-    if place.fault.kind == "unused-parameter" and not any(one.severity == "error" for one in place.others):
+    if place.fault.kind == "unused-name" and not any(one.severity == "error" for one in place.others):
         yield from place.without(place.fault.path)
 
 
@@ -128,13 +129,13 @@ _TWO_NAMES = re.compile(r"(\w+)\s*(?:\s|[-–/>;]|->|\bto\b)\s*(\w+)")
 def colon_for_equals(place: FaultPlace) -> Iterator[TextFix]:
     """A colon and a blank between a name and its value, where an equals sign or nothing stands."""
     path, span = place.fault.path, place.span
-    if place.fault.kind == "not-a-table":
-        found = _NAME_AND_VALUE.fullmatch(place.shown)
-    elif place.remedy(SEPARATE):
+    if place.remedy(SEPARATE):
         found = _RUN_TOGETHER.fullmatch(place.shown)
+    elif place.fault.kind == "wrong-form":
+        found = _NAME_AND_VALUE.fullmatch(place.shown)
     elif place.fault.kind == "unknown-entry":
         found = _EQUALS.fullmatch(place.shown)
-    elif place.fault.kind == "missing-type":
+    elif place.fault.kind == "missing-entry":
         node = node_at(place.written.document, path)
         key = next((key for key in (node.entries if node else ()) if re.fullmatch(r"type[\s=:]+\w+", str(key))), "")
         if not key or node is None:
@@ -155,7 +156,12 @@ def nodes_in_brackets(place: FaultPlace) -> Iterator[TextFix]:
     if span is None:
         return
     shown = text[span.start : span.end]
-    if place.fault.kind == "not-two-nodes":
+    if place.fault.kind != "not-a-node":
+        return
+    alone = re.fullmatch(r"\[\s*(\w+)\s*\]", shown)
+    if alone:
+        yield from place.fix(f"write {alone[1]}", TextEdit(span, alone[1]))
+    else:
         several = re.match(r"\(?\s*(\w+)\s*[,;]\s*(\w+)\s*\)?(?=\s*([,}]|$))", text[span.start :], re.MULTILINE)
         named = _TWO_NAMES.fullmatch(shown)
         listed = re.fullmatch(r"\[\s*(\w+)\s*[;/-]\s*(\w+)\s*\]", shown)
@@ -163,10 +169,6 @@ def nodes_in_brackets(place: FaultPlace) -> Iterator[TextFix]:
         if found:
             new = f"[{found[1]}, {found[2]}]"
             yield from place.fix(f"write {new}", TextEdit(TextSpan(span.start, span.start + found.end()), new))
-    elif place.fault.kind == "not-a-node":
-        one = re.fullmatch(r"\[\s*(\w+)\s*\]", shown)
-        if one:
-            yield from place.fix(f"write {one[1]}", TextEdit(span, one[1]))
 
 
 def damper_to_ground(place: FaultPlace) -> Iterator[TextFix]:

@@ -108,6 +108,8 @@ def _character(here: _Break) -> Iterator[TextFix]:
 
 
 def _tabs(here: _Break) -> Iterator[TextFix]:
+    if "\t" not in here.line:
+        return
     edits = []
     for number, start in enumerate(here.lines.starts):
         line = here.line_at(number)
@@ -266,20 +268,20 @@ def _alias(here: _Break) -> Iterator[TextFix]:
 
 _RULES = (
     (_character, ("invalid-character",)),
-    (_tabs, ("tab-indentation",)),
-    (_indentation, ("wrong-indentation", "misplaced-line")),
+    (_tabs, ("wrong-indentation",)),
+    (_indentation, ("wrong-indentation",)),
     (_quote, ("open-quote",)),
     (_bracket, ("open-bracket", "missing-value")),
-    (_colon, ("missing-blank",)),
+    (_colon, ("missing-colon",)),
     (_joined, ("stray-colon", "wrong-indentation")),
     (_opening, ("stray-colon", "wrong-indentation")),
-    (_behind, ("stray-colon", "invalid-beginning", "wrong-indentation")),
+    (_behind, ("stray-colon", "missing-quotes", "wrong-indentation")),
     (_missing_colon, ("missing-colon", "stray-colon", "wrong-indentation")),
     (_indentation, ("stray-colon",)),
-    (_quoted_value, ("stray-colon", "invalid-beginning", "missing-quotes", "unknown-alias")),
-    (_surplus, ("misplaced-line", "wrong-indentation", "invalid-beginning", "missing-value")),
+    (_quoted_value, ("stray-colon", "missing-quotes")),
+    (_surplus, ("wrong-indentation", "missing-quotes", "missing-value")),
     (_single_quotes, ("unknown-escape",)),
-    (_tag, ("unknown-tag",)),
-    (_alias, ("unknown-alias",)),
+    (_tag, ("missing-quotes",)),
+    (_alias, ("missing-quotes",)),
 )
 """Kinds of breaks that a rule may mend, in the order in which the rules are tried."""

@@ -69,7 +69,7 @@ class FaultPlace:
     def is_empty(self) -> bool:
         """Whether the fault is that the entry at its path has no value."""
         node = node_at(self.written.document, self.fault.path)
-        return node is not None and node.value is None and not self.fault.on_key and self.fault.kind != "repeated-entry"
+        return node is not None and node.value is None and not self.fault.on_key and self.fault.kind != "repeated-name"
 
     def fix(self, title: str, *edits: TextEdit) -> Iterator[TextFix]:
         """Fix by some edits, if reading the changed entry finds nothing new."""
@@ -252,7 +252,7 @@ def as_said(place: FaultPlace) -> Iterator[TextFix]:
 
 
 def without_zeros(place: FaultPlace) -> Iterator[TextFix]:
-    if place.fault.kind == "leading-zero":
+    if place.fault.kind == "ambiguous-number":
         zeros = re.match(r"(['\"]?[-+]?)(0+)(?=\d)", place.shown)
         if zeros:
             start = place.span.start

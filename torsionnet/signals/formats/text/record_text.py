@@ -13,7 +13,7 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import islice
+from itertools import islice, zip_longest
 from pathlib import Path
 
 from torsionnet.base.atomic import atomic_replacement
@@ -161,9 +161,9 @@ def open_source(path: Path, separator: str | None = None, decimal: str | None = 
         for _ in range(skipped + first):
             file.readline()
         described = description_in(comments, KEY)
-        place = Position(path.name, skipped + len(above), 1, 1, above[-1].rstrip()[:200]) if heading.lines else None
+        places = _cell_places(path.name, skipped + len(above), above[-1], dialect, len(row)) if heading.lines else []
         source = _source(
-            path, file, dialect, heading, (skipped + first, place), lines, stamped, own=described is not None
+            path, file, dialect, heading, (skipped + first, places), lines, stamped, own=described is not None
         )
         notes = _notes(dialect, encoding, len(above) - heading.lines, heading)
         if scope:
@@ -172,6 +172,17 @@ def open_source(path: Path, separator: str | None = None, decimal: str | None = 
         yield (
             with_description(source, described) if described is not None else _with_notes(source, notes, scope, stamps)
         )
+
+
+def _cell_places(file: str, number: int, line: str, dialect: Dialect, width: int) -> list[Position]:
+    """Positions of the headings of ``width`` columns in a line; a column without one has the beginning of the line."""
+    whole = Position(file, number, 1, 1, line.rstrip()[:200])
+    places, end = [], 0
+    for cell in dialect.cells(line)[:width]:
+        start = whole.source.find(cell, end)
+        end = max(end, start + len(cell) if start >= 0 else 0)
+        places.append(whole if start < 0 else replace(whole, column=start + 1, end_column=start + 1 + len(cell)))
+    return places + [whole] * (width - len(places))
 
 
 def _with_stated_clock(source: Source, scope: ScopeHeading) -> Source:
@@ -224,7 +235,7 @@ def _source(
     file: io.TextIOWrapper,
     dialect: Dialect,
     heading: Headings,
-    begin: tuple[int, Position | None],
+    begin: tuple[int, Sequence[Position]],
     lines: Sequence[str],
     stamped: Sequence[tuple[int, ...]],
     *,
@@ -233,10 +244,10 @@ def _source(
     discovered: list[NoteOrText] = []
     empty_cells = EmptyCells(discovered)
     width, start = len(heading.names), file.tell()
-    first, place = begin
+    first, places = begin
     channels = [
         FileChannel(name, column, unit, position=place)
-        for column, (name, unit) in enumerate(zip(heading.names, heading.units, strict=True))
+        for column, (name, unit, place) in enumerate(zip_longest(heading.names, heading.units, places))
     ]
     if len(channels) > 1 and all(not dialect.cells(line)[-1] for line in lines[first:] if line.strip()):
         channels.pop()  # every row ends with a separator

@@ -115,7 +115,7 @@ def _heading(text: str, *, first: bool) -> ColumnHeading:
         found = pattern.fullmatch(what)
         if found:
             return _pair(kind, found["pair"], unit)
-    raise _HeadingError(f'"{text}" is no heading of a frequency response; {EXPECTED}', kind="unknown-column")
+    raise _HeadingError(f'"{text}" is no heading of a frequency response; {EXPECTED}', kind="unknown-entry")
 
 
 def _frequency(what: str, unit: str) -> ColumnHeading:

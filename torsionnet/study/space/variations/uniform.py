@@ -276,7 +276,7 @@ class ListOfValues(Variation):
         found = [reader.value(number, "values", index) for index, number in enumerate(self.values)]
         for index, value in enumerate(found):
             if value in found[:index]:
-                reader.fault(f"{value:g} stands twice in the list", "values", index, kind="repeated-entry")
+                reader.fault(f"{value:g} stands twice in the list", "values", index, kind="repeated-name")
         return None if reader.faults else GridAxis(len(found), ValueTable(np.array(found)), min(found), max(found))
 
 
