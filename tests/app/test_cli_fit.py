@@ -69,29 +69,28 @@ def test_fit_to_a_response_from_a_file(folder):
 
 
 FAULTS = [
-    ("model: rig.yaml", "model: rgi.yaml", 2, 'did you mean "rig.yaml"'),
-    ("start: 300 N*m/rad", "strat: 300 N*m/rad", 4, 'unknown key "strat"; did you mean "start"?'),
-    ("bounds: [50, 2000]", "bounds: [50]", 4, "expected two values"),
-    ("bounds: [50, 2000]", "bounds: [500, 200]", 4, "the lower bound must be below"),
-    ("run_soft.npz", "run_sotf.npz", 7, 'did you mean "run_soft.npz"'),
-    ("output: phi", "output: psi", 7, "psi"),
-    ("record: run_soft.npz, ", "", 7, "a measurement needs one of record, response and orders"),
-    (", output: phi", "", 7, "a measurement needs output: channel"),
-    ("configuration: soft", "configuration: sfot", 7, 'did you mean "soft"'),
-    ("band: [1 Hz, 25 Hz]", "band: [25 Hz, 1 Hz]", 7, "from a lower to a higher frequency"),
-    ("band: [1 Hz, 25 Hz]", "band: [1 s, 25 Hz]", 7, "not a value of frequency"),
-    ("seconds: 2 s", "seconds: 2 Hz", 8, "not a value of time"),
-    ("settings:", "setings:", 8, 'unknown key "setings"; did you mean "settings"?'),
-    ("parameters:\n", "nothing:\n", 3, "a fit needs parameters"),
+    ("model: rig.yaml", "model: rgi.yaml", "2:8", "rig.yaml.*missing-file"),
+    ("start: 300 N*m/rad", "strat: 300 N*m/rad", "4:7", '"start".*unknown-entry'),
+    ("bounds: [50, 2000]", "bounds: [50]", "4:35", "wrong-form"),
+    ("bounds: [50, 2000]", "bounds: [500, 200]", "4:6", "unordered-rows"),
+    ("run_soft.npz", "run_sotf.npz", "7:18", '"run_soft.npz".*missing-file'),
+    ("output: phi", "output: psi", "7:18", "psi.*unknown-channel"),
+    ("record: run_soft.npz, ", "", "7:3", "record, response and orders.*missing-entry"),
+    (", output: phi", "", "7:3", "output: channel.*missing-entry"),
+    ("configuration: soft", "configuration: sfot", "7:90", '"soft".*unknown-configuration'),
+    ("band: [1 Hz, 25 Hz]", "band: [25 Hz, 1 Hz]", "7:102", "unordered-rows"),
+    ("band: [1 Hz, 25 Hz]", "band: [1 s, 25 Hz]", "7:102", "1 s.*wrong-unit"),
+    ("seconds: 2 s", "seconds: 2 Hz", "8:38", "2 Hz.*wrong-unit"),
+    ("settings:", "setings:", "8:1", '"settings".*unknown-entry'),
+    ("parameters:\n", "nothing:\n", "1:1", "parameters.*missing-entry"),
 ]
 
 
-@pytest.mark.parametrize(("good", "bad", "line", "message"), FAULTS)
-def test_faults_of_a_fit_file_are_located(folder, good, bad, line, message):
+@pytest.mark.parametrize(("good", "bad", "place", "words"), FAULTS)
+def test_faults_of_a_fit_file_are_located(folder, good, bad, place, words):
     (folder / "bad.yaml").write_text(FIT_OF_TWO_DISCS.replace(good, bad, 1))
     result = run("fit", "bad.yaml", "-o", "out.yaml", code=1)
-    assert message in result.stderr
-    assert f"bad.yaml:{line}:" in result.stderr or "a fit needs" in message
+    assert re.search(rf"^bad\.yaml:{place}: error: .*{words}\]$", result.stderr, re.MULTILINE)
     assert not (folder / "out.yaml").exists()
 
 

@@ -243,20 +243,20 @@ class TestSection:
             "  band: 40..0.3 Hz\n  angle: grad\n  author: 3\n"
         )
         for place, what in (
-            (r"11:3", 'unknown key "titel"; did you mean "title"?'),
-            (r"12:14", 'no section is named "mods"; did you mean "modes"?'),
-            (r"13:24", "OUTPUT/INPUT"),
-            (r"14:9", "from a lower to a higher frequency"),
-            (r"15:10", "expected rad or deg"),
-            (r"16:11", "expected text"),
+            (r"11:3", '"titel".*"title".*unknown-entry'),
+            (r"12:14", '"mods".*"modes".*unknown-word'),
+            (r"13:24", "OUTPUT/INPUT.*wrong-form"),
+            (r"14:9", "unordered-rows"),
+            (r"15:10", "rad or deg.*unknown-word"),
+            (r"16:11", "3.*wrong-form"),
         ):
-            assert re.search(rf"m\.yaml:{place}: error: .*{re.escape(what)}", text), (place, text)
+            assert re.search(rf"m\.yaml:{place}: error: .*{what}", text), (place, text)
 
     def test_names_are_those_of_the_model(self):
         text = self.faults("report: {transfer_functions: [theta_2/T_S, theta_1/T_X], configurations: [heavi]}\n")
-        assert 'no sensor or node is named "theta_2"; did you mean "theta_1"?' in text
-        assert 'no input, sensor or node is named "T_X"' in text
-        assert 'did you mean "heavy"' in text
+        assert re.search(r'm\.yaml:10:31: error: .*"theta_2".*"theta_1".*unknown-channel', text)
+        assert re.search(r'm\.yaml:10:44: error: .*"T_X".*unknown-channel', text)
+        assert re.search(r'm\.yaml:10:75: error: .*"heavi".*"heavy".*unknown-configuration', text)
         assert text.count("m.yaml:10:") == 3
 
     def test_not_a_mapping(self):
@@ -307,7 +307,7 @@ def test_configurations_without_a_transfer_function_are_left_out_of_it(folder):
     # Free to turn: s^2 above and below has gone, the load of the closed clutch is half of all.
     assert r"\frac{b_{0}}{a_{0} + a_{2} s^{2}}" in text
     refused = run("report", "clutch.yaml", "--tf", "T_q/T", code=2)
-    assert 'T_q/T: no sensor or node is named "T_q"' in refused.stderr
+    assert re.search(r'(?s)T_q/T: .*"T_q".*unknown-channel', refused.stderr)
 
 
 def test_operating_point_of_the_configuration_reported(folder):

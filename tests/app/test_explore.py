@@ -3,6 +3,7 @@
 import json
 import math
 import os
+import re
 import shlex
 import signal
 import subprocess
@@ -417,23 +418,23 @@ class TestCommand:
     @pytest.mark.parametrize(
         ("arguments", "code", "said"),
         [
-            (["amt_rog"], 2, 'did you mean "amt_rig"'),
-            (["amt_rig", "-c", "VI"], 2, 'no configuration is named "VI"'),
+            (["amt_rog"], 2, "amt_rig.*missing-file"),
+            (["amt_rig", "-c", "VI"], 2, '"VI".*unknown-configuration'),
             (["amt_rig", "-c", "all"], 2, "name one with -c"),
-            (["amt_rig", "--set", "k_1=-1"], 1, "must not be less than 0"),
-            (["amt_rig", "--tf", "theta_1"], 2, "OUTPUT/INPUT"),
-            (["amt_rig", "--tf", "theta1/T_M"], 2, 'did you mean "theta_1"'),
+            (["amt_rig", "--set", "k_1=-1"], 1, "k_1 = -1.*out-of-range"),
+            (["amt_rig", "--tf", "theta_1"], 2, "OUTPUT/INPUT.*wrong-form"),
+            (["amt_rig", "--tf", "theta1/T_M"], 2, '"theta_1".*unknown-channel'),
             (["amt_rig", "--band", "5", "1"], 2, "0 < LOW < HIGH"),
-            (["amt_rig", "--band", "1", "inf"], 2, "0 < LOW < HIGH <= 1e+09 Hz"),
-            (["amt_rig", "--overlay", "nothing.csv"], 2, 'there is no file "nothing.csv"'),
-            (["amt_rig", "--overlay", "nothing.xyz"], 2, "no ending of a frequency response"),
+            (["amt_rig", "--band", "1", "inf"], 2, r"0 < LOW < HIGH <= 1e\+09 Hz"),
+            (["amt_rig", "--overlay", "nothing.csv"], 2, "nothing.csv.*missing-file"),
+            (["amt_rig", "--overlay", "nothing.xyz"], 2, "nothing.xyz.*wrong-file"),
         ],
     )
     def test_wrong_use_opens_nothing(self, arguments, code, said, capsys):
         assert main(["explore", "--no-browser", *arguments]) == code
         captured = capsys.readouterr()
         assert captured.out == ""
-        assert said in captured.err
+        assert re.search(said, " ".join(captured.err.split()))
         assert "Traceback" not in captured.err
 
     def test_a_port_in_use(self, capsys):

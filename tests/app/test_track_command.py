@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -137,7 +138,7 @@ def test_signals_of_teeth(tmp_path):
     assert np.abs(values[1]) == pytest.approx(np.full(values.shape[1], 100), rel=2e-3)
     assert np.angle(values[1]) == pytest.approx(np.full(values.shape[1], 0.7), abs=0.02)
     assert np.angle(values[0]) == pytest.approx(np.full(values.shape[1], -0.2), abs=0.02)
-    assert "there is no wheel of this name" in run(*words, "--level", "flt=2.5", code=2).output
+    assert re.search("flt.*unknown-name", " ".join(run(*words, "--level", "flt=2.5", code=2).output.split()))
 
 
 def test_vold_kalman_slices_and_waterfall(record, tmp_path):
@@ -163,24 +164,24 @@ def test_twist_torque_and_stress(record):
     ("words", "message"),
     [
         (("--reference-shaft", "fly=60-2", "--tdc", "35deg", "--orders", "0"), "positive numbers"),
-        (("--reference-shaft", "n", "--tdc", "35deg", "--orders", "1"), "no mark that tells its angle"),
+        (("--reference-shaft", "n", "--tdc", "35deg", "--orders", "1"), "n .*ambiguous-tooth"),
         (("--reference-shaft", "fly=60-2", "--orders", "1", "--bandwidth", "1Hz"), "belong to --method vold-kalman"),
         (("--reference-shaft", "fly=60-2", "--orders", "1:2"), "first:last:step"),
-        (("--reference-shaft", "fly=60-2", "--orders", "1", "--twist", "fly-gen"), "two wheels with - between them"),
+        (("--reference-shaft", "fly=60-2", "--orders", "1", "--twist", "fly-gen"), "--twist fly-gen.*missing-entry"),
         (
             ("--reference-shaft", "fly=60-2", "--orders", "1", "--pattern", "gen=x.yaml"),
-            "there is no wheel of this name",
+            "--pattern gen=x.yaml.*unknown-name",
         ),
-        (("--reference-shaft", "fly=60-2", "--orders", "40"), "tell orders up to"),
-        (("--reference-shaft", "fly=x", "--orders", "1"), "expected CHANNEL[=TEETH]"),
-        (("--reference-shaft", "T", "--orders", "1"), "the rotation needs an angle or a speed"),
+        (("--reference-shaft", "fly=60-2", "--orders", "40"), "order 40.* 20.*beyond-sampling"),
+        (("--reference-shaft", "fly=x", "--orders", "1"), r"CHANNEL\[=TEETH\]"),
+        (("--reference-shaft", "T", "--orders", "1"), "T .*unfit-channel"),
         (("--reference-shaft", "fly=60-2", "--orders", "1", "--speed-step", "20Nm"), "20Nm"),
     ],
 )
 def test_wrong_words_are_named(record, words, message):
     result = CliRunner().invoke(app, ["track", str(record), *words])
     assert result.exit_code in (1, 2), result.output
-    assert message in " ".join(result.output.split())
+    assert re.search(message, " ".join(result.output.split()))
 
 
 def tracked(**more):

@@ -221,9 +221,7 @@ def test_elements_without_counterpart_are_refused_by_name(kind):
 
 @pytest.mark.parametrize("kind", sorted(NO_OPERATING_POINT))
 def test_laws_of_motion_need_an_operating_point(kind):
-    with pytest.raises(
-        UsageError, match=rf"and e \({kind}\) follow laws of motion that are not linear; write .* model.at"
-    ):
+    with pytest.raises(UsageError, match=rf"(?s) e \({kind}\) .*no-counterpart"):
         to_modelica(around(EVERY_ELEMENT[kind]))
 
 

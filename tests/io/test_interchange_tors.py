@@ -137,7 +137,7 @@ class TestWhereOpenTorsionReadsOtherwise:
             ("a", disk("x", 2.0)), ("b", shaft("s"), disk("y")), ("c", shaft("t"), disk("z")),
             structure=[("a.x", "b.s"), ("a.x", "c.t")],
         )  # fmt: skip
-        with pytest.warns(TorsionnetWarning, match=r"2 components begin at a\.x; openTorsion 0\.3\.2 takes"):
+        with pytest.warns(TorsionnetWarning, match=r"^2 .* a\.x; openTorsion 0\.3\.2"):
             rig = from_tors(data)
         assert [rig.elements[name].nodes for name in ("s", "t")] == [("x", "y"), ("x", "z")]
 
@@ -145,20 +145,20 @@ class TestWhereOpenTorsionReadsOtherwise:
         data = file_of(
             ("a", disk("x"), shaft("s"), disk("y")), ("b", shaft("t"), disk("z")), structure=[("a.x", "b.t")]
         )
-        with pytest.warns(TorsionnetWarning, match=r"a\.s follows a\.x, at whose end another component begins"):
+        with pytest.warns(TorsionnetWarning, match=r"^a\.s follows a\.x"):
             rig = from_tors(data)
         assert rig.elements["s"].nodes == ("x", "y")
 
     def test_damping_of_a_continuous_shaft(self):
         continuous = {"name": "s", "type": "ShaftContinuous", "length": 1000.0, "outerDiameter": 50.0, "damping": 4.0}
-        with pytest.warns(TorsionnetWarning, match="leaves out of continuous shafts"):
+        with pytest.warns(TorsionnetWarning, match="continuous shafts"):
             rig = from_tors(file_of(("a", disk("x"), continuous, disk("y"))))
         assert rig.elements["s"].to_data()["damping"] == 4
 
     def test_stiffness_of_a_disk_is_a_spring_to_ground(self):
         """One disk of 2 kg m^2 on 800 N m/rad: 20 rad/s."""
         data = file_of(("a", disk("x", 2.0, stiffness=800.0), shaft("s"), disk("y", 0.0)))
-        with pytest.warns(TorsionnetWarning, match="a.x has a stiffness to ground, which .* leaves out of disks"):
+        with pytest.warns(TorsionnetWarning, match=r"^a\.x .* ground, .* disks"):
             rig = from_tors(data)
         assert rig.modes().natural_frequencies.max() == pytest.approx(20 / (2 * np.pi))
 

@@ -232,7 +232,7 @@ class TestInPython:
             tn.HystereticSpring("c", nodes=("a", "b"), stiffness=None, loss_factor=None, catalogue=path, **entries)
         with pytest.raises(tn.UsageError, match="there is no file"):
             read_catalogue(path.with_name("other.csv"))
-        with pytest.raises(ModelError, match=r"in Python give Path\('couplings.csv'\)"):
+        with pytest.raises(ModelError, match=r"Path\('couplings.csv'\).*missing-file"):
             tn.Spring("c", nodes=("a", "b"), stiffness=1, catalogue="couplings.csv", size="A350")
 
     def test_a_sheet_by_path_or_as_it_was_read(self, tmp_path):

@@ -313,3 +313,11 @@ def test_check_gives_both_places_to_programs(tmp_path, capsys):
     told = json.loads(capsys.readouterr().out)[0]["faults"]
     fault = next(one for one in told if one["severity"] == "error")
     assert (fault["position"]["line"], [one["line"] for one in fault["used_at"]]) == (8, [16])
+
+
+def test_a_part_is_not_told_to_be_unused_where_its_use_cannot_be_read():
+    text = MODEL.replace("right: {part: half,", "right: {part: planetary_stage, repeat: -2,").replace(
+        "left: {part: half,", "left: {part: half, repeat: 0,"
+    )
+    assert {one.kind for one in read_text(text, "")[1]} >= {"out-of-range"}
+    assert not [one for one in read_text(text, "")[1] if one.kind == "unused-name" and one.path[0] == "parts"]

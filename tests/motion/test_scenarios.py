@@ -260,17 +260,17 @@ class TestFaultySynchronisation:
         assert record["torque on g"].values[-1] == pytest.approx(0, abs=0.05)
 
     def test_what_cannot_be_synchronised_is_refused(self):
-        with pytest.raises(tn.UsageError, match=r"does not say its pole pairs.* give pole_pairs: 1"):
+        with pytest.raises(tn.UsageError, match=r"(?s)pole_pairs: 1.*missing-entry"):
             self.set_of_two().simulate("g", scenario=self.onto(angle="60 deg", pole_pairs=None))
         far = self.set_of_two(operating_point={"speed": {"g": "1000 rpm"}})
         assert far.simulate("g", scenario=self.onto(angle="60 deg", pole_pairs=None, duration=0.01)) is not None
         off = self.set_of_two(operating_point={"speed": {"g": "1200 rpm"}})
-        with pytest.raises(tn.UsageError, match="nor a speed that fits the line"):
+        with pytest.raises(tn.UsageError, match=r"(?s)pole_pairs: 1.*missing-entry"):
             off.simulate("g", scenario=self.onto(angle="60 deg", pole_pairs=None))
         machine = tn.SynchronousMachine("M", node="g", stiffness=1e4)
         tied = self.set_of_two()
         tied = tn.Drivetrain("tied", [*tied.elements.values(), machine])
-        with pytest.raises(tn.UsageError, match="M is on the grid already"):
+        with pytest.raises(tn.UsageError, match=r"(?s)M .*rated_torque.*missing-entry"):
             tied.simulate("g", scenario=self.onto(angle="60 deg"))
         with pytest.raises(tn.ModelError, match="leave out pole_pairs"):
             self.onto(phases=2)
@@ -467,7 +467,7 @@ def test_faults_have_their_place(line, marked, kind, tmp_path):
 def test_unknown_scenario_and_other_inputs_are_refused():
     with pytest.raises(tn.UsageError, match="there are three_phases"):
         SSR.simulate(scenario="none")
-    with pytest.raises(tn.UsageError, match='no parameter is named "T_9"; did you mean "T_0"'):
+    with pytest.raises(tn.UsageError, match=r'(?s)"T_9".*"T_0".*unknown-parameter'):
         SSR.simulate(scenario=fault(phases=3, rated_torque="T_9"))
     with pytest.raises(tn.ModelError, match="needs duration"):
         SSR.simulate(scenario={"type": "torques", "torque": {"hp": 3}})

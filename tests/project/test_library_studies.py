@@ -64,9 +64,9 @@ def few(study, count):
 
 
 def test_a_name_that_no_study_has_is_refused_with_one_that_is():
-    with pytest.raises(UsageError, match='no study is named "amt_tolerance"; did you mean "amt_tolerances"'):
+    with pytest.raises(UsageError, match=r'(?s)"amt_tolerance".*"amt_tolerances".*unknown-name'):
         load_study("amt_tolerance")
-    with pytest.raises(UsageError, match="the library has amt_tolerances, "):
+    with pytest.raises(UsageError, match=r"(?s)amt_tolerances, .*unknown-name"):
         load_study("qqqq")
 
 

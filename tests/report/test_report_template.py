@@ -299,12 +299,12 @@ class TestWords:
         )
         text = faults(folder)
         for line, what in (
-            ("1:11", "expected text, got 3"),
-            ("3:3", 'no text of a report is "Mods"; did you mean "Modes"?'),
-            ("4:10", "expected text"),
-            ("7:10", "expected text"),
+            ("1:11", "3.*wrong-form"),
+            ("3:3", '"Mods".*"Modes".*invalid-name'),
+            ("4:10", "wrong-form"),
+            ("7:10", "wrong-form"),
         ):
-            assert re.search(rf"words\.yaml:{line}: error: {re.escape(what)}", text), (line, text)
+            assert re.search(rf"words\.yaml:{line}: error: .*{what}", text), (line, text)
         fill(folder, words_yaml="texts:\n  Configuration {name}: K {nam}\n  Peak {number}: Spitze\n  Modes: x {y}\n")
         text = faults(folder)
         assert re.search(r'words\.yaml:2:25: error: nothing is inserted at \{nam\}; did you mean "name"\?', text), text
@@ -349,8 +349,9 @@ def _strings(file):
 class TestFolder:
     def test_no_folder(self, folder):
         fill(folder.parent, file_txt="")
-        assert 'did you mean "house"?' in run("report", "dmf_rig", "--template", "hous", code=2).stderr
-        assert "is no folder" in run("report", "dmf_rig", "--template", "file.txt", code=2).stderr
+        missing = run("report", "dmf_rig", "--template", "hous", code=2).stderr
+        assert re.search(r'(?s)"house".*missing-file', missing)
+        assert "wrong-file" in run("report", "dmf_rig", "--template", "file.txt", code=2).stderr
 
     def test_unknown_files(self, folder):
         fill(folder, pages_html="", README_md="", words_yml="")
@@ -359,14 +360,11 @@ class TestFolder:
         (folder / "big.png").mkdir()
         (folder / "a b.svg").write_text("x", encoding="utf-8")
         text = faults(folder)
-        assert re.search(
-            r'house/pages\.html:1:1: error: this is no part of a template; did you mean "page\.html"\? it may hold',
-            text,
-        )
-        assert re.search(r'house/words\.yml:1:1: error: .*did you mean "words\.yaml"\?', text)
-        assert "house/sub:1:1" in text
-        assert "house/big.png:1:1: error: a file is expected" in text
-        assert "house/a b.svg:1:1: error: the name of an image" in text
+        assert re.search(r'house/pages\.html:1:1: error: .*"page\.html".*unknown-name', text)
+        assert re.search(r'house/words\.yml:1:1: error: .*"words\.yaml".*unknown-name', text)
+        assert re.search(r"house/sub:1:1: error: .*unknown-name", text)
+        assert re.search(r"house/big\.png:1:1: error: .*wrong-file", text)
+        assert re.search(r"house/a b\.svg:1:1: error: .*invalid-name", text)
         assert "5 errors in house. Nothing was written." in text
 
     @pytest.mark.skipif(os.name == "nt", reason="links need rights there")
@@ -375,21 +373,21 @@ class TestFolder:
         (folder / "logo.svg").symlink_to(folder.parent / "secret.svg")
         (folder / "page.html").symlink_to("/etc/passwd")
         text = faults(folder)
-        assert "house/logo.svg:1:1: error: this link leads out of the template folder" in text
-        assert "house/page.html:1:1: error: this link leads out of the template folder" in text
+        assert re.search(r"house/logo\.svg:1:1: error: .*forbidden-file", text)
+        assert re.search(r"house/page\.html:1:1: error: .*forbidden-file", text)
         assert "root:" not in text
 
     @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes with names there")
     def test_a_pipe_is_not_waited_for(self, folder):
         os.mkfifo(folder / "page.html")
-        assert "a file is expected" in faults(folder)
+        assert re.search(r"house/page\.html:1:1: error: .*wrong-file", faults(folder))
 
     def test_too_large_or_no_text(self, folder):
         (folder / "logo.png").write_bytes(b"0" * 4_000_001)
         (folder / "style.css").write_bytes(b"a{}\n\xff")
         text = faults(folder)
-        assert "logo.png:1:1: error: the file is too large" in text
-        assert "style.css:2:1: error: the byte 0xff is no UTF-8 text" in text
+        assert re.search(r"logo\.png:1:1: error: .*too-large", text)
+        assert re.search(r"style\.css:2:1: error: .*0xff.*unreadable-file", text)
 
     def test_all_faults_before_anything_is_calculated(self, folder, monkeypatch):
         fill(
@@ -408,55 +406,55 @@ class TestPage:
     @pytest.mark.parametrize(
         ("text", "line", "what"),
         [
-            ("\n{% block leterhead %}{% endblock %}", 2, 'no block is named "leterhead"; did you mean "letterhead"? there are letterhead, title'),
-            ("{% blok letterhead %}", 1, 'no tag is named "blok"; did you mean "block"?'),
-            ("{% block title %}\n{{ title }\n{% endblock %}", 2, "unexpected '}'"),
-            ("{% block title %}\n", 1, "Unexpected end of template"),
-            ("{% block title %}{% endblock %}\n\n<p>lost</p>", 3, "this stands in no block and would not be shown"),
-            ("{{ title }}", 1, "this stands in no block"),
-            ("{% if title %}x{% endif %}", 1, "this stands in no block"),
-            ("{% extends 'page.html' %}", 1, "cannot include other files"),
-            ("{% block title %}\n{% include '/etc/passwd' %}{% endblock %}", 2, "cannot include other files"),
-            ("{% import 'x' as y %}", 1, "cannot include other files"),
-            ("{% block title %}{{ x|safe }}{% endblock %}", 1, "No filter named 'safe'"),
-            ("{% block title %}{{ x|e }}{% endblock %}", 1, "No filter named 'e'"),
-            ("{% block title %}\n{{ facts ~ title }}{% endblock %}", 2, "cannot be joined by ~"),
-            ("{% block title %}{% endblock %}{% block title %}{% endblock %}", 1, "defined twice"),
-            ("{% block title %}\n<script>alert(1)</script>{% endblock %}", 2, "delete <script"),
-            ("{% block title %}\n<img src='logo.svg'>{% endblock %}", 2, "write {{ image('logo.svg') }}"),
-            ("{% block title %}\n<img src=https://x.org/a.png>{% endblock %}", 2, "a report holds its images"),
-            ("{% block title %}\n<p style='background:url(a.png)'>{% endblock %}", 2, "a report holds its images"),
+            ("\n{% block leterhead %}{% endblock %}", 2, '"leterhead".*"letterhead".*unknown-name'),
+            ("{% blok letterhead %}", 1, '"blok".*"block".*unknown-name'),
+            ("{% block title %}\n{{ title }\n{% endblock %}", 2, "'}'.*wrong-form"),
+            ("{% block title %}\n", 1, "endblock.*wrong-form"),
+            ("{% block title %}{% endblock %}\n\n<p>lost</p>", 3, "wrong-form"),
+            ("{{ title }}", 1, "wrong-form"),
+            ("{% if title %}x{% endif %}", 1, "wrong-form"),
+            ("{% extends 'page.html' %}", 1, "forbidden-file"),
+            ("{% block title %}\n{% include '/etc/passwd' %}{% endblock %}", 2, "forbidden-file"),
+            ("{% import 'x' as y %}", 1, "forbidden-file"),
+            ("{% block title %}{{ x|safe }}{% endblock %}", 1, "'safe'.*wrong-form"),
+            ("{% block title %}{{ x|e }}{% endblock %}", 1, "'e'.*wrong-form"),
+            ("{% block title %}\n{{ facts ~ title }}{% endblock %}", 2, "~.*wrong-form"),
+            ("{% block title %}{% endblock %}{% block title %}{% endblock %}", 1, "'title'.*wrong-form"),
+            ("{% block title %}\n<script>alert(1)</script>{% endblock %}", 2, "<script.*wrong-form"),
+            ("{% block title %}\n<img src='logo.svg'>{% endblock %}", 2, r"image\('logo\.svg'\).*wrong-form"),
+            ("{% block title %}\n<img src=https://x.org/a.png>{% endblock %}", 2, "wrong-form"),
+            ("{% block title %}\n<p style='background:url(a.png)'>{% endblock %}", 2, r"image\('a\.png'\).*wrong-form"),
         ],
     )  # fmt: skip
     def test_faults(self, folder, text, line, what):
         fill(folder, page_html=text)
         found = faults(folder)
-        assert re.search(rf"house/page\.html:{line}:\d+: error: .*{re.escape(what)}", found), found
+        assert re.search(rf"house/page\.html:{line}:\d+: error: .*{what}", found), found
 
     @pytest.mark.few(5)
     @pytest.mark.parametrize(
         ("text", "what"),
         [
-            ("{{ titel }}", 'nothing is named "titel"; did you mean "title"? there are title, subtitle'),
+            ("{{ titel }}", '"titel".*"title".*unknown-name'),
             ("{{ title.__class__.__mro__ }}", "unsafe"),
             ("{{ image.__globals__ }}", "unsafe"),
             ("{{ ''['__class__'] }}", "unsafe"),
             ("{{ '{0.__class__.__init__.__globals__}'.format(title) }}", "unsafe"),
             ("{{ facts.replace('a', title) }}", "not safely callable"),
-            ("{{ 'a' * 1000000000 }}", "texts cannot be added or multiplied"),
-            ("{{ facts + title }}", "texts cannot be added or multiplied"),
-            ("{{ '%s' % facts }}", "texts cannot be added or multiplied"),
+            ("{{ 'a' * 1000000000 }}", "wrong-form"),
+            ("{{ facts + title }}", "wrong-form"),
+            ("{{ '%s' % facts }}", "wrong-form"),
             ("{{ contents.append(1) }}", "unsafe"),
-            ("{{ range(3) }}", 'nothing is named "range"'),
-            ("{{ lipsum() }}", 'nothing is named "lipsum"'),
+            ("{{ range(3) }}", '"range".*unknown-name'),
+            ("{{ lipsum() }}", '"lipsum".*unknown-name'),
             ("{{ self.__init__ }}", "unsafe"),
             ("{{ 1/0 }}", "division by zero"),
-            ("{{ title + 1 }}", "texts cannot be added or multiplied"),
-            ("{{ image('lgo.svg') }}", 'no image is named "lgo.svg"; did you mean "logo.svg"? there are: logo.svg, plan.pdf'),
-            ("{{ image('../secret.svg') }}", "no image is named"),
-            ("{{ image('plan.pdf') }}", '"plan.pdf" cannot be shown here'),
-            ("{{ sections.blocks }}", 'this value has no part "blocks"'),
-            ("{{ contents[0].title.drawn }}", 'this value has no part "drawn"'),
+            ("{{ title + 1 }}", "wrong-form"),
+            ("{{ image('lgo.svg') }}", r'"lgo\.svg".*"logo\.svg".*unknown-name'),
+            ("{{ image('../secret.svg') }}", r"\.\./secret\.svg.*unknown-name"),
+            ("{{ image('plan.pdf') }}", r'"plan\.pdf".*wrong-form'),
+            ("{{ sections.blocks }}", '"blocks".*unknown-name'),
+            ("{{ contents[0].title.drawn }}", '"drawn".*unknown-name'),
             ("{% macro f() %}{{ f() }}{% endmacro %}{{ f() }}", "recursion"),
         ],
     )  # fmt: skip
@@ -464,7 +462,7 @@ class TestPage:
         fill(folder, page_html=f"{{% block letterhead %}}\n{text}\n{{% endblock %}}", logo_svg="<svg/>", plan_pdf="x")
         fill(folder.parent, secret_svg="secret")
         result = run("report", "dmf_rig", "--template", "house", "--section", "validity", "-o", "r.html", code=1)
-        assert re.search(rf"house/page\.html:2:\d+: error: .*{re.escape(what)}", result.stderr), result.stderr
+        assert re.search(rf"house/page\.html:2:\d+: error: .*{what}", result.stderr), result.stderr
         assert not Path("r.html").exists()
 
     def test_texts_are_escaped_in_every_format(self, folder):
@@ -502,9 +500,9 @@ class TestPage:
 
     def test_style_cannot_leave_its_place(self, folder):
         fill(folder, style_css="a{}\n</style><p>")
-        assert "style.css:2:1: error: a style sheet cannot hold tags" in faults(folder)
+        assert re.search(r"style\.css:2:1: error: .*wrong-form", faults(folder))
         fill(folder, style_css="a{background:url('x.png')}")
-        assert "style.css:1:14: error: a report holds its images" in faults(folder)
+        assert re.search(r"style\.css:1:14: error: .*x\.png.*wrong-form", faults(folder))
 
     def test_blocks_are_those_of_the_page_about_it(self):
         shown = (ROOT / "docs" / "how_to" / "report_template.md").read_text(encoding="utf-8")

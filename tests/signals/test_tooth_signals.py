@@ -129,7 +129,7 @@ class TestQuadrature:
         assert found.remarks[0] == "the shaft turns back 8 times: interpolated by cubic splines over time"
 
     def test_without_the_second_track_it_is_refused(self):
-        with pytest.raises(UsageError, match=r"turns on or back.*second"):
+        with pytest.raises(UsageError, match="turning-back"):
             wheel_rotation(wheel_pulses(record(**self.tracks(self.angle)), "a", PulseReading()), Wheel(teeth=60))
 
     @pytest.mark.parametrize(("lag", "sign"), [(np.pi / 2, 1), (-np.pi / 2, -1)])
@@ -179,7 +179,7 @@ def test_a_standstill_is_seen_wherever_it_is(monkeypatch, before, together):
     """From ten pulses on either side: at constant deceleration they come at the roots of whole numbers."""
     monkeypatch.setattr("torsionnet.signals.rotation.quadrature.INTERVALS_TOGETHER", together)
     places = np.r_[np.arange(-before, 0), 1:11].astype(float)
-    with pytest.raises(UsageError, match=rf"n1: the shaft stands still around -1 s, pulse {before - 1}: "):
+    with pytest.raises(UsageError, match=rf"(?s)n1: .* -1 s, pulse {before - 1}: .*turning-back"):
         refuse_turning_back(np.sign(places) * np.sqrt(np.abs(places)), "n1")
     refuse_turning_back(np.sqrt(np.arange(60.0)), "n1")
 

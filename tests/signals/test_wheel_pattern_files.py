@@ -2,14 +2,15 @@
 
 import json
 import pathlib
+import re
 
 import numpy as np
 import pytest
 import scipy
 from support.command_line import run
+from support.faults import placed_faults
 from support.wheel_tests import DEGREE, RPM, VALUES, Z, record, teeth
 
-from torsionnet.base.errors import ModelError
 from torsionnet.io import read_wheel_pattern, write_recording, write_wheel_pattern
 from torsionnet.signals.recording import Recording, Signal
 from torsionnet.signals.rotation.pulse_channel import PulseChannel
@@ -40,18 +41,19 @@ def test_every_fault_of_a_file_is_told_with_its_place(tmp_path):
     (tmp_path / "w.yaml").write_text(
         "torsionnet: 1\nnme: x\nteeth: 3\nunit: grad\npositions:\n  - [0.1, x]\n  - [0.1]\n"
     )
-    with pytest.raises(ModelError) as caught:
-        read_wheel_pattern(tmp_path / "w.yaml")
-    text = str(caught.value)
-    for part in ("w.yaml:2:1", 'did you mean "name"', "w.yaml:4:7", "w.yaml:6:11", "w.yaml:7:5"):
-        assert part in text
+    file = tmp_path / "w.yaml"
+    assert [one.removeprefix(str(file)) for one in placed_faults(lambda: read_wheel_pattern(file))] == [
+        ":2:1 unknown-entry",
+        ":4:7 unknown-word",
+        ":6:11 not-a-number",
+        ":7:5 wrong-form",
+    ]
     (tmp_path / "w.yaml").write_text("torsionnet: 1\nteeth: 3\nunit: deg\npositions: [[0.1, -1], [80, 0]]\n")
-    with pytest.raises(ModelError) as caught:
-        read_wheel_pattern(tmp_path / "w.yaml")
-    text = str(caught.value)
-    assert "2 positions are given for 3 teeth" in text
-    assert "w.yaml:4:19: error: the half width of tooth 0 is negative" in text
-    assert "tooth 1 stands 80 deg beyond its place, half a pitch or more; check the unit" in text
+    assert [one.removeprefix(str(file)) for one in placed_faults(lambda: read_wheel_pattern(file))] == [
+        ":4:12 wrong-count",
+        ":4:19 out-of-range",
+        ":4:24 wrong-unit",
+    ]
 
 
 @pytest.fixture
@@ -138,13 +140,13 @@ def test_json_holds_what_is_unresolved_and_why():
         (("--second-pickup", "B", "--pickup-angle", "180"), 2, "must be less than 6.28319"),
         (("--model", "engine_generator_set"), 2, "--model needs --node"),
         (("--node", "fly"), 2, "belong to a --model"),
-        (("--constant-orders", "3;6"), 2, "is a list as 3,6, or none"),
-        ((), 2, "range of speeds, 900 rpm, is too small"),
+        (("--constant-orders", "3;6"), 2, "3;6.*wrong-form"),
+        ((), 2, "900 rpm.*unfit-order"),
     ],
 )
 def test_what_does_not_go_together_is_refused(more, code, text):
     done = run("calibrate-wheel", "900.npz", *CALL, *more, code=code)
-    assert text in " ".join(done.stderr.split())
+    assert re.search(text, " ".join(done.stderr.split()))
 
 
 @pytest.mark.usefixtures("records")

@@ -329,7 +329,7 @@ class TestPart:
 
     @pytest.mark.slow
     def test_all_values_are_refused_by_name(self, part):
-        with pytest.raises(UsageError, match=rf"f has too many values: those of one in {part.kept.every} variants"):
+        with pytest.raises(UsageError, match=rf"(?s)f .* one in {part.kept.every} variants.*too-large"):
             part.values("f", "stiff")
         with pytest.raises(UsageError, match="H is a curve"):
             part.values("H", "stiff")

@@ -40,6 +40,30 @@ def raised_faults(call: Callable[[], Any]) -> tuple[Fault, ...]:
     return ()
 
 
+def placed_faults(call: Callable[[], Any]) -> list[str]:
+    """Place and kind of each fault with which a call is refused; of one without a position its path."""
+    return [f"{_place(one)} {one.kind}".strip() for one in raised_faults(call)]
+
+
+def _place(fault: Fault) -> str:
+    where = fault.position
+    return f"{where.file}:{where.line}:{where.column}" if where else ".".join(map(str, fault.path))
+
+
+_TOLD = re.compile(
+    r"^(\S+:\d+:\d+): (?:(?:error|warning|note): .* \[([a-z-]+)\]|(used here|defined here))$", re.MULTILINE
+)
+
+
+def told_places(text: str) -> list[str]:
+    """Places and kinds of the faults in a printed text, with the places that belong to them.
+
+    >>> told_places("m.yaml:9:25: error: a part cannot contain itself [circular-definition]\\nm.yaml:3:1: used here")
+    ['m.yaml:9:25 circular-definition', 'm.yaml:3:1 used here']
+    """
+    return [f"{place} {kind or beside}" for place, kind, beside in _TOLD.findall(text)]
+
+
 def is_as_expected(fault: Fault, expected: str) -> bool:
     """Whether a fault has the kind that a case expects, and the words that it expects behind a colon.
 

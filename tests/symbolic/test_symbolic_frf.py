@@ -326,7 +326,7 @@ class TestExpanded:
     def test_cap(self):
         H = tn.load("dmf_rig").symbolic().transfer_function("theta_1", "T_M")
         count = H.predicted_terms()
-        with pytest.raises(tn.UsageError, match=f"up to {count} terms, more than {count - 1}"):
+        with pytest.raises(tn.UsageError, match=f"(?s){count} .*{count - 1}.*too-large"):
             H.expanded(cap=count - 1)
         assert H.expanded(cap=count).terms == count
 

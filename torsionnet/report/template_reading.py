@@ -80,8 +80,9 @@ def page_faults(template: TemplateFolder, name: str) -> list[Fault]:
     except TemplateSyntaxError as error:
         tag = _unknown_tag(environment, template.texts[name], error.lineno)
         text = f'no tag is named "{tag}"{suggestion_or(tag, _TAGS, "known: " + ", ".join(_TAGS))}' if tag else ""
-        found = [(error.lineno, text or (error.message or "this is no template").rstrip("."))]
-    return [Fault(text, position=template.position(name, line), kind="unknown-name") for line, text in found]
+        said = text or (error.message or "this is no template").rstrip(".")
+        found = [(error.lineno, said, "unknown-name" if text else "wrong-form")]
+    return [Fault(text, position=template.position(name, line), kind=kind) for line, text, kind in found]
 
 
 def _unknown_tag(environment: Environment, text: str, line: int) -> str:
@@ -95,22 +96,22 @@ def _unknown_tag(environment: Environment, text: str, line: int) -> str:
     return ""
 
 
-def _faults(tree: nodes.Template, known: tuple[str, ...]) -> Iterator[tuple[int, str]]:
+def _faults(tree: nodes.Template, known: tuple[str, ...]) -> Iterator[tuple[int, str, str]]:
+    """Line, message and kind of each fault in the blocks of a page."""
     blocks = ", ".join(known)
     for other in tree.find_all(_OTHERS):
-        yield other.lineno, f"a page of a template cannot include other files; write blocks: {blocks}"
+        text = f"a page of a template cannot include other files; write blocks: {blocks}"
+        yield other.lineno, text, "forbidden-file"
     for joined in tree.find_all(nodes.Concat):
-        yield joined.lineno, "texts cannot be joined by ~; write them one after the other"
+        yield joined.lineno, "texts cannot be joined by ~; write them one after the other", "wrong-form"
     for block in tree.find_all(nodes.Block):
         if block.name not in known:
-            yield (
-                block.lineno,
-                f'no block is named "{block.name}"{suggestion_or(block.name, known, f"there are {blocks}")}',
-            )
+            text = f'no block is named "{block.name}"{suggestion_or(block.name, known, f"there are {blocks}")}'
+            yield block.lineno, text, "unknown-name"
     for node in tree.body:
         if not isinstance(node, _SILENT):
             for line in _shown(node) if isinstance(node, nodes.Output) else [node.lineno]:
-                yield line, f"this stands in no block and would not be shown; blocks: {blocks}"
+                yield line, f"this stands in no block and would not be shown; blocks: {blocks}", "wrong-form"
 
 
 def _shown(output: nodes.Output) -> Iterator[int]:
@@ -182,14 +183,14 @@ def _names(folder: Path) -> list[str]:
         found = sorted(entry.name for entry in folder.iterdir())
     except NotADirectoryError:
         raise UsageError(
-            f"{folder} is no folder; --template takes the folder that holds page.html", kind="missing-file"
+            f"{folder} is no folder; --template takes the folder that holds page.html", kind="wrong-file"
         ) from None
     except OSError as error:
         beside = folder.parent.iterdir() if folder.parent.is_dir() else ()
         hint = did_you_mean(folder.name, [entry.name for entry in beside if entry.is_dir()])
-        raise UsageError(
-            f"the template folder {folder} cannot be read: {error.strerror or error}{hint}", kind="unreadable-file"
-        ) from None
+        kind = "missing-file" if isinstance(error, FileNotFoundError) else "unreadable-file"
+        text = f"the template folder {folder} cannot be read: {error.strerror or error}{hint}"
+        raise UsageError(text, kind=kind) from None
     return [name for name in found if not name.startswith((".", "README"))]
 
 

@@ -168,7 +168,8 @@ def flatten_parts(definition: Definition, *, whole: bool = True) -> tuple[Defini
         return definition, []
     reader = _Flattening(definition.parts, whole)
     content = reader.content(definition, (), ())
-    reader.unused(definition.parts)
+    if whole:  # a use that could not be read may be of any part
+        reader.unused(definition.parts)
     flat = replace(definition, **{name: getattr(content, name) for name in SECTIONS}, parts={}, use={})
     return flat, reader.faults
 

@@ -16,7 +16,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any, ClassVar
 
-from jinja2 import Environment, FunctionLoader, StrictUndefined, TemplateError, TemplateRuntimeError
+from jinja2 import Environment, FunctionLoader, StrictUndefined, TemplateError, TemplateRuntimeError, UndefinedError
 from jinja2.sandbox import ImmutableSandboxedEnvironment
 from jinja2.utils import missing
 from markupsafe import Markup
@@ -195,7 +195,7 @@ def _shipped(name: str) -> str:
 def _image(template: TemplateFolder, name: Any, endings: tuple[str, ...]) -> bytes:
     if name not in template.images:
         there = f"there are: {', '.join(template.images) or 'none'}"
-        raise TemplateRuntimeError(f'no image is named "{name}"{suggestion_or(str(name), template.images, there)}')
+        raise UndefinedError(f'no image is named "{name}"{suggestion_or(str(name), template.images, there)}')
     if not str(name).lower().endswith(endings):
         raise TemplateRuntimeError(f'"{name}" cannot be shown here; an image ends in {", ".join(endings)}')
     return template.images[name]
@@ -210,7 +210,8 @@ def _located(error: Exception, template: TemplateFolder, name: str) -> Exception
     ]
     text = re.sub(r"'([^']*)'", r'"\1"', str(error) or type(error).__name__).rstrip(".")
     place = template.position(name, (lines and lines[-1]) or 1)
-    return TemplateFolderError([Fault(text, position=place, kind="wrong-form")], str(template.path))
+    kind = "unknown-name" if isinstance(error, UndefinedError) else "wrong-form"
+    return TemplateFolderError([Fault(text, position=place, kind=kind)], str(template.path))
 
 
 class _Sandbox(ImmutableSandboxedEnvironment):
