@@ -50,7 +50,7 @@ def read(tmp_path, text, name="sheet.csv"):
 def faults(tmp_path, text):
     with pytest.raises(ModelError) as caught:
         read(tmp_path, text)
-    return [(one.position.line, one.position.column, one.message) for one in caught.value.faults]
+    return [(one.position.line, one.position.column, one.kind) for one in caught.value.faults]
 
 
 def case(name):
@@ -217,7 +217,7 @@ class TestElement:
         ("change", "column", "message"),
         [
             (("flywheel: fly", "flywhel: fly"), "flywhel", r':4:56: .*did you mean "Flywheel".*unknown-name'),
-            (("{flywheel: fly}", "{flywheel: fly, pinion: fly}"), "fly", 'two masses are on node "fly"'),
+            (("{flywheel: fly}", "{flywheel: fly, pinion: fly}"), "fly", r":4:66: .*same-node"),
             (("engine.csv", "engin.csv"), "engin.csv", r":4:39: .*missing-file"),
         ],
     )
@@ -260,40 +260,39 @@ HEAD = "mass;J [kg*m^2];k [N*m/rad]\n"
 
 
 @pytest.mark.parametrize(
-    ("text", "line", "column", "message"),
+    ("text", "line", "column", "kind"),
     [
-        ("mass;k [N*m/rad]\na;1\nb;\n", 1, 1, "no column of inertias"),
-        ("mass;J;k [N*m/rad]\na;1;2\nb;1;\n", 1, 6, 'the column "J" has no unit; write its heading as J [kg*m^2]'),
-        ("mass;J [kg];k [N*m/rad];J [kg*m^2]\na;1;2;3\nb;1;;3\n", 1, 6, '"kg" is not a unit of inertia'),
-        ("mass;Inertia (kgx-m2);k [N*m/rad]\na;1;2\nb;1;\n", 1, 6, '"kgx" is not a known unit'),
-        ("mass;J [kgmm];k [N*m/rad];I kgm2\na;1;2;3\nb;1;;3\n", 1, 6, '"kgmm" is not a known unit'),
-        ("mass;J [kg*m^2];inertia [kg*m^2];k [N*m/rad]\na;1;1;2\nb;1;1;\n", 1, 17, "both mean inertia"),
-        ("mass;J [kg*m^2];Stifness\na;1;5\nb;1;\n", 1, 17, 'did you mean "stiffness"'),
-        ("mass;J [kg*m^2];k [N*m/rad];damping [N*m*s/rad]\na;1;5;2\nb;1;;\n", 1, 29, "does not say what it acts on"),
-        ("mass;J [kg*m^2];k [N*m/rad];gear ratio\na;1;5;2\nb;1;;\n", 1, 29, "or the reverse"),
-        ("mass;J [kg*m^2];k [10E-6 Nm/rad]\na;1;5\nb;1;\n", 1, 17, "write 1e-9 or 10^-9"),
-        ("mass;J [kg*m^2];k [N*m/rad];relative damping [%]\na;1;5;2\nb;1;;\n", 1, 29, "or a share of critical"),
-        (HEAD + "a;1;x\nb;1;\n", 2, 5, '"x" is not a number'),
-        (HEAD + "a;1,5;2\nb;1.5;\n", 3, 3, "another decimal sign"),
-        (HEAD + "a;1,500;2\nb;2;\n", 2, 3, "may be 1.500 or 1500"),
-        (HEAD + "a;1;2 kN*m/rad\nb;2;\n", 2, 5, "another unit than its heading"),
-        (HEAD + "a;-1;2\nb;2;\n", 2, 3, "must not be negative"),
-        (HEAD + "a;1;\nb;2;3\nc;2;\n", 2, 1, "nothing is said of how"),
-        (HEAD + "a;1;0\nb;2;\n", 2, 5, "stiffness 0 connects nothing"),
-        (HEAD + "a;1;3\nb;2;4\n", 3, 5, "leads nowhere"),
-        ("mass;J [kg*m^2];k [N*m/rad];to\na;1;3;d\nb;2;;\n", 2, 7, 'no mass is named or numbered "d"'),
-        ("mass;J [kg*m^2];k [N*m/rad];to\na;1;3;b\nb;2;;\nc;2;;\n", 4, 1, 'nothing connects "c" with "a"'),
-        ("mass;J [kg*m^2];k [N*m/rad];to\na;1;3;a\nb;2;;\n", 2, 7, "connected to itself"),
-        ("mass;J [kg*m^2];k [N*m/rad];speed ratio\na;1;3;1\nb;2;;0\n", 3, 6, "does not turn"),
-        ("mass;J [kg*m^2];k [N*m/rad];psi;eta\na;1;3;1;2\nb;2;;;\n", 2, 1, "say the same thing twice"),
-        ("mass;J [kg*m^2];k [N*m/rad];D [mm];d i [mm]\na;1;3;10;20\nb;2;;;\n", 2, 10, "inner diameter must be smaller"),
-        ("no columns here\n", 1, 1, "found no columns"),
-        ("", 1, 1, "the sheet is empty"),
+        ("mass;k [N*m/rad]\na;1\nb;\n", 1, 1, "missing-column"),
+        ("mass;J;k [N*m/rad]\na;1;2\nb;1;\n", 1, 6, "missing-unit"),
+        ("mass;J [kg];k [N*m/rad];J [kg*m^2]\na;1;2;3\nb;1;;3\n", 1, 6, "wrong-unit"),
+        ("mass;Inertia (kgx-m2);k [N*m/rad]\na;1;2\nb;1;\n", 1, 6, "wrong-unit"),
+        ("mass;J [kgmm];k [N*m/rad];I kgm2\na;1;2;3\nb;1;;3\n", 1, 6, "wrong-unit"),
+        ("mass;J [kg*m^2];inertia [kg*m^2];k [N*m/rad]\na;1;1;2\nb;1;1;\n", 1, 17, "repeated-name"),
+        ("mass;J [kg*m^2];Stifness\na;1;5\nb;1;\n", 1, 17, "unknown-entry"),
+        ("mass;J [kg*m^2];k [N*m/rad];damping [N*m*s/rad]\na;1;5;2\nb;1;;\n", 1, 29, "ambiguous-name"),
+        ("mass;J [kg*m^2];k [N*m/rad];gear ratio\na;1;5;2\nb;1;;\n", 1, 29, "ambiguous-name"),
+        ("mass;J [kg*m^2];k [10E-6 Nm/rad]\na;1;5\nb;1;\n", 1, 17, "ambiguous-name"),
+        ("mass;J [kg*m^2];k [N*m/rad];relative damping [%]\na;1;5;2\nb;1;;\n", 1, 29, "missing-unit"),
+        (HEAD + "a;1;x\nb;1;\n", 2, 5, "not-a-number"),
+        (HEAD + "a;1,5;2\nb;1.5;\n", 3, 3, "ambiguous-number"),
+        (HEAD + "a;1,500;2\nb;2;\n", 2, 3, "ambiguous-number"),
+        (HEAD + "a;1;2 kN*m/rad\nb;2;\n", 2, 5, "wrong-unit"),
+        (HEAD + "a;-1;2\nb;2;\n", 2, 3, "out-of-range"),
+        (HEAD + "a;1;\nb;2;3\nc;2;\n", 2, 1, "missing-entry"),
+        (HEAD + "a;1;0\nb;2;\n", 2, 5, "out-of-range"),
+        (HEAD + "a;1;3\nb;2;4\n", 3, 5, "missing-entry"),
+        ("mass;J [kg*m^2];k [N*m/rad];to\na;1;3;d\nb;2;;\n", 2, 7, "unknown-name"),
+        ("mass;J [kg*m^2];k [N*m/rad];to\na;1;3;b\nb;2;;\nc;2;;\n", 4, 1, "unconnected-nodes"),
+        ("mass;J [kg*m^2];k [N*m/rad];to\na;1;3;a\nb;2;;\n", 2, 7, "same-node"),
+        ("mass;J [kg*m^2];k [N*m/rad];speed ratio\na;1;3;1\nb;2;;0\n", 3, 6, "out-of-range"),
+        ("mass;J [kg*m^2];k [N*m/rad];psi;eta\na;1;3;1;2\nb;2;;;\n", 2, 1, "contradicting-entries"),
+        ("mass;J [kg*m^2];k [N*m/rad];D [mm];d i [mm]\na;1;3;10;20\nb;2;;;\n", 2, 10, "contradicting-values"),
+        ("no columns here\n", 1, 1, "unreadable-file"),
+        ("", 1, 1, "unreadable-file"),
     ],
 )
-def test_faults_have_their_place(tmp_path, text, line, column, message):
-    found = faults(tmp_path, text)
-    assert any(one[:2] == (line, column) and message in one[2] for one in found), found
+def test_faults_have_their_place(tmp_path, text, line, column, kind):
+    assert (line, column, kind) in faults(tmp_path, text)
 
 
 def test_a_spreadsheet_itself_is_refused(tmp_path):

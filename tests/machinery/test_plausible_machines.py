@@ -60,22 +60,22 @@ def test_usual_machines_are_left_alone():
     ("changes", "place", "words"),
     [
         ({"reciprocating_mass": "78000 kg"}, "reciprocating_mass",
-         'mass of 78000 kg in a cylinder of 320 mm by 400 mm: usual are 0.97 to 9700 kg; did you mean "78000 g"?'),
-        ({"reciprocating_mass": "0.078 kg"}, "reciprocating_mass", 'did you mean "0.078 t"?'),
+         '78000 kg .*320 mm .*400 mm: .*0.97 to 9700 kg; .*"78000 g"[?]'),
+        ({"reciprocating_mass": "0.078 kg"}, "reciprocating_mass", '"0.078 t"[?]'),
         ({"gas": {"crankcase": "100 bar"}}, "gas.crankcase",
-         'pistons of 100 bar: usual are 0.2 to 10 bar; did you mean "100 kPa"?'),
-        ({"gas": {"crankcase": 1}}, "gas.crankcase", "; a bare number is Pa, write 1 bar"),
+         '100 bar: .*0.2 to 10 bar; .*"100 kPa"[?]'),
+        ({"gas": {"crankcase": 1}}, "gas.crankcase", "Pa, .*1 bar"),
         ({"gas": {"motored": (10 * compression()).tolist()}}, "gas.motored",
-         "compression without injection goes to 1145 bar, with injection the pressure goes to"),
-        ({"gas": {"motored": (compression() / 10).tolist()}}, "gas.motored", "is the unit right, MPa for bar?"),
+         "1145 bar, .*171 bar"),
+        ({"gas": {"motored": (compression() / 10).tolist()}}, "gas.motored", "MPa for bar[?]"),
         ({"gas": {"fired": (10 * FIRED).tolist(), "motored": (10 * compression()).tolist()}}, "gas.fired",
-         "usual are up to 400 bar; is the unit right, bar for MPa?"),
+         "400 bar; .*bar for MPa[?]"),
     ],
 )  # fmt: skip
 def test_sizes_of_an_engine_that_are_not_met(changes, place, words):
     found = warned(plant(engine(**changes)))
     assert list(found) == [f"excitations.engine.{place}"]
-    assert words in found[f"excitations.engine.{place}"]
+    assert re.search(words, found[f"excitations.engine.{place}"])
 
 
 def test_a_motored_file_in_bar_under_a_heading_of_megapascal(tmp_path):
@@ -83,25 +83,24 @@ def test_a_motored_file_in_bar_under_a_heading_of_megapascal(tmp_path):
     (tmp_path / "motored.csv").write_text(f"angle [deg];pressure [MPa]\n{rows}\n", encoding="utf-8")
     rig = plant(engine(gas={"motored": tmp_path / "motored.csv"}))
     (found,) = (one for one in rig.check() if one.severity == "warning")
-    assert "compression without injection goes to 1145 bar" in found.message
-    assert found.message.endswith("is the unit right, bar for MPa?")
-    assert (found.position.file, found.position.line) == ("motored.csv", 1)
+    assert re.search(r"1145 bar.*bar for MPa[?]$", found.message)
+    assert (found.position.file, found.position.line, found.kind) == ("motored.csv", 1, "implausible-size")
 
 
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"bore": "3200 mm"}, 'a bore of 3.2 m is too large for an engine; did you mean "320 mm"?'),
-        ({"bore": 320}, "a bore of 320 m is too large for an engine; a bare number is m, write 320 mm"),
-        ({"stroke": 12}, 'a stroke of 12 m is too large for an engine; did you mean "1200 mm"?'),
-        ({"gas": {"fired": (FIRED / 1e5).tolist()}}, "a bare number is Pa, write 158.8 bar"),
-        ({"gas": {"fired": FIRED[:361].tolist()}}, "a cycle is 720 deg of a four-stroke engine, 360 deg of a two-stroke"),
+        ({"bore": "3200 mm"}, 'bore of 3.2 m .*"320 mm".*implausible-size'),
+        ({"bore": 320}, "bore of 320 m .* m, .*320 mm.*implausible-size"),
+        ({"stroke": 12}, 'stroke of 12 m .*"1200 mm".*implausible-size'),
+        ({"gas": {"fired": (FIRED / 1e5).tolist()}}, r" Pa, .*1\d\d\.\d+ bar"),
+        ({"gas": {"fired": FIRED[:361].tolist()}}, "720 deg .*360 deg .*unfit-curve"),
     ],
 )  # fmt: skip
 def test_remedies_are_of_a_size_that_is_met(changes, words):
     with pytest.raises(tn.ModelError) as error:
         plant(engine(**changes))
-    assert re.search(re.escape(words).replace("158\\.8", r"1\d\d\.\d+"), str(error.value)), str(error.value)
+    assert re.search(words, str(error.value)), str(error.value)
 
 
 def test_half_a_cycle_in_a_file(tmp_path):
@@ -114,8 +113,8 @@ def test_half_a_cycle_in_a_file(tmp_path):
 
 
 @pytest.mark.parametrize(("orders", "words"), [
-    ((4, 8), "blade order 4 of 4 blades is 16 times a revolution; blade orders are multiples of the blades: did you mean 1?"),
-    ((8,), "blade order 8 of 4 blades is 32 times a revolution; .* did you mean 2?"),
+    ((4, 8), " 4 of 4 blades .*16 .* 1?"),
+    ((8,), " 8 of 4 blades .*32 .* 2?"),
 ])  # fmt: skip
 def test_blade_orders_counted_by_revolutions(orders, words):
     table = {order: {"share": "6 %"} for order in orders}

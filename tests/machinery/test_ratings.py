@@ -63,23 +63,22 @@ def test_powers_that_agree_are_silent():
     ("old", "new", "place", "words"),
     [
         (POWER, POWER.replace("3000 kW", "3 kW"), "excitations.engine.load.power",
-         'engine gives 3 kW at rated speed, the load takes 3000 kW from it; kW for MW, or W for kW. Did you mean "3000 kW"'),
+         ' 3 kW .* 3000 kW .*MW.*"3000 kW"'),
         (POWER, POWER.replace("3000 kW", "3000 MW"), "excitations.engine.load.power", "MW for kW, or kW for W"),
         (POWER, POWER.replace("3000 kW", "2800 kW"), "excitations.engine.load.power", "gives 2800 kW .* takes 3000 kW"),
         (POWER, INDICATED.replace("27", "18"), "excitations.engine.load.mean_indicated_pressure", "kW indicated"),
         ("151.8 rpm", "750 rpm", "excitations.propeller.rated",
-         'a rated speed of 750 rpm, but prop turns at 151.822 rpm with fly at its rated 750 rpm: that is the speed of '
-         'fly; did you mean "151.822 rpm"'),
+         ' 750 rpm, .*prop .* 151.822 rpm .*fly .* 750 rpm: .*fly; .*"151.822 rpm"'),
         ("151.8 rpm", "15.9 rad/s", "excitations.propeller.rated", None),
         ("151.8 rpm", "151.8 rad/s", "excitations.propeller.rated", 'rpm for rad/s. Did you mean "151.822 rpm"'),
         ("0.92, rated: 750 rpm", "0.92, rated: 720 rpm", "excitations.engine.load.rated", "fly turns at 750 rpm"),
-        ("188.7 kN*m", "188.7 N*m", "excitations.propeller.torque", 'N.m for kN.m. Did you mean "188.7 kN'),
+        ("188.7 kN*m", "188.7 N*m", "excitations.propeller.torque", 'N.m for kN.m. .*"188.7 kN'),
         ("188.7 kN*m", "38.2 kN*m", "excitations.propeller.torque",
-         'propeller takes 607.3 kW at rated speed, the load there 3000 kW; that is the torque at fly; did you mean "188'),
+         'propeller .* 607.3 kW .* 3000 kW; .* fly; .*"188'),
         ("188.7 kN*m", "205 kN*m", "excitations.propeller.torque", "propeller takes 3259 kW"),
         ("torque_exponent: 2}", "torque_exponent: 2, rated: 750 rpm}", "load.rated", "that is the speed of fly"),
         ("power: 3000 kW, torque", "power: 3 kW, torque", "load.power",
-         'the load takes 3 kW at rated speed, but stated are of .* Did you mean "3000 kW"'),
+         ' 3 kW .*"3000 kW"'),
     ],
 )  # fmt: skip
 def test_the_odd_one_is_named(old, new, place, words):

@@ -1,7 +1,5 @@
 """Model files with mistakes: what is said about each, and the place (line:column) that is shown first."""
 
-import re
-
 import pytest
 from support.broken_models import BASE, CASES
 from support.faults import is_as_expected
@@ -160,19 +158,19 @@ def test_missing_files_name_what_there_is(tmp_path):
     (tmp_path / "notes.txt").write_text(BASE)
     (tmp_path / "sheet.csv").write_text(BASE)
     expected = {
-        tmp_path / "gerbox.yaml": 'did you mean "gearbox.yaml"?',
-        tmp_path: "is a folder; name a model file in it: gearbox.yaml",
-        tmp_path / "sheet.csv": "makes one of a maker's sheet",
-        tmp_path / "notes.txt": "is no model file; its name would end in .yaml, .yml, .json",
-        tmp_path / "gone" / "x.yaml": "there is no file",
-        "amt_rigg": 'no library model is named "amt_rigg"; did you mean "amt_rig"?',
-        "zzzz": "there are amt_rig, b",
-        "a\0b": "a file name cannot hold the character U+0000",
-        "x" * 5000 + ".yaml": "there is no file",
-        "": "is a folder",
+        tmp_path / "gerbox.yaml": '"gearbox.yaml".*missing-file',
+        tmp_path: "gearbox.yaml.*wrong-file",
+        tmp_path / "sheet.csv": "torsionnet import.*wrong-file",
+        tmp_path / "notes.txt": "[.]yaml, [.]yml, [.]json.*wrong-file",
+        tmp_path / "gone" / "x.yaml": "missing-file",
+        "amt_rigg": '"amt_rigg".*"amt_rig".*missing-file',
+        "zzzz": "amt_rig, b.*missing-file",
+        "a\0b": r"U\+0000.*invalid-name",
+        "x" * 5000 + ".yaml": "missing-file",
+        "": "wrong-file",
     }
     for model, message in expected.items():
-        with pytest.raises(UsageError, match=re.escape(message)):
+        with pytest.raises(UsageError, match=f"(?s){message}"):
             load(model)
 
 

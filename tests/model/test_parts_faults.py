@@ -1,5 +1,6 @@
 """What can be wrong with parts and their use: each fault at its line in the part, and where it is used."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -112,17 +113,18 @@ elements:
 
 @pytest.mark.parametrize("use", ["a", "data", "named", "g", "disc", "m", "left"])
 @pytest.mark.parametrize(
-    ("stiffness", "message"),
+    ("stiffness", "names", "kind"),
     [
-        ("data.stiff", 'no parameter is named "data.stiff"'),
-        ("2*gg", 'no parameter is named "gg"; did you mean "g"?'),
-        ("-g", "-g = -1000: torsional stiffness must not be less than 0"),
-        ("g**2", '"g**2" has the dimension of kg^2*m^4*s^-4; expected stiffness in N*m/rad'),
+        ("data.stiff", ' "data.stiff"$', "unknown-parameter"),
+        ("2*gg", ' "gg"; .*"g"[?]$', "unknown-parameter"),
+        ("-g", "^-g = -1000: ", "out-of-range"),
+        ("g**2", r'^"g\*\*2" .*kg\^2\*m\^4\*s\^-4; ', "wrong-unit"),
     ],
 )
-def test_a_message_has_the_names_of_the_part_whatever_its_use_is_called(use, stiffness, message):
+def test_a_message_has_the_names_of_the_part_whatever_its_use_is_called(use, stiffness, names, kind):
     (fault,) = errors(IN_PART % (stiffness, use))
-    assert (fault.message, fault.position.line, [one.line for one in fault.used_at]) == (message, 9, [11])
+    assert re.search(names, fault.message)
+    assert (fault.kind, fault.position.line, [one.line for one in fault.used_at]) == (kind, 9, [11])
 
 
 def test_a_file_named_like_a_node_keeps_its_name(tmp_path):
@@ -137,16 +139,17 @@ def test_a_file_named_like_a_node_keeps_its_name(tmp_path):
 STUB = "      stub: {type: spring, nodes: [hub, hubb], stiffness: 1}\n"
 
 
-@pytest.mark.parametrize(("old", "new", "message"), [
-    ("      wheel:", f"{STUB}      wheel:", 'only stub is attached to node "hubb"; did you mean "hub"?; it carries no'),
-    ("stiffness: k}", "stiffness: sqrt(-k)}", 'sqrt(-k) cannot be calculated: "-k" is -9000; a negative number has no square root here'),
-    ("stiffness: k}", "stiffness: k/J**2, referred_to: road}", '"k/J**2" has the dimension of'),
-    ("J: 0.9 kg*m^2}", "J: {value: 0.9, bounds: [1, 2]}}", "J = 0.9 is outside its bounds 1 to 2"),
-    ("k: 9 kN*m/rad,", "k: 2*m, m: k,", "parameters define each other in a circle: k -> m -> k"),
+@pytest.mark.parametrize(("old", "new", "kind", "names"), [
+    ("      wheel:", f"{STUB}      wheel:", "dead-end", 'stub .*"hubb"; .*"hub"[?]'),
+    ("stiffness: k}", "stiffness: sqrt(-k)}", "incalculable-value", r'^sqrt\(-k\) .*"-k" .*-9000;'),
+    ("stiffness: k}", "stiffness: k/J**2, referred_to: road}", "wrong-unit", r'^"k/J\*\*2" '),
+    ("J: 0.9 kg*m^2}", "J: {value: 0.9, bounds: [1, 2]}}", "out-of-range", "^J = 0.9 .*1 to 2"),
+    ("k: 9 kN*m/rad,", "k: 2*m, m: k,", "circular-definition", ": k -> m -> k"),
 ])  # fmt: skip
-def test_messages_have_the_names_of_the_part(old, new, message):
+def test_messages_have_the_names_of_the_part(old, new, kind, names):
     found = read_text(MODEL.replace(old, new, 1).replace("{k: k_l}", "{}"), "m.yaml")[1]
-    (fault,) = [fault for fault in found if fault.message.startswith(message)]
+    (fault,) = [fault for fault in found if fault.kind == kind]
+    assert re.search(names, fault.message)
     assert fault.position.line < 13
     assert not [one for one in found if "left." in one.message or "right." in one.message]
 
@@ -200,7 +203,8 @@ def test_a_part_cannot_contain_itself(parts, circle):
     ]
     text = "\n".join(["torsionnet: 1", "name: x", "parts:", *lines, "use: {top: {part: a, at: {p: n}}}"])
     (fault,) = errors(text)
-    assert fault.message == f"a part cannot contain itself: {circle}; leave out one of these uses"
+    assert fault.kind == "circular-definition"
+    assert f": {circle};" in fault.message
     assert fault.position.line == 3 + len(parts)
     assert fault.used_at[0].line == 4 + len(parts)
 
@@ -236,9 +240,9 @@ def test_a_file_of_parts_may_include_others(tmp_path):
 @pytest.mark.parametrize(
     ("names", "texts", "place", "message"),
     [
-        ("../mass.yaml", {}, "model.yaml:3:11", "leads out of the folder"),
-        ("/etc/passwd", {}, "model.yaml:3:11", "leads out of the folder"),
-        ("mas.yaml", {}, "model.yaml:3:11", 'did you mean "mass.yaml"?'),
+        ("../mass.yaml", {}, "model.yaml:3:11", "out of the folder"),
+        ("/etc/passwd", {}, "model.yaml:3:11", "out of the folder"),
+        ("mas.yaml", {}, "model.yaml:3:11", '"mass.yaml"?'),
         ("model.yaml", {}, "model.yaml:3:11", "includes itself"),
         (
             "a.yaml",

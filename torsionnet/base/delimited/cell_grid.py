@@ -147,7 +147,7 @@ class CellGrid:
     remarks: tuple[Cell, ...]
     lines: tuple[str, ...]
 
-    def fault(self, text: str, cell: Cell, severity: str = "error", *, kind: str = "") -> Fault:
+    def fault(self, text: str, cell: Cell, severity: str = "error", *, kind: str) -> Fault:
         """Fault in a cell of the sheet, with its position in the file."""
         return Fault(text, severity=severity, position=self.position(cell), kind=kind)
 

@@ -11,6 +11,7 @@ from datetime import date
 from itertools import product
 from pathlib import Path
 
+from torsionnet.base.errors import Position
 from torsionnet.base.units import UnitError, parse_unit
 
 # Formats of dates and times of day in cells of text, and the values of their parts.
@@ -291,6 +292,18 @@ def headings(dialect: Dialect, above: Sequence[str], width: int) -> Headings:
         return Headings(_named([name for name, _ in pairs]), tuple(unit for _, unit in pairs), 1, (note,))
     names = tuple(f"column_{number + 1}" for number in range(width))
     return Headings(names, ("",) * width, 0, ("no heading: columns are named column_1, column_2 and so on",))
+
+
+def line_position(file: str, number: int, lines: Sequence[str], heading: str = "") -> Position:
+    """Position of a line of a file, counted from 1, or of a heading in it.
+
+    >>> line_position("run.csv", 1, ["order,speed,amplitude"], "speed").column
+    7
+    """
+    source = lines[number - 1].rstrip()[:200].replace("\t", " ") if 0 < number <= len(lines) else ""
+    cell = re.search(rf"(?<!\w){re.escape(heading)}(?!\w)", source) if heading else None
+    start, end = cell.span() if cell else (0, len(source))
+    return Position(file, max(number, 1), start + 1, end + 1, source)
 
 
 def split_heading(text: str) -> tuple[str, str]:

@@ -12,13 +12,13 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.base.delimited.dialect import data_start, detect_dialect, detect_encoding, headings
+from torsionnet.base.delimited.dialect import data_start, detect_dialect, detect_encoding, headings, line_position
 from torsionnet.base.delimited.number_rows import NumberRows
 from torsionnet.base.entries.composite import Listed, Nested
 from torsionnet.base.entries.declared import Declared, nearby_file
 from torsionnet.base.entries.scalars import Value
 from torsionnet.base.entries.spec import EntryError, Json, Schema, Text, entry
-from torsionnet.base.errors import EntryPath, Fault, ModelError, Position, UsageError, did_you_mean
+from torsionnet.base.errors import EntryPath, Fault, ModelError, UsageError, did_you_mean
 from torsionnet.machinery.excitations.harmonic_torque import not_covered
 from torsionnet.machinery.excitations.order_excitation import (
     ComplexArray,
@@ -159,10 +159,8 @@ def _columns(headings: Sequence[str]) -> dict[str, tuple[int, str]]:
         name = match[1] if match else heading
         if match is None or name not in KNOWN:
             hint = did_you_mean(name, KNOWN)
-            raise UsageError(
-                f'"{heading}" is not a heading of a recording{hint}; known: {", ".join(KNOWN)}, as {FORM}',
-                kind="unknown-entry",
-            )
+            text = f'"{heading}" is not a heading of a recording{hint}; known: {", ".join(KNOWN)}, as {FORM}'
+            raise UsageError(Fault(text, about=name, kind="unknown-entry"))
         _require(name not in found, f"{name} is given by two headings; keep one of them", "repeated-name")
         found[name] = place, (match[2] or "").strip()
     return found
@@ -208,23 +206,21 @@ def _quantity(name: str, unit: str) -> tuple[str, float]:
             return quantity, _factor(unit, quantity, name)
         except UsageError:
             continue
-    raise UsageError(
-        f'"{unit}" is not a unit of torque, angle, speed or acceleration; write the heading as {name} [N*m]',
-        kind="wrong-unit",
-    )
+    text = f'"{unit}" is not a unit of torque, angle, speed or acceleration; write the heading as {name} [N*m]'
+    raise UsageError(Fault(text, about=name, kind="wrong-unit"))
 
 
 def _factor(unit: str, dimension: str, name: str) -> float:
     """Factor from the unit of a recording's column to the SI unit."""
     example = {"speed": "rpm", "angle": "deg", "frequency": "Hz"}.get(dimension, "N*m")
     if not unit or unit == "1":
-        raise UsageError(f"the column {name} has no unit; write its heading as {name} [{example}]", kind="missing-unit")
+        text = f"the column {name} has no unit; write its heading as {name} [{example}]"
+        raise UsageError(Fault(text, about=name, kind="missing-unit"))
     try:
         return Value(name, dimension).coerce(f"1 {unit}")
     except EntryError:
-        raise UsageError(
-            f'"{unit}" is no unit of the column {name}; write its heading as {name} [{example}]', kind="wrong-unit"
-        ) from None
+        text = f'"{unit}" is no unit of the column {name}; write its heading as {name} [{example}]'
+        raise UsageError(Fault(text, about=name, kind="wrong-unit")) from None
 
 
 # Reader of text files with recorded orders or spectra from an order analysis.
@@ -271,15 +267,13 @@ def read_order_table(path: Path) -> tuple[tuple[str, ...], tuple[tuple[float, ..
             raise UsageError("a number is missing; every row has one in each column", kind="not-a-number")
         measured_lines(columns, rows)
     except UsageError as error:
-        raise _fault(error.kind, str(error), path.name, above + first, lines) from None
+        raise _fault(error.kind, str(error), path.name, above + first, lines, error.fault.about) from None
     return columns, tuple(tuple(row) for row in rows.tolist())
 
 
-def _fault(kind: str, text: str, file: str, number: int, lines: Sequence[str]) -> ModelError:
-    """Error with a fault at a line of an order analysis file, counted from 1."""
-    source = lines[number - 1].rstrip()[:200].replace("\t", " ") if 0 < number <= len(lines) else ""
-    position = Position(file, max(number, 1), 1, len(source) + 1, source)
-    return ModelError([Fault(text, position=position, kind=kind)], file)
+def _fault(kind: str, text: str, file: str, number: int, lines: Sequence[str], heading: str = "") -> ModelError:
+    """Error with a fault at a line of an order analysis file, counted from 1, or at a heading in it."""
+    return ModelError([Fault(text, position=line_position(file, number, lines, heading), kind=kind)], file)
 
 
 _NUMBER = Value("a number in the unit of its column", "1", lower=None)

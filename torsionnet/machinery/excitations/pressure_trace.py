@@ -18,6 +18,7 @@ from torsionnet.base.delimited.dialect import (
     detect_dialect,
     detect_encoding,
     headings,
+    line_position,
     plain_unit,
 )
 from torsionnet.base.delimited.number_rows import NumberRows
@@ -233,10 +234,9 @@ def _refuse(faults: Iterator[Fault], path: Path) -> None:
         raise ModelError(found, path.name)
 
 
-def _fault(kind: str, text: str, file: str, number: int, lines: Sequence[str]) -> Fault:
-    """Fault at a line of a trace file, counted from 1."""
-    source = lines[number - 1].rstrip()[:200].replace("\t", " ") if 0 < number <= len(lines) else ""
-    return Fault(text, position=Position(file, max(number, 1), 1, len(source) + 1, source), kind=kind)
+def _fault(kind: str, text: str, file: str, number: int, lines: Sequence[str], heading: str = "") -> Fault:
+    """Fault at a line of a trace file, counted from 1, or at a heading in it."""
+    return Fault(text, position=line_position(file, number, lines, heading), kind=kind)
 
 
 def _rows(path: Path) -> _Rows:
@@ -295,7 +295,7 @@ def _factor(heading: Headings, column: int, kind: str, file: str, number: int, l
         said = f'"{text}" is no unit of {kind}; write the heading as {meant}'
     else:
         return float(unit.factor) * (180 / np.pi if kind == "angle" else 1)
-    raise ModelError([_fault("wrong-unit" if text else "missing-unit", said, file, number, lines)], file)
+    raise ModelError([_fault("wrong-unit" if text else "missing-unit", said, file, number, lines, name)], file)
 
 
 def _unit(text: str) -> Unit | None:

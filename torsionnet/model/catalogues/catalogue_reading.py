@@ -108,7 +108,7 @@ def _rows(path: Path, changed: int, length: int) -> tuple[CatalogueRow, ...]:
     units = [_unit(grid, cell, unit, faults) for cell, (_, unit) in zip(head, names, strict=True)]
     numbers = [cell for row in rest for cell in row if is_like_number(cell.text)]
     decimal, wrong = decimal_sign(numbers)
-    faults += [grid.fault(wrong[1], wrong[0])] if wrong else []
+    faults += [grid.fault(wrong[1], wrong[0], kind="ambiguous-number")] if wrong else []
     if faults or place is None:
         raise ModelError(faults, grid.file)
     rows = []

@@ -60,7 +60,7 @@ class SheetValues:
         ]
         self.decimal, wrong = decimal_sign(cells)
         if wrong:
-            raise ModelError([self.grid.fault(wrong[1], wrong[0])], self.grid.file)
+            raise ModelError([self.grid.fault(wrong[1], wrong[0], kind="ambiguous-number")], self.grid.file)
 
     def label(self, row: Sequence[Cell]) -> str:
         """Text that names a row, empty where it has neither name nor number."""

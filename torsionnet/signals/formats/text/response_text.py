@@ -71,36 +71,44 @@ class _HeadingError(FaultyValueError):
 def headings(line: str, separator: str, place: Position) -> list[ColumnHeading]:
     """Headings of all columns of a table of frequency responses; ModelError lists all that are not understood."""
     found: list[ColumnHeading] = []
+    places: list[Position] = []
     faults: list[Fault] = []
     for column, text in enumerate(next(csv.reader([line], delimiter=separator))):
+        start = line.find(text) + 1
+        places.append(Position(place.file, place.line, start, start + len(text), line))
         try:
             found.append(_heading(text.strip(), first=column == 0))
         except _HeadingError as error:
-            start = line.find(text) + 1
-            faults.append(error.fault.at(Position(place.file, place.line, start, start + len(text), line)))
-    faults += [fault.at(place) for fault in _incomplete(found)] if not faults else []
+            faults.append(error.fault.at(places[-1]))
+    faults += [fault.at(place if at is None else places[at]) for fault, at in _incomplete(found)] if not faults else []
     if faults:
         raise ModelError(faults, place.file)
     return found
 
 
-def _incomplete(found: list[ColumnHeading]) -> list[Fault]:
+def _incomplete(found: list[ColumnHeading]) -> list[tuple[Fault, int | None]]:
+    """Faults of responses that lack a column or have one twice, each with the place of their last column."""
     kinds: dict[tuple[str, str], list[str]] = {}
-    for heading in found:
+    last: dict[tuple[str, str], int] = {}
+    for at, heading in enumerate(found):
         if heading.pair:
             kinds.setdefault(heading.pair, []).append(heading.kind)
-    faults = [] if kinds else [Fault(f"there is no frequency response; {EXPECTED}", kind="wrong-file")]
-    for (output, driven), have in kinds.items():
+            last[heading.pair] = at
+    faults: list[tuple[Fault, int | None]] = []
+    if not kinds:
+        faults.append((Fault(f"there is no frequency response; {EXPECTED}", kind="wrong-file"), None))
+    for pair, have in kinds.items():
+        output, driven = pair
         label = f"{output}/{driven}"
         if len(set(have)) < len(have):
-            faults.append(Fault(f"{label} has two columns of one kind", kind="repeated-name"))
+            faults.append((Fault(f"{label} has two columns of one kind", kind="repeated-name"), last[pair]))
         elif sorted(set(have) - {"coherence"}) not in (["magnitude", "phase"], ["magnitude"], ["im", "re"]):
             text = f"{label} needs |{label}|, with phase {label} if there is one, or re {label} and im {label}"
-            faults.append(Fault(text, kind="missing-column"))
+            faults.append((Fault(text, kind="missing-column"), last[pair]))
     phases = {"phase" in have or "re" in have for have in kinds.values()}
     if len(phases) > 1 and not faults:
         text = "some responses have a phase and some have not; put them into files of their own"
-        faults.append(Fault(text, kind="unlike-results"))
+        faults.append((Fault(text, kind="unlike-results"), None))
     return faults
 
 
