@@ -384,8 +384,8 @@ class TestMeasured:
     @pytest.mark.parametrize(
         ("text", "where", "kind"),
         [
-            ("order;rms\n2;30\n4;3\n", "orders.csv:1:1", "wrong-unit"),
-            ("order;rmss [N*m]\n2;30\n4;3\n", "orders.csv:1:1", "unknown-entry"),
+            ("order;rms\n2;30\n4;3\n", "orders.csv:1:7", "wrong-unit"),
+            ("order;rmss [N*m]\n2;30\n4;3\n", "orders.csv:1:7", "unknown-entry"),
             ("2;30\n4;3\n", "orders.csv:1:1", "missing-column"),
             ("# nothing\n", "orders.csv:1:1", "wrong-file"),
             ("order;rms [N*m]\n2;30\n4;x\n5;1\n6;2\n", "orders.csv:3:", "not-a-number"),

@@ -12,10 +12,12 @@ from __future__ import annotations
 import contextlib
 import copyreg
 import re
+import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from inspect import currentframe
 from typing import TypeAlias
 
 from torsionnet.base.phrases import ModelName, phrase
@@ -283,6 +285,14 @@ class MissingExtraError(TorsionnetError, ImportError):
 
 class TorsionnetWarning(UserWarning):
     """Warning about a result that was calculated all the same."""
+
+
+def warn_user(text: str, category: type[TorsionnetWarning] = TorsionnetWarning) -> None:
+    """Warn at the line of the user, the innermost outside of the package, however deep the caller is."""
+    level, frame = 1, currentframe()
+    while frame is not None and str(frame.f_globals.get("__name__")).partition(".")[0] == "torsionnet":
+        level, frame = level + 1, frame.f_back
+    warnings.warn(text, category, stacklevel=level)
 
 
 class FreeTurningWarning(TorsionnetWarning):

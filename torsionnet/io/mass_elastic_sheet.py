@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import io
 import os
-import warnings
 from collections import deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
@@ -14,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from torsionnet.base.atomic import write_text
-from torsionnet.base.errors import TorsionnetWarning, UsageError, did_you_mean, readable_text
+from torsionnet.base.errors import UsageError, did_you_mean, readable_text, warn_user
 from torsionnet.base.units import numeral_of
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.export_losses import describe_element_part, export_losses, refuse_laws_of_motion
@@ -184,7 +183,7 @@ def _lumped(element: Element) -> Element:
     if not isinstance(element, Shaft) or element.inertia != "consistent":
         return element
     text = f"the inertia of {element.name} is lumped at the ends of its segments, which moves natural frequencies"
-    warnings.warn(f"{text}; inertia: lumped in the model does the same", TorsionnetWarning, stacklevel=4)
+    warn_user(f"{text}; inertia: lumped in the model does the same")
     return replace(element, inertia="lumped")
 
 

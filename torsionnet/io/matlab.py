@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-import warnings
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from torsionnet.base.atomic import write_bytes, write_text
-from torsionnet.base.errors import TorsionnetWarning, UsageError
+from torsionnet.base.errors import UsageError, warn_user
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.export_losses import export_losses, refuse_laws_of_motion
 from torsionnet.linear.assembly.law_stiffness import Functional, powers_of_s
@@ -248,7 +247,7 @@ def _states(drivetrain: Drivetrain) -> tuple[StateSpace | None, str]:
     try:
         return state_space(drivetrain), ""
     except UsageError as error:
-        warnings.warn(f"without state space: {error}", TorsionnetWarning, stacklevel=3)
+        warn_user(f"without state space: {error}")
         return None, str(error)
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import warnings
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -12,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from torsionnet.base.entries.spec import not_none
-from torsionnet.base.errors import Fault, ModelError, Position, TorsionnetWarning, UsageError
+from torsionnet.base.errors import Fault, ModelError, Position, UsageError, warn_user
 from torsionnet.base.plain_names import Names
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.tors_file import (
@@ -264,6 +263,6 @@ def from_tors(data: Any, file: str = "TORS data") -> Drivetrain:
     builder = DrivetrainBuilder(content)
     elements, inputs = builder.elements(), builder.inputs()
     for text in builder.differences:
-        warnings.warn(text, TorsionnetWarning, stacklevel=2)
+        warn_user(text)
     title = content.name if isinstance(content.name, str) else ""
     return Drivetrain(title or "TORS model", elements, inputs=inputs, source=f"TORS file {file}")

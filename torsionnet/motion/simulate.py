@@ -17,14 +17,13 @@ from two steps, and what that leaves is estimated from a third.
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from torsionnet.base.errors import TorsionnetWarning, UsageError
+from torsionnet.base.errors import UsageError, warn_user
 from torsionnet.base.phrases import phrase
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
@@ -105,9 +104,7 @@ def delayed_response(
         last, found, used = finer, extrapolated, used + 2 * fineness * n
     if error > ERROR_WARNED:
         text = f"with delays, readings are right to about {100 * error:.2g} % of their largest value"
-        warnings.warn(
-            f"{text}; a higher sampling rate or a shorter time gives more digits", TorsionnetWarning, stacklevel=5
-        )
+        warn_user(f"{text}; a higher sampling rate or a shorter time gives more digits")
     return found
 
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import replace
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from torsionnet.base.errors import TorsionnetWarning, UsageError
+from torsionnet.base.errors import UsageError, warn_user
 from torsionnet.signals.pulses import check_pulses, repaired_pulses
 from torsionnet.signals.recording import FloatArray, Signal
 from torsionnet.signals.resampling import even_times
@@ -84,7 +83,7 @@ def angle_from_pulses(
     """
     stamps, rotation, remarks = rotation_of(times, steps_per_revolution, fill=fill)
     for remark in remarks:
-        warnings.warn(remark, TorsionnetWarning, stacklevel=2)
+        warn_user(remark)
     even = even_times(float(stamps[0]), float(stamps[-1]), sampling_rate, len(stamps), "pulses")
     return angle_from_counts(rotation.at(even), steps_per_revolution), float(stamps[0])
 

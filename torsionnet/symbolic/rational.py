@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -13,7 +12,7 @@ import numpy as np
 import sympy
 from numpy.typing import ArrayLike
 
-from torsionnet.base.errors import TorsionnetWarning, UsageError
+from torsionnet.base.errors import UsageError, warn_user
 from torsionnet.base.expressions import exact
 from torsionnet.base.program import Program, ProgramNode
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
@@ -266,10 +265,8 @@ def evaluate(function: SymbolicFraction, frequencies: ArrayLike, given: Mapping[
     if not moving.all():
         result[~moving] = static_value(function, values)
     if not np.isfinite(result).all():
-        warnings.warn(
-            "the transfer function is infinite at some frequency, an undamped resonance; leave that frequency out",
-            TorsionnetWarning,
-            stacklevel=4,
+        warn_user(
+            "the transfer function is infinite at some frequency, an undamped resonance; leave that frequency out"
         )
     above, below = function.channels
     return FrequencyResponse(

@@ -13,13 +13,12 @@ The lower derivatives S x = (m, m', ...) fix as many states; the rest w turns by
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from torsionnet.base.errors import TorsionnetWarning, UsageError
+from torsionnet.base.errors import UsageError, warn_user
 from torsionnet.linear.assembly.law_stiffness import law_stiffness
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.linear.dynamic_stiffness.quotient import transfer_functions
@@ -186,9 +185,7 @@ def warn_of_lost_digits(system: LinearSystem, request: TransferRequest) -> None:
     error = np.abs(found - expected) / np.maximum(np.abs(expected).max(axis=0), 1e-300)
     if not error.max(initial=0.0) <= TOLD_ERROR:
         text = f"the state space against {request.names} has lost digits to its fastest poles, up to {error.max():.0e}"
-        warnings.warn(
-            f"{text} of the response's largest value; frequency_response has them", TorsionnetWarning, stacklevel=3
-        )
+        warn_user(f"{text} of the response's largest value; frequency_response has them")
 
 
 def warn_of_hidden_poles(system: LinearSystem, names: str) -> None:
@@ -203,7 +200,7 @@ def warn_of_hidden_poles(system: LinearSystem, names: str) -> None:
     told = [_pole_text(pole) for pole in poles[hidden & (poles.imag >= 0)].tolist()]
     if told:
         text = f"the state space of {names} has poles that no input drives or no output shows: {', '.join(told)}"
-        warnings.warn(text, TorsionnetWarning, stacklevel=3)
+        warn_user(text)
 
 
 def _pole_text(pole: complex) -> str:

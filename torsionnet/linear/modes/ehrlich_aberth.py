@@ -45,8 +45,8 @@ RESTART_DISTANCE = 1e-6
 MAX_ITERATIONS = 120
 """Most steps of the iteration for each root, as clusters converge slowly and other roots in a few."""
 MAX_WORK = 120_000
-"""Most multiplications and entries of all steps together, some three seconds of mpmath: where nothing of a start is right,
-all roots wander for long, and most often in vain."""
+"""Most multiplications and entries of all steps together, some three seconds of mpmath: where nothing of a start is
+right, all roots wander for long, and most often in vain."""
 ZERO_START = 1e-16
 """Start value, over the largest root, for a nonzero root that double precision has rounded to zero."""
 

@@ -11,7 +11,6 @@ stay zero under suitable excitations.
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
@@ -20,7 +19,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.base.errors import SolveError, TorsionnetWarning, UsageError
+from torsionnet.base.errors import SolveError, UsageError, warn_user
 from torsionnet.base.registers import Groups
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.rows import ActionLaw, ComplexArray, FloatArray, Rows, RowSystem
@@ -220,13 +219,13 @@ def modes_against(
     size = drivetrain.assembly.system.n_coordinates
     if size >= MANY_COORDINATES and lowest is None and up_to is None:
         few = "the lowest N take seconds (lowest=N; modes --lowest N)"
-        warnings.warn(f"all modes of {size} coordinates take a minute or more; {few}", TorsionnetWarning, stacklevel=3)
+        warn_user(f"all modes of {size} coordinates take a minute or more; {few}")
     if request is None:
         found, texts = natural_modes(drivetrain, lowest, up_to)
     else:
         found, texts = poles_against_measured(drivetrain, request, partial(natural_modes, lowest=lowest, up_to=up_to))
     for text in texts:
-        warnings.warn(text, TorsionnetWarning, stacklevel=3)
+        warn_user(text)
     if drivetrain.assembly.system.is_continuous and lowest is None and up_to is None:
         found = replace(found, notes=(*found.notes, f"{CONTINUOUS} {len(found)} are given; more with lowest or up_to"))
     if up_to is not None:

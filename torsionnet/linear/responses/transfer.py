@@ -9,7 +9,6 @@ show.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
@@ -17,7 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from torsionnet.base.errors import FreeTurningWarning, SolveError, TorsionnetWarning, UsageError
+from torsionnet.base.errors import FreeTurningWarning, SolveError, TorsionnetWarning, UsageError, warn_user
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.law_stiffness import LawStiffness, law_stiffness
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
@@ -180,7 +179,7 @@ def _warn(uncertain: Sequence[tuple[int, float]], frequencies: FloatArray) -> No
         f"{len(uncertain)} values next to undamped resonances or antiresonances are rounded; "
         f"near {frequencies[point]:.6g} Hz they are known to {size}"
     )
-    warnings.warn(text, TorsionnetWarning, stacklevel=6)
+    warn_user(text)
 
 
 VANISHING_INPUT_RATIO = 1e-10
@@ -351,7 +350,7 @@ def evaluate(
         names = ", ".join(reading.name for reading in request.measured)
         first = np.broadcast_to(frequencies, shape).ravel()[poor[0]]
         text = f"{names}: the measured input all but vanishes at {len(poor)} frequencies, the first {first:.6g} Hz"
-        warnings.warn(text, TorsionnetWarning, stacklevel=4)
+        warn_user(text)
     return Evaluated(
         calculated.values.reshape(*shape, *calculated.values.shape[1:]), calculated.conditioning.reshape(shape)
     )
@@ -365,4 +364,4 @@ def warn_infinite(values: ComplexArray, conditioning: FloatArray, f: FloatArray)
         ((f > 0) & (conditioning >= VANISHING_INPUT_RATIO), "at a frequency above 0", TorsionnetWarning),
     ):
         if (points & ~finite).any():
-            warnings.warn(f"the response is infinite {where}", kind, stacklevel=3)
+            warn_user(f"the response is infinite {where}", kind)

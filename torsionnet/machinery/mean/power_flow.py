@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import itertools
 import math
-import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from torsionnet.base.errors import TorsionnetWarning
+from torsionnet.base.errors import warn_user
 from torsionnet.linear.frequency_response import ComplexArray, FloatArray
 from torsionnet.machinery.orders.order_line import OrderLine, engine_blocks
 from torsionnet.machinery.orders.order_response import OrderResponse
@@ -59,7 +58,7 @@ def mean_power(run: OrderResponse, flows: Sequence[PowerFlow]) -> FloatArray:
     """
     if isinstance(run, WorstResponse) and run.scattered:
         text = f"{run.title}: dissipated power is that without the spread of cylinders"
-        warnings.warn(text, TorsionnetWarning, stacklevel=2)
+        warn_user(text)
     return np.asarray(np.max([_mean_power(case, flows) for case in run.case_responses], axis=0))
 
 

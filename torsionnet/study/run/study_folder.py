@@ -9,7 +9,6 @@ import os
 import platform
 import time
 import uuid
-import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -18,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from torsionnet.base.atomic import write_text
-from torsionnet.base.errors import SolveError, TorsionnetWarning, UsageError
+from torsionnet.base.errors import SolveError, UsageError, warn_user
 from torsionnet.base.version import __version__
 from torsionnet.study.run.chunk_values import CHUNKS, Chunks, ChunkValues, counted_limits, read_chunk
 from torsionnet.study.study import Study
@@ -152,7 +151,7 @@ class StudyFolder:
         differing = record_differences(kept, wanted)
         if differing and self._is_complete(wanted) and differ_by_installation(kept, wanted):
             text = f"{self.path} is complete, and is read as it was calculated elsewhere: {'; '.join(differing)}"
-            warnings.warn(text, TorsionnetWarning, stacklevel=2)
+            warn_user(text)
             return
         if differing:
             raise UsageError(
