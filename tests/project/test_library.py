@@ -22,6 +22,7 @@ CASES = {
     "wind_turbine_5mw": "nrel_5mw_drivetrain_2mass",
 }
 IN_TEST_PAPER = {"amt_rig", "dmf_rig"}
+IN_TEST_COMPONENT_BENCH = {"dmf_component"}
 RUNNING = {
     "bulk_carrier",
     "engine_generator_set",
@@ -36,7 +37,7 @@ MODELS = tuple(tn.library_models())
 
 
 def test_every_model_is_checked_against_something():
-    assert set(MODELS) == set(CASES) | IN_TEST_PAPER | RUNNING
+    assert set(MODELS) == set(CASES) | IN_TEST_PAPER | IN_TEST_COMPONENT_BENCH | RUNNING
 
 
 @pytest.mark.parametrize("name", library_cases())
