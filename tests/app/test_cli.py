@@ -246,6 +246,18 @@ def test_show_csv_is_the_table_of_elements(tmp_path):
     assert [row["element"] for row in rows] == list(tn.load("dmf_rig").elements)
 
 
+@pytest.mark.parametrize("chosen", [("II",), ("II", "V")])
+def test_a_table_of_several_configurations_is_headed_by_the_model_and_names_each(tmp_path, chosen):
+    run("show", "amt_rig", *(word for name in chosen for word in ("-c", name)), "--csv", tmp_path / "elements.csv")
+    model, text = tn.load("amt_rig"), (tmp_path / "elements.csv").read_text(encoding="utf-8")
+    heading = text.splitlines()[0]
+    assert (heading == f"# {model.name}") == (len(chosen) > 1)
+    rows = read_csv(tmp_path / "elements.csv")
+    assert [(row["configuration"], row["element"]) for row in rows] == [
+        (name, element) for name in chosen for element in model.configured(name).elements
+    ]
+
+
 # modes
 
 

@@ -11,6 +11,7 @@ from support.known_damping import two_light_modes
 from support.written_models import TWO_DISCS
 
 import torsionnet as tn
+from torsionnet.base.notes import warning
 from torsionnet.signals import Recording, Signal, read_recording, write_recording
 
 
@@ -58,11 +59,21 @@ def test_bench_of_all_configurations_and_seeds(folder):
 def test_two_tests_in_each_of_two_configurations_are_four_files(folder, monkeypatch):
     from torsionnet.app.cli.commands import bench
 
-    tested = bench._tested
+    ways, tested = ("up", "down"), bench._tested
     monkeypatch.setattr(
-        bench, "_tested", lambda *args, **more: (dict.fromkeys(("up", "down"), *tested(*args, **more)[0].values()), {})
+        bench,
+        "_tested",
+        lambda *args, **more: (
+            {
+                way: record.with_notes(warning(f"driven {way}"))
+                for record in tested(*args, **more)[0].values()
+                for way in ways
+            },
+            {},
+        ),
     )
-    run("bench", "rig.yaml", "-c", "all", "-o", "run.npz")
+    said = run("bench", "rig.yaml", "-c", "all", "-o", "run.npz").stderr
+    assert all(f"warning: driven {way}" in said for way in ways)
     assert sorted(path.name for path in folder.glob("run*.npz")) == [
         f"run_{stiff}_{way}.npz" for stiff in ("hard", "soft") for way in ("down", "up")
     ]
