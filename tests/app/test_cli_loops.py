@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from support.command_line import run
 from support.loop_records import backlash_record, course, loop_record, stage_record
 
 import torsionnet as tn
-from torsionnet.signals import write_recording
+from torsionnet.signals import Signal, write_recording
 
 
 def call(tmp_path, record, *more, code=0):
@@ -56,5 +57,13 @@ def test_corrections_are_options_and_what_is_missing_is_told(tmp_path):
     assert "deg" in taken.stdout
     refused = call(tmp_path, loop_record(np.linspace(0, 9, 900), np.linspace(0, 0.1, 900)), code=2)
     assert "[no-reversal]" in refused.stderr
+    alone = stage_record(2)
+    torque, twist = alone.signals
+    ends = (Signal("a", "angle", twist.values + alone.time), Signal("b", "angle", alone.time))
+    write_recording(replace(alone, signals=(torque, *ends)), tmp_path / "two.npz")
+    between = run("loops", tmp_path / "two.npz", "--torque", "T", "--twist", "a", "--twist", "b", "--json").stdout
+    (own,), (other,) = (json.loads(one)["loops"] for one in (call(tmp_path, alone, "--json").stdout, between))
+    for name in ("amplitude_rad", "secant_stiffness_Nm_per_rad"):
+        assert other[name]["value"] == pytest.approx(own[name]["value"], rel=1e-9)
     thrice = call(tmp_path, stage_record(2), "--twist", "gamma", "--twist", "gamma", code=2)
     assert "once or twice" in thrice.stderr

@@ -57,8 +57,8 @@ def test_stiffness_over_frequency_needs_one():
 def test_a_table_over_frequency_is_read_at_that_frequency():
     table = tn.TabulatedSpring("rubber", nodes=("a", "ground"), table=[[1, 300, 2], [9, 500, 1]])
     rig = tn.Drivetrain("rig", [tn.Inertia("J", node="a", inertia=1), table])
-    stiffness = [rig.matrices(at=at).K.item().real for at in (1, "9 Hz")]
-    np.testing.assert_allclose(stiffness, [300, 500], rtol=1e-12)
+    stiffness = [rig.matrices(at=at).K.item().real for at in (0, 1, "9 Hz")]
+    np.testing.assert_allclose(stiffness, [300, 300, 500], rtol=1e-12)
 
 
 def controlled(**entries):

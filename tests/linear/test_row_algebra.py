@@ -1,11 +1,18 @@
 """Rows up to a factor: what cancels, what is the same, and what a row is the sum of, in exact numbers."""
 
+import operator
 from fractions import Fraction
-from itertools import combinations
+from itertools import combinations, product
 
 import pytest
 
-from torsionnet.linear.dynamic_stiffness.row_algebra import combine_rows, common_motion, equivalent_links, normalised
+from torsionnet.linear.dynamic_stiffness.row_algebra import (
+    Rounded,
+    combine_rows,
+    common_motion,
+    equivalent_links,
+    normalised,
+)
 
 NOTHING, LITTLE = 1e-14, 1e-12
 """Relative differences below and above what rounding leaves."""
@@ -115,3 +122,16 @@ class TestCommonMotion:
     def test_also_the_long_way_round(self):
         rows = [{0: 1.0, 1: 3.0}, {0: 1.0, 2: -2.0}, {2: 1.0, 1: -2.0}]
         assert common_motion(rows) == {0: 1.0, 2: 0.5, 1: 0.25}
+
+
+@pytest.mark.parametrize("calculated", [operator.add, operator.mul, operator.truediv])
+@pytest.mark.parametrize(("first", "second"), [*product((3.0, -3.0), (0.5, -0.5))])
+def test_the_bound_of_an_error_is_what_both_can_do_together(calculated, first, second):
+    """The farthest of the four corners of two intervals, to the first order of their widths."""
+    errors = 3e-9, 2e-9
+    found = calculated(Rounded(first, errors[0]), Rounded(second, errors[1]))
+    exact = calculated(first, second)
+    corners = [calculated(first + i * errors[0], second + j * errors[1]) for i, j in product((-1, 1), repeat=2)]
+    assert found.value == exact
+    assert found.error == pytest.approx(max(abs(one - exact) for one in corners), rel=1e-6)
+    assert [calculated(first, Rounded(second, 0.0)).error, calculated(Rounded(first, 0.0), second).error] == [0, 0]

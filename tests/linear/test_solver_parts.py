@@ -141,6 +141,7 @@ SYSTEMS = {
     "critical, beside a pair": np.block([[np.array([[0, 1.0], [-4, -4]]), RNG.normal(size=(2, 2))], [np.zeros((2, 2)), np.array([[0, 1.0], [-9, -0.1]])]]),
     "at rest alone": np.array([[0.0, 1.0], [0.0, 0.0]]),
     "unlike sizes": np.array([[0.0, 1.0], [-1e8, -3.0]]),
+    "one drives the next": np.array([[-1.0, 0, 0], [2.0, -3.0, 0], [4.0, 5.0, -6.0]]),
 }  # fmt: skip
 
 

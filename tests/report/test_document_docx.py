@@ -4,6 +4,7 @@ import io
 import re
 import sys
 import zipfile
+from dataclasses import replace
 
 import pytest
 
@@ -89,6 +90,12 @@ class TestBlocks:
         assert '<w:lvlText w:val="%1.%2"/>' in lists
         assert lists.index("<w:abstractNum ") < lists.index("<w:num ")
 
+    def test_kind_title_and_what_is_to_be_heeded_stand_before_the_contents(self):
+        document = opened(replace(of(), notes=("Said first.",)))
+        begin = [(one.style.name, one.text) for one in document.paragraphs][:4]
+        assert begin[:2] == [("Subtitle", "Kind"), ("Title", "Title")]
+        assert [text for _, text in begin[2:]] == ["Said first.", "Contents"]
+
     def test_contents_are_a_field_with_links_to_the_headings(self):
         text = xml(of())
         assert re.search(r'<w:instrText xml:space="preserve"> TOC ', text)
@@ -109,6 +116,7 @@ class TestBlocks:
         ]
         text = table._tbl.xml
         assert text.count("<w:tblHeader/>") == 1
+        assert "<w:trHeight" not in text  # rows are as high as their texts
         assert "<w:tblHeader/>" in text[: text.index("</w:tr>")]
         texts = [one.text for one in document.paragraphs]
         assert "A note." in texts
@@ -143,6 +151,7 @@ class TestBlocks:
         document = opened(of(*blocks))
         texts = {one.text: one.style.name for one in document.paragraphs}
         assert texts["plain bold a_b"] == "Normal"
+        assert document.styles["Code Text"].font.name.startswith("Courier")
         assert texts["point"] == "List Bullet"
         assert texts["Warning: Mind this."] == "Remark"
         assert "shorter" in texts
@@ -171,6 +180,9 @@ class TestFormulas:
                 r'<m:begChr m:val="\["/><m:endChr m:val="\]"/>.*<m:m>.*<m:count m:val="2"/>.*(<m:mr>.*){2}</m:m>',
             ),
             (r"\left|\lambda\right|", r'<m:d><m:dPr><m:begChr m:val="\|"/><m:endChr m:val="\|"/></m:dPr>.*λ.*</m:d>'),
+            (r"12", '<m:sty m:val="p"/></m:rPr>.*12'),
+            (r"x", '<m:sty m:val="i"/></m:rPr>.*x'),
+            (r"\sin x", '<m:sty m:val="p"/></m:rPr>.*sin.*<m:sty m:val="i"/></m:rPr>.*x'),
             (r"\mathrm{input~shaft}", r"<m:nor/></m:rPr>.*input\sshaft"),
         ],
     )

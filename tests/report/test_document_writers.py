@@ -174,10 +174,14 @@ class TestHtml:
         assert [tag.count("accent") for tag in re.findall("<mover[^>]*>", both)] == [1, 0, 1]
 
     def test_columns_are_aligned_at_the_decimal_point(self):
-        columns = (Heading("x", numeric=True),)
-        found = table("t", columns, [(NumberText(13300.0),), (NumberText(0.078),), (NumberText(4.0),)])
+        columns = (Heading("x", numeric=True), Heading("y", "kN·m", numeric=True), Heading("z", numeric=True))
+        numbers = [(*(NumberText(value),) * 2, NumberText(round(value))) for value in (13300.0, 0.078, 4.0)]
+        found = table("t", columns, numbers)
         report = Report("r", "", Facts(()), (), (Section("s", ("s",), (found,)),))
-        assert '13300<span class="pad" aria-hidden="true">.000</span>' in html_page(report)
+        page = html_page(report)
+        assert '13300<span class="pad" aria-hidden="true">.000</span>' in page
+        assert page.count('<span class="pad" aria-hidden="true">.000</span>') == page.count('class="pad"') == 4
+        assert re.findall(r"<th\b[^>]* scope=col>(.*?)</th>", page) == ["x", "y <span class=unit>kN·m</span>", "z"]
 
     def test_missing_package_is_named(self, monkeypatch):
         html.mathml.cache_clear()
