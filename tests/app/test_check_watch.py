@@ -124,8 +124,8 @@ def test_a_file_that_a_model_includes_is_watched_too_also_before_it_is_there(tmp
     ("arguments", "said"),
     [
         (["--json", "dmf_rig"], "--watch prints for a reader"),
-        (["-"], "standard input does not change"),
-        (["no_such.yaml"], "there is no file no_such.yaml"),
+        (["-"], "standard input"),
+        (["no_such.yaml"], "no_such.yaml [missing-file]"),
     ],
 )
 def test_what_cannot_be_watched_is_refused(arguments, said):

@@ -374,8 +374,8 @@ def test_set_is_repeatable():
         ("=3", 2, "expected NAME=VALUE"),
         ("c_O=3,5", 2, "decimal comma"),
         ("c_O=3 furlongs", 2, "furlongs"),
-        ("c_X=3", 2, 'no parameter is named "c_X"'),
-        ("I_2=-1", 1, "must not be less than 0"),
+        ("c_X=3", 2, '"c_X"'),
+        ("I_2=-1", 1, "[out-of-range]"),
         ("I_2=3 N*m", 1, "kg*m^2"),
     ],
 )
@@ -504,13 +504,13 @@ def test_frf_infinite_at_zero_is_a_warning_on_stderr(axes):
         (["--frequencies", "-1"], "must not be negative"),
         (["--frequencies", "0:1e9:0.001"], "at most"),
         (["--frequencies", "1,2", "--band", "3", "4"], "not both"),
-        (["--band", "5", "2"], "must end above its beginning"),
+        (["--band", "5", "2"], "[unordered-rows]"),
         (["--band", "0", "2", "--log"], "cannot begin at 0"),
         (["--points", "1"], "--points"),
         (["--output", "theta_2"], 'did you mean "theta_1"?'),
         (["--kind", "compliance"], "--kind"),
         (["--driven-by", "T_X"], "T_X"),
-        (["--output", "T_T", "--plot", "unlike.svg"], "do not fit on one axis"),
+        (["--output", "T_T", "--plot", "unlike.svg"], "--output and --input [wrong-unit]"),
     ],
 )
 def test_wrong_questions(extra, words):
@@ -868,10 +868,8 @@ def test_sensitivity_shows_the_ten_largest():
 
 
 def test_sensitivity_of_a_mode_there_is_not():
-    assert (
-        "there is no mode 99; the model has the modes 1, 2"
-        in run("sensitivity", "amt_rig", "--mode", "99", code=2).stderr
-    )
+    said = run("sensitivity", "amt_rig", "--mode", "99", code=2).stderr
+    assert re.search(r"99.* 1, 2 \[unknown-mode\]$", said.strip())
 
 
 def test_screens_are_120_columns_wide():

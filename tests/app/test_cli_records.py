@@ -247,18 +247,18 @@ def test_faulty_records_are_refused_and_nothing_is_written(folder, values, messa
 @pytest.mark.parametrize(
     ("arguments", "code", "message"),
     [
-        (("bench", "rigg.yaml"), 2, "there is no file rigg.yaml"),
+        (("bench", "rigg.yaml"), 2, "[missing-file]"),
         (("bench", "rig.yaml", "-o", "x.docx"), 2, ".docx"),
         (("bench", "dmf_rig"), 2, "add bench:"),
         (("bench", "rig.yaml", "-c", "sfot"), 2, 'did you mean "soft"'),
-        (("estimate", "none.npz", "--input", "M", "--output", "phi"), 2, 'there is no file "none.npz"'),
+        (("estimate", "none.npz", "--input", "M", "--output", "phi"), 2, '"none.npz" [missing-file]'),
         (("estimate", "test.npz", "--input", "N", "--output", "phi"), 1, "N"),
         (("estimate", "test.npz", "--input", "M", "--output", "phi", "--window", "hanning9"), 2, "hanning9"),
         (("estimate", "test.npz", "--input", "M", "--output", "phi", "--unit", "kNm"), 2, "CHANNEL=UNIT"),
         (
             ("estimate", "test.npz", "--input", "M", "--output", "phi", "--seconds", "100"),
             1,
-            "less than one window of 100 s",
+            "[too-short]",
         ),
         (("compare", "test.npz", "rig.yaml", "--output", "psi", "--input", "M"), 1, "psi"),
         (("compare", "test.npz", "rig.yaml", "--output", "phi", "--input", "M", "--model-input", "N"), 2, "N"),

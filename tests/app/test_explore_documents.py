@@ -134,16 +134,11 @@ class TestTexts:
         secret.write_text("torsionnet: 1\nparts: {}\n", encoding="utf-8")
         (file.parent / "link.yaml").symlink_to(secret)
         (file.parent / "own.yaml").write_text("torsionnet: 1\nname: parts\nparts: {}\n", encoding="utf-8")
-        for name, said in {
-            "../secret.yaml": "leads out of the folder",
-            str(secret): "leads out of the folder",
-            "link.yaml": "a link that leads out of the folder",
-        }.items():
+        for name in ("../secret.yaml", str(secret), "link.yaml"):
             text = f"{RIG}include: [{name}]\n"
             faults = page.type(text, page.ask("open")["revision"] + 1)["faults"]
             (fault,) = [one for one in faults if one["severity"] == "error"]
-            assert said in fault["message"]
-            assert fault["line"] == 9
+            assert (fault["kind"], fault["line"]) == ("forbidden-file", 9)
             assert text[fault["from"] : fault["to"]] == name
         assert page.type(f"{RIG}include: [own.yaml]\n", 9)["sound"]
 

@@ -3,6 +3,7 @@
 import copy
 import math
 import pickle
+import re
 import time
 
 import numpy as np
@@ -261,8 +262,8 @@ class TestChecks:
         for words in (
             '"k_1"; did you mean "k1"',
             "loop",
-            "-2: mass moment of inertia must not be less than 0",
-            'no element is named "x"',
+            "elements.j.inertia: error: -2: ",
+            'sensors.t.torque: error: no element is named "x"',
             'no node is named "q"',
         ):
             assert words in text
@@ -276,7 +277,7 @@ class TestChecks:
             tn.RigidCoupling("bystander", nodes=("c", "d")),
             tn.Inertia("j", node="d", inertia=1),
         )
-        assert "outer, inner, short contradict" in fault
+        assert re.search(r" outer, inner, short .*\[contradicting-gears\]$", fault)
         assert "bystander" not in fault
 
     def test_consistent_and_compliant_loops_are_fine(self):
@@ -292,11 +293,11 @@ class TestChecks:
             tn.Spring("s", nodes=("a", "output"), stiffness=3),
             tn.Inertia("j", node="outpt", inertia=1),
         )
-        assert 'outpt is not connected to the rest of the drivetrain; did you mean "output"?' in fault
+        assert re.search(r'outpt .*"output"[?] \[unconnected-nodes\]$', fault)
 
     def test_massless_node_without_hold(self):
         (fault,) = faults_of(WHEEL, tn.Gear("diff", nodes=("a", "b"), ratio=2, housing="h"))
-        assert "b, h move together freely, with no inertia, spring or damper to hold them" in fault
+        assert re.search(r"b, h .*\[indeterminate-motion\]$", fault)
 
     def test_a_damper_is_hold_enough(self):
         model = tn.Drivetrain(

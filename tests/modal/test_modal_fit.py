@@ -673,32 +673,32 @@ class TestErrors:
             identify_modes(response, Settings(**options))
 
     def test_messages(self):
-        self.wrong('did you mean "lscf"', method="lcsf")
-        self.wrong("residuals", residuals="all")
-        self.wrong("highest order must be at least 1", highest_order=0)
-        self.wrong("from a lower to a higher", band=(5, 2))
-        self.wrong("at least 4 frequencies above 0 from 50 to 60 Hz, there are 0", band=(50, 60))
-        self.wrong("need a coherence", weights="coherence")
-        with pytest.raises(UsageError, match="fraction above 0"):
+        self.wrong(r'(?s)"lscf".*unknown-word', method="lcsf")
+        self.wrong(r"(?s)residuals.*unknown-word", residuals="all")
+        self.wrong(r"(?s)highest order.*out-of-range", highest_order=0)
+        self.wrong(r"(?s)5, 2.*unordered-rows", band=(5, 2))
+        self.wrong(r"(?s) 4 .* 50 to 60 Hz, .* 0.*too-short", band=(50, 60))
+        self.wrong(r"(?s)coherence.*missing-data", weights="coherence")
+        with pytest.raises(UsageError, match=r"(?s)frequency.*out-of-range"):
             Criteria(frequency=0)
-        with pytest.raises(UsageError, match="at least 2 orders"):
+        with pytest.raises(UsageError, match=r"(?s)least_orders=1.*out-of-range"):
             Criteria(least_orders=1)
 
     def test_response_of_zeros(self):
         response = response_of([pole(8, 0.1)], np.zeros((1, 1, 1)), LINES)
-        self.wrong("y0/u0 is zero at every frequency", response)
+        self.wrong(r"(?s)y0/u0.*needless-entry", response)
 
     def test_the_other_sign_of_time(self):
         response = response_of([pole(8, 0.1)], np.ones((1, 1, 1)), LINES)
         self.wrong(
-            "check the sign of the phase", replace(response, values=response.values.conj()), SolveError, highest_order=2
+            r"(?s)phase.*no-resonance", replace(response, values=response.values.conj()), SolveError, highest_order=2
         )
 
     def test_nothing_stable(self):
         rng = np.random.default_rng(2)
         noise = rng.normal(size=(LINES.size, 1, 1)) + 1j * rng.normal(size=(LINES.size, 1, 1))
         response = replace(response_of([pole(8, 0.1)], np.ones((1, 1, 1)), LINES), values=noise)
-        with pytest.raises(SolveError, match="choose by hand"):
+        with pytest.raises(SolveError, match="no-resonance"):
             identify_modes(response, selection="clusters")
 
     @pytest.mark.parametrize("poles", [[], [0.0], [np.nan], [[1.0, 2.0]]])

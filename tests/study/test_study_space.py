@@ -330,8 +330,9 @@ def test_a_variation_that_makes_configurations_alike_is_told():
     models = {name: RIG.configured(name) for name in ("IV", "V")}
     alike = {"tau": Uniform(low=3, high=4), "k_2": Normal(deviation="5 %")}
     [fault] = space_faults(space(alike), models)
-    assert (fault.severity, fault.path) == ("warning", ("vary", "tau"))
-    assert "tau has values of its own in IV, V, and this variation gives it the same in all" in fault.message
+    assert (fault.severity, fault.path, fault.kind) == ("warning", ("vary", "tau"), "contradicting-values")
+    assert "tau" in fault.message
+    assert "IV, V" in fault.message
     [fault] = space_faults(space({"tau": ValueRange(low=3, high=4, count=5)}), models)
     assert fault.path == ("vary", "tau")
     assert (
@@ -344,7 +345,8 @@ def test_what_is_wrong_in_one_configuration_is_told_with_its_name():
     whole = space({"tau": Triangular(low=3.5, high=9)})
     [fault] = space_faults(whole, {name: RIG.configured(name) for name in ("II", "V")})
     assert (fault.severity, fault.configuration, fault.path) == ("error", "V", ("vary", "tau"))
-    assert "the most frequent value (3.26) must lie between low (3.5) and high (9)" in fault.message
+    assert fault.kind == "out-of-range"
+    assert all(value in fault.message for value in ("(3.26)", "(3.5)", "(9)"))
 
 
 def test_names_with_dots_vary():

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 import torsionnet.plot.drawing.style as style
 from torsionnet.base.conventions import SI, Conventions
-from torsionnet.base.errors import UsageError
+from torsionnet.base.errors import UsageError, remedy
 from torsionnet.base.number_text import typeset_unit
 from torsionnet.linear.frequency_response import FrequencyResponse
 from torsionnet.linear.phase import HALF_TURN, unwrapped_phase
@@ -149,10 +149,9 @@ def _common_unit(responses: Sequence[FrequencyResponse], conventions: Convention
         for i in range(len(response.inputs))
     }
     if len(units) != 1:
-        raise UsageError(
-            f"transfer functions in {', '.join(sorted(units))} do not fit on one axis; choose with output=, input=",
-            kind="wrong-unit",
-        )
+        chosen = f"choose with {remedy('output=')} and {remedy('input=')}"
+        text = f"transfer functions in {', '.join(sorted(units))} do not fit on one axis; {chosen}"
+        raise UsageError(text, kind="wrong-unit")
     return units.pop()
 
 

@@ -52,6 +52,7 @@ OPTIONS = {
     "quantities=": ("--quantity", "reading: {quantities: *}"), "separator=": ("--separator", "reading: {separator: *}"),
     "decimal=": ("--decimal", "reading: {decimal: *}"), "angle_from_pulses()": ("--pulses", "torsionnet angle"),
     "align=True": ("--align", "torsionnet estimate --align"),
+    "output=": ("--output", "output: *"), "input=": ("--input", "input: *"),
 }  # fmt: skip
 """Options for arguments and functions of Python in messages, each with what a command that lacks it has instead:
 entries of the file that it is given."""
