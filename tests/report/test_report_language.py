@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import pytest
 import yaml
 from support.command_line import run
+from support.tanker import TANKER
 from support.written_models import FAN
 
 import torsionnet as tn
@@ -110,6 +111,18 @@ def test_lists_of_critical_speeds_are_said_in_other_words():
     said = in_language("de", None).wording(told)
     assert said.startswith("engine 3, Eigenform 4 bei 300.0, engine 3, Eigenform 4")
     assert said.endswith("… und 2 weitere")
+
+
+def test_factors_of_class_rules_are_explained_in_german():
+    rule = "{rule: iacs_m68, element: tail, shaft: intermediate, feature: integral_flange, material: carbon, tensile_strength: 500 MPa}"
+    text = TANKER.replace(
+        "  tail: {rule: curve, output: T_tail, value: 60 kN*m, transient_factor: 2, source: own}", f"  line: {rule}"
+    )
+    page = html_page(make_report(tn.loads(text), language="de", sections=["components"], date=None))
+    for word in ("Welle des Modells", "Zulässig bei ", " = 0.9 bis 1.05", "Beim raschen Durchfahren bei "):
+        assert word in page, word
+    for word in ("shaft of the model", "Permissible at", "In quick passage", "0.9 to 1.05"):
+        assert word not in page, word
 
 
 class TestUnitsAndCases:

@@ -52,6 +52,7 @@ REWORDED_COLUMNS = {
     "At",
     "Comparison",
     "Explanation",
+    "From",
     "Kind",
     "Leading term",
     "Limit",

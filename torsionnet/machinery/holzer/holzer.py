@@ -412,7 +412,8 @@ def _against(drivetrain: AssembledModel, senses: Mapping[str, float], mode: Vibr
         for sense in (1, -1)
     ]
     sides.sort(key=lambda side: -side[1])
-    return " against ".join(text for text, _ in sides if text)
+    named = [text for text, _ in sides if text]
+    return phrase("{first} against {second}", first=named[0], second=named[1]) if len(named) == 2 else "".join(named)
 
 
 def _named(shares: Mapping[str, float]) -> tuple[str, float]:

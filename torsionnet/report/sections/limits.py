@@ -321,10 +321,13 @@ def _range(subject: ReportData, barred: PassedRange, number: int) -> Iterator[Bl
     )
     shown = with_kilo_units(passage_table(passages, subject.conventions, barred))
     yield results_table(shown, phrase("Passage of {low} to {high} rpm{where}", low=low, high=high, where=where))
-    yield _passage_picture(subject, _drawn(passages), f"{low} to {high} rpm{where}", number)
+    yield _passage_picture(
+        subject, _drawn(passages), phrase("{low} to {high} rpm{where}", low=low, high=high, where=where), number
+    )
     notes = dict.fromkeys(note for one in passages for note in one.response.notes[:-1])
     if notes:
-        yield Paragraph((f"{capital('; '.join(as_words(note) for note in notes))}.",))
+        _, first, *rest = (part for note in notes for part in ("; ", as_words(note)))
+        yield Paragraph((capital(first), *rest, "."))
     yield from _beyond(subject, passages)
 
 
