@@ -75,7 +75,7 @@ FAULTS = [
     ("bounds: [50, 2000]", "bounds: [500, 200]", "4:6", "unordered-rows"),
     ("run_soft.npz", "run_sotf.npz", "7:18", '"run_soft.npz".*missing-file'),
     ("output: phi", "output: psi", "7:18", "psi.*unknown-channel"),
-    ("record: run_soft.npz, ", "", "7:3", "record, response and orders.*missing-entry"),
+    ("record: run_soft.npz, ", "", "7:3", "orders and stepped.*missing-entry"),
     (", output: phi", "", "7:3", "output: channel.*missing-entry"),
     ("configuration: soft", "configuration: sfot", "7:90", '"soft".*unknown-configuration'),
     ("band: [1 Hz, 25 Hz]", "band: [25 Hz, 1 Hz]", "7:102", "unordered-rows"),

@@ -15,7 +15,15 @@ from torsionnet.linear.assembly.symbolic import SymbolRecord, symbol_of
 from torsionnet.linear.sensitivity.unknowns import DUALS, Dual
 from torsionnet.model.element_base.laws import MotionState, ScaledCurve
 from torsionnet.model.elements import Constraint, Law, MotionLaw, Values
-from torsionnet.model.motion_laws.piece_curve import Hold, PieceCurve, Slope, friction_curve, symmetric_curve
+from torsionnet.model.motion_laws.describing_functions import describing_function
+from torsionnet.model.motion_laws.piece_curve import (
+    Hold,
+    PieceCurve,
+    Slope,
+    clearance_curve,
+    friction_curve,
+    symmetric_curve,
+)
 from torsionnet.model.motion_laws.smooth_curves import CubicCurve
 from torsionnet.motion.balance.rate_states import returns_to_speeds, roots_along
 
@@ -410,3 +418,18 @@ def test_speeds_return_by_the_slopes_over_the_rate_and_over_a_sensed_speed(over_
     law = Coupling(over_rate, over_first)
     returns = returns_to_speeds(network, {law: np.array([1.0, -1.0])}, {law: SimpleNamespace(state=None)})
     assert returns == (2 * over_rate + over_first > 0)
+
+
+@pytest.mark.parametrize(("amplitude", "mean", "omega"), [(0.02, 0.0, 50.0), (0.02, 0.004, 100.0), (0.005, 0.016, 3e3)])
+def test_contact_with_damping_over_one_harmonic(amplitude, mean, omega):
+    """Closed form against the mean over 1e6 phases of max(0, k d + c d') on either side."""
+    gap, k, c = 0.02, 8000.0, 3.0
+    phases = 2 * np.pi * (np.arange(1_000_000) + 0.5) / 1_000_000
+    twist, rate = mean + amplitude * np.cos(phases), -amplitude * omega * np.sin(phases)
+    torque = np.zeros_like(twist)
+    for side in (1, -1):
+        depth = side * twist - gap / 2
+        torque += side * np.where(depth > 0, np.maximum(0.0, k * depth + c * side * rate), 0.0)
+    found = describing_function(clearance_curve(gap, k, c), amplitude, mean, omega)
+    assert found.stiffness == pytest.approx(2 * np.mean(torque * np.exp(-1j * phases)) / amplitude, rel=1e-6)
+    assert found.mean_torque == pytest.approx(np.mean(torque), rel=1e-6, abs=1e-6)

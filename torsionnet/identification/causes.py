@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, Protocol, TypeAlias
 
 import numpy as np
@@ -14,6 +15,7 @@ from torsionnet.identification.fit_problem import FitProblem, lay_out_problem
 from torsionnet.identification.fit_search import SEARCH_RANGE_FACTOR, LeastSquaresSolution
 from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
+from torsionnet.identification.residuals.stepped_block import SteppedBlock
 from torsionnet.identification.unknown_parameter import Unknown
 from torsionnet.identification.verdict_words import relative_misfits
 from torsionnet.linear.assembly.assembled import AssembledModel
@@ -21,7 +23,7 @@ from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.linear.between_samples import NOTED_EFFECT, WAYS, Between
 from torsionnet.machinery.excitations.engine_entries import EngineEntries
 from torsionnet.machinery.excitations.excitation_numbers import numbers_by_name
-from torsionnet.model.elements import Damper, Element, Gear, HystereticSpring, Spring
+from torsionnet.model.elements import Clearance, Damper, Element, Friction, Gear, HystereticSpring, Spring
 
 AnySpring: TypeAlias = Spring | HystereticSpring
 Change: TypeAlias = Callable[[AssembledModel], AssembledModel]
@@ -31,6 +33,9 @@ FREED_FIELDS = ("ratio", "natural_frequency")
 """Names of element fields that are tried whatever their dimension: ratios of gears, frequencies of tuned dampers."""
 REPLACED_FIELDS = {"hysteretic": "damping", "viscous": "loss_factor", "ratio": "teeth"}
 """Field of an element that each kind of cause replaces, the other kind of damping or the teeth behind a ratio."""
+
+FIRST_FRICTION, FIRST_STAGE = 0.02, 0.1
+"""Shares of the torque and of the stiffness of a test at which the search for friction or a stage left out begins."""
 
 CHANNEL_CAUSES = ("delay", "gain", "reference_angle")
 """Names of the causes of a misfit that are unknowns of a measuring channel."""
@@ -45,7 +50,7 @@ class Cause:
     Attributes
     ----------
     kind : {"delay", "gain", "reference_angle", "hysteretic", "viscous", "ratio", "value", "misfire", "gas_torque",
-        "between"}
+        "between", "friction", "stage"}
     unknown : str
         Name of the additional unknown: ``I_2``, ``dmf.loss_factor``, ``delay``, ``engine.misfire_share.4``. A course
         between samples frees none.
@@ -55,6 +60,10 @@ class Cause:
         Part of a machine that the cause is in: ``cylinder 4 of engine``.
     between : str
         Course of the input between samples, held, straight or band_limited, in place of that supposed.
+    also : tuple of str
+        Further unknowns that come with it, as the gap beyond which a stage acts with its stiffness.
+    begins : tuple of float
+        Values in SI from which these are searched, of an element that the model lacks.
     """
 
     kind: str
@@ -62,6 +71,8 @@ class Cause:
     element: str = ""
     part: str = ""
     between: str = ""
+    also: tuple[str, ...] = ()
+    begins: tuple[float, ...] = ()
 
     @property
     def is_of_channel(self) -> bool:
@@ -90,10 +101,12 @@ def possible_causes(problem: FitProblem) -> tuple[Cause, ...]:
     channel = [Cause(name, name) for name in asked if name not in free]
     rigs = [block.response.drivetrain for block in problem.blocks]
     listed = [*_values(rigs[0]), *_ratios(rigs[0]), *_dampings(rigs[0])]
+    listed += (cause for block in problem.blocks if isinstance(block, SteppedBlock) for cause in _left_out(block))
     if any(block.line_orders is not None for block in problem.blocks):
         listed += [*_misfires(rigs[0]), *_amplitudes(rigs[0], has_phases=has_phases)]
     courses = [Cause(BETWEEN, BETWEEN, between=way) for way in WAYS if any(_runs_otherwise(way, problem))]
-    return (*channel, *courses, *(cause for cause in listed if cause.unknown not in problem.unknowns))
+    named = dict.fromkeys(cause for cause in listed if cause.unknown not in problem.unknowns)
+    return (*channel, *courses, *named)
 
 
 def _runs_otherwise(between: Between, problem: FitProblem) -> Iterator[bool]:
@@ -156,10 +169,28 @@ def _amplitudes(rig: AssembledModel, *, has_phases: bool) -> Iterator[Cause]:
                 yield Cause("value", number.name)
 
 
+def _left_out(block: SteppedBlock) -> Iterator[Cause]:
+    """Causes of a misfit at several amplitudes: values of the laws of motion, friction or a stage beside them."""
+    curve = block.curve_of_steps
+    rig, name = curve.drivetrain, curve.elements[0]
+    definition, ends = rig.definition, tuple(rig.definition.elements[name].ports.values())
+    for one in curve.elements:
+        for _, _, value, _ in definition.elements[one].expressions():
+            yield from (Cause("value", leaf) for leaf in _leaves(value, definition.parameters))
+    torques, twists = np.abs(block.steps.torques), np.abs(block.steps.twists)
+    if len(ends) == 2 and f"{name}_friction" not in definition.elements:
+        begin = FIRST_FRICTION * float(np.median(torques))
+        yield Cause("friction", f"{name}_friction.torque", part=name, begins=(begin,))
+    if len(ends) == 2 and f"{name}_stage" not in definition.elements:
+        # Contact beyond a gap beside the spring is one more stage, from half of the gap on.
+        begins = FIRST_STAGE * curve.spring, 2 * float(np.median(twists))
+        yield Cause("stage", f"{name}_stage.stiffness", part=name, also=(f"{name}_stage.gap",), begins=begins)
+
+
 def _dampings(rig: AssembledModel) -> Iterator[Cause]:
     """Causes of a misfit by springs whose damping is hysteretic where the model has it viscous, or the reverse."""
     for element in rig.definition.active:
-        if isinstance(element, Spring | HystereticSpring):
+        if isinstance(element, Spring | HystereticSpring) and element.stiffness is not None:
             if _loss(element, rig):
                 yield Cause("viscous", f"{element.name}.damping", element.name)
             elif _damping(element, rig):
@@ -197,7 +228,7 @@ def with_causes(problem: FitProblem, causes: Sequence[Cause], values: FloatArray
     instead : bool
         Whether another kind of damping replaces the present one; otherwise it starts at 0 in addition to it.
     """
-    more = [cause.unknown for cause in causes if not cause.is_of_channel]
+    more = [name for cause in causes if not cause.is_of_channel for name in (cause.unknown, *cause.also)]
     gone = {f"{cause.element}.{REPLACED_FIELDS[cause.kind]}" for cause in causes if cause.element and instead}
     flags: dict[str, Any] = {cause.unknown: cause.between or True for cause in causes if cause.is_of_channel}
     unknowns = {
@@ -207,6 +238,7 @@ def with_causes(problem: FitProblem, causes: Sequence[Cause], values: FloatArray
     # Geometric mean of all frequencies, where the other damping starts as strong, c omega = k eta.
     top = np.exp(np.mean([np.log(block.frequencies).mean() for block in problem.blocks]))
     changes = [_change(cause, float(top), instead) for cause in causes if cause.element]
+    changes += [partial(_with_left_out, cause=cause) for cause in causes if cause.begins]
 
     def changed(rig: AssembledModel) -> AssembledModel:
         for change in changes:
@@ -238,6 +270,18 @@ def _flagged(block: MeasurementBlock, flags: Mapping[str, Any]) -> Measurement:
 def _acts(problem: FitProblem, name: str) -> bool:
     columns = [index for index, entry in enumerate(problem.names) if entry.partition("[")[0] == name]
     return bool(np.any(problem.jacobian(problem.start)[:, columns]))
+
+
+def _with_left_out(rig: AssembledModel, cause: Cause) -> AssembledModel:
+    """Model with friction, or contact beyond a gap, beside an element of it."""
+    ends = tuple(rig.definition.elements[cause.part].ports.values())
+    new, _, _ = cause.unknown.rpartition(".")
+    added: Element = (
+        Friction.from_entries(new, nodes=ends, torque=cause.begins[0])
+        if cause.kind == "friction"
+        else Clearance.from_entries(new, nodes=ends, stiffness=cause.begins[0], gap=cause.begins[1])
+    )
+    return rig.with_definition(replace(rig.definition, elements={**rig.definition.elements, new: added}))
 
 
 def _change(cause: Cause, frequency: float, instead: bool) -> Change:
@@ -366,7 +410,8 @@ def fit_causes(
 
 def starts_of_causes(problem: FitProblem, values: FloatArray) -> list[FloatArray]:
     """Values (n,) from which causes are searched: those of the fit, and its start, as a wrong model leads far off."""
-    return [values] if np.array_equal(values, problem.start) else [values, problem.start]
+    led = problem.has_equations or np.array_equal(values, problem.start)
+    return [values] if led else [values, problem.start]
 
 
 def under_own_noise(one: CauseFit, solve: Solve) -> LeastSquaresSolution:
@@ -383,7 +428,8 @@ def _refined(one: CauseFit, solve: Solve) -> CauseFit:
 def _factors(problem: FitProblem, cause: Cause) -> tuple[float, ...]:
     if cause.kind == "gain" and any(block.form != "magnitude" for block in problem.blocks):
         return GAIN_SIGNS
-    return START_FACTORS if cause.is_value and not problem.has_records else START_FACTORS[:1]
+    far = cause.is_value and not (problem.has_records or problem.has_equations)
+    return START_FACTORS if far else START_FACTORS[:1]
 
 
 def _tried(problem: FitProblem, cause: Cause, start: FloatArray, solve: Solve, factor: float) -> CauseFit | None:

@@ -29,11 +29,13 @@ from torsionnet.identification.fit_search import (
 )
 from torsionnet.identification.lack_of_fit import LackOfFit, lack_of_fit_sentences, noise_bias
 from torsionnet.identification.profile import profile_interval
+from torsionnet.identification.residuals.stepped_block import SteppedBlock
 from torsionnet.identification.unknown_parameter import ParameterQuantity, parameter_quantity
 from torsionnet.identification.verdict_words import (
     NO_SCATTER,
     has_no_scatter,
     is_rounding_alone,
+    not_seen,
     relative_misfits,
     verdicts,
 )
@@ -234,7 +236,9 @@ def make_fit(
     errors = np.where(undetermined, np.inf, np.sqrt(np.diag(covariance)))
     correlation = _correlation(inverse, directions[lost])
     names, moved = problem.names, noise_bias(problem, values)
-    sentences = verdicts(problem, values, errors, correlation, directions[lost], moved, limits)
+    unseen = not_seen(problem, values, errors)
+    errors[[names.index(name) for name in unseen]] = np.inf
+    sentences = verdicts(problem, values, errors, correlation, directions[lost], moved, {**limits, **unseen})
     rejected = lack is not None and lack.rejected
     warnings = () if rejected else (NO_SCATTER,) if silent else misfit_warnings(problem, values, loss)
     withheld = np.inf if rejected or silent else 0.0
@@ -245,7 +249,7 @@ def make_fit(
         chi_squared=float(residuals @ residuals),
         degrees_of_freedom=max(int(free), 1),
         comparisons=tuple(_compared(problem, number, values) for number in range(len(problem.blocks))),
-        verdicts=(*lack_of_fit_sentences(lack), *warnings, *limits.values(), *sentences),
+        verdicts=(*lack_of_fit_sentences(lack), *warnings, *limits.values(), *unseen.values(), *sentences),
         notes=_notes(problem, loss, left_over, scaled=factor == left_over and not withheld),
         units={name: EXTRA_UNITS.get(plain, natures[plain].unit) for name, plain in plain_names.items()},
         title=f"Fit of {model.name}",
@@ -293,8 +297,9 @@ def _notes(problem: FitProblem, loss: str, factor: float, *, scaled: bool) -> tu
     robust = "" if loss == "linear" else f", robust loss {loss}"
     first = f"from {', '.join(labels)}{robust}; reduced chi squared {factor:.3g}{by}"
     remarks = (*filter(None, (block.remark for block in problem.blocks)), *unnamed_configurations(problem))
-    has_laws = any(following_elements(block.response.drivetrain.definition) for block in problem.blocks)
-    read = (range_notes(block.response.drivetrain.assembly, np.abs(block.frequencies)) for block in problem.blocks)
+    tangents = [block for block in problem.blocks if not isinstance(block, SteppedBlock)]
+    has_laws = any(following_elements(block.response.drivetrain.definition) for block in tangents)
+    read = (range_notes(block.response.drivetrain.assembly, np.abs(block.frequencies)) for block in tangents)
     beyond = dict.fromkeys(note for notes in read for note in notes)
     return (first, *remarks, *([ABOUT_FITTED] if has_laws else []), *beyond)
 

@@ -24,6 +24,7 @@ from torsionnet.model.files.located_yaml import LocatedDocument, compose
 from torsionnet.model.files.reader import is_file, located_faults, presentable_faults
 from torsionnet.signals.recording import Recording
 from torsionnet.signals.records.recording_files import channel_names, read_even
+from torsionnet.signals.stepped_levels import SteppedStiffness
 from torsionnet.signals.welch import Welch
 
 SAME_ENTRIES = (
@@ -189,7 +190,7 @@ class _Reader:
 
     def _data(
         self, given: FitMeasurement, model: Drivetrain | None, path: tuple[str, ...], configuration: str
-    ) -> FrequencyResponse | Recording | OrderData | None:
+    ) -> FrequencyResponse | Recording | SteppedStiffness | OrderData | None:
         key = next(name for name in given.SOURCES if getattr(given, name) is not None)
         file = str(getattr(given, key))
         target = self.folder / file
@@ -208,7 +209,8 @@ class _Reader:
             offered = [name for name in set_points(model) if name in there] if model else []
             wanted = [name for name in (given.output, given.input, given.reference) if name]
             names = list(dict.fromkeys([*wanted, *offered]))
-            return read_even(target, names=names, pulses=given.pulses, **reading.arguments)
+            record = read_even(target, names=names, pulses=given.pulses, **reading.arguments)
+            return record.stepped_stiffness(given.input, given.output) if key == "stepped" else record
         except ModelError as error:
             self.faults += [Fault(f"{file}: {fault.message}", (*path, key), kind=fault.kind) for fault in error.faults]
         except UsageError as error:

@@ -195,6 +195,11 @@ class FitProblem:
         return any(isinstance(block, RecordBlock) for block in self.blocks)
 
     @property
+    def has_equations(self) -> bool:
+        """Whether equations of motion lead a search to its start, as for laws of motion at several amplitudes."""
+        return any(block.has_equations for block in self.blocks)
+
+    @property
     def has_unknown_noise(self) -> bool:
         """Whether any measurement is a response that says nothing of its noise."""
         return any(isinstance(block, ResponseBlock) and block.noise_is_unknown for block in self.blocks)

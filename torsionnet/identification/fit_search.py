@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -31,6 +32,10 @@ SCALE_ROUNDS, SETTLED_SCALE_CHANGE = 30, 1e-4
 settled."""
 
 
+EQUATION_ROUNDS = 4
+"""Times that equations of motion are weighed by their deviations, which depend on the values found."""
+
+
 @dataclass(frozen=True)
 class LeastSquaresSolution:
     """Optimum found by a search of a fit, with values, cost, convergence and the ``scale`` of a robust loss."""
@@ -50,6 +55,7 @@ def local_optimum(
     A robust loss needs the size of residuals that are not outliers: the median of their absolute values, calculated
     again until it settles. The search ends where cost, values or gradient change by less than ``tolerance``.
     """
+    start = start_by_equations(problem, start)
     if loss == "linear":
         return _local(problem, start, loss, 1.0, tolerance)
     found = _local(problem, start, "linear", 1.0, tolerance)
@@ -63,6 +69,40 @@ def local_optimum(
         if abs(scale / before - 1) < SETTLED_SCALE_CHANGE:
             break
     return replace(found, scale=scale)
+
+
+def start_by_equations(problem: FitProblem, start: FloatArray) -> FloatArray:
+    """Start values (n,) at which the equations of motion hold best at the motions measured; as given for linear models.
+
+    Motions of a model far off lie on other branches than those of the test, or there are none; equations are smooth.
+    """
+    if not problem.has_equations:
+        return start
+    lower, upper = search_bounds(problem)
+    found, steps = np.clip(start, lower, upper), typical_steps(problem, problem.start)
+    try:
+        with np.errstate(all="ignore"):  # overflow is checked by the cost
+            for _ in range(EQUATION_ROUNDS):
+                # Deviations are those at the last values, else a model that answers little would fit best.
+                missed = partial(_missed_equations, problem, sizes=_equations(problem, found)[1])
+                solved = scipy.optimize.least_squares(missed, found, bounds=(lower, upper), x_scale=steps)
+                found = np.asarray(solved.x)
+        better = np.sum(problem.residuals(found) ** 2) < np.sum(problem.residuals(start) ** 2)
+    except (SolveError, ValueError, np.linalg.LinAlgError):
+        return start
+    return found if better else start
+
+
+def _equations(problem: FitProblem, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Equations of motion missed by all measurements that have some, and their deviations by noise."""
+    placed = zip(problem.blocks, problem.unknown_indices, strict=True)
+    each = [block.equations(values[place]) for block, place in placed if block.has_equations]
+    return np.concatenate([one[0] for one in each]), np.concatenate([one[1] for one in each])
+
+
+def _missed_equations(problem: FitProblem, values: FloatArray, sizes: FloatArray) -> FloatArray:
+    priors = [(values[index] - mean) / deviation for index, (mean, deviation) in problem.priors.items()]
+    return np.concatenate([_equations(problem, values)[0] / sizes, priors])
 
 
 def residual_scale(problem: FitProblem, x: FloatArray) -> float:

@@ -36,6 +36,7 @@ from torsionnet.identification.fit_search import (
 from torsionnet.identification.lack_of_fit import Explanation, LackOfFit, misfits
 from torsionnet.identification.residuals.measurement import Measurement
 from torsionnet.identification.residuals.sampled_response import FORMS
+from torsionnet.identification.residuals.stepped_block import SteppedBlock
 from torsionnet.identification.unknown_parameter import Unknown, read_unknowns
 from torsionnet.identification.verdict_words import relative_misfits
 from torsionnet.linear.assembly.rows import FloatArray
@@ -130,11 +131,13 @@ def _explained(one: CauseFit, left: float, solve: Solve, errors: Errors) -> Expl
     )
 
 
-def coarse_sensor_remarks(problem: FitProblem) -> tuple[str, ...]:
-    """Remarks on records compared at frequencies where the sensor moves by few of its steps, one sentence each."""
+def data_remarks(problem: FitProblem) -> tuple[str, ...]:
+    """Remarks on records compared where the sensor moves by few of its steps, and on what one harmonic leaves out."""
     found = []
     for block in problem.blocks:
         one = block.measurement
+        if isinstance(block, SteppedBlock):
+            found.append("one harmonic of the motion is compared: periodic_response tells whether the others count")
         if isinstance(one.data, Recording):
             steps = resolution(one.data, one.output, one.input)
             if steps is not None and steps.enough_up_to < block.frequencies[-1]:
@@ -280,9 +283,7 @@ def _judge_fit(model: Drivetrain, problem: FitProblem, best: LeastSquaresSolutio
         return make_fit(model, tried, at, loss).standard_errors
 
     found = explanations(problem, best.x, solve, errors)
-    return make_fit(
-        model, problem, best, loss, replace(lack, explanations=found, data_warnings=coarse_sensor_remarks(problem))
-    )
+    return make_fit(model, problem, best, loss, replace(lack, explanations=found, data_warnings=data_remarks(problem)))
 
 
 def _settled(
@@ -345,7 +346,8 @@ def _check_information(problem: FitProblem) -> None:
     effects = np.abs(slopes).max(axis=0) * typical_steps(problem, problem.start)
     seen = max(float(np.max(np.abs(block.measured)) / np.min(block.deviations)) for block in problem.blocks)
     idle = [name for name, size in zip(problem.names, effects, strict=True) if not size > IDLE_EFFECT * seen]
-    if idle:
+    # Of a law of motion, what the record never visits is not seen, which the result says.
+    if idle and (not problem.has_equations or len(idle) == len(problem.names)):
         pairs = ", ".join(dict.fromkeys(block.measurement.channels for block in problem.blocks))
         does = "does" if len(idle) == 1 else "do"
         raise UsageError(

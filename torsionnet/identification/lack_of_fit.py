@@ -125,10 +125,10 @@ class Explanation:
     Attributes
     ----------
     kind : {"delay", "gain", "reference_angle", "hysteretic", "viscous", "ratio", "value", "misfire", "gas_torque",
-        "between"}
+        "between", "friction", "stage"}
     of : str
-        The signal that is late, too large or turned, the element with another kind of damping, the value set free, or
-        the cylinder that misfires.
+        The signal that is late, too large or turned, the element with another kind of damping or with friction or a
+        stage left out, the value set free, or the cylinder that misfires.
     values, standard_errors : mapping of str to float
         Values and errors of all parameters with the additional unknown, which is among them, SI.
     before : float or None
@@ -261,6 +261,8 @@ ADVICE_BY_CAUSE = {
     "ratio": "look for other teeth, or correct the ratio",
     "value": "free it too, or correct it",
     "between": "say so by between, in the signal or in the measurement",
+    "friction": "give it friction",
+    "stage": "give it one more stage",
 }
 INTERVALS_WITHHELD = "Intervals are withheld"
 MOST_EXPLANATIONS_LISTED = 3
@@ -318,6 +320,10 @@ def cause_in_words(kind: str, of: str, value: float, before: float | None, betwe
         return f"a misfire of {of} ({100 * value:.3g} % of its injection lost)"
     if kind == "gas_torque":
         return f"a gas torque of {of} {value:.3g} times that of the others"
+    if kind == "friction":
+        return f"friction left out at {of} ({value:.3g} N*m)"
+    if kind == "stage":
+        return f"a stage left out at {of} ({value:.4g} N*m/rad more)"
     if kind == "hysteretic":
         return f"hysteretic instead of viscous damping in {of} (loss factor {value:.3g})"
     if kind == "viscous":

@@ -49,7 +49,7 @@ class RankedCause:
     Attributes
     ----------
     kind : {"delay", "gain", "reference_angle", "hysteretic", "viscous", "ratio", "value", "misfire", "gas_torque",
-        "between"}
+        "between", "friction", "stage"}
     of : str
         The value, the signals of a gain, delay or reference angle, the element with another kind of damping, or the
         cylinder that misfires.

@@ -127,10 +127,9 @@ def parameter_quantity(model: AssembledModel, name: str) -> ParameterQuantity:
         spec, _ = model.definition.elements[element].scalars().get(field, (None, None))
         return _of(spec, spec.dimension) if isinstance(spec, QuantityKind) else ParameterQuantity()
     for element_in in model.definition.elements.values():
-        for spec, value in element_in.scalars().values():
-            for _, expression, dimension in spec.expressions(value):
-                if isinstance(expression, Name) and expression.name == name and isinstance(spec, QuantityKind):
-                    return _of(spec, dimension)
+        for _, spec, expression, dimension in element_in.expressions():
+            if isinstance(expression, Name) and expression.name == name and isinstance(spec, QuantityKind):
+                return _of(spec, dimension)
     dimension_of = dimensions(model.definition.parameters)[0].get(name)
     return ParameterQuantity("" if dimension_of is None else str(dimension_of).removeprefix("1"))
 

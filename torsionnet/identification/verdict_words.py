@@ -12,6 +12,7 @@ from torsionnet.identification.fit_search import typical_steps
 from torsionnet.identification.lack_of_fit import noise_bias_sentence
 from torsionnet.identification.residuals.measurement_block import MeasurementBlock
 from torsionnet.identification.residuals.response_block import ResponseBlock
+from torsionnet.identification.residuals.stepped_block import SteppedBlock
 from torsionnet.linear.assembly.rows import FloatArray
 from torsionnet.signals.uncertainty import LEAST_BINS, half_power_bandwidth, significant_peaks
 
@@ -29,6 +30,10 @@ OUTLYING_MISFIT_RATIO = 2.0
 AT_BOUND_DISTANCE = 1e-6
 """Relative distance to a bound within which a fitted value stands at it, as the search ends inside the bound by
 rounding."""
+UNSEEN_EFFECT = 1e-9
+"""Effect of a whole value on the residuals, over that of the strongest, up to which it is none but rounding."""
+SLIPPING_SWINGS = 5.0
+"""Swing over the twist at which a slider begins to slip, from which its spring tells hardly anything."""
 NARROW_PEAK_ADVICE = "fit the record itself, which has no such error, or use longer windows"
 
 
@@ -43,7 +48,7 @@ def verdicts(
 ) -> tuple[str, ...]:
     """Verdicts on a fit in words, one sentence each; values that ``ended`` at zero or infinity are left out."""
     return (
-        *_combinations(problem, lost),
+        *_combinations(problem, lost, ended),
         *_alike(problem, values, errors, correlation),
         *_vague(problem, values, errors, ended),
         *_bounds(problem, values, ended),
@@ -53,15 +58,45 @@ def verdicts(
     )
 
 
+def not_seen(problem: FitProblem, values: FloatArray, errors: FloatArray) -> dict[str, str]:
+    """Sentence by name for each value of a law of motion that the swings measured tell nothing of.
+
+    These are breaks beyond all swings and stages behind them, values lost in the noise, and the spring of a slider
+    that slips nearly all the time.
+    """
+    effects = np.linalg.norm(problem.jacobian(values), axis=0) * np.abs(values)
+    found: dict[str, str] = {}
+    for block in problem.blocks:
+        if not isinstance(block, SteppedBlock):
+            continue
+        swings = np.abs(block.steps.twists)
+        sliding = block.curve_of_steps.springs_of_sliders(values[: len(block.response.names)])
+        for name in block.curve_of_steps.own_names:
+            place = problem.names.index(name) if name in problem.names else -1
+            if place < 0 or name in found:
+                continue
+            limit = sliding.get(name, np.inf)
+            if effects[place] <= UNSEEN_EFFECT * effects.max():
+                found[name] = f"{name} is not seen: no swing reaches it, the largest is {swings.max():.3g} rad"
+            elif swings.min() > SLIPPING_SWINGS * limit:
+                found[name] = f"{name} is not seen: it slips at {limit:.3g} rad, and no swing is below 5 times that"
+            elif not errors[place] < abs(values[place]) / 2:
+                most = abs(values[place]) + 2 * errors[place]
+                found[name] = f"{name} is not seen: it is lost in the noise, and at most about {most:.2g}"
+    return found
+
+
 def _where(problem: FitProblem) -> str:
     labels = [block.measurement.label for block in problem.blocks]
     return f"in {labels[0]} alone" if len(labels) == 1 else f"in {', '.join(labels)}"
 
 
-def _combinations(problem: FitProblem, lost: FloatArray) -> Iterator[str]:
+def _combinations(problem: FitProblem, lost: FloatArray, ended: Collection[str]) -> Iterator[str]:
     """Sentence for each combination of parameters that the data of a fit do not determine."""
     for direction in lost:
         members = np.flatnonzero(np.abs(direction) > 1e-3 * np.abs(direction).max())
+        if all(problem.names[index] in ended for index in members):
+            continue
         names = " and ".join(problem.names[index] for index in members)
         yield (
             f"{names} cannot be told apart {_where(problem)}: the data fix only a combination of them. "

@@ -90,7 +90,7 @@ class FitMeasurement(Declared):
     kind: ClassVar[str] = "measurement"
     article: ClassVar[str] = "a measurement"
     form: ClassVar[str] = "{record: FILE, output: ..., input: ...}"
-    SOURCES: ClassVar[tuple[str, ...]] = ("record", "response", "orders")
+    SOURCES: ClassVar[tuple[str, ...]] = ("record", "response", "orders", "stepped")
     NOT_OF_ORDERS: ClassVar[tuple[str, ...]] = (
         "input", "model_input", "excitation", "reference", "settling", "pulses", "between", "reading",
     )  # fmt: skip
@@ -100,6 +100,9 @@ class FitMeasurement(Declared):
     response: str | None = entry(Text("instead of a record: file of a response already estimated"), None)
     orders: str | None = entry(
         Text("instead of a record: file of tracked orders, or a table of speed, order and amplitude"), None
+    )
+    stepped: str | None = entry(
+        Text("instead of a record: file of signals with steps of sines at several amplitudes, for laws of motion"), None
     )
     output: str = entry(Text("channel"))
     input: str = entry(Text("channel"), "")
@@ -114,8 +117,8 @@ class FitMeasurement(Declared):
     reference: str = entry(Text("channel of the set-point; by default the model's input with _set"), "")
     settling: float = entry(Value("time at the start that is left out", "time"), 0.0)
     error: float | None = entry(
-        Value("relative standard error of a response instead of its coherence, or of orders without intervals", "1",
-            exclusive=True),
+        Value("relative standard error of a response instead of its coherence, or of steps or orders without intervals",
+            "1", exclusive=True),
         None,
     )  # fmt: skip
     orders_used: tuple[float, ...] = entry(
@@ -148,7 +151,8 @@ class FitMeasurement(Declared):
     def contradictions(self) -> list[Fault]:
         given = [key for key in self.SOURCES if getattr(self, key) is not None]
         if len(given) != 1:
-            text = f"a measurement needs one of record, response and orders: {dict(self.specs())['record'].description}"
+            what = dict(self.specs())["record"].description
+            text = f"a measurement needs one of record, response, orders and stepped: {what}"
             return [Fault(text, on_key=True, kind="missing-entry", about="record")]
         wrong, why = self.ONLY_OF_ORDERS, "belongs to measured orders"
         if self.orders is not None:

@@ -25,6 +25,7 @@ from torsionnet.linear.frequency_response import FrequencyResponse
 from torsionnet.signals.estimators import LEAST_DRIVEN
 from torsionnet.signals.orders.tracked_orders import MeasuredOrder, TrackedOrders
 from torsionnet.signals.recording import Recording
+from torsionnet.signals.stepped_levels import SteppedStiffness
 from torsionnet.signals.welch import Welch
 
 ONLY_OF_ORDERS = ("orders_used", "speeds", "speed_of", "reference_angle")
@@ -37,11 +38,12 @@ class Measurement:
 
     Attributes
     ----------
-    data : Recording, FrequencyResponse, TrackedOrders or sequence of MeasuredOrder
+    data : Recording, FrequencyResponse, SteppedStiffness, TrackedOrders or sequence of MeasuredOrder
         With a record, the model predicts the output from the measured input, and test and prediction go through the
         same estimator, which avoids a bias by leakage. A record begins at rest, or see ``settling``. Orders are
         compared with those that the excitations of the model cause at the same speeds, over their intervals; without
-        phases only amplitudes are.
+        phases only amplitudes are. Steps of sines at several amplitudes are compared with the first harmonic of the
+        twist under the torque, with laws of motion by their describing functions.
     output, input : str
         Names in the data, and in the model unless ``model_output`` and ``model_input`` say otherwise. Orders have no
         input, and those of a tracked channel have its name.
@@ -67,8 +69,8 @@ class Measurement:
     name : str, optional
         By default the configuration.
     error : float, optional
-        Relative standard error of a response, instead of what its coherence says: 0.05 is 5 % of every magnitude. Of
-        orders it holds where they have no interval.
+        Relative standard error of a response, instead of what its coherence says, or of steps: 0.05 is 5 % of every
+        magnitude. Of orders it holds where they have no interval.
     orders_used : tuple of float, optional
         Orders that are compared; by default all that the model excites.
     speeds : tuple of float, optional
@@ -83,7 +85,7 @@ class Measurement:
         rotation, rad.
     """
 
-    data: Recording | FrequencyResponse | TrackedOrders | Sequence[MeasuredOrder]
+    data: Recording | FrequencyResponse | SteppedStiffness | TrackedOrders | Sequence[MeasuredOrder]
     output: str = ""
     input: str = ""
     configuration: str = ""
@@ -106,7 +108,7 @@ class Measurement:
     between: str | None = None
 
     def __post_init__(self) -> None:
-        if not isinstance(self.data, Recording | FrequencyResponse):
+        if not isinstance(self.data, Recording | FrequencyResponse | SteppedStiffness):
             self._take_orders(self.data)
         elif wrong := [name for name in ONLY_OF_ORDERS if getattr(self, name)]:
             raise UsageError(
@@ -123,7 +125,7 @@ class Measurement:
                     f"a band goes from a frequency >= 0 to a higher one, in Hz, got {low}, {high}",
                     kind="unordered-rows",
                 )
-        if isinstance(self.data, FrequencyResponse) and (self.settings or self.settling or self.reference):
+        if not isinstance(self.data, Recording) and (self.settings or self.settling or self.reference):
             raise UsageError(
                 "settings, settling and reference belong to records; this is a response that has been estimated",
                 kind="needless-entry",
@@ -169,7 +171,7 @@ class Measurement:
     @property
     def has_orders(self) -> bool:
         """Whether the measurement is of orders of turning machinery, not a record or a frequency response."""
-        return not isinstance(self.data, Recording | FrequencyResponse)
+        return not isinstance(self.data, Recording | FrequencyResponse | SteppedStiffness)
 
     @property
     def channels(self) -> str:

@@ -11,7 +11,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 import scipy
@@ -62,6 +62,9 @@ class MeasurementBlock(ABC):
     Vectors of values hold the ``parameters`` of the model first, then delay, gain and reference angle where they are
     fitted.
     """
+
+    has_equations: ClassVar[bool] = False
+    """Whether equations of motion lead a search to where the motions of the model can be compared."""
 
     measurement: Measurement
     response: ParametricCurve
@@ -225,6 +228,10 @@ class MeasurementBlock(ABC):
         plain = parametric_response(rig, output, into, old.frequencies, names, driven_by=measurement.excitation)
         found.response = between_samples(plain, found.course, found.corrected_course)
         return found
+
+    def equations(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Equations of motion missed at the motion measured, and their deviations by noise."""
+        raise NotImplementedError
 
     @property
     def stated_course(self) -> BetweenSamples | None:

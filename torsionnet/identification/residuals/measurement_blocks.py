@@ -19,6 +19,7 @@ from torsionnet.identification.residuals.record_block import RecordBlock
 from torsionnet.identification.residuals.response_block import ResponseBlock, lowest_settled_frequency
 from torsionnet.identification.residuals.sampled_response import Form, between_samples, smoothing
 from torsionnet.identification.residuals.sensor_steps import SensorSteps, find_sensor_steps
+from torsionnet.identification.residuals.stepped_block import stepped_block
 from torsionnet.identification.residuals.windowed_estimate import (
     MOST_ROW_BYTES,
     NUMBERS_PER_BATCH,
@@ -32,6 +33,7 @@ from torsionnet.linear.sensitivity.parametric import ParametricResponse, paramet
 from torsionnet.signals.decimation import factor_for
 from torsionnet.signals.estimators import estimate
 from torsionnet.signals.recording import Recording
+from torsionnet.signals.stepped_levels import SteppedStiffness
 from torsionnet.signals.welch import PAPER, Welch
 
 # Memory demand of a fit of records, estimated before it starts.
@@ -122,6 +124,8 @@ def make_block(
         return _of_record(rig, measurement, data, parameters_of_drivetrain(rig, parameters), form)
     if isinstance(data, FrequencyResponse):
         return _of_response(rig, measurement, data, parameters_of_drivetrain(rig, parameters), form)
+    if isinstance(data, SteppedStiffness):
+        return stepped_block(rig, measurement, data, parameters, form)
     return order_block(rig, measurement, parameters, form)
 
 

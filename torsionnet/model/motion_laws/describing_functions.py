@@ -12,15 +12,18 @@ and Nonlinear System Design, 1968).
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from torsionnet.model.element_base.laws import MotionState, TorqueCurve
 from torsionnet.model.motion_laws.piece_curve import Hold, PieceCurve, Slope
 from torsionnet.model.motion_laws.smooth_curves import CubicCurve
+
+FloatArray = NDArray[np.float64]
 
 QUADRATURE = 4096
 """Points in a period at which a curve without a closed form is read; smooth ones are exact with far fewer."""
@@ -51,15 +54,18 @@ def describing_function(curve: TorqueCurve, amplitude: float, mean: float = 0.0,
     756.1472591
     """
     if isinstance(curve, CubicCurve):
-        return _of_cubic(curve, amplitude, mean)
-    if isinstance(curve, PieceCurve) and not any(
-        isinstance(one, Slope) and one.side and one.damping for one in curve.pieces
-    ):
+        torque, stiffness = _of_cubic(curve, amplitude, mean)
+        return Describing(float(torque), complex(stiffness))
+    if isinstance(curve, PieceCurve) and not _pushes_only(curve):
         if curve.over == "twist":
-            return _of_pieces(curve, amplitude, mean, omega)
+            torque, stiffness = _of_pieces(curve, amplitude, mean, omega)
+            return Describing(float(torque), complex(stiffness))
         # Over the rate the same corners act on the rate's amplitude a w, a quarter of a period ahead: k'' = k'(a w) w.
-        rate = _of_pieces(curve, amplitude * omega, 0.0, omega)
-        return Describing(rate.mean_torque, 1j * omega * rate.stiffness.real)
+        torque, stiffness = _of_pieces(curve, amplitude * omega, 0.0, omega)
+        return Describing(float(torque), 1j * omega * float(stiffness.real))
+    if isinstance(curve, PieceCurve):
+        torque, stiffness = _of_contacts(curve, amplitude, mean, omega)
+        return Describing(float(torque), complex(stiffness))
     return _by_quadrature(curve, amplitude, mean, omega)
 
 
@@ -72,42 +78,103 @@ def slider_describing_function(stiffness: float, torque: float, amplitude: float
     >>> slider_describing_function(300.0, 4.0, 0.01)
     (300+0j)
     """
-    if amplitude <= torque / stiffness:
-        return complex(stiffness)
-    turned = math.acos(1 - 2 * torque / (stiffness * amplitude))
-    elastic = stiffness * (turned - math.sin(2 * turned) / 2) / math.pi
-    return complex(elastic, 4 * torque * (amplitude - torque / stiffness) / (math.pi * amplitude**2))
+    return complex(slider_stiffness_over(stiffness, torque, np.array([amplitude]))[0])
 
 
-def _of_cubic(curve: CubicCurve, a: float, m: float) -> Describing:
-    """Torque k (m + a cos) + k_3 (m + a cos)^3 by the formulas of powers of the cosine."""
+def stiffness_over(
+    curve: TorqueCurve, amplitude: FloatArray, mean: FloatArray, omega: FloatArray
+) -> NDArray[np.complex128]:
+    """Complex stiffness k' + j k'' (n,) in N m/rad of a torque curve at amplitudes and means in rad, omega in rad/s."""
+    if isinstance(curve, CubicCurve):
+        return np.asarray(_of_cubic(curve, amplitude, mean)[1], dtype=np.complex128)
+    if isinstance(curve, PieceCurve) and not _pushes_only(curve):
+        if curve.over == "twist":
+            return np.asarray(_of_pieces(curve, amplitude, mean, omega)[1], dtype=np.complex128)
+        rate = _of_pieces(curve, amplitude * omega, np.zeros_like(mean), omega)[1]
+        return np.asarray(1j * omega * rate.real)
+    if isinstance(curve, PieceCurve):
+        return np.asarray(_of_contacts(curve, amplitude, mean, omega)[1], dtype=np.complex128)
+    rows = zip(amplitude.tolist(), mean.tolist(), omega.tolist(), strict=True)
+    return np.array([_by_quadrature(curve, *row).stiffness for row in rows])
+
+
+def slider_stiffness_over(stiffness: float, torque: float, amplitude: FloatArray) -> NDArray[np.complex128]:
+    """Complex stiffness (n,) in N m/rad of friction behind a spring, see :func:`slider_describing_function`."""
+    ratio = np.minimum(torque / stiffness / np.maximum(amplitude, np.finfo(float).tiny), 1.0)
+    turned = np.arccos(1 - 2 * ratio)
+    elastic = stiffness * (turned - np.sin(2 * turned) / 2) / np.pi
+    return np.asarray(elastic + 4j * stiffness * ratio * (1 - ratio) / np.pi)
+
+
+def _pushes_only(curve: PieceCurve) -> bool:
+    """Whether a contact has damping, so that it leaves before its twist has gone back."""
+    return any(isinstance(one, Slope) and one.side and one.damping for one in curve.pieces)
+
+
+def _of_cubic(curve: CubicCurve, a: Any, m: Any) -> tuple[Any, Any]:
+    """Mean torque and stiffness of k (m + a cos) + k_3 (m + a cos)^3 by the formulas of powers of the cosine."""
     k, third = float(curve.stiffness), float(curve.cubic)
-    return Describing(k * m + third * (m**3 + 1.5 * m * a**2), complex(k + third * (0.75 * a**2 + 3 * m**2)))
+    return k * m + third * (m**3 + 1.5 * m * a**2), k + third * (0.75 * a**2 + 3 * m**2)
 
 
-def _of_pieces(curve: PieceCurve, a: float, m: float, omega: float) -> Describing:
-    """Sum over the corners of a curve, from its first straight piece on."""
+def _of_pieces(curve: PieceCurve, a: Any, m: Any, omega: Any) -> tuple[Any, Any]:
+    """Mean torque and stiffness as a sum over the corners of a curve, from its first straight piece on."""
     over_twist = curve.over == "twist"
     slopes = [one for one in curve.pieces if isinstance(one, Slope)]
     first = slopes[0]
     k = float(first.stiffness if over_twist else first.damping)
-    torque, stiffness = float(first.torque) + k * m, complex(k, omega * float(first.damping) if over_twist else 0.0)
+    torque = float(first.torque) + k * m
+    stiffness = k + 1j * omega * (float(first.damping) if over_twist else 0.0)
+    size = np.maximum(a, np.finfo(float).tiny)
     for before, after in pairwise(slopes):
         corner = float(after.lower if after.lower is not None else before.upper)
         grown = float(after.stiffness - before.stiffness if over_twist else after.damping - before.damping)
         step = float(after.torque - before.torque) + grown * corner
-        x = min(1.0, max(-1.0, (corner - m) / a)) if a else math.copysign(1.0, corner - m)
-        root, turned = math.sqrt(1 - x * x), math.acos(x)
-        stiffness += grown * (turned - x * root) / math.pi
         # Beyond the swing the whole of the corner counts: h = 0 above, m - g below.
-        torque += grown * (a * (root - x * turned) / math.pi if abs(x) < 1 else max(0.0, m - corner))
-        if a:
-            stiffness += 2 * step * root / (math.pi * a)
-        torque += step * turned / math.pi
+        x = np.clip((corner - m) / size, -1.0, 1.0)
+        root, turned = np.sqrt(1 - x * x), np.arccos(x)
+        stiffness = stiffness + grown * (turned - x * root) / np.pi
+        inside = np.abs(x) < 1
+        torque = torque + grown * np.where(inside, a * (root - x * turned) / np.pi, np.maximum(0.0, m - corner))
+        stiffness = stiffness + np.where(inside & (a > 0), 2 * step * root / (np.pi * size), 0.0)
+        torque = torque + step * turned / np.pi
         if over_twist and after.damping != before.damping:
             # A damper on one side of the corner acts while gamma > g: 2/pi of the integral of sin^2 there.
-            stiffness += 1j * omega * float(after.damping - before.damping) * (turned - x * root) / math.pi
-    return Describing(torque, stiffness)
+            stiffness = stiffness + 1j * omega * float(after.damping - before.damping) * (turned - x * root) / np.pi
+    return torque, stiffness
+
+
+def _of_contacts(curve: PieceCurve, a: Any, m: Any, omega: Any) -> tuple[Any, Any]:
+    """Mean torque and stiffness of contacts on either side of a gap, in which nothing acts."""
+    both = [_of_contact(one, a, m, omega) for one in curve.pieces if isinstance(one, Slope) and one.side]
+    return sum(one[0] for one in both), sum(one[1] for one in both)
+
+
+def _of_contact(piece: Slope, a: Any, m: Any, omega: Any) -> tuple[Any, Any]:
+    """Mean torque and stiffness of a contact max(0, k d + c d') at a penetration d = side gamma - g.
+
+    Under d = a cos(phi) - d_0 contact pushes while both a cos(phi) > d_0 and R cos(phi + delta) > k d_0, with
+    R exp(j delta) = a (k + j w c): from -theta, where the sides meet, to the phase at which the damper would pull.
+    """
+    k, c, side = float(piece.stiffness), float(piece.damping), piece.side
+    apart = -side * (float(piece.torque) / k + m)  # d_0 = g - side m
+    size = np.maximum(a, np.finfo(float).tiny)
+    lag, reach = np.arctan2(omega * c, k), np.hypot(k, omega * c) * size
+    theta, pushed = np.arccos(np.clip(apart / size, -1, 1)), np.arccos(np.clip(k * apart / reach, -1, 1))
+    first = np.where(theta < np.pi, np.maximum(-theta, -pushed - lag), -pushed - lag)
+    last = np.where(theta < np.pi, np.minimum(theta, pushed - lag), pushed - lag)
+    last = np.maximum(first, last)
+
+    def integral(phi: Any) -> tuple[Any, Any]:
+        # of T and of T exp(-j phi), T = k (a cos(phi) - d_0) - w c a sin(phi)
+        sine, cosine = np.sin(phi), np.cos(phi)
+        along = size * (k * (phi / 2 + sine * cosine / 2 - 0.5j * sine**2))
+        across = -omega * c * size * (sine**2 / 2 - 0.5j * (phi - sine * cosine))
+        level = -k * apart * (sine + 1j * cosine)
+        return k * (size * sine - apart * phi) + omega * c * size * cosine, along + across + level
+
+    before, after = integral(first), integral(last)
+    return side * (after[0] - before[0]) / (2 * np.pi), (after[1] - before[1]) / (np.pi * size)
 
 
 def _by_quadrature(curve: TorqueCurve, a: float, m: float, omega: float) -> Describing:

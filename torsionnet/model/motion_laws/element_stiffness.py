@@ -6,17 +6,25 @@ a slider, and arc springs the first harmonic of their slow loop. Parallel laws a
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from torsionnet.base.errors import UsageError
 from torsionnet.base.expressions import FLOAT
 from torsionnet.model.element_base.element import Element
-from torsionnet.model.element_base.laws import Law, MotionLaw, Values
+from torsionnet.model.element_base.laws import Law, MotionLaw, Row, Values, WholePart
 from torsionnet.model.motion_laws.describing_functions import (
     Describing,
     describing_function,
     slider_describing_function,
+    slider_stiffness_over,
+    stiffness_over,
 )
+
+FloatArray = NDArray[np.float64]
 
 
 def element_stiffness(
@@ -44,7 +52,7 @@ def element_stiffness(
         return _of_arc_springs(element, value, amplitude, mean_torque, omega)
     parts = element.whole_parts(value)
     if element.kind == "friction" and getattr(element, "stiffness", None) is not None:
-        return _of_slider(element, parts, amplitude)
+        return Describing(0.0, slider_describing_function(*slider_of(element, parts), amplitude))
     row = element.twist(value)
     torque, stiffness = 0.0, 0j
     for part in parts:
@@ -59,15 +67,48 @@ def element_stiffness(
     return Describing(torque, stiffness)
 
 
-def _of_slider(element: Element, parts: Any, amplitude: float) -> Describing:
-    """Friction of one torque behind its spring, which turns back before it slips again."""
+def stiffness_over_twists(
+    element: Element,
+    parts: Sequence[WholePart],
+    row: Row,
+    amplitudes: FloatArray,
+    mean_twists: FloatArray,
+    omega: FloatArray,
+) -> NDArray[np.complex128]:
+    """Complex stiffness (n,) in N m/rad of an element at amplitudes in rad about mean twists in rad, omega in rad/s.
+
+    ``parts`` are those of the element with its laws in full, ``row`` is its twist.
+
+    Raises
+    ------
+    UsageError
+        As for :func:`element_stiffness`; also for arc springs, whose torque their history leaves open.
+    """
+    if element.without_motion:
+        raise UsageError(f"{element.name}: {element.without_motion}", kind="unsupported-law")
+    if element.kind == "friction" and getattr(element, "stiffness", None) is not None:
+        return slider_stiffness_over(*slider_of(element, parts), amplitudes)
+    found = np.zeros(len(amplitudes), dtype=complex)
+    for part in parts:
+        if isinstance(part, MotionLaw) and part.row == row and not part.lag and not part.sensed:
+            found = found + float(part.scale) * stiffness_over(part.curve, amplitudes, mean_twists, omega)
+        elif isinstance(part, Law) and part.row == row and part.table is None:
+            k = float(part.stiffness)
+            found = found + k * (1 + 1j * float(part.loss_factor)) + 1j * omega * float(part.damping)
+        elif not (isinstance(part, Law) and part.row != row):
+            raise UsageError(f"{element.name} has no describing function over its twist", kind="unsupported-law")
+    return found
+
+
+def slider_of(element: Element, parts: Any) -> tuple[float, float]:
+    """Stiffness and torque of friction of one torque behind its spring, which turns back before it slips again."""
     springs = [float(part.stiffness) for part in parts if isinstance(part, Law) and part.stiffness]
     curves = [part.curve for part in parts if isinstance(part, MotionLaw)]
     held = [abs(float(curve.torque(0.0, rate))) for curve in curves for rate in (1e-12, 1e3)]
     if len(springs) != 1 or len(curves) != 1 or held[0] != held[1]:
         text = "friction over slip speed behind a spring has no describing function"
         raise UsageError(f"{element.name}: {text}", kind="unsupported-law")
-    return Describing(0.0, slider_describing_function(springs[0], held[0], amplitude))
+    return springs[0], held[0]
 
 
 def _of_arc_springs(element: Any, value: Values, amplitude: float, mean_torque: float, omega: float) -> Describing:

@@ -1,0 +1,115 @@
+"""Fits of laws of motion to sines at several amplitudes; the data come from roots and integrations by scipy."""
+
+import numpy as np
+import pytest
+import scipy
+from support.stepped_sines import INERTIA, STAGES, measured, of_stages, steps
+
+import torsionnet as tn
+from torsionnet.base.errors import UsageError
+
+F = np.linspace(6.0, 18.0, 25)
+LEVELS = (15.0, 40.0, 90.0)
+SPRING = {"stages": [{"stiffness": "k1", "to_twist": "g1"}, {"stiffness": "k2"}]}
+WITHIN = {"k1": 0.005, "k2": 0.01, "g1": 0.011, "c": 0.06, "M": 0.04}
+"""Five times the scatter of each value over draws, at the noise and levels of these tests."""
+
+
+def rig(spring=SPRING, friction=True, **values):
+    parts = [
+        tn.Inertia("mass", node="a", inertia="J"),
+        tn.Spring("disc", nodes=("a", "ground"), damping="c", **spring),
+        *([tn.Friction("ring", nodes=("a", "ground"), torque="M")] if friction else []),
+    ]
+    return tn.Drivetrain(
+        "bench", parts, {"J": INERTIA, **values}, inputs={"T": {"torque": "a"}}, sensors={"gamma": {"angle": "a"}}
+    )
+
+
+def fitted(model, data, parameters, **more):
+    test = tn.Measurement(data, "gamma", "T", error=0.01, name="steps", **more)
+    return tn.identify(model, test, parameters)
+
+
+def test_stages_and_friction_from_afar_on_the_branch_of_the_test():
+    """The sweep upward stays on the upper branch, which the search finds from starts that have other branches."""
+    data = measured(of_stages(**STAGES), LEVELS, F, seed=1)
+    fit = fitted(rig(k1=400, g1=0.1, k2=1700, c=1.0, M=2.0), data, list(STAGES))
+    for name, value in STAGES.items():
+        assert fit.values[name] == pytest.approx(value, rel=WITHIN[name]), name
+        assert abs(fit.values[name] - value) < 4 * fit.standard_errors[name]
+        assert fit.standard_errors[name] < WITHIN[name] * value / 2
+    assert not fit.lack_of_fit.rejected
+    assert fit.units["k1"] == "N*m/rad"
+
+
+def test_a_cubic_spring_from_integrated_motion():
+    """Steady motion by DOP853; its third harmonic, up to 1 % of the first, is not in the model and hardly moves it."""
+    k, third, c, f = 140.0, 1500.0, 0.4, np.array([3.0, 5.0, 6.5, 10.0, 14.0])
+    twists, torques = [], np.repeat([2.0, 6.0], len(f))
+    for torque, hertz in zip(torques, np.tile(f, 2), strict=True):
+        omega = 2 * np.pi * hertz
+
+        def motion(t, y, torque=torque, omega=omega):
+            return y[1], (torque * np.cos(omega * t) - c * y[1] - k * y[0] - third * y[0] ** 3) / INERTIA
+
+        settled, period = np.ceil(7.0 * hertz) / hertz, 1 / hertz
+        times = settled + np.arange(256) / 256 * period
+        found = scipy.integrate.solve_ivp(motion, (0, times[-1]), (0, 0), "DOP853", times, rtol=1e-8, atol=1e-10)
+        twists.append(np.mean(found.y[0] * np.exp(-1j * omega * times)) * 2)
+    rng = np.random.default_rng(3)
+    noise = 0.01 * (rng.normal(size=len(twists)) + 1j * rng.normal(size=len(twists)))
+    data = steps(np.tile(f, 2), np.array(twists) * (1 + noise), torques)
+    model = rig({"stiffness": "k", "cubic": "k3"}, friction=False, k=120, k3=2500, c=0.8)
+    fit = fitted(model, data, ["k", "k3", "c"])
+    for name, value in {"k": k, "k3": third, "c": c}.items():
+        assert abs(fit.values[name] - value) < 4 * fit.standard_errors[name], name
+        assert fit.standard_errors[name] < 0.05 * value
+
+
+def test_what_no_swing_visits_is_not_seen():
+    data = measured(of_stages(**STAGES), (8.0,), np.linspace(6.0, 8.0, 12), seed=2)
+    assert np.abs(data.twists).max() < STAGES["g1"]
+    fit = fitted(rig(**STAGES), data, ["k1", "g1", "k2", "M"])
+    for name in ("g1", "k2"):
+        assert np.isinf(fit.standard_errors[name])
+        assert any(one.startswith(f"{name} is not seen: no swing reaches it") for one in fit.verdicts)
+    assert fit.values["k1"] == pytest.approx(STAGES["k1"], rel=0.02)
+    assert np.isfinite(fit.standard_errors["k1"])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("left_out", ["friction", "stage", "inertia", "lateness"])
+def test_a_wrong_law_is_called_wrong_and_its_cause_named(left_out):
+    data = measured(of_stages(**STAGES), LEVELS, F, seed=1)
+    names, values = dict(STAGES), dict(STAGES)
+    if left_out == "friction":
+        del names["M"], values["M"]
+        model = rig(friction=False, **values)
+    elif left_out == "stage":
+        names = values = {"k1": 460.0, "c": 0.5, "M": 3.0}
+        model = rig({"stiffness": "k1"}, **values)
+    elif left_out == "inertia":
+        model = rig(**values).configured(J=0.145)
+    else:
+        model = rig(**values)
+        data = steps(data.frequencies, data.twists * np.exp(-2e-3j * np.pi * data.frequencies), data.torques)
+    fit = fitted(model, data, list(names))
+    assert fit.lack_of_fit.rejected
+    best = fit.lack_of_fit.explanations[0]
+    expected = {"friction": ("friction", "disc", 3.0), "stage": ("stage", "disc", 1040.0),
+                "inertia": ("value", "J", INERTIA), "lateness": ("delay", "gamma", 1e-3)}[left_out]  # fmt: skip
+    value = next(value for name, value in best.values.items() if name.partition("[")[0] == best.unknown)
+    assert (best.kind, best.of, best.complete) == (*expected[:2], True)
+    assert value == pytest.approx(expected[2], rel=0.05)
+
+
+def test_a_model_without_any_spring_is_refused():
+    model = tn.Drivetrain(
+        "free", [tn.Inertia("mass", node="a", inertia="J")], {"J": 1.0}, inputs={"T": {"torque": "a"}},
+        sensors={"gamma": {"angle": "a"}},
+    )  # fmt: skip
+    data = steps(np.array([5.0, 6.0]), np.array([0.1 + 0j, 0.1]), np.array([1.0, 2.0]))
+    with pytest.raises(UsageError) as caught:
+        fitted(model, data, ["J"])
+    assert caught.value.kind == "no-effect"

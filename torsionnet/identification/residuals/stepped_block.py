@@ -1,0 +1,130 @@
+"""Weighted residuals of the first harmonics at the steps of a sine test at several amplitudes."""
+
+from __future__ import annotations
+
+from copy import copy
+from dataclasses import dataclass, field, replace
+from typing import ClassVar
+
+import numpy as np
+
+from torsionnet.base.errors import UsageError
+from torsionnet.identification.orders.parametric_orders import parameters_of_drivetrain
+from torsionnet.identification.residuals.measurement import Measurement
+from torsionnet.identification.residuals.noise import Noise, noise_between_lines
+from torsionnet.identification.residuals.response_block import ResponseBlock
+from torsionnet.identification.residuals.sampled_response import Form, parts
+from torsionnet.identification.residuals.stepped_curve import SteppedCurve, stepped_curve
+from torsionnet.linear.assembly.assembled import AssembledModel
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
+from torsionnet.linear.frequency_response import Channel, FrequencyResponse
+from torsionnet.signals.stepped_levels import SteppedStiffness
+
+SAME_LEVEL = 0.1
+"""Share by which the torque amplitudes, or else the twists, of the steps of one level differ at most."""
+
+
+@dataclass(eq=False)
+class SteppedBlock(ResponseBlock):
+    """Residuals of output over torque at each step, in the order of the test.
+
+    Attributes
+    ----------
+    steps : SteppedStiffness
+        Those compared.
+    """
+
+    has_equations: ClassVar[bool] = True
+
+    steps: SteppedStiffness = field(kw_only=True)
+
+    @property
+    def curve_of_steps(self) -> SteppedCurve:
+        """First harmonic of the model at the steps."""
+        assert isinstance(self.response, SteppedCurve)
+        return self.response
+
+    @property
+    def runs(self) -> tuple[slice, ...]:
+        """Slices of the steps of each level, along which frequency or amplitude goes one way."""
+        levels, f = np.abs(self.steps.torques), self.frequencies
+        ends, way = [0], 0.0
+        for place in range(1, len(f)):
+            sense = float(np.sign(f[place] - f[place - 1]))
+            jumps = abs(levels[place] / levels[place - 1] - 1) > SAME_LEVEL and sense != 0
+            if jumps or way * sense < 0:
+                ends.append(place)
+                sense = 0.0
+            way = sense or way
+        return tuple(slice(a, b) for a, b in zip(ends, [*ends[1:], len(f)], strict=True))
+
+    @property
+    def description(self) -> str:
+        return f"{len(self.frequencies)} steps of {len(self.runs)} level{'s' * (len(self.runs) > 1)}"
+
+    def measured_noise(self, values: FloatArray) -> Noise | None:
+        if self.measurement.error is not None:
+            return super().measured_noise(values)
+        residual, _ = self.residuals(values)
+        count = len(self.frequencies)
+        lines = residual if self.parts == 1 else residual[:count] + 1j * residual[count:]
+        found = [noise_between_lines(lines[run], np.eye(run.stop - run.start)) for run in self.runs]
+        if any(one is None for one in found):
+            return None
+        known = [one for one in found if one is not None]
+        return Noise(np.concatenate([one.ratio for one in known]), sum(one.certainty for one in known))
+
+    def equations(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+        missed, moves = self.curve_of_steps.unbalanced(values[: len(self.response.names)])
+        return parts(missed), np.tile(moves * np.sqrt(self.noise), 2)
+
+    def with_model(self, rig: AssembledModel, measurement: Measurement, parameters: tuple[str, ...]) -> SteppedBlock:
+        found = copy(self)
+        found.measurement = measurement
+        found.response = _curve(rig, measurement, self.steps, parameters)
+        return found
+
+
+def stepped_block(
+    rig: AssembledModel, measurement: Measurement, data: SteppedStiffness, parameters: tuple[str, ...], form: Form
+) -> SteppedBlock:
+    """Weighted residuals between a model with a law of motion and the steps of a sine test, ready for a fit.
+
+    Raises
+    ------
+    UsageError
+        Names or a law of motion that the model lacks, or no step in the band.
+    """
+    low, high = measurement.band or (0.0, np.inf)
+    kept = (data.frequencies >= low) & (data.frequencies <= high) & (np.abs(data.torques) > 0)
+    for start, stop in measurement.excluded:
+        kept &= (data.frequencies < start) | (data.frequencies > stop)
+    if not kept.any():
+        text = f"has no step to compare; it has steps from {data.frequencies.min():g} to {data.frequencies.max():g} Hz"
+        raise UsageError(f"{measurement.label} {text}", kind="empty-band")
+    arrays = ("frequencies", "twists", "torques", "mean_twists", "mean_torques", "distortion")
+    steps = replace(data, **{name: getattr(data, name)[kept] for name in arrays})
+    names = parameters_of_drivetrain(rig, parameters)
+    try:
+        response = _curve(rig, measurement, steps, names)
+    except UsageError as error:
+        raise UsageError(f"{measurement.label}: {error}", kind=error.kind) from None
+    lines = FrequencyResponse(
+        steps.frequencies,
+        _measured(steps)[:, None, None],
+        (Channel(measurement.output, "rad"),),
+        (Channel(measurement.input, "N*m"),),
+    )
+    return SteppedBlock(measurement, response, lines, None, form=form, steps=steps)
+
+
+def _measured(steps: SteppedStiffness) -> ComplexArray:
+    return np.asarray(steps.twists / steps.torques)
+
+
+def _curve(
+    rig: AssembledModel, measurement: Measurement, steps: SteppedStiffness, parameters: tuple[str, ...]
+) -> SteppedCurve:
+    output, into = measurement.model_output or measurement.output, measurement.model_input or measurement.input
+    each = (steps.frequencies, np.abs(steps.torques), steps.mean_twists, _measured(steps))
+    return stepped_curve(rig, output, into, measurement.excitation, parameters, each)

@@ -1,0 +1,396 @@
+"""First harmonic of a drivetrain with a law of motion at the steps of a sine test, as a function of its parameters.
+
+The element with the law is taken out; a spring k_0 stays in its place. What is left is linear, with receptances from
+the torque u and from a torque between the ends of the element. With the describing functions K(a) of its laws
+
+    gamma = a_g u - b_g tau,   y = a_y u - b_y tau,   tau = (K(|gamma|) - k_0) gamma.
+
+Over frequency one torque has several such motions where the backbone leans over. Newton's method begins at the twist
+that was measured, so that each step is compared with the branch it was on; beyond a fold, where the model has none, it
+ends where the equation is missed least.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from torsionnet.base.errors import SolveError, UsageError
+from torsionnet.base.expressions import FLOAT, ExpressionError
+from torsionnet.linear.assembly.assembled import AssembledModel
+from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
+from torsionnet.linear.dynamic_stiffness.transfer_request import named_output
+from torsionnet.linear.sensitivity.parametric import Evaluation, ParametricResponse, parametric_response
+from torsionnet.linear.sensitivity.unknowns import Unknowns, unknowns
+from torsionnet.model.channels import Sensor
+from torsionnet.model.element_base.element import OtherLaws
+from torsionnet.model.element_base.laws import WholePart
+from torsionnet.model.elements import GROUND, Element, Law, MotionLaw, Part, Row, Values
+from torsionnet.model.motion_laws.element_stiffness import slider_of, stiffness_over_twists
+
+RELATIVE_STEP = 1e-6
+"""Relative step by which the describing functions are differenced; they are smooth but at the corners of laws."""
+MOST_STEPS, SETTLED = 60, 1e-11
+"""Most steps of Newton's method, and the change of all twists, over their size, below which it ends."""
+MOST_KEPT = 64
+"""Most sets of values of the unknowns of which the laws are kept."""
+FIRST_DAMPING, MOST_DAMPING = 1e-3, 1e6
+"""Damping of Newton's steps at first, over the size of the slope, and that at which no step helps any more; it falls
+with each step that helps."""
+
+
+@dataclass(frozen=True)
+class LinearBeside(OtherLaws):
+    """Laws of an element without its laws of motion, with a spring (or none) in the place of all on its twist."""
+
+    stiffness: float
+
+    def parts(self, value: Values) -> tuple[Part, ...]:
+        row = self.element.twist(value)
+        beside = [
+            part
+            for part in self.element.whole_parts(value)
+            if not isinstance(part, MotionLaw) and not (isinstance(part, Law) and part.row == row)
+        ]
+        return (Law(row, stiffness=self.stiffness), *beside)
+
+
+@dataclass(frozen=True, eq=False)
+class SteppedCurve:
+    """First harmonic of an output over that of a torque at the steps of a sine test, as a function of parameters.
+
+    Attributes
+    ----------
+    drivetrain : AssembledModel
+    unknowns : Unknowns
+    elements : tuple of str
+        Those with laws of motion, all on one twist.
+    linear : ParametricResponse or None
+        Output, twist and measured torque over the torque that drives and those at the ends of the element; None where
+        the torque of the element itself is measured over its twist.
+    row : Row
+        Twist of the element over nodes, without those that stand still.
+    frequencies, torques, mean_twists : (n,) arrays
+        Hz, N m and rad at each step.
+    measured : (n,) complex array
+        Output over torque.
+    spring : float
+        k_0 in N m/rad.
+    unit : str
+    """
+
+    drivetrain: AssembledModel
+    unknowns: Unknowns
+    elements: tuple[str, ...]
+    linear: ParametricResponse | None
+    row: Row
+    frequencies: FloatArray
+    torques: FloatArray
+    mean_twists: FloatArray
+    measured: ComplexArray
+    spring: float
+    unit: str
+    _known: dict[tuple[float, ...], tuple[tuple[Element, tuple[WholePart, ...], Row], ...]] = field(
+        default_factory=dict, init=False, repr=False
+    )
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return self.unknowns.names
+
+    @property
+    def start(self) -> FloatArray:
+        """Values (n,) of the unknowns in the model as given, in SI units."""
+        return np.array(self.unknowns.start)
+
+    @cached_property
+    def own_names(self) -> tuple[str, ...]:
+        """Names of the unknowns that the laws of motion have, of those of the model."""
+        given = [one for name in self.elements for one in self.unknowns.definition.elements[name].expressions()]
+        used = {name for _, _, expression, _ in given for name in expression.names}
+        pairs = zip(self.names, self.unknowns.parameters, strict=True)
+        return tuple(name for name, parameter in pairs if parameter in used)
+
+    def springs_of_sliders(self, values: FloatArray) -> dict[str, float]:
+        """Twist in rad at which a slider begins to slip, by the name of the unknown that its spring is."""
+        found = {}
+        for element, parts, _ in self._laws(tuple(map(float, values))):
+            spring = getattr(element, "stiffness", None)
+            if element.kind == "friction" and spring is not None:
+                stiffness, torque = slider_of(element, parts)
+                pairs = zip(self.names, self.unknowns.parameters, strict=True)
+                found |= {name: torque / stiffness for name, parameter in pairs if parameter in spring.names}
+        return found
+
+    @cached_property
+    def omega(self) -> FloatArray:
+        """Circular frequencies (n,) in rad/s."""
+        return np.asarray(2 * np.pi * self.frequencies)
+
+    def at(self, values: Sequence[float] | FloatArray) -> Evaluation:
+        """Output over torque (n, 1, 1) and derivatives (n, 1, 1, n_p), in SI units, at values (n_p,) of the unknowns.
+
+        Raises
+        ------
+        SolveError
+            They are not finite there.
+        """
+        numbers = [float(one) for one in values]
+        beside = self._beside(numbers)
+        gamma = self._twists(numbers, beside)
+        size = np.abs(gamma)
+        K, rises = self._stiffness(numbers, size), self._rise(numbers, size)
+        tau, u = (K - self.spring) * gamma, self.torques
+        # 0 = gamma - a_g u + b_g tau: d gamma = -(A, B)^-1 of what moves at fixed gamma.
+        slopes = np.zeros((len(u), len(numbers)), dtype=complex)
+        y = beside.of_output * u - beside.output_by_torque * tau
+        for place in range(len(numbers)):
+            moved = self._stiffness_slope(numbers, place, size) * gamma
+            shift = (
+                beside.slope("by_torque", place) * tau + beside.by_torque * moved - beside.slope("of_twist", place) * u
+            )
+            change = -_inverse(*self._newton(beside, K, rises, gamma), shift)
+            along = (gamma.conj() * change).real / np.maximum(size, np.finfo(float).tiny)
+            dtau = moved + (K - self.spring) * change + rises * along * gamma
+            slopes[:, place] = (
+                beside.slope("of_output", place) * u
+                - beside.slope("output_by_torque", place) * tau
+                - beside.output_by_torque * dtau
+            )
+        if not (np.isfinite(y).all() and np.isfinite(slopes).all()):
+            given = ", ".join(f"{name} = {x:.6g}" for name, x in zip(self.names, numbers, strict=True))
+            raise SolveError(f"the response is not finite at {given}", kind="not-finite")
+        return Evaluation((y / u)[:, None, None], (slopes / u[:, None])[:, None, None])
+
+    def twists(self, values: Sequence[float] | FloatArray) -> ComplexArray:
+        """First harmonics (n,) in rad of the twist of the element at the steps, of the branches nearest to the test."""
+        numbers = [float(one) for one in values]
+        return self._twists(numbers, self._beside(numbers))
+
+    def unbalanced(self, values: Sequence[float] | FloatArray) -> tuple[ComplexArray, FloatArray]:
+        """Torque (n,) in N m that the laws have too much at the twist measured, and how much of it an output moves.
+
+        The second is in N m of torque over the unit of output over torque. Nothing is solved for: it is smooth in the
+        parameters wherever the motions of the model are.
+        """
+        numbers = [float(one) for one in values]
+        beside = self._beside(numbers)
+        gamma, tau = self._measured_twist(beside)
+        K, size = self._stiffness(numbers, np.abs(gamma)), np.abs(gamma)
+        A, B = self._newton(beside, K, self._rise(numbers, size), gamma)
+        moves = np.sqrt(np.abs(A) ** 2 + np.abs(B) ** 2) * self.torques / np.abs(beside.output_by_torque)
+        return np.asarray((K - self.spring) * gamma - tau), np.asarray(moves)
+
+    def _measured_twist(self, beside: _Beside) -> tuple[ComplexArray, ComplexArray]:
+        """Twist of the element, and torque beside the spring k_0, that the measured output asks for, each (n,)."""
+        tau = (beside.of_output - self.measured) * self.torques / beside.output_by_torque
+        return np.asarray(beside.of_twist * self.torques - beside.by_torque * tau), np.asarray(tau)
+
+    def _twists(self, numbers: Sequence[float], beside: _Beside) -> ComplexArray:
+        gamma, _ = self._measured_twist(beside)
+        damping = np.full(len(gamma), FIRST_DAMPING)
+        missed = self._missed(numbers, beside, gamma)
+        for _ in range(MOST_STEPS):
+            size = np.abs(gamma)
+            slopes = self._newton(beside, self._stiffness(numbers, size), self._rise(numbers, size), gamma)
+            step = _damped(*slopes, missed, damping)
+            following = self._missed(numbers, beside, gamma - step)
+            better = np.abs(following) < np.abs(missed)
+            gamma, missed = np.where(better, gamma - step, gamma), np.where(better, following, missed)
+            damping = np.where(better, damping / 10, np.minimum(damping * 10, MOST_DAMPING))
+            if ((np.abs(step) <= SETTLED * np.abs(gamma)) | (damping >= MOST_DAMPING)).all():
+                break
+        return np.asarray(gamma)
+
+    def _missed(self, numbers: Sequence[float], beside: _Beside, gamma: ComplexArray) -> ComplexArray:
+        tau = (self._stiffness(numbers, np.abs(gamma)) - self.spring) * gamma
+        return np.asarray(gamma - beside.of_twist * self.torques + beside.by_torque * tau)
+
+    def _newton(
+        self, beside: _Beside, K: ComplexArray, rises: ComplexArray, gamma: ComplexArray
+    ) -> tuple[ComplexArray, ComplexArray]:
+        """A and B of the change A d + B conj(d) of what is missed with a change d of the twist.
+
+        tau grows by (K - k_0) d + K' gamma Re(conj(gamma) d)/|gamma|.
+        """
+        size = np.maximum(np.abs(gamma), np.finfo(float).tiny)
+        return (
+            1 + beside.by_torque * (K - self.spring + rises * size / 2),
+            beside.by_torque * rises * gamma**2 / (2 * size),
+        )
+
+    def _stiffness(self, numbers: Sequence[float], amplitudes: FloatArray) -> ComplexArray:
+        """Complex stiffness K (n,) of the laws of the element at the steps."""
+        try:
+            at = (amplitudes, self.mean_twists, self.omega)
+            return np.asarray(sum(stiffness_over_twists(*one, *at) for one in self._laws(tuple(numbers))))
+        except (ZeroDivisionError, OverflowError, ExpressionError) as error:
+            raise SolveError(f"the laws of {', '.join(self.elements)}: {error}", kind="no-solution") from None
+
+    def _laws(self, numbers: tuple[float, ...]) -> tuple[tuple[Element, tuple[WholePart, ...], Row], ...]:
+        """Elements with their parts and their twist at values of the unknowns, kept for the next amplitudes."""
+        if numbers not in self._known:
+            if len(self._known) >= MOST_KEPT:
+                self._known.clear()
+            given = {name: float(one) for name, one in self.unknowns.values(numbers).items()}
+            value, elements = Values(given, FLOAT), self.unknowns.definition.elements
+            self._known[numbers] = tuple(_laws(elements[name], value) for name in self.elements)
+        return self._known[numbers]
+
+    def _rise(self, numbers: Sequence[float], amplitudes: FloatArray) -> ComplexArray:
+        """Derivative (n,) of K with the amplitude, N m/rad^2."""
+        step = RELATIVE_STEP * np.maximum(amplitudes, np.finfo(float).tiny)
+        above, below = (self._stiffness(numbers, amplitudes + sign * step) for sign in (1, -1))
+        return np.asarray((above - below) / (2 * step))
+
+    def _stiffness_slope(self, numbers: Sequence[float], place: int, amplitudes: FloatArray) -> ComplexArray:
+        """Derivative (n,) of K with one of the unknowns."""
+        step = RELATIVE_STEP * (abs(numbers[place]) or abs(self.start[place]) or 1.0)
+        ends = []
+        for sign in (1, -1):
+            moved = list(numbers)
+            moved[place] += sign * step
+            ends.append(self._stiffness(moved, amplitudes))
+        return np.asarray((ends[0] - ends[1]) / (2 * step))
+
+    def _beside(self, numbers: Sequence[float]) -> _Beside:
+        """Receptances of the linear part, with derivatives."""
+        if self.linear is None:
+            # The twist alone: T = K gamma is gamma - T/k_0 + (K - k_0) gamma/k_0 = 0, and the output is the twist.
+            constant = np.full(len(self.torques), 1 / self.spring + 0j)
+            none = np.zeros((len(self.torques), len(numbers)))
+            return _Beside(constant, constant, constant, constant, (none,) * 4)
+        found = self.linear.at(numbers)
+        weights = np.array([float(one) for one in self.row.values()])
+        driven, slopes = found.values[:, :, 0], found.jacobian[:, :, 0]
+        between, between_slopes = (
+            found.values[:, :, 1:] @ weights,
+            np.einsum("foip,i->fop", found.jacobian[:, :, 1:], weights),
+        )
+        if driven.shape[1] == 3:
+            # The torque measured is T = a_T u - b_T tau: u = (T + b_T tau)/a_T, put into the other rows.
+            per_torque, change = 1 / driven[:, 2:], slopes[:, 2:]
+            ratio = driven[:, :2] * per_torque
+            ratio_slopes = (slopes[:, :2] - ratio[:, :, None] * change) * per_torque[:, :, None]
+            moved = (
+                between_slopes[:, :2] - ratio_slopes * between[:, 2:, None] - ratio[:, :, None] * between_slopes[:, 2:]
+            )
+            between, between_slopes = between[:, :2] - ratio * between[:, 2:], moved
+            driven, slopes = ratio, ratio_slopes
+        parts = (driven[:, 1], between[:, 1], driven[:, 0], between[:, 0])
+        return _Beside(*parts, (slopes[:, 1], between_slopes[:, 1], slopes[:, 0], between_slopes[:, 0]))
+
+
+@dataclass(frozen=True, eq=False)
+class _Beside:
+    """Receptances (n,) in rad/(N m), a_g, b_g, a_y and b_y of the text of the module, and their derivatives."""
+
+    of_twist: ComplexArray
+    by_torque: ComplexArray
+    of_output: ComplexArray
+    output_by_torque: ComplexArray
+    slopes: tuple[ComplexArray | FloatArray, ...]
+
+    def slope(self, name: str, place: int) -> ComplexArray:
+        """Derivative (n,) of one of them with an unknown."""
+        number = ("of_twist", "by_torque", "of_output", "output_by_torque").index(name)
+        return np.asarray(self.slopes[number][:, place])
+
+
+def _inverse(A: ComplexArray, B: ComplexArray, right: ComplexArray) -> ComplexArray:
+    """Solutions d (n,) of A d + B conj(d) = right, of least squares where a fold has none."""
+    return _damped(A, B, right, np.full(len(A), 1e-12))
+
+
+def _damped(A: ComplexArray, B: ComplexArray, right: ComplexArray, damping: FloatArray) -> ComplexArray:
+    # Normal equations of Levenberg and Marquardt: (P + mu) d + Q conj(d) = s.
+    P, Q, s = np.abs(A) ** 2 + np.abs(B) ** 2, 2 * A.conj() * B, A.conj() * right + B * right.conj()
+    P = P * (1 + damping)
+    return np.asarray((P * s - Q * s.conj()) / (P**2 - np.abs(Q) ** 2))
+
+
+def stepped_curve(
+    rig: AssembledModel,
+    output: str,
+    into: str,
+    excitation: str | None,
+    parameters: tuple[str, ...],
+    steps: tuple[FloatArray, FloatArray, FloatArray, ComplexArray],
+) -> SteppedCurve:
+    """First harmonic of an output of a model over a torque at ``steps``: frequencies, torques, mean twists, measured.
+
+    Raises
+    ------
+    UsageError
+        The model has no law of motion, laws on several twists, or names that it lacks.
+    """
+    varied = unknowns(rig, parameters)
+    elements, row = _on_one_twist(rig)
+    frequencies, torques, means, measured = steps
+    at_start = Values(dict(rig.exact_values), FLOAT)
+    sizes = (np.abs(measured) * torques, means, 2 * np.pi * frequencies)
+    typical = sum(
+        np.abs(stiffness_over_twists(*_laws(rig.definition.elements[name], at_start), *sizes)) for name in elements
+    )
+    spring = float(np.median(typical)) or 1.0
+    drive, sensor = rig.sensors.get(output), rig.sensors.get(into)
+    free = tuple(node for node in row if node != GROUND)
+    common = (frequencies, torques, means, measured, spring)
+    if sensor is not None and sensor.quantity == "torque" and sensor.of in elements:
+        if drive is None or (drive.quantity, drive.of) != ("twist", sensor.of):
+            text = (
+                f"the torque of {sensor.of} goes with its twist; name a sensor {{twist: {sensor.of}}}, or what drives"
+            )
+            raise UsageError(text, kind="unfit-channel")
+        return SteppedCurve(rig, varied, (sensor.of,), None, row, *common, "rad/(N*m)")
+    # In the definition with a parameter for every unknown: replacing an entry later would put the laws back.
+    plain, replaced = varied.definition, {}
+    for place, name in enumerate(elements):
+        beside = LinearBeside(plain.elements[name], 0.0 if place else spring)
+        replaced[name] = plain.elements[name].unchecked(other_laws=beside, referred_to=None)
+    linear_rig = rig.with_definition(replace(plain, elements={**plain.elements, **replaced}, tangents=None))
+    outputs: list[str | Sensor] = [output, Sensor("twist", elements[0])]
+    driving = into
+    if sensor is not None:
+        outputs, driving = [*outputs, into], _driving(rig, excitation)
+    linear = parametric_response(linear_rig, outputs, [driving, *free], frequencies, varied.parameters)
+    held = {node: row[node] for node in free}
+    unit = f"{named_output(linear_rig, output).unit}/(N*m)"
+    return SteppedCurve(rig, varied, elements, linear, held, *common, unit)
+
+
+def _driving(rig: AssembledModel, excitation: str | None) -> str:
+    if excitation or len(rig.inputs) == 1:
+        return excitation or next(iter(rig.inputs))
+    text = "a measured torque needs to know which input drives it: name it by excitation"
+    raise UsageError(text, kind="unmatched-excitations")
+
+
+def _on_one_twist(rig: AssembledModel) -> tuple[tuple[str, ...], Row]:
+    """Names of the elements with laws of motion, and the row of node angles that is the twist of them all."""
+    value = Values(dict(rig.exact_values), FLOAT)
+    active = rig.definition.switched_on
+    # A linear spring is a law, too, and perhaps the wrong one.
+    moving = [one for one in active if _moves(one, value)] or [one for one in active if one.kind == "spring"]
+    if not moving:
+        text = "steps at several amplitudes tell of laws of motion and springs, and the model has none"
+        raise UsageError(text, kind="no-effect")
+    rows = [one.twist(value) for one in moving]
+    if any(row != rows[0] for row in rows[1:]):
+        names = ", ".join(one.name for one in moving)
+        text = f"{names} have laws of motion on several twists, which one output does not tell apart"
+        raise UsageError(
+            f"{text}; lock one, or measure the torque and the twist of one element", kind="unsupported-law"
+        )
+    return tuple(one.name for one in moving), rows[0]
+
+
+def _laws(element: Element, value: Values) -> tuple[Element, tuple[WholePart, ...], Row]:
+    return element, element.whole_parts(value), element.twist(value)
+
+
+def _moves(element: Element, value: Values) -> bool:
+    return element.has_motion_laws and any(isinstance(part, MotionLaw) for part in element.whole_parts(value))
