@@ -7,6 +7,8 @@ from support.stepped_sines import INERTIA, STAGES, measured, of_stages, steps
 
 import torsionnet as tn
 from torsionnet.base.errors import UsageError
+from torsionnet.identification.fit_file import load_fit_plan
+from torsionnet.signals import Recording, Signal, write_recording
 
 F = np.linspace(6.0, 18.0, 25)
 LEVELS = (15.0, 40.0, 90.0)
@@ -96,12 +98,47 @@ def test_a_wrong_law_is_called_wrong_and_its_cause_named(left_out):
         data = steps(data.frequencies, data.twists * np.exp(-2e-3j * np.pi * data.frequencies), data.torques)
     fit = fitted(model, data, list(names))
     assert fit.lack_of_fit.rejected
-    best = fit.lack_of_fit.explanations[0]
     expected = {"friction": ("friction", "disc", 3.0), "stage": ("stage", "disc", 1040.0),
                 "inertia": ("value", "J", INERTIA), "lateness": ("delay", "gamma", 1e-3)}[left_out]  # fmt: skip
+    # Another inertia scales all stiffnesses, dampings and torques, as a gain of the twist does: both are named.
+    named = {(one.kind, one.of): one for one in fit.lack_of_fit.explanations}
+    assert set(named) <= {expected[:2], ("gain", "gamma")}
+    assert set(named) == {expected[:2]} or left_out == "inertia"
+    best = named[expected[:2]]
+    assert best.complete
     value = next(value for name, value in best.values.items() if name.partition("[")[0] == best.unknown)
-    assert (best.kind, best.of, best.complete) == (*expected[:2], True)
     assert value == pytest.approx(expected[2], rel=0.05)
+
+
+BENCH = """torsionnet: 1
+parameters: {k1: 400 N*m/rad, g1: 0.1 rad, k2: 1800 N*m/rad}
+elements:
+  hub: {type: inertia, node: a, inertia: 0.05}
+  disc: {type: spring, nodes: [a, ground], stages: [{stiffness: k1, to_twist: g1}, {stiffness: k2}]}
+inputs: {T_M: {torque: a}}
+sensors: {T: {torque: disc}, gamma: {twist: disc}}
+"""
+FIT = """torsionnet: 1
+model: bench.yaml
+parameters: [k1, g1, k2]
+measurements:
+  staircase: {stepped: staircase.npz, output: gamma, input: T, error: 0.002}
+"""
+
+
+def test_torque_over_twist_of_an_element_from_a_file(tmp_path):
+    """The torque follows the twist sample by sample, on both stages; no inertia of the model comes in."""
+    t = np.arange(0, 16, 1e-3)
+    twist = np.repeat([0.05, 0.13, 0.2, 0.3], 4000) * np.sin(2 * np.pi * 4.0 * t)
+    torque = 460 * np.clip(twist, -0.12, 0.12) + 1500 * (twist - np.clip(twist, -0.12, 0.12))
+    record = Recording((Signal("T", "torque", torque), Signal("gamma", "angle", twist)), 1000)
+    write_recording(record, tmp_path / "staircase.npz")
+    (tmp_path / "bench.yaml").write_text(BENCH)
+    (tmp_path / "fit.yaml").write_text(FIT)
+    plan = load_fit_plan(tmp_path / "fit.yaml", tn.io.read_frequency_response)
+    fit = tn.identify(plan.model, plan.measurements, plan.parameters)
+    for name in ("k1", "g1", "k2"):
+        assert fit.values[name] == pytest.approx(STAGES[name], rel=1e-4), name
 
 
 def test_a_model_without_any_spring_is_refused():

@@ -174,6 +174,8 @@ def _left_out(block: SteppedBlock) -> Iterator[Cause]:
     curve = block.curve_of_steps
     rig, name = curve.drivetrain, curve.elements[0]
     definition, ends = rig.definition, tuple(rig.definition.elements[name].ports.values())
+    springs = [one.name for one in definition.active if one.kind == "spring" and tuple(one.ports.values()) == ends]
+    name = springs[0] if springs else name
     for one in curve.elements:
         for _, _, value, _ in definition.elements[one].expressions():
             yield from (Cause("value", leaf) for leaf in _leaves(value, definition.parameters))

@@ -236,7 +236,7 @@ def make_fit(
     errors = np.where(undetermined, np.inf, np.sqrt(np.diag(covariance)))
     correlation = _correlation(inverse, directions[lost])
     names, moved = problem.names, noise_bias(problem, values)
-    unseen = not_seen(problem, values, errors)
+    unseen = not_seen(problem, values, errors, limits)
     errors[[names.index(name) for name in unseen]] = np.inf
     sentences = verdicts(problem, values, errors, correlation, directions[lost], moved, {**limits, **unseen})
     rejected = lack is not None and lack.rejected

@@ -58,7 +58,7 @@ def verdicts(
     )
 
 
-def not_seen(problem: FitProblem, values: FloatArray, errors: FloatArray) -> dict[str, str]:
+def not_seen(problem: FitProblem, values: FloatArray, errors: FloatArray, ended: Collection[str]) -> dict[str, str]:
     """Sentence by name for each value of a law of motion that the swings measured tell nothing of.
 
     These are breaks beyond all swings and stages behind them, values lost in the noise, and the spring of a slider
@@ -73,7 +73,7 @@ def not_seen(problem: FitProblem, values: FloatArray, errors: FloatArray) -> dic
         sliding = block.curve_of_steps.springs_of_sliders(values[: len(block.response.names)])
         for name in block.curve_of_steps.own_names:
             place = problem.names.index(name) if name in problem.names else -1
-            if place < 0 or name in found:
+            if place < 0 or name in found or name in ended:
                 continue
             limit = sliding.get(name, np.inf)
             if effects[place] <= UNSEEN_EFFECT * effects.max():

@@ -116,7 +116,7 @@ class SteppedCurve:
 
     def springs_of_sliders(self, values: FloatArray) -> dict[str, float]:
         """Twist in rad at which a slider begins to slip, by the name of the unknown that its spring is."""
-        found = {}
+        found: dict[str, float] = {}
         for element, parts, _ in self._laws(tuple(map(float, values))):
             spring = getattr(element, "stiffness", None)
             if element.kind == "friction" and spring is not None:
@@ -163,7 +163,9 @@ class SteppedCurve:
         if not (np.isfinite(y).all() and np.isfinite(slopes).all()):
             given = ", ".join(f"{name} = {x:.6g}" for name, x in zip(self.names, numbers, strict=True))
             raise SolveError(f"the response is not finite at {given}", kind="not-finite")
-        return Evaluation((y / u)[:, None, None], (slopes / u[:, None])[:, None, None])
+        over = np.asarray(y / u, dtype=np.complex128)
+        per_torque = np.asarray(slopes / u[:, None], dtype=np.complex128)
+        return Evaluation(over[:, None, None], per_torque[:, None, None])
 
     def twists(self, values: Sequence[float] | FloatArray) -> ComplexArray:
         """First harmonics (n,) in rad of the twist of the element at the steps, of the branches nearest to the test."""
