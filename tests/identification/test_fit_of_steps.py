@@ -141,6 +141,19 @@ def test_torque_over_twist_of_an_element_from_a_file(tmp_path):
         assert fit.values[name] == pytest.approx(STAGES[name], rel=1e-4), name
 
 
+def test_an_arc_spring_is_refused():
+    arc = tn.ArcSpring("arc", nodes=("a", "ground"), stiffness=700, spring_mass=0.9, spring_radius=0.11, arc_angle=2.6,
+        friction_coefficient=0.12, speed=100, torque=200, swing=0.05)  # fmt: skip
+    model = tn.Drivetrain(
+        "arc", [tn.Inertia("mass", node="a", inertia="J"), arc], {"J": 1.0}, inputs={"T": {"torque": "a"}},
+        sensors={"gamma": {"angle": "a"}},
+    )  # fmt: skip
+    data = steps(np.array([5.0, 6.0]), np.array([0.1 + 0j, 0.1]), np.array([1.0, 2.0]))
+    with pytest.raises(UsageError, match="slow loops") as caught:
+        fitted(model, data, ["J"])
+    assert caught.value.kind == "unsupported-law"
+
+
 def test_a_model_without_any_spring_is_refused():
     model = tn.Drivetrain(
         "free", [tn.Inertia("mass", node="a", inertia="J")], {"J": 1.0}, inputs={"T": {"torque": "a"}},

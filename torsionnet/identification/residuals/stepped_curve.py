@@ -395,4 +395,6 @@ def _laws(element: Element, value: Values) -> tuple[Element, tuple[WholePart, ..
 
 
 def _moves(element: Element, value: Values) -> bool:
+    if element.over_time is not element:
+        return True  # arc springs, which have no describing function without their history
     return element.has_motion_laws and any(isinstance(part, MotionLaw) for part in element.whole_parts(value))

@@ -84,8 +84,9 @@ def stiffness_over_twists(
     UsageError
         As for :func:`element_stiffness`; also for arc springs, whose torque their history leaves open.
     """
-    if element.without_motion:
-        raise UsageError(f"{element.name}: {element.without_motion}", kind="unsupported-law")
+    if element.over_time is not element:
+        text = "the torque of its arc springs depends on what went before, which first harmonics do not tell"
+        raise UsageError(f"{element.name}: {text}; evaluate its slow loops", kind="unsupported-law")
     if element.kind == "friction" and getattr(element, "stiffness", None) is not None:
         return slider_stiffness_over(*slider_of(element, parts), amplitudes)
     found = np.zeros(len(amplitudes), dtype=complex)
