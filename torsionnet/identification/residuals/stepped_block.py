@@ -101,7 +101,7 @@ def stepped_block(
         kept &= (data.frequencies < start) | (data.frequencies > stop)
     if not kept.any():
         text = f"has no step to compare; it has steps from {data.frequencies.min():g} to {data.frequencies.max():g} Hz"
-        raise UsageError(f"{measurement.label} {text}", kind="empty-band")
+        raise UsageError(f"{measurement.label} {text}", kind="missing-data")
     arrays = ("frequencies", "twists", "torques", "mean_twists", "mean_torques", "distortion")
     steps = replace(data, **{name: getattr(data, name)[kept] for name in arrays})
     names = parameters_of_drivetrain(rig, parameters)

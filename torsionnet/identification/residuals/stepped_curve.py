@@ -368,7 +368,7 @@ def _driving(rig: AssembledModel, excitation: str | None) -> str:
     if excitation or len(rig.inputs) == 1:
         return excitation or next(iter(rig.inputs))
     text = "a measured torque needs to know which input drives it: name it by excitation"
-    raise UsageError(text, kind="unmatched-excitations")
+    raise UsageError(text, kind="wrong-count")
 
 
 def _on_one_twist(rig: AssembledModel) -> tuple[tuple[str, ...], Row]:
