@@ -19,7 +19,16 @@ from support.command_line import run
 
 import torsionnet as tn
 from torsionnet.report import make_report
-from torsionnet.report.document_tree import Facts, Heading, Math, NumberText, Report, Section
+from torsionnet.report.document_tree import (
+    Facts,
+    Heading,
+    Math,
+    NumberText,
+    Report,
+    Section,
+    TableBlock,
+    TableGroup,
+)
 from torsionnet.report.report_tables import table
 from torsionnet.report.writers import html, markdown, pdf
 from torsionnet.report.writers import pdf as browser
@@ -283,6 +292,28 @@ class TestPdf:
         with pytest.raises(tn.MissingExtraError, match="/no/such/program"):
             browser.find_browser()
 
+    def test_a_program_that_is_named_is_on_the_path_or_a_file(self, monkeypatch, tmp_path):
+        monkeypatch.setattr(browser.shutil, "which", lambda name: "/opt/mine" if name == "mine" else None)
+        file = tmp_path / "own"
+        file.touch()
+        for given, taken in (("mine", "/opt/mine"), (str(file), str(file))):
+            monkeypatch.setenv(browser.BROWSER_ENV, given)
+            assert browser.find_browser() == taken
+
+    @pytest.mark.parametrize("is_root", [True, False])
+    def test_root_prints_without_the_sandbox_that_it_cannot_have(self, monkeypatch, tmp_path, is_root):
+        page, printed, called = tmp_path / "r.html", tmp_path / "r.pdf", []
+
+        def run(command, **_):
+            called.extend(command)
+            printed.write_bytes(b"%PDF-1.4")
+            return subprocess.CompletedProcess(command, 0, b"", b"")
+
+        monkeypatch.setattr(browser.subprocess, "run", run)
+        monkeypatch.setattr(browser, "_is_root", lambda: is_root)
+        browser._print("mine", page, printed)
+        assert (called[0], called[-1], "--no-sandbox" in called) == ("mine", page.as_uri(), is_root)
+
     def test_usual_places_on_windows(self, monkeypatch):
         monkeypatch.delenv(browser.BROWSER_ENV, raising=False)
         monkeypatch.setenv("PROGRAMFILES", "C:/Program Files")
@@ -371,6 +402,13 @@ class TestMarkdown:
         assert len(tables) > 8
         for found in tables:
             assert len({line.count("|") for line in found}) == 1, found
+
+    def test_a_table_has_its_rule_units_and_headings_of_groups(self):
+        groups = (TableGroup((("one", NumberText(2.0)),)), TableGroup((("two", NumberText(7.5)),), "Others"))
+        found = TableBlock(("Values",), (Heading("Name"), Heading("x", "kN·m", numeric=True)), groups)
+        text = markdown.markdown_text(Report("r", "", Facts(()), (), (Section("s", ("s",), (found,)),)), "f")
+        lines = [line.replace("\\", "") for line in text.splitlines() if line.startswith("|")]
+        assert lines[-5:] == ["| Name | x [kN·m] |", "|---|---:|", "| one | 2 |", "| **Others** | |", "| two | 7.5 |"]
 
     def test_math_with_bars(self):
         assert (
