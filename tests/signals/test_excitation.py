@@ -102,3 +102,11 @@ def test_burst_of_the_whole_period_is_never_silent():
 def test_signals_that_make_no_sense(make, message):
     with pytest.raises(tn.UsageError, match=message):
         make()
+
+
+def test_lines_that_rounding_puts_beside_an_end_are_among_them():
+    """0.1 * 3 * 10 is above 3 and 0.29 * 100 is below 29, each by rounding alone."""
+    assert 0.1 * 3 * 10 > 3
+    assert 0.29 * 100 < 29
+    assert Multisine(start=0.1 * 3, stop=1, period=10, periods=1).lines[0] == pytest.approx(0.3)
+    assert Multisine(start=0.1, stop=0.29, period=100, periods=1).lines[-1] == pytest.approx(0.29)

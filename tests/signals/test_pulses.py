@@ -236,6 +236,8 @@ class TestRepairs:
 
     def test_missing_pulses_alone(self):
         assert missing_pulses(np.delete(np.arange(20.0), [7, 8])).counts.tolist() == [2]
+        with pytest.raises(UsageError, match="unordered-rows"):
+            missing_pulses(np.insert(np.arange(20.0), 7, 7.0))  # one pulse that stands twice
 
 
 class TestTrain:

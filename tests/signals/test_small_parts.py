@@ -13,6 +13,7 @@ from torsionnet.linear.dynamic_stiffness.transfer_request import resolve_request
 from torsionnet.linear.frequency_response import Channel, FrequencyResponse
 from torsionnet.model.files import library_benches
 from torsionnet.signals import Recording, Signal, Welch, angle_from_pulses, estimate
+from torsionnet.signals.bandlimited import NEIGHBOURS, gaps_of
 from torsionnet.signals.comparison import agreement
 from torsionnet.signals.encoder import angle_from_counts
 from torsionnet.signals.excitation import SteppedSine
@@ -217,3 +218,11 @@ class TestBenchFiles:
     def test_length_of_a_segment(self, seconds):
         with pytest.raises(UsageError, match=r"out-of-range"):
             Welch("hann", seconds)
+
+
+@pytest.mark.parametrize(("before", "behind"), [(0, 0), (-1, 0), (0, -1)])
+def test_a_gap_is_filled_that_has_pulses_enough_on_either_side(before, behind):
+    """Two pulses missing between as many pulses as the sum over its neighbours needs, or one fewer."""
+    first = NEIGHBOURS + before
+    numbers = np.delete(np.arange(first + 2 + NEIGHBOURS + behind), [first, first + 1])
+    assert [gap.first.tolist() for gap in gaps_of(numbers)] == [[] if before or behind else [first]]
