@@ -44,9 +44,9 @@ def test_contact_that_damps_and_never_pulls():
         tn.Spring("hold", nodes=("b", "ground"), stiffness=900, damping=1.1),
     ]
     found = tn.Drivetrain("damped contact", elements).periodic_response(
-        "twist(gap)", frequencies=[33, 42, 50], excitation={"a": {0: 9, 1: 13}}
+        "twist(gap)", frequencies=[42, 44], excitation={"a": {0: 9, 1: 13}}
     )
-    assert [len(found.motions_at(at)) for at in (33, 42, 50)] == [1, 3, 1]
+    assert len(found.motions_at(42)) == 3
     contact = Contact((1, -1), radians(1.2), 5200, 1.4)
     for motion in found.motions_at(42):
         flow = Flow(np.diag([0.05, 0.3]), np.diag([0, 1.1]), np.diag([0, 900]), [contact], [[9, 0], [13, 0]], 42)
@@ -97,9 +97,7 @@ def _cubic_mass(damping: float) -> tn.Drivetrain:
 
 
 def test_symmetric_motion_becomes_lopsided_without_a_fold():
-    found = _cubic_mass(0.2).periodic_response(
-        "a", frequencies=np.array([1.0, 1.1, 1.3]) / (2 * pi), excitation={"a": 5}
-    )
+    found = _cubic_mass(0.2).periodic_response("a", frequencies=np.array([1.1, 1.3]) / (2 * pi), excitation={"a": 5})
     (fork,) = found.turns("symmetry")
     assert any(f"at {fork.at:.8g} Hz the motion of branch 1 loses its symmetry" in note for note in found.notes)
     assert found.ways == ("from rest", f"lopsided at {fork.at:.8g} Hz")
@@ -110,7 +108,7 @@ def test_symmetric_motion_becomes_lopsided_without_a_fold():
     # The largest multiplier of the symmetric motion passes 1 there.
     y = np.array([fork.angles["a"], fork.speeds["a"]])
     assert abs(flow(fork.at).multipliers(y)[0] - 1) < MULTIPLIER
-    for W, stable in ((1.0, 1), (1.1, 1), (1.3, 0)):
+    for W, stable in ((1.1, 1), (1.3, 0)):
         for motion in found.motions_at(W / (2 * pi)):
             _agrees(found, motion, flow(motion.at), "a", (1,))
             assert motion.is_stable is (motion.branch == stable)

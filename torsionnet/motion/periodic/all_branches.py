@@ -7,7 +7,7 @@ of all starts would rule that out.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -33,6 +33,8 @@ WIDER = 1e-3
 """Share by which a branch is followed beyond the range, so that its ends are inside."""
 SAME = 1e-3
 """Share of a motion by which another may differ and still be the same one."""
+FINER = (1, 2, 4)
+"""Harmonics, over those with which branches are followed, that are tried from a fork on: few see it a little aside."""
 NEAR = 0.2
 """Share of a motion by which one between two points of a branch may differ that may lead to it."""
 STARTS = tuple((size, phase) for size in (1.0, 3.0, 10.0) for phase in (1.0, -1.0, 1j, -1j))
@@ -95,7 +97,8 @@ def all_branches(
         for fork in one.forks:
             if fork.periods > subharmonics:
                 continue
-            branch = _forked(one.problem, fork, (low, high), min(fork.periods, 2) * traced)
+            counts = [more * min(fork.periods, 2) * traced for more in (FINER if harmonics == "auto" else (1,))]
+            branch = _forked(one.problem, fork, (low, high), counts)
             if branch is not None and not _known(found, branch.tracer.motion(branch.points[len(branch.points) // 2])):
                 found.append(replace(_with_crossings(branch), begins=fork))
     return found
@@ -179,16 +182,19 @@ def _other_starts(problem: PeriodicProblem, parameters: tuple[float, ...], harmo
                     yield full
 
 
-def _forked(problem: PeriodicProblem, fork: Fork, ends: tuple[float, float], harmonics: int) -> MotionBranch | None:
-    tracer = Tracer(problem.with_subharmonics(fork.periods), harmonics)
-    traced = forked_branch(tracer, fork, MOST_POINTS)
+def _forked(
+    problem: PeriodicProblem, fork: Fork, ends: tuple[float, float], counts: Sequence[int]
+) -> MotionBranch | None:
+    """Branch from a fork on, with the first of some numbers of harmonics that leads away from it."""
     low, high = ends[0] * (1 - WIDER), ends[1] * (1 + WIDER)
-    points: list[BranchPoint] = []
-    for point in traced:
-        points.append(point)
-        if not low <= point.p <= high:
-            break
-    if len(points) < 2:
-        return None
-    stops = ((tracer.motion(points[-1]), tracer.stopped),) if tracer.stopped else ()
-    return MotionBranch(tracer, tuple(points), fork.kind, stops)
+    for harmonics in counts:
+        tracer = Tracer(problem.with_subharmonics(fork.periods), harmonics)
+        points: list[BranchPoint] = []
+        for point in forked_branch(tracer, fork, MOST_POINTS):
+            points.append(point)
+            if not low <= point.p <= high:
+                break
+        if len(points) >= 2:
+            stops = ((tracer.motion(points[-1]), tracer.stopped),) if tracer.stopped else ()
+            return MotionBranch(tracer, tuple(points), fork.kind, stops)
+    return None
