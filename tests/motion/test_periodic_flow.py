@@ -128,6 +128,7 @@ def test_peak_between_places_far_apart_is_added():
     assert max(sizes) > 0.98 * found.peak_to_peak(largest)
 
 
+@pytest.mark.slow
 def test_chaos_is_said_where_no_motion_is_stable():
     found = _cubic_mass(0.05).periodic_response("a", frequencies=np.array([0.98, 1]) / (2 * pi), excitation={"a": 7.5})
     assert not found.stable_at(1 / (2 * pi))
