@@ -139,6 +139,8 @@ class TestBarredRanges:
         """No barred range could ever hold it."""
         with pytest.raises(tn.ModelError, match=r"limits\.shaft\.safe_speed: .*180.*20.*out-of-range"):
             stressed(hump(70, 88), m68(safe_speed="180 rpm"), misfire=True)
+        for end in ("20 rpm", "104 rpm"):
+            assert "tau_C" in stressed(hump(70, 88), m68(safe_speed=end), misfire=True)
 
     def test_above_1_05_nothing_is_judged_and_that_is_said(self):
         found = stressed(hump(500, 110, width=0.5), m68(), rpm=np.arange(60.0, 115.01, 0.5))["tau_C"]
