@@ -95,6 +95,8 @@ def test_names_of_packages():
         tn.Sprig  # noqa: B018
     with pytest.raises(AttributeError, match=r"no attribute 'modes'; write plot.mode_shapes"):
         tn.plot.modes  # noqa: B018
+    with pytest.raises(AttributeError, match=r"'bode'; write plot\.bode\("):
+        tn.report.bode  # noqa: B018
     with pytest.raises(AttributeError, match=r"no attribute 'ode45'; write tn.Drivetrain.simulate"):
         tn.ode45  # noqa: B018
 

@@ -106,9 +106,9 @@ def test_wrong_input_is_named():
     values = record(decay(9, 0.02, 100))
     with pytest.raises(UsageError, match=r"(?s)5\.999.*out-of-range"):
         modes_from_decay(values, "T", start=9)
-    with pytest.raises(SolveError, match=r"cycles of .* too few|nothing in the signal vibrates|too few"):
+    with pytest.raises(SolveError, match=r"(?s)1\.8 .* 9 Hz.*too-short"):
         modes_from_decay(values, "T", start=1.0, stop=1.2)
-    with pytest.raises(SolveError, match=r"nothing in the signal vibrates and decays|cycles"):
+    with pytest.raises(SolveError, match="no-resonance"):
         modes_from_decay(record(np.exp(-TIMES), 0.01), "T", start=0)
 
 

@@ -236,7 +236,7 @@ def test_a_scenario_may_need_a_configuration():
     model = tn.loads(STATES)
     record = model.configured("slipping").simulate("velocity(a)", scenario="push")
     assert record.signals[-1].values == pytest.approx(record.time, abs=1e-12)
-    with pytest.raises(tn.UsageError, match='the torque of clutch does not follow "clamp"; nothing scales'):
+    with pytest.raises(tn.UsageError, match=r'(?s)clutch .*"clamp".*unknown-word'):
         model.simulate("velocity(a)", scenario="push")
     with pytest.raises(tn.UsageError, match="K is switched off here"):
         model.configured("without").simulate("velocity(a)", scenario="fault")

@@ -221,5 +221,5 @@ def test_the_static_points_of_a_magnetic_coupling(torque):
     steady = {"a": np.full(300, float(torque)), "b": np.full(300, -float(torque))}
     motion = plant.simulate("twist(magnet)", steady, 1000.0, initial_state="operating_point")
     np.testing.assert_allclose(motion["twist(magnet)"].values * sign, 0.12, rtol=1e-9)
-    with pytest.raises(ModelError, match=r"101 N\*m, and it holds at most|101 N\*m"):
+    with pytest.raises(ModelError, match=r"101 N\*m.*no-solution"):
         plant.at(torque={"a": 101, "b": -101}).modes()

@@ -278,7 +278,7 @@ class TestSpeedBand:
 
     @pytest.mark.parametrize("band", ["95 %", "105..95 %", "[0.9]", "95..105", "[1, 2, 3]", "-1..1"])
     def test_faults(self, band):
-        with pytest.raises(tn.ModelError, match=r"band of the rated speed|not be less than 0"):
+        with pytest.raises(tn.ModelError, match=r":\d+:\d+: .*(wrong-form|unordered-rows|out-of-range|missing-unit)"):
             tn.loads(SET + flicker(3, f'"{band}"' if band[0] != "[" else band))
 
     def test_it_is_written_as_it_was_read(self):

@@ -239,7 +239,7 @@ class TestSameBytes:
         before = contents(folder)
         for limits in ({**LIMITS, "f": {"below": F}}, {"H": LIMITS["H"], "zeta": LIMITS["zeta"]}):
             changed = study(limits=limits, answers={})
-            with pytest.raises(UsageError, match=r"limits were others \(f\), .* counted as they are calculated"):
+            with pytest.raises(UsageError, match=r"limits .*\(f\), "):
                 run_study(changed, folder)
         assert contents(folder) == before
 

@@ -171,6 +171,7 @@ PYTHON: Mapping[str, Mapping[str, str]] = {
         "lsim": "tn.Drivetrain.simulate(output, input, sampling_rate)",
         "simulate": "tn.Drivetrain.simulate(output, input, sampling_rate)",
     },
+    "torsionnet.report": {"bode": "plot.bode(response)"},
     "torsionnet.plot": {
         "campbell": "plot.interference_diagram(critical_speeds)",
         "campbell_diagram": "plot.interference_diagram(critical_speeds)",
