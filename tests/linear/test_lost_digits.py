@@ -11,7 +11,7 @@ from support.doubts import in_doubt
 
 import torsionnet as tn
 from torsionnet.linear.assembly.law_stiffness import LawStiffness
-from torsionnet.linear.dynamic_stiffness import sweep
+from torsionnet.linear.dynamic_stiffness import response_problem
 from torsionnet.linear.dynamic_stiffness.quotient import NOTHING, rounding_errors, uncertain_points
 from torsionnet.linear.dynamic_stiffness.response_problem import Loading, ResponseProblem
 from torsionnet.linear.responses import transfer
@@ -20,7 +20,9 @@ DIGITS = 60
 UNMARKED_ERROR = 1e-10
 """Relative error of every unmarked value, a tenth of what responses promise."""
 
-both_ways = pytest.mark.parametrize("respond", [sweep.eliminate, sweep.respond_compiled], ids=["numpy", "compiled"])
+both_ways = pytest.mark.parametrize(
+    "respond", [response_problem.eliminate, response_problem.respond_compiled], ids=["numpy", "compiled"]
+)
 
 
 def plant(rng, held):
@@ -92,7 +94,7 @@ def errors(seed, held, respond):
     return worst, in_doubt(respond, problem, kappa)
 
 
-def none_missed(seeds, held, respond=sweep.eliminate):
+def none_missed(seeds, held, respond=response_problem.eliminate):
     found = [errors(seed, held, respond) for seed in seeds]
     worst, marked = (np.concatenate(part) for part in zip(*found, strict=True))
     assert worst[~marked].max() < UNMARKED_ERROR

@@ -14,14 +14,16 @@ from support.doubts import in_doubt
 import torsionnet as tn
 from torsionnet.linear.assembly.law_stiffness import LawStiffness
 from torsionnet.linear.assembly.rows import Rows, RowSystem
-from torsionnet.linear.dynamic_stiffness import dense, response_problem, sweep
+from torsionnet.linear.dynamic_stiffness import dense, response_problem
 from torsionnet.linear.dynamic_stiffness.graph_plan import make_plan
 from torsionnet.linear.dynamic_stiffness.response_problem import Loading, ResponseProblem
 from torsionnet.linear.dynamic_stiffness.row_algebra import combine_rows, common_motion, equivalent_links, normalised
 
 DIGITS = 60
 
-both_ways = pytest.mark.parametrize("respond", [sweep.eliminate, sweep.respond_compiled], ids=["numpy", "compiled"])
+both_ways = pytest.mark.parametrize(
+    "respond", [response_problem.eliminate, response_problem.respond_compiled], ids=["numpy", "compiled"]
+)
 
 
 def system_of(n, laws):
@@ -367,11 +369,11 @@ def test_few_readings_go_forward_and_give_the_same_as_those_that_come_back(monke
     system = random_system(np.random.default_rng(3), 12, loops=3, grounded=True)
     kappa = sampled_stiffness(stiffness(system, np.linspace(1, 300, 50)))
     forward = problem_of(system, unit_load(12, 2), np.eye(12)[[0, 7]])
-    found = sweep.eliminate(forward, kappa)
+    found = response_problem.eliminate(forward, kappa)
     monkeypatch.setattr(response_problem, "MOST_FORWARD_READINGS", 0)
     back = problem_of(system, unit_load(12, 2), np.eye(12)[[0, 7]])
     assert not np.array_equal(back.tape.operations, forward.tape.operations)
-    assert sweep.eliminate(back, kappa) == pytest.approx(found, rel=1e-12)
+    assert response_problem.eliminate(back, kappa) == pytest.approx(found, rel=1e-12)
 
 
 def test_registers_of_a_walk_forward_do_not_grow_with_the_drivetrain():
@@ -386,17 +388,17 @@ def test_registers_of_a_walk_forward_do_not_grow_with_the_drivetrain():
 def test_large_work_is_compiled_where_that_works(monkeypatch, broken):
     system = random_system(np.random.default_rng(0), 5, grounded=True)
     problem, kappa = problem_of(system, unit_load(5), np.eye(5)), sampled_stiffness(stiffness(system, [3.0, 5.0]))
-    expected, asked = sweep.eliminate(problem, kappa), []
+    expected, asked = response_problem.eliminate(problem, kappa), []
 
     def compiled(*arguments):
         asked.append(arguments)
         raise broken
 
-    monkeypatch.setattr(sweep, "respond_compiled", compiled)
-    assert np.array_equal(sweep.respond(problem, kappa), expected)
+    monkeypatch.setattr(response_problem, "respond_compiled", compiled)
+    assert np.array_equal(response_problem.respond(problem, kappa), expected)
     assert not asked
-    monkeypatch.setattr(sweep, "COMPILED_WORK", 10)
-    assert np.array_equal(sweep.respond(problem, kappa), expected)
+    monkeypatch.setattr(response_problem, "COMPILED_WORK", 10)
+    assert np.array_equal(response_problem.respond(problem, kappa), expected)
     assert len(asked) == 1
 
 

@@ -5,7 +5,7 @@ import pytest
 
 import torsionnet as tn
 from torsionnet.linear.assembly.law_stiffness import LawStiffness, law_stiffness
-from torsionnet.linear.dynamic_stiffness import sweep
+from torsionnet.linear.dynamic_stiffness import tape
 
 F = np.array([0.0, 0.5, 4.0, 8.1, 30.0])
 both = pytest.mark.parametrize("method", ["graph", "compiled"])
@@ -66,8 +66,8 @@ def test_blocks_cut_variants_and_frequencies(monkeypatch):
     rig, variants = tn.load("dmf_rig"), {"k_2": np.linspace(300, 600, 7)}
     whole = rig.frequency_responses("theta_1", "T_T", F, variants).values
     for size in (2, 11):
-        monkeypatch.setattr(sweep, "FEWEST_POINTS", size)
-        monkeypatch.setattr(sweep, "MOST_POINTS", size)
+        monkeypatch.setattr(tape, "FEWEST_POINTS", size)
+        monkeypatch.setattr(tape, "MOST_POINTS", size)
         assert rig.frequency_responses("theta_1", "T_T", F, variants).values == pytest.approx(whole, rel=1e-13)
 
 

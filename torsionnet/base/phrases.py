@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping
-from functools import cache
 from typing import Any, Protocol, TypeAlias, cast
 
 PLACEHOLDER = re.compile(r"\{(\w+)\}")
@@ -79,27 +78,18 @@ def phrase(template: str, /, *ordered: Any, **named: Any) -> str:
     >>> text, text.template, text.values
     ('mode 3: 90% of the energy', 'mode {mode}: {share} of the energy', {'mode': '3', 'share': '90%'})
     """
-    plain, formats = _without_formats(template)
     values = {**{str(number): value for number, value in enumerate(ordered)}, **named}
-    # Texts stay as they are, so that phrases among them keep their templates.
-    inserted = {
-        place: value if isinstance(value := values[place], str) or hasattr(value, "in_names") else format(value, form)
-        for place, form in formats.items()
-    }
-    return Phrase(plain, inserted)
-
-
-@cache
-def _without_formats(template: str) -> tuple[str, Mapping[str, str]]:
-    """Template without the formats of its places, and these by place; places without a name are counted from 0."""
-    formats: dict[str, str] = {}
-
-    def plain(place: re.Match[str]) -> str:
-        name = place[1] or str(len(formats))
-        formats[name] = place[2] or ""
-        return f"{{{name}}}"
-
-    return FORMATTED.sub(plain, template), formats
+    inserted: dict[str, Inserted] = {}
+    # Texts, names of places and formats in turn; places without a name are counted from 0.
+    text, *pieces = FORMATTED.split(template)
+    for name, form, behind in zip(pieces[::3], pieces[1::3], pieces[2::3], strict=True):
+        place = name or str(len(inserted))
+        value = values[place]
+        # Texts stay as they are, so that phrases among them keep their templates.
+        keeps = isinstance(value, str) or hasattr(value, "in_names")
+        inserted[place] = value if keeps else format(value, form or "")
+        text += f"{{{place}}}{behind}"
+    return Phrase(text, inserted)
 
 
 def joined(separator: str, texts: Iterable[str]) -> str:

@@ -113,7 +113,7 @@ class Sensor(ModelChannel):
             raise UsageError(STRESS_OF_OWN_SHAFT, kind="unfit-channel")
 
     def __str__(self) -> str:
-        return str(channel_words(self))
+        return channel_words(self)
 
     def to_data(self) -> dict[str, Json]:
         extra = {"at": self.at, "referred_to": self.referred_to}
@@ -164,7 +164,7 @@ class Input(ModelChannel):
             _settle_pair(self)
 
     def __str__(self) -> str:
-        return str(channel_words(self))
+        return channel_words(self)
 
     def renamed(self, names: Renaming) -> Input:
         """Copy of the input of a part, with its names in the whole model."""

@@ -321,11 +321,6 @@ def virtual_motion(kinematics: Kinematics, index: int, number: Callable[[Any], A
     return {node: row[UNIT] for node, row in reduction.solved.items() if UNIT in row}
 
 
-def torques_are_determinate(kinematics: Kinematics) -> bool:
-    """Whether no rigid constraint follows from others, so that equilibrium gives the torque of each."""
-    return not kinematics.reduction.redundant and not kinematics.reduction.blocked
-
-
 def _indeterminate(element: str, loop: list[str]) -> str:
     if len(loop) < 2:
         return phrase("torque through {} is statically indeterminate; give it a stiffness", ModelName(element))

@@ -28,12 +28,19 @@ from torsionnet.model.configurations import (
     parse_choice,
     read_overrides,
 )
-from torsionnet.model.defining import collect_elements, define, flatten_definition
-from torsionnet.model.definition import Definition, all_nodes
+from torsionnet.model.definition import (
+    Definition,
+    all_nodes,
+    at_operating_point,
+    collect_elements,
+    define,
+    flatten_definition,
+    with_operating_values,
+    with_tangents,
+)
 from torsionnet.model.elements import Element
 from torsionnet.model.load.external_torques import ExternalTorques, mean_torques
 from torsionnet.model.operating_point import OperatingPoint
-from torsionnet.model.operating_values import at_operating_point, with_operating_values, with_tangents
 from torsionnet.model.parameters import Parameter, resolve
 from torsionnet.model.sections import EXCITATION_NUMBERS
 from torsionnet.model.speeds import mean_speeds, total_ratio

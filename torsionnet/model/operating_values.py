@@ -14,7 +14,6 @@ from typing import Any
 
 from torsionnet.base.errors import Fault, UsageError, comma_list
 from torsionnet.base.expressions import interpolate_float
-from torsionnet.base.packages import imported
 from torsionnet.base.units import RPM
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.element_base.laws import MotionState
@@ -24,7 +23,6 @@ from torsionnet.model.kinematics import UNIT, exact_row, owned_parts
 from torsionnet.model.load.external_torques import ExternalTorques
 from torsionnet.model.parameters import VIBRATORY_TORQUE, Parameter, resolve
 from torsionnet.model.readings import port_of
-from torsionnet.model.sections import OPERATING_BALANCE
 
 
 def operating_parameter_faults(external: ExternalTorques) -> list[Fault]:
@@ -132,40 +130,6 @@ class OperatingPoints:
     @cached_property
     def _motions(self) -> dict[str, dict[str, float]]:
         return {}
-
-
-def with_operating_values(definition: Definition, values: Mapping[str, float]) -> Definition:
-    """Definition of a model with given values of the parameters that follow the operating point."""
-    if not values:
-        return definition
-    parameters = {name: definition.parameters[name].with_operating_values(value) for name, value in values.items()}
-    return replace(definition, parameters={**definition.parameters, **parameters})
-
-
-def at_operating_point(definition: Definition) -> Definition:
-    """Definition of a model with the parameter values, and tangents of laws of motion, at its own operating point."""
-    if not definition.following:
-        return with_tangents(definition)
-    definition = replace(definition, tangents=None)
-    points = OperatingPoints(ExternalTorques(definition, resolve(definition.parameters)[0]))
-    try:
-        return with_tangents(with_operating_values(definition, points.at(points.external.operating_speed)))
-    except UsageError:
-        return with_tangents(definition)
-
-
-def with_tangents(definition: Definition, speed: float | None = None) -> Definition:
-    """Definition of a model whose laws of motion are linear about the operating point, worked out when first used.
-
-    ``speed`` in rad/s is that of the reference node of a load, by default the one of tangents that are there, else that
-    of the operating point. Without laws of motion the definition is unchanged.
-    """
-    if not any(one.enabled and one.has_motion_laws for one in definition.elements.values()):
-        return definition
-    if definition.tangents is not None and speed is None:
-        return replace(definition, tangents=definition.tangents.of(definition))
-    plain = definition if definition.tangents is None else replace(definition, tangents=None)
-    return replace(plain, tangents=imported(OPERATING_BALANCE)(plain, speed))
 
 
 def operating_speed_notes(external: ExternalTorques) -> tuple[str, ...]:

@@ -146,7 +146,7 @@ OWNERS = {
     ),
     "bench": SectionOwner("torsionnet.bench.plan.plan:Plan", "torsionnet.bench.plan.bench_checks:unfit_bench"),
     "report": SectionOwner(
-        "torsionnet.report.plan.report_plan:ReportPlan", "torsionnet.report.plan.report_checks:unfit_report"
+        "torsionnet.report.plan.report_plan:ReportPlan", "torsionnet.report.plan.report_checks:check_report"
     ),
 }
 """Owner of each section that few models have, by its key in a model file."""
@@ -158,7 +158,7 @@ CONDITIONS_AT_RATED_SPEED = (
 EXCITATION_NUMBERS = "torsionnet.machinery.excitations.excitation_numbers:with_numbers"
 """Place of the function that puts other numbers into excitations."""
 REPORT_FAULTS = "torsionnet.report.plan.report_checks:check_report"
-"""Place of the check of a plan of a report, a function of the plan and the definition of its model."""
+"""Place of the check of another plan of a report, a function of the definition of its model and the plan."""
 BENCH_FILE = "torsionnet.bench.plan.plan:BenchFile"
 """Place of the class of a file that names a model and describes a test of it."""
 OPERATING_BALANCE = "torsionnet.motion.balance.operating_balance:OperatingBalance"

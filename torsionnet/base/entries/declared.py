@@ -130,11 +130,11 @@ class Declared:
     @cache
     def defaults(cls) -> Mapping[str, Any]:
         """Default of every entry in its stored form, by name."""
-        declared = zip(cls.declared(), cls.specs(), strict=True)
-        return {
-            name: spec.absent if one.default in (MISSING, None) else spec.coerce(one.default)
-            for one, (name, spec) in declared
-        }
+        stored = {name: spec.absent for name, spec in cls.specs()}
+        for one, (name, spec) in zip(cls.declared(), cls.specs(), strict=True):
+            if one.default not in (MISSING, None):
+                stored[name] = spec.coerce(one.default) if one.default != "" else ""  # an empty text: not given
+        return stored
 
     @classmethod
     def read(cls, raw: object) -> tuple[Self | None, list[Fault]]:

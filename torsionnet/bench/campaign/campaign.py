@@ -211,7 +211,7 @@ def load_campaign(path: str | os.PathLike[str]) -> Campaign:
             *_sensors(plan, model),
             *_records(plan, model, folder),
             *response_faults(plan, model),
-            *(imported(REPORT_FAULTS)(plan.report, model.definition) if plan.report else ()),
+            *(imported(REPORT_FAULTS)(model.definition, plan.report) if plan.report else ()),
             *_fitted(plan, model),
         ]
         patterns, found = _patterns(plan, folder)

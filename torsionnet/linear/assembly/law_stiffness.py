@@ -153,13 +153,9 @@ class LawStiffness:
 
     def in_single_precision(self) -> LawStiffness:
         """Laws and actions rounded to seven digits; the elimination of such laws is calculated to seven digits, too."""
-
-        def rounded(values: NDArray[Any]) -> Any:
-            return values.astype(np.complex64 if np.iscomplexobj(values) else np.float32)
-
-        J, c, k, omega = map(rounded, (self.inertia, self.damping, self.stiffness, self.omega))
-        sampled = tuple((law, rounded(values)) for law, values in self.sampled)
-        actions = tuple(map(rounded, self.actions))
+        J, c, k, omega = (one.astype("f4") for one in (self.inertia, self.damping, self.stiffness, self.omega))
+        sampled: Any = tuple((law, values.astype("c8")) for law, values in self.sampled)
+        actions: Any = tuple(values.astype("c8") for values in self.actions)
         return replace(self, inertia=J, damping=c, stiffness=k, omega=omega, sampled=sampled, actions=actions)
 
     def law_sums(self, n_slots: int, terms: Sequence[LawTerms]) -> LawStiffness:

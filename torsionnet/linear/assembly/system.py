@@ -133,7 +133,7 @@ def assemble(
         np.array([0.0 if law.loss_factor else float(law.stiffness) for _, law in laws]),
         tuple(_dynamic(index, law) for index, (_, law) in enumerate(laws) if law.table or law.loss_factor),
     )
-    actions = action_laws(kinematics)
+    actions = action_laws(kinematics) if kinematics.actions else ()
     same_actions = like is not None and [one.rows for one in actions] == [one.rows for one in like.system.actions]
     if like is not None and same_actions and _same_rows(kinematics, like.kinematics):
         shared = like.system

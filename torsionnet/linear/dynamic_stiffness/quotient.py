@@ -22,7 +22,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-import torsionnet.linear.dynamic_stiffness.sweep as elimination
+import torsionnet.linear.dynamic_stiffness.response_problem as elimination
 from torsionnet.base.errors import SolveError
 from torsionnet.linear.assembly.law_stiffness import LawStiffness
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray

@@ -11,7 +11,8 @@ A register holds one number for every point. What an operation does with its tar
     OUTPUT    value number t = factor r_a
 
 Only what an output needs is on the tape, and a register is used again as soon as what it holds is needed no more: the
-numbers of a walk stay in the cache however large the drivetrain is.
+numbers of a walk stay in the cache however large the drivetrain is. In numpy every operation works on a vector of
+frequency points at once.
 """
 
 from __future__ import annotations
@@ -22,6 +23,8 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
+
+from torsionnet.linear.assembly.law_stiffness import LawStiffness
 
 LAW, CONSTANT, SUM, PRODUCT, QUOTIENT, INVERSE, OUTPUT = range(7)
 """Codes of the operations on an elimination's tape, each with the meaning listed at the head of the module."""
@@ -146,3 +149,45 @@ axis."""
 
 ONE = TapeQuantity(-1, 1.0)
 """Quantity 1, for which no operation is written."""
+
+
+BLOCK_BYTES = 16 * 2**20
+"""Memory in bytes of the registers that numpy works on at once, since more would leave the processor's cache."""
+FEWEST_POINTS, MOST_POINTS = 1024, 16384
+"""Fewest and most frequency points that numpy works on at once, as fewer cost more in the interpreter than in
+arithmetic and more leave the cache."""
+
+
+def sweep(tape: Tape, kappa: LawStiffness) -> Array:
+    """Output values (n_values, n_points) of a tape by numpy, from the stiffness ``kappa`` of the slots of its plan."""
+    # Without damping in any law all dynamic stiffnesses are real.
+    is_damped = kappa.damping.any() or any(values.imag.any() for _, values in kappa.sampled)
+    kind = np.result_type(kappa.stiffness.dtype, np.complex64 if is_damped else np.float32)
+    values, start = np.zeros((tape.n_values, kappa.n_points), dtype=kind), 0
+    in_cache = BLOCK_BYTES // (kind.itemsize * (tape.n_registers + 1))
+    for part in kappa.blocks(min(MOST_POINTS, max(FEWEST_POINTS, in_cache))):
+        n_points = part.n_points
+        registers, found = np.empty((tape.n_registers + 1, n_points), dtype=kind), values[:, start : start + n_points]
+        start += n_points
+        *r, spare = registers
+        # Laws are written by variant and frequency, real and imaginary part apart.
+        parts = registers.reshape(len(registers), len(part.stiffness), part.omega.shape[-1])
+        real, imag = list(parts.real), list(parts.imag) if np.iscomplexobj(parts) else [None] * len(parts)
+        # Each operation as the head of the module says, r_t from r_a and r_b.
+        for code, t, a, b, factor in tape.steps:
+            if code == PRODUCT:
+                np.multiply(r[a], r[b], out=r[t])
+            elif code == SUM:
+                term: Any = r[b] if factor == 1.0 else np.multiply(r[b], factor, out=spare)
+                np.add(r[a], term, out=r[t])
+            elif code == LAW:
+                part.write(a, real[t], imag[t])
+            elif code == QUOTIENT:
+                np.divide(r[a], r[b], out=r[t])
+            elif code == INVERSE:
+                np.divide(1.0, r[a], out=r[t])
+            elif code == CONSTANT:
+                r[t].fill(factor)
+            else:
+                np.multiply(r[a], factor, out=found[t])
+    return values

@@ -67,9 +67,9 @@ class TransferRequest:
             self.reading_problem.excitations_reaching(len(self.outputs) + number)
             for number in range(len(self.measured))
         ]
-        driven = " and ".join(str(excitation) for excitation in self.excitations)
         for reading, reached in zip(self.measured, felt, strict=True):
             if not reached:
+                driven = " and ".join(map(str, self.excitations))
                 raise UsageError(
                     f"{reading.name} stays zero under a {driven} at every frequency; it cannot be a measured input",
                     kind="zero-reading",

@@ -46,7 +46,6 @@ from torsionnet.linear.modes.modes import Modes
 from torsionnet.model.channels import Channels
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.elements import GROUND, Element
-from torsionnet.model.operating_values import operating_speed_notes
 from torsionnet.model.readings import port_of
 
 ModesAndWarnings: TypeAlias = tuple[Modes, tuple[str, ...]]
@@ -209,6 +208,10 @@ def modes(
         )
     request = None if measured_input is None else resolve_inputs(drivetrain, measured_input, driven_by)
     found = modes_against(drivetrain, request, lowest, up_to)
+    if not drivetrain.definition.following and drivetrain.definition.tangents is None:
+        return found
+    from torsionnet.model.operating_values import operating_speed_notes
+
     return replace(found, notes=(*found.notes, *operating_speed_notes(drivetrain.external_torques)))
 
 

@@ -36,7 +36,6 @@ from torsionnet.linear.frequency_response import FrequencyResponse
 from torsionnet.linear.modes.natural_modes import modes_against
 from torsionnet.model.channels import Channels
 from torsionnet.model.checks.structure import rigid_motions
-from torsionnet.model.operating_values import law_notes
 
 if TYPE_CHECKING:
     from torsionnet.linear.dynamic_stiffness.many_digits import ManyDigits
@@ -235,8 +234,14 @@ def frequency_response(
     values, conditioning = responses([drivetrain], request, f, method)
     if not np.isfinite(values).all():
         warn_infinite(values, conditioning, f)
-    # Tables over frequency that end before some of the frequencies are named in the notes.
-    read = range_notes(drivetrain.assembly, f) if drivetrain.assembly.system.dynamic else ()
+    notes = request.notes
+    if drivetrain.definition.tangents is not None:
+        from torsionnet.model.operating_values import law_notes
+
+        notes = (*notes, *law_notes(drivetrain.definition))
+    if drivetrain.assembly.system.dynamic:
+        # Tables over frequency that end before some of the frequencies.
+        notes = (*notes, *range_notes(drivetrain.assembly, f))
     return FrequencyResponse(
         frequencies=f,
         values=values[0],
@@ -244,7 +249,7 @@ def frequency_response(
         inputs=tuple(reading.channel for reading in request.measured),
         title=drivetrain.title,
         conditioning=conditioning[0] if request.is_measured else None,
-        notes=(*request.notes, *law_notes(drivetrain.definition), *read),
+        notes=notes,
         model=drivetrain.name,
         configuration=drivetrain.configuration,
     )

@@ -16,12 +16,12 @@ from torsionnet.machinery.excitations.propeller_torque import PropellerTorque
 from torsionnet.machinery.excitations.reciprocating_engine import unlocked_engines
 from torsionnet.model.channels import Input, named_nodes
 from torsionnet.model.checks.operation import unknown_in_load
-from torsionnet.model.definition import LOAD, Definition, all_nodes
+from torsionnet.model.definition import LOAD, Definition, all_nodes, with_operating_values
 from torsionnet.model.elements import Values
 from torsionnet.model.elements.loads import Propeller
 from torsionnet.model.kinematics import twist_fault
 from torsionnet.model.load.external_torques import ExternalTorques
-from torsionnet.model.operating_values import OperatingPoints, with_operating_values
+from torsionnet.model.operating_values import OperatingPoints
 from torsionnet.model.parameters import resolve
 from torsionnet.model.speeds import total_ratio
 

@@ -36,11 +36,11 @@ from torsionnet.machinery.orders.operating_groups import (
 )
 from torsionnet.model.channels import Channels, Input, Sensor
 from torsionnet.model.checks.structure import rigid_motions
+from torsionnet.model.definition import with_tangents
 from torsionnet.model.elements import Constraint, Element, Part, Values
 from torsionnet.model.kinematics import free_motions
 from torsionnet.model.load.external_torques import UNBALANCED_SHARE, stated_torques
 from torsionnet.model.load.lost_torques import with_all_working
-from torsionnet.model.operating_values import with_tangents
 from torsionnet.model.readings import port_of, referring_factor
 from torsionnet.model.speeds import mean_speeds
 

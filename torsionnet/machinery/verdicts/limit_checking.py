@@ -46,9 +46,9 @@ from torsionnet.machinery.verdicts.limit_verdict import (
 from torsionnet.machinery.verdicts.run_up_check import PassedLimit, RunUpCheck
 from torsionnet.machinery.verdicts.speed_spans import SpeedSpan, spans_above
 from torsionnet.model.channels import Sensor
-from torsionnet.model.definition import Definition
+from torsionnet.model.definition import Definition, with_tangents
 from torsionnet.model.elements import Values
-from torsionnet.model.operating_values import running_notes, with_tangents
+from torsionnet.model.operating_values import running_notes
 
 NO_CYCLE = "the shafts have no short common cycle: half ranges of the shafts are added"
 """Text of the note of a limit check whose orders repeat only after many revolutions, so that half ranges are added."""

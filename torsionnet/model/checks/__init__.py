@@ -12,7 +12,6 @@ from dataclasses import replace
 from torsionnet.base.errors import Fault
 from torsionnet.base.packages import gc_paused
 from torsionnet.model.checks import names, values
-from torsionnet.model.checks.names import at_override
 from torsionnet.model.checks.structure import check_structure, unconnected_parts
 from torsionnet.model.checks.values import unusual_sizes
 from torsionnet.model.configurations import combinations, label
@@ -31,7 +30,8 @@ _USELESS = ("no-effect", "indeterminate-torque")
 @gc_paused()
 def check_definition(definition: Definition) -> list[Fault]:
     """Faults, warnings and notes of a model with all its configurations."""
-    faults = [fault for check in names.CHECKS for fault in check(definition)]
+    checks = (check for check, of in names.CHECKS.items() if not of or getattr(definition, of))
+    faults = [fault for check in checks for fault in check(definition)]
     faults += values.wrong_dimensions(definition) + values.parameter_dimensions(definition)
     faults += values.passive_tables(definition)
     faults += unconnected_parts(definition)
@@ -40,7 +40,8 @@ def check_definition(definition: Definition) -> list[Fault]:
     if has_errors(faults):
         return list(dict.fromkeys(faults))
     base, axes = check_structure(definition, known), definition.configurations
-    others = {label(choice, axes): _of_choice(definition, choice) for choice in choices(definition)}
+    chosen = choices(definition) if axes else []
+    others = {label(choice, axes): _of_choice(definition, choice) for choice in chosen}
     # An entry of the base model that no configuration can use either is an error.
     useless = {fault.path for fault in base if fault.kind in _USELESS}
     for found in others.values():
@@ -88,7 +89,12 @@ def _chosen(definition: Definition, choice: Mapping[str, str]) -> Definition:
 
 
 def _of_choice(definition: Definition, choice: Mapping[str, str]) -> list[Fault]:
-    return [at_override(fault, definition, choice) for fault in check_variant(_chosen(definition, choice))]
+    faults = check_variant(_chosen(definition, choice))
+    if not faults or not definition.has_overrides:
+        return faults
+    from torsionnet.model.checks.overrides import at_override
+
+    return [at_override(fault, definition, choice) for fault in faults]
 
 
 def has_errors(faults: list[Fault]) -> bool:

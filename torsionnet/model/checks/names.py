@@ -1,176 +1,33 @@
-"""Checks that every name in a model exists, and that everything named is used.
-
-Here as well: checks of entries that alternatives of a configuration change: they must exist, and their values must fit.
-"""
+"""Checks that every name in a model exists, and that everything named is used."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from torsionnet.base.errors import EntryPath, Fault, ModelError, comma_list, nearest, question, unknown_name
+from torsionnet.base.errors import EntryPath, Fault, comma_list, nearest, question, unknown_name
 from torsionnet.base.expressions import Expression
 from torsionnet.base.packages import imported
 from torsionnet.base.phrases import ModelName, phrase
 from torsionnet.model.channels import Input, Sensor, channel_words, parse_pair, parse_sensor, port_fault
-from torsionnet.model.configurations import Overlay
 from torsionnet.model.definition import (
-    ELEMENTS,
     EXCITATIONS,
     SCENARIOS,
-    SINGLE_SECTIONS,
-    SPEEDS,
     Definition,
     all_nodes,
-    by_section,
-    section_of,
 )
 from torsionnet.model.element_base.round_section import section_fault
-from torsionnet.model.elements import GROUND, Element
+from torsionnet.model.elements import GROUND
 from torsionnet.model.operating_point import OperatingPoint, torque_place
 from torsionnet.model.response_pair import Pair
 from torsionnet.model.sections import OWNERS
 
 if TYPE_CHECKING:
-    from torsionnet.motion.scenarios.scenario import Scenario
-
-_TABLES = ((ELEMENTS,), (EXCITATIONS,), (SCENARIOS,))
-
-
-def unfit_overrides(definition: Definition) -> list[Fault]:
-    """Faults of alternatives whose ``box.engaged``, ``engine.misfire`` or ``load.power`` does not exist or fit."""
-    return [fault for path, overlay in _alternatives(definition) for fault in _unfit(definition, overlay, path)]
-
-
-def at_override(fault: Fault, definition: Definition, choice: Mapping[str, str]) -> Fault:
-    """Fault of an entry whose path is moved to the alternative that gives the entry its value.
-
-    Where none does, to one that changes the section which the fault is about besides.
-    """
-    section = (
-        fault.path
-        if fault.path[:1] and fault.path[0] in SINGLE_SECTIONS
-        else fault.path[1:]
-        if fault.path[:1] in _TABLES
-        else ()
-    )
-    if len(section) < 2:
-        return fault
-    key = f"{section[0]}.{section[1]}"
-    besides = None
-    for axis, label in choice.items():
-        for name in definition.configurations[axis][label].entries:
-            if name == key:
-                return replace(fault, path=("configurations", axis, label, key, *section[2:]))
-            if fault.about and name.startswith(f"{fault.about}."):
-                besides = replace(fault, path=("configurations", axis, label, name))
-    return besides or fault
-
-
-def _alternatives(definition: Definition) -> Iterator[tuple[EntryPath, Overlay]]:
-    for axis, alternatives in definition.configurations.items():
-        for label, overlay in alternatives.items():
-            if overlay.entries:
-                yield ("configurations", axis, label), overlay
-
-
-def _changed(one: Element | Scenario, changes: Mapping[str, Any]) -> Element | Scenario | None:
-    """Copy of an element or a scenario with the entries that an alternative changes; None where they do not fit it."""
-    try:
-        return replace(one, **changes) if changes.keys() <= dict(one.specs()).keys() else None
-    except ModelError:
-        return None
-
-
-def _unfit(definition: Definition, overlay: Overlay, path: EntryPath) -> Iterator[Fault]:
-    unknown = {key: fault for key in overlay.entries if (fault := _meaningless(definition, key, (*path, key)))}
-    yield from unknown.values()
-    for (table, name), changes in by_section(definition, overlay.entries).items():
-        keys = {entry: (*path, f"{name}.{entry}") for entry in changes}
-        if not any(f"{name}.{entry}" in unknown for entry in changes):
-            for fault in _wrong_values(definition, table, name, changes):
-                about = next((one for one in fault.path if one in keys), next(iter(keys)))
-                yield replace(fault, path=keys[str(about)])
-
-
-def _meaningless(definition: Definition, key: str, path: EntryPath) -> Fault | None:
-    """Fault that an entry which an alternative changes does not exist, or None."""
-    name, _, entry = key.rpartition(".")
-    found = section_of(definition, key)
-    if found is None:
-        return _no_section(definition, name, path)
-    known = dict(found[2].specs())
-    return None if entry in known else unknown_name(f"entry of {name}", entry, known, path, on_key=True)
-
-
-def _no_section(definition: Definition, name: str, path: EntryPath) -> Fault:
-    """Fault that an alternative cannot change entries of the section it names."""
-    if name in {declared.name for declared in definition.declared()} - {*SINGLE_SECTIONS}:
-        text = (
-            f"a configuration does not change entries of {name}:; it may change parameters, and entries of elements, "
-        )
-        text += "excitations, scenarios, load: and speeds: (box.engaged, engine.misfire, fault.phases, load.power, "
-        return Fault(text + "speeds.range)", path, on_key=True, kind="fixed-entry")
-    owner, _, entry = name.partition(".")
-    outer = section_of(definition, name) if entry else None
-    if outer is not None:
-        known_entries = dict(outer[2].specs())
-        if entry not in known_entries:
-            return unknown_name(f"entry of {owner}", entry, known_entries, path, on_key=True)
-        whole = f"write {owner}.{entry}: {{...}} with all its entries"
-        return Fault(
-            f"a configuration changes {entry} of {owner} as a whole; {whole}", path, on_key=True, kind="fixed-entry"
-        )
-    if name in definition.limits:
-        return Fault(
-            f"{name} is a limit; limits are the same in all configurations", path, on_key=True, kind="fixed-entry"
-        )
-    sections = [key for key in SINGLE_SECTIONS if getattr(definition, key)]
-    known = [*definition.excitations, *definition.elements, *definition.scenarios, *sections]
-    return unknown_name("element, excitation or scenario", name, known, path, on_key=True)
-
-
-def _wrong_values(definition: Definition, table: str, name: str, changes: Mapping[str, Any]) -> tuple[Fault, ...]:
-    """Faults of a section whose entries an alternative changes to wrong values."""
-    try:
-        changed = definition.with_overlay(
-            Overlay(entries={f"{name}.{entry}": value for entry, value in changes.items()})
-        )
-    except ModelError as error:
-        return error.faults
-    if table == ELEMENTS:
-        return tuple(_moved(definition.elements[name], changed.elements[name], changes))
-    if table == SPEEDS:
-        # An engine may have no gas at other speeds; what was wrong before the change is told where it stands.
-        before, after = map(imported(OWNERS[EXCITATIONS].faults), (definition, changed))
-        return tuple(one for one in after if one.severity == "error" and one not in before)
-    if table in SINGLE_SECTIONS:
-        return ()
-    # What was wrong before the change is told where it stands.
-    faults_of_one = imported(OWNERS[table].faults_of_one)
-    return () if any(faults_of_one(definition, name)) else tuple(faults_of_one(changed, name))
-
-
-def _moved(before: Element, after: Element, changes: Mapping[str, Any]) -> Iterator[Fault]:
-    """Faults of elements that an alternative switches by an entry or moves to other nodes, which it may not."""
-    if before.enabled != after.enabled:
-        text = phrase("write on: [{0}] or off: [{0}] to switch an element", ModelName(before.name))
-        yield Fault(text, ("enabled",), on_key=True, kind="fixed-entry")
-    if before.ports != after.ports:
-        text = phrase(
-            "a configuration does not move {} to other nodes; write two elements, and switch them with on: and off:",
-            ModelName(before.name),
-        )
-        yield Fault(text, (next(iter(changes)),), on_key=True, kind="fixed-entry")
-
+    pass
 
 MOST_HINTS = 20
 """Largest number of dead ends for which a misspelt node is looked for, as a model with more has them on purpose."""
-
-
-def _nodes(definition: Definition) -> dict[str, None]:
-    return dict.fromkeys(all_nodes(definition.elements.values()))
 
 
 def _unknown_node(name: str, nodes: Collection[str], path: EntryPath, *, on_key: bool = False) -> Fault:
@@ -192,15 +49,10 @@ def _expressions(definition: Definition) -> Iterator[tuple[EntryPath, Expression
                 yield ("configurations", axis, label, name), value
             yield from _point_expressions(overlay.operating_point, ("configurations", axis, label, "operating_point"))
     yield from _point_expressions(definition.operating_point, ("operating_point",))
-    for place, overlay in _alternatives(definition):
-        for (table, name), changes in by_section(definition, overlay.entries).items():
-            changed = _changed(getattr(definition, table)[name], changes) if table in (ELEMENTS, SCENARIOS) else None
-            for inner, _, expression, _ in changed.expressions() if changed else ():
-                # Elements whose torques a scenario scales stand among its entries.
-                scaled = table == SCENARIOS and inner[0] not in dict(changed.specs()) if changed else False
-                entry, *rest = ("elements", *inner) if scaled else inner
-                if entry in changes:
-                    yield (*place, f"{name}.{entry}", *rest), expression
+    if definition.has_overrides:
+        from torsionnet.model.checks.overrides import changed_expressions
+
+        yield from changed_expressions(definition)
     for name, scenario in definition.scenarios.items():
         for path, _, expression, _ in scenario.expressions():
             yield ("scenarios", name, *path), expression
@@ -235,8 +87,8 @@ def unused_parameters(definition: Definition) -> list[Fault]:
 
 
 def unknown_nodes(definition: Definition) -> list[Fault]:
-    """Faults of sensors, inputs and operating points on nodes that no element has."""
-    nodes = _nodes(definition)
+    """Faults of sensors, inputs, operating points and shafts referred to on nodes that no element has."""
+    nodes = dict.fromkeys(all_nodes(definition.elements.values()))
     faults = []
     for table in ("inputs", "sensors"):
         for name, channel in getattr(definition, table).items():
@@ -263,32 +115,10 @@ def unknown_nodes(definition: Definition) -> list[Fault]:
             for table, key, node in named
             if node not in nodes
         ]
-    return faults
-
-
-def unknown_references(definition: Definition) -> list[Fault]:
-    """Faults of elements and sensors whose values are referred to a shaft that does not exist."""
-    nodes = _nodes(definition)
-    faults = [
-        _unknown_node(sensor.referred_to, nodes, ("sensors", name, "referred_to"))
-        for name, sensor in definition.sensors.items()
-        if sensor.referred_to is not None and sensor.referred_to not in nodes
-    ]
-    return faults + [
-        _unknown_node(element.referred_to, nodes, ("elements", name, "referred_to"))
-        for name, element in definition.elements.items()
-        if element.referred_to is not None and element.referred_to not in nodes
-    ]
-
-
-def unknown_followed(definition: Definition) -> list[Fault]:
-    """Faults of parameters that follow a node or element that does not exist."""
-    nodes = _nodes(definition)
-    faults = []
-    for name, parameter in definition.following.items():
-        what, known = ("node", nodes) if parameter.by in ("speed", "load") else ("element", definition.elements)
-        if parameter.of not in known:
-            faults.append(unknown_name(what, parameter.of, known, ("parameters", name, "of")))
+    for table in ("sensors", "elements"):
+        for name, one in getattr(definition, table).items():
+            if one.referred_to is not None and one.referred_to not in nodes:
+                faults.append(_unknown_node(one.referred_to, nodes, (table, name, "referred_to")))
     return faults
 
 
@@ -313,8 +143,19 @@ def unknown_elements(definition: Definition) -> list[Fault]:
     return faults
 
 
+def unknown_followed(definition: Definition) -> list[Fault]:
+    """Faults of parameters that follow a node or element that does not exist."""
+    nodes = all_nodes(definition.elements.values())
+    faults = []
+    for name, parameter in definition.following.items():
+        what, known = ("node", nodes) if parameter.by in ("speed", "load") else ("element", definition.elements)
+        if parameter.of not in known:
+            faults.append(unknown_name(what, parameter.of, known, ("parameters", name, "of")))
+    return faults
+
+
 def _no_element(name: str, definition: Definition, path: EntryPath) -> Fault:
-    if name in _nodes(definition):
+    if name in all_nodes(definition.elements.values()):
         return Fault(
             phrase('"{}" is a node, no element; a torque is taken through an element', ModelName(name)),
             path,
@@ -368,7 +209,7 @@ def competing_axes(definition: Definition) -> list[Fault]:
 
 def hidden_names(definition: Definition) -> list[Fault]:
     """Warnings about names where ``output=`` or ``input=`` could mean two things: sensors and inputs win over nodes."""
-    nodes = set(_nodes(definition))
+    nodes = set(all_nodes(definition.elements.values()))
     faults = []
     for table in ("inputs", "sensors"):
         for name, channel in getattr(definition, table).items():
@@ -421,9 +262,11 @@ def pair_faults(pair: Pair, definition: Definition) -> Iterator[Fault]:
         "input or node": (pair.excitation, [*definition.inputs, *nodes]),
     }
     for what, (name, names) in known.items():
+        if not name or name in names:
+            continue
         is_written_out = what != "input or node" and parse_sensor(name) is not None
         is_written_out |= what != "sensor or node" and set(parse_pair(name) or "?") <= nodes
-        if name and name not in names and not is_written_out:
+        if not is_written_out:
             yield unknown_name(what, name, names, rest=declared(definition, what))
 
 
@@ -453,19 +296,26 @@ def unfit_catalogues(definition: Definition) -> list[Fault]:
     return catalogues.unfit_columns(definition)
 
 
-CHECKS = (
-    undefined_parameters,
-    unknown_nodes,
-    unknown_references,
-    unknown_elements,
-    unknown_followed,
-    unknown_in_configurations,
-    competing_axes,
-    unused_parameters,
-    hidden_names,
-    dead_ends,
-    unfit_overrides,
-    unfit_sections,
-    unfit_catalogues,
-)
-"""Functions that check the names in a model, in the order in which they run."""
+def unfit_overrides(definition: Definition) -> list[Fault]:
+    """Faults of alternatives that change entries which do not exist, or to values that do not fit."""
+    import torsionnet.model.checks.overrides as overrides  # few models have such alternatives
+
+    return overrides.unfit_overrides(definition)
+
+
+CHECKS: dict[Callable[[Definition], list[Fault]], str] = {
+    undefined_parameters: "",
+    unknown_nodes: "",
+    unknown_elements: "sensors",
+    unknown_followed: "following",
+    unknown_in_configurations: "configurations",
+    competing_axes: "configurations",
+    unused_parameters: "parameters",
+    hidden_names: "",
+    dead_ends: "",
+    unfit_overrides: "has_overrides",
+    unfit_sections: "",
+    unfit_catalogues: "elements",
+}
+"""Functions that check the names in a model, in the order in which they run, with the section without which there is
+nothing to check; empty: always."""

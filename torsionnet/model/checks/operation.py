@@ -15,7 +15,7 @@ from torsionnet.base.expressions import Expression
 from torsionnet.base.packages import imported
 from torsionnet.base.phrases import ModelName, phrase
 from torsionnet.base.units import RPM
-from torsionnet.model.definition import Definition, all_nodes
+from torsionnet.model.definition import Definition, all_nodes, with_operating_values
 from torsionnet.model.element_base.element import Element
 from torsionnet.model.element_base.laws import own_node
 from torsionnet.model.kinematics import Kinematics, free_motions
@@ -27,7 +27,7 @@ from torsionnet.model.load.external_torques import (
     unknown_driver,
 )
 from torsionnet.model.operating_point import torque_place
-from torsionnet.model.operating_values import OperatingPoints, operating_parameter_faults, with_operating_values
+from torsionnet.model.operating_values import OperatingPoints, operating_parameter_faults
 from torsionnet.model.parameters import resolve
 from torsionnet.model.sections import CONDITIONS_AT_RATED_SPEED
 

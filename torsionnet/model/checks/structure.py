@@ -1,11 +1,8 @@
-"""Checks that the connected parts can move, hold together and carry their torques; names and values must be sound.
-
-Here as well: check of sensors that are referred to a shaft to which no gear ratio leads.
-"""
+"""Checks that the connected parts can move, hold together and carry their torques; names and values must be sound."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -13,7 +10,6 @@ from torsionnet.base.errors import (
     Fault,
     UsageError,
     comma_list,
-    message_of,
     named_list,
     nearest,
     question,
@@ -30,37 +26,8 @@ from torsionnet.model.kinematics import (
     free_motions,
     loop_mismatch,
     solve_kinematics,
-    torques_are_determinate,
     virtual_motion,
 )
-
-
-def unreachable_shafts(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
-    """Faults of sensors whose readings cannot be referred to the shaft they name.
-
-    Those that are switched off are left out.
-    """
-    referred = {name: sensor for name, sensor in definition.sensors.items() if sensor.referred_to is not None}
-    if not referred:
-        return []
-    from torsionnet.model.readings import referring_factor
-
-    elements = {element.name: element for element in definition.active}
-    nodes = all_nodes(definition.active)
-    faults = []
-    for name, sensor in referred.items():
-        if _is_on(sensor, elements, nodes):
-            try:
-                referring_factor(sensor, elements, Values(values))
-            except UsageError as error:
-                text = phrase("{}: {}", ModelName(name), message_of(error))
-                faults.append(Fault(text, ("sensors", name, "referred_to"), kind="no-ratio"))
-    return faults
-
-
-def _is_on(sensor: Sensor, elements: Mapping[str, Any], nodes: Collection[str]) -> bool:
-    return sensor.of in elements if sensor.is_on_element else all(node in nodes for node in sensor.nodes)
-
 
 MOST_GROUPS, MOST_NAMES = 10, 6
 """Largest number of unconnected groups of nodes reported one by one, and of node names shown of each group: a model
@@ -208,7 +175,8 @@ def contradicting_inputs(definition: Definition, kinematics: Kinematics) -> list
 
 def indeterminate_torques(definition: Definition, kinematics: Kinematics) -> list[Fault]:
     """Warnings about torque sensors on a rigid connection whose torque equilibrium does not determine."""
-    if torques_are_determinate(kinematics):
+    # No rigid constraint follows from others, so that equilibrium gives the torque of each.
+    if not kinematics.reduction.redundant and not kinematics.reduction.blocked:
         return []
     faults = []
     for name, sensor in definition.sensors.items():
@@ -250,7 +218,8 @@ def rigid_body_modes(definition: Definition, kinematics: Kinematics) -> list[Fau
         from torsionnet.model.checks.free_laws import with_gaps_closed
 
         kinematics, closed = with_gaps_closed(definition, kinematics)
-    count = len(rigid_motions(kinematics)) - count_held_motions(kinematics)
+    count = len(rigid_motions(kinematics))
+    count -= count_held_motions(kinematics) if count and kinematics.actions else 0
     if not count:
         return []
     what = "one rigid-body mode" if count == 1 else f"{count} rigid-body modes"
@@ -296,7 +265,10 @@ def check_structure(definition: Definition, values: Mapping[str, Any]) -> list[F
     faults = locked_channels(definition, kinematics)
     faults = faults if slipping is None else _stuck_channels(faults, locked_channels(definition, slipping))
     faults += [fault for check in CHECKS for fault in check(definition, kinematics)]
-    faults += unreachable_shafts(definition, values)
+    if any(sensor.referred_to is not None for sensor in definition.sensors.values()):
+        from torsionnet.model.referral import unreachable_shafts
+
+        faults += unreachable_shafts(definition, values)
     if has_motion_laws:
         operated = bool(definition.load or definition.operating_point)
         faults += [] if operated else open_gaps(definition, values, slipping or kinematics)

@@ -10,7 +10,7 @@ from torsionnet.base.entries.composite import given_entries, one_at_most
 from torsionnet.base.entries.scalars import PhysicalQuantity, RowColumn
 from torsionnet.base.entries.spec import entry, not_none
 from torsionnet.base.errors import Fault
-from torsionnet.base.expressions import Expression
+from torsionnet.base.expressions import Expression, Number
 from torsionnet.model.damping import DampingMeasure, DampingQuantity
 from torsionnet.model.element_base.element import Element, register, viscous
 from torsionnet.model.element_base.element_entries import NodePair, shown
@@ -96,7 +96,8 @@ class Spring(Element):
 
     def contradictions(self) -> list[Fault]:
         faults = one_at_most(self, *_WAYS) if given_entries(self, *_WAYS) else [self._shapeless()]
-        faults += section_faults(self)
+        # A spring may leave out both diameters of the shaft that it stands for.
+        faults += section_faults(self) if self.diameters or self.inner_diameter != Number(0) else []
         if self.cubic is not None and self.stiffness is None:
             faults.append(
                 Fault("cubic stands beside a stiffness, which may be 0", ("cubic",), on_key=True, kind="missing-entry")
@@ -120,14 +121,15 @@ class Spring(Element):
         return self.stiffness is None or self.cubic is not None
 
     def own_parts(self, value: Values) -> tuple[Part, ...]:
-        return self.tangent_parts(value)
+        if self.has_motion_laws:
+            return self.tangent_parts(value)
+        stiffness = value(self.stiffness)
+        return (Law(difference(*self.nodes), stiffness=stiffness, damping=viscous(self.damping, stiffness, value)),)
 
     def own_whole_parts(self, value: Values) -> tuple[WholePart, ...]:
-        row = difference(*self.nodes)
         if not self.has_motion_laws:
-            stiffness = value(self.stiffness)
-            return (Law(row, stiffness=stiffness, damping=viscous(self.damping, stiffness, value)),)
-        curve = self._curve(value)
+            return self.parts(value)
+        row, curve = difference(*self.nodes), self._curve(value)
         # A measure of damping such as zeta refers to the stiffness at rest, dT/dgamma at gamma = 0.
         damping = viscous(self.damping, self._stiffness_at_rest(curve), value)
         return (MotionLaw(row, curve), *([Law(row, damping=damping)] if damping != 0 else []))

@@ -30,8 +30,7 @@ from torsionnet.base.phrases import phrase
 from torsionnet.base.units import misread
 from torsionnet.model.checks import check_definition, has_errors, names, values
 from torsionnet.model.configurations import DEFAULT_AXIS
-from torsionnet.model.defining import define
-from torsionnet.model.definition import Definition
+from torsionnet.model.definition import Definition, define
 from torsionnet.model.files.library import decode, library_models, other_use
 from torsionnet.model.files.located_yaml import LocatedDocument, compose
 from torsionnet.model.parameters import resolve
@@ -138,7 +137,6 @@ def _parent(fault: Fault) -> EntryPath:
 
 
 _WORD = re.compile(r"[^\W\d]\w*")
-_CHECKS = tuple(check for check in names.CHECKS if check is not names.dead_ends)
 
 
 def check_partial_model(definition: Definition, document: LocatedDocument, faults: list[Fault]) -> list[Fault]:
@@ -165,8 +163,9 @@ def _sound_checks(definition: Definition) -> Iterator[Fault]:
 
     The structure cannot be checked while parts are missing.
     """
-    for check in _CHECKS:
-        yield from check(definition)
+    for check, of in names.CHECKS.items():
+        if check is not names.dead_ends and (not of or getattr(definition, of)):
+            yield from check(definition)
     yield from values.wrong_dimensions(definition)
     yield from values.parameter_dimensions(definition)
     yield from values.passive_tables(definition)

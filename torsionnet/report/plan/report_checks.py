@@ -25,33 +25,30 @@ OVER_SPEED = {"orders": "orders over speed", "measure": "measurements over speed
 """Name in messages of what an entry of the plan shows over speed, by the entry."""
 
 
-def unfit_report(definition: Definition) -> list[Fault]:
-    """Faults of the section of a report in a model that names what the model does not have."""
-    return [] if definition.report is None else check_report(definition.report, definition)
-
-
-def check_report(plan: ReportPlan, definition: Definition) -> list[Fault]:
-    """Faults of a report plan for this model; sensors written out in full are left to the solver."""
+def check_report(definition: Definition, other: ReportPlan | None = None) -> list[Fault]:
+    """Faults of the report plan of a model, or of another for it; sensors written out are left to the solver."""
+    if (plan := other or definition.report) is None:
+        return []
     faults = [
         fault.under("transfer_functions", index)
         for index, pair in enumerate(plan.transfer_functions)
         for fault in pair_faults(pair, definition)
     ]
-    faults += _over_speed("orders", plan.orders, definition)
-    faults += _over_speed("measure", plan.measure, definition)
+    for key, outputs in {"orders": plan.orders, "measure": plan.measure}.items():
+        faults += _over_speed(key, outputs, definition) if outputs else []
     chosen = [(("configurations", index), name) for index, name in enumerate(plan.configurations)]
     for path, name in [*chosen, *([(("normal",), plan.normal)] if plan.normal else [])]:
         try:
             parse_choice(name, definition.configurations)
         except UsageError as error:
             faults.append(replace(error.fault, path=path))
-    faults += _idling(plan, definition)
+    faults += _idling(plan, definition) if plan.idling else []
     return [fault.under("report") for fault in faults]
 
 
 def _over_speed(key: str, names: tuple[str, ...], definition: Definition) -> Iterator[Fault]:
     """Faults of outputs that are shown over speed, or measured there, in the entry ``key`` of the plan."""
-    if names and (definition.speeds is None or not definition.excitations):
+    if definition.speeds is None or not definition.excitations:
         text = f"{OVER_SPEED[key]} need the entries speeds: and excitations: of the model"
         yield Fault(text, (key,), on_key=True, kind="missing-entry")
     nodes = {node for element in definition.elements.values() for node in element.ports.values()}
@@ -66,9 +63,9 @@ def _idling(plan: ReportPlan, definition: Definition) -> Iterator[Fault]:
     speeds = definition.speeds
     if speeds is None:
         text = "speeds of idling are those of the shaft of the entry speeds:, which the model lacks"
-        yield from [Fault(text, ("idling",), on_key=True, kind="out-of-range")] if plan.idling else []
+        yield Fault(text, ("idling",), on_key=True, kind="out-of-range")
         return
-    conditions = [definition, *(one for _, one in variants(definition))] if plan.idling else []
+    conditions = [definition, *(one for _, one in variants(definition))]
     for index, speed in enumerate(plan.idling):
         if not any(holds_speed(one, speed) for one in conditions):
             low, high = speeds.values[0] * RPM, speeds.values[-1] * RPM
