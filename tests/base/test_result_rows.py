@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from torsionnet.app.cli.output import OUTPUTS, output_kinds
 from torsionnet.base.conventions import Conventions
-from torsionnet.base.result_rows import NUMBER_ROWS, Out, json_schema, out_fields, to_json
+from torsionnet.base.result_fields import json_schema, out_fields, to_json
+from torsionnet.base.result_rows import NUMBER_ROWS, Out
 from torsionnet.base.table import Column, result_table
 
 

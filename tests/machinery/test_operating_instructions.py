@@ -10,7 +10,7 @@ from support.command_line import run
 from support.limit_cases import RPM, hump, m68, stressed
 
 import torsionnet as tn
-from torsionnet.base.result_rows import json_schema
+from torsionnet.base.result_fields import json_schema
 from torsionnet.machinery.verdicts.limit_check import LimitCheck
 from torsionnet.machinery.verdicts.limit_conclusion import LimitConclusion
 from torsionnet.machinery.verdicts.operating_instructions import instruction_table, operating_instructions

@@ -21,7 +21,7 @@ from torsionnet.base.errors import MissingExtraError, UsageError
 from torsionnet.base.notes import NoteOrText
 from torsionnet.base.number_text import csv_value, json_finite, screen_text, unit_in_brackets
 from torsionnet.base.packages import thinned
-from torsionnet.base.result_rows import OutField, out_fields, shown_value
+from torsionnet.base.result_fields import OutField, out_fields, shown_value
 from torsionnet.base.saved_results import json_object
 
 if TYPE_CHECKING:

@@ -17,7 +17,8 @@ from torsionnet.base.atomic import atomic_replacement
 from torsionnet.base.entries.spec import Json
 from torsionnet.base.errors import MissingExtraError, UsageError, did_you_mean
 from torsionnet.base.packages import NotebookResult
-from torsionnet.base.result_rows import Out, to_json
+from torsionnet.base.result_fields import to_json
+from torsionnet.base.result_rows import Out
 from torsionnet.base.table import Column, Table
 from torsionnet.base.version import __version__
 from torsionnet.drivetrain import Drivetrain

@@ -182,7 +182,7 @@ def write_answer(answer: Answer, output: Output) -> None:
         plot.save(figure, path)
         print_file_written(path)
     if output.as_json:
-        from torsionnet.base.result_rows import to_json
+        from torsionnet.base.result_fields import to_json
 
         print_json(to_json(answer.data()))
     else:
@@ -239,7 +239,7 @@ class ConfiguredCase:
 
     def data(self, result: object, without: Collection[str] = ()) -> dict[str, Any]:
         """JSON data of a result of the case, without the fields with these names, with its configuration."""
-        from torsionnet.base.result_rows import to_json
+        from torsionnet.base.result_fields import to_json
 
         return with_configuration(to_json(result, without), self.configuration)
 

@@ -11,7 +11,8 @@ from typing import Annotated, Any, cast
 
 from torsionnet.app.cli.command import with_configuration
 from torsionnet.base.entries.spec import Schema
-from torsionnet.base.result_rows import NUMBER, Out, json_schema, out_fields, record_schema, to_json
+from torsionnet.base.result_fields import json_schema, out_fields, record_schema, to_json
+from torsionnet.base.result_rows import NUMBER, Out
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.model.overview import ModelRecord, model_record
 from torsionnet.study.run.answering import AnsweredStudy

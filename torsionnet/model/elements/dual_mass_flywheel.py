@@ -28,14 +28,14 @@ from torsionnet.model.element_base.laws import (
     difference,
     make_row,
 )
-from torsionnet.model.element_base.spring_stages import (
+from torsionnet.model.element_base.spring_stage import (
     SpringStage,
-    SpringStages,
     stage_at,
     stage_faults,
     stage_range,
     stage_torques,
 )
+from torsionnet.model.element_base.spring_stages import SpringStages
 from torsionnet.model.motion_laws.piece_curve import Hold, PieceCurve, Slope, friction_curve, stage_curve
 
 _STUCK = 1

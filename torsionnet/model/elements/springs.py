@@ -19,16 +19,15 @@ from torsionnet.model.element_base.round_section import section_faults
 from torsionnet.model.element_base.spring_stages import (
     ExpressionRows,
     QuantityRows,
-    SpringStage,
     SpringStages,
     has_names,
     numbers_of,
     row_order_faults,
-    stage_faults,
 )
 
 if TYPE_CHECKING:
     from torsionnet.model.element_base.laws import TorqueCurve
+    from torsionnet.model.element_base.spring_stage import SpringStage
 
 NODE_PAIR_DESCRIPTION = "the two nodes it connects, one may be ground; twist is the angle of the first minus the second"
 OUTER_DIAMETER = PhysicalQuantity(
@@ -156,7 +155,11 @@ class Spring(Element):
 
     def value_faults(self, value: Values) -> list[Fault]:
         rows = self.torque_over_twist
-        faults = [fault.under("stages") for fault in stage_faults(self.stages, value)] if self.stages else []
+        faults: list[Fault] = []
+        if self.stages:
+            from torsionnet.model.element_base.spring_stage import stage_faults
+
+            faults += [fault.under("stages") for fault in stage_faults(self.stages, value)]
         faults += [] if self.cubic is None else self._cubic_faults(value)
         return faults if rows is None else faults + _row_faults(rows, value)
 

@@ -9,7 +9,8 @@ from itertools import pairwise
 from typing import Any, Literal
 
 from torsionnet.model.element_base.laws import MotionState, TorqueCurve, Values
-from torsionnet.model.element_base.spring_stages import NumberRows, SpringStage, stage_spans
+from torsionnet.model.element_base.spring_stage import SpringStage, stage_spans
+from torsionnet.model.element_base.spring_stages import NumberRows
 
 ROUNDING = 1e-14
 """Share of a twist or rate by which rounding may carry it over the corner that it lies on."""

@@ -13,7 +13,8 @@ from torsionnet.app.cli.options import ALIGN, ANGLE, DRIVEN_BY, STEPPED, USABLE_
 from torsionnet.app.cli.record_options import Averaging, EstimateArguments, Estimator, RecordCommand, RecordReading
 from torsionnet.app.cli.terminal import print_warnings
 from torsionnet.base.notes import NoteOrText, is_warning
-from torsionnet.base.result_rows import Out, to_json
+from torsionnet.base.result_fields import to_json
+from torsionnet.base.result_rows import Out
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.signals.comparison import AgreementNumber, agreement, agreement_numbers, difference
 
