@@ -11,7 +11,7 @@ from support.doubts import in_doubt
 
 import torsionnet as tn
 from torsionnet.linear.assembly.law_stiffness import LawStiffness
-from torsionnet.linear.dynamic_stiffness import response_problem
+from torsionnet.linear.dynamic_stiffness import quotient, response_problem
 from torsionnet.linear.dynamic_stiffness.quotient import NOTHING, rounding_errors, uncertain_points
 from torsionnet.linear.dynamic_stiffness.response_problem import Loading, ResponseProblem
 from torsionnet.linear.responses import transfer
@@ -21,7 +21,7 @@ UNMARKED_ERROR = 1e-10
 """Relative error of every unmarked value, a tenth of what responses promise."""
 
 both_ways = pytest.mark.parametrize(
-    "respond", [response_problem.eliminate, response_problem.respond_compiled], ids=["numpy", "compiled"]
+    "respond", [response_problem.eliminate, quotient.respond_compiled], ids=["numpy", "compiled"]
 )
 
 

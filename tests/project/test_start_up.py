@@ -148,6 +148,7 @@ ONLY_DECLARED = {
     "torsionnet/model/element_base/spring_stages.py",  # entries of springs that are not linear
     "torsionnet/model/files/__init__.py",
     "torsionnet/model/parts/part_entries.py",  # sections of a model file
+    "torsionnet/model/parts/part_table.py",
     "torsionnet/report/plan/report_plan.py",  # the section of amt_rig
     "torsionnet/report/plan/title_block.py",
 }

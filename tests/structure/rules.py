@@ -30,7 +30,7 @@ MAY_PRINT = ("torsionnet/app/cli/", "torsionnet/__main__.py")
 FORBIDDEN_CALLS = {"eval", "exec", "sympify", "parse_expr"}
 
 SECTION_TYPES = (
-    "torsionnet/model/definition.py", "torsionnet/model/checks/names.py", "torsionnet/model/parts/part.py", "torsionnet/bench/campaign/campaign_file.py"
+    "torsionnet/model/definition.py", "torsionnet/model/checks/overrides.py", "torsionnet/model/parts/part.py", "torsionnet/bench/campaign/campaign_file.py"
 )  # fmt: skip
 """Modules with the types of sections that rooms above own; what makes them comes by the table in model/sections.py."""
 MAX_LINES = 600

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 import torsionnet.model.sections as sections
 from torsionnet.base.entries.declared import FORMAT_VERSION, KEY, Declared, names_a_file
 from torsionnet.base.entries.spec import Json, Schema, Text, entry
-from torsionnet.base.errors import Fault, UsageError, got
+from torsionnet.base.errors import Fault, got
 from torsionnet.base.packages import imported
 from torsionnet.base.registers import settle
 from torsionnet.model.channels import Input, Sensor
@@ -22,7 +22,8 @@ from torsionnet.model.configurations import VALUE, Overlay
 from torsionnet.model.elements import GROUND, Element
 from torsionnet.model.operating_point import OPERATING_POINT, OperatingPoint
 from torsionnet.model.parameters import Parameter, resolve
-from torsionnet.model.parts.part_entries import INCLUDE, PARTS, PORTS, USE
+from torsionnet.model.parts.part_entries import PORTS, USE
+from torsionnet.model.parts.part_table import INCLUDE, PARTS
 
 if TYPE_CHECKING:
     from torsionnet.bench.plan import Plan
@@ -282,21 +283,6 @@ def with_operating_values(definition: Definition, values: Mapping[str, float]) -
         return definition
     parameters = {name: definition.parameters[name].with_operating_values(value) for name, value in values.items()}
     return replace(definition, parameters={**definition.parameters, **parameters})
-
-
-def at_operating_point(definition: Definition) -> Definition:
-    """Definition of a model with the parameter values, and tangents of laws of motion, at its own operating point."""
-    if not definition.following:
-        return with_tangents(definition)
-    from torsionnet.model.load.external_torques import ExternalTorques
-    from torsionnet.model.operating_values import OperatingPoints
-
-    definition = replace(definition, tangents=None)
-    points = OperatingPoints(ExternalTorques(definition, resolve(definition.parameters)[0]))
-    try:
-        return with_tangents(with_operating_values(definition, points.at(points.external.operating_speed)))
-    except UsageError:
-        return with_tangents(definition)
 
 
 def with_tangents(definition: Definition, speed: float | None = None) -> Definition:

@@ -31,7 +31,6 @@ from torsionnet.model.configurations import (
 from torsionnet.model.definition import (
     Definition,
     all_nodes,
-    at_operating_point,
     collect_elements,
     define,
     flatten_definition,
@@ -78,6 +77,15 @@ class ModelState:
     changes: Overlay = field(default_factory=Overlay)
     findings: tuple[Fault, ...] = ()
     shared: Shared = field(default_factory=Shared, compare=False)
+
+
+def _operated(definition: Definition) -> Definition:
+    """Definition of a model with the parameter values, and tangents of laws of motion, at its own operating point."""
+    if not definition.following:
+        return with_tangents(definition)
+    from torsionnet.model.operating_values import at_operating_point
+
+    return at_operating_point(definition)
 
 
 class Model:
@@ -129,12 +137,12 @@ class Model:
             found = [fault for fault in found if fault.about != "elements"]
         faults += found + check_definition(definition)
         _refuse(faults, name)
-        self._state = ModelState(at_operating_point(definition), definition, findings=tuple(faults))
+        self._state = ModelState(_operated(definition), definition, findings=tuple(faults))
 
     @classmethod
     def from_definition(cls, definition: Definition, findings: Iterable[Fault] = ()) -> Self:
         """Model made of a checked definition."""
-        return cls._of(ModelState(at_operating_point(definition), definition, findings=tuple(findings)))
+        return cls._of(ModelState(_operated(definition), definition, findings=tuple(findings)))
 
     @classmethod
     def _of(cls, state: ModelState) -> Self:
@@ -156,7 +164,7 @@ class Model:
         definition = definition.with_overlay(changes)
         faults = check_variant(definition)
         _refuse(faults, label(chosen, definition.configurations) or self.name)
-        used = at_operating_point(definition)
+        used = _operated(definition)
         return self._of(replace(self._state, definition=used, choice=chosen, changes=changes, findings=tuple(faults)))
 
     @property

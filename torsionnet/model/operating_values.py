@@ -15,7 +15,7 @@ from typing import Any
 from torsionnet.base.errors import Fault, UsageError, comma_list
 from torsionnet.base.expressions import interpolate_float
 from torsionnet.base.units import RPM
-from torsionnet.model.definition import Definition, all_nodes
+from torsionnet.model.definition import Definition, all_nodes, with_operating_values, with_tangents
 from torsionnet.model.element_base.laws import MotionState
 from torsionnet.model.elements import Constraint, Law, MotionLaw, Values
 from torsionnet.model.elimination import reduce_rows
@@ -130,6 +130,16 @@ class OperatingPoints:
     @cached_property
     def _motions(self) -> dict[str, dict[str, float]]:
         return {}
+
+
+def at_operating_point(definition: Definition) -> Definition:
+    """Definition of a model whose parameters follow the operating point, at its own one, with tangents there."""
+    definition = replace(definition, tangents=None)
+    points = OperatingPoints(ExternalTorques(definition, resolve(definition.parameters)[0]))
+    try:
+        return with_tangents(with_operating_values(definition, points.at(points.external.operating_speed)))
+    except UsageError:
+        return with_tangents(definition)
 
 
 def operating_speed_notes(external: ExternalTorques) -> tuple[str, ...]:

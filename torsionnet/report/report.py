@@ -11,8 +11,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from torsionnet.base.entries.declared import files_recorded
 from torsionnet.base.errors import ModelError, UsageError, comma_list, did_you_mean, fault_of
+from torsionnet.base.nearby_files import files_recorded
 from torsionnet.base.version import __version__
 from torsionnet.loading import load
 from torsionnet.model.files.reader import find_model

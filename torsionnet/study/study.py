@@ -95,7 +95,7 @@ class Study(NotebookResult):
         """Method of the response solver for all variants, "compiled" if numba works and they are many, else "graph"."""
         if self.count < FEWEST_COMPILED:
             return "graph"
-        from torsionnet.linear.dynamic_stiffness.response_problem import compiled_works
+        from torsionnet.linear.dynamic_stiffness.quotient import compiled_works
 
         return "compiled" if compiled_works() else "graph"
 

@@ -28,8 +28,8 @@ from torsionnet.app.language_server.open_model import (
     names_a_model,
 )
 from torsionnet.app.text.text_faults import LocatedFault
-from torsionnet.base.entries.declared import files_recorded, texts_in_editors
 from torsionnet.base.errors import UsageError
+from torsionnet.base.nearby_files import files_recorded, texts_in_editors
 from torsionnet.base.version import __version__
 
 # Protocol of the server in which no request stays without an answer, and each document has one address.

@@ -17,8 +17,7 @@ from torsionnet.linear.assembly.system import Assembly
 from torsionnet.linear.assembly.table_range import range_notes
 from torsionnet.linear.batch.batch import Batch, BatchedStiffness
 from torsionnet.linear.batch.batch_plan import batch_plan
-from torsionnet.linear.dynamic_stiffness.quotient import rounding_errors, uncertain_points
-from torsionnet.linear.dynamic_stiffness.response_problem import chosen_method
+from torsionnet.linear.dynamic_stiffness.quotient import chosen_method, rounding_errors, uncertain_points
 from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest, cached_request, request_for_model
 from torsionnet.linear.responses.grid import Adaptive
 from torsionnet.linear.responses.shared_response import FrequencyResponses

@@ -22,12 +22,11 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-import torsionnet.linear.dynamic_stiffness.response_problem as elimination
 from torsionnet.base.errors import SolveError
 from torsionnet.linear.assembly.law_stiffness import LawStiffness
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.linear.dynamic_stiffness.reading_problem import ReadingProblem
-from torsionnet.linear.dynamic_stiffness.response_problem import ResponseProblem
+from torsionnet.linear.dynamic_stiffness.response_problem import ResponseProblem, eliminate
 from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest
 
 CERTAIN = 2e-13
@@ -87,6 +86,56 @@ def _solved(loop: ComplexArray, right: ComplexArray) -> ComplexArray:
     return torques
 
 
+COMPILED_WORK = 1e9
+"""Tape operations times frequency points above which the compiled loop saves more than the second or two that starting
+it takes."""
+
+
+def chosen_method(problem: ResponseProblem, n_points: int, method: str) -> str:
+    """Name of the solver to use, for ``auto`` the compiled loop for many points wherever numba works, else numpy."""
+    if method != "auto":
+        return method
+    is_large = n_points * sum(len(part.tape) for _, part in problem.parts) >= COMPILED_WORK
+    return "compiled" if is_large and compiled_works() else "graph"
+
+
+def compiled_works() -> bool:
+    """Whether the compiled loop can be used, that is whether numba is installed and works with this numpy.
+
+    numpy can do the same.
+    """
+    with contextlib.suppress(Exception):
+        import torsionnet.linear.dynamic_stiffness.compiled  # noqa: F401
+
+        return True
+    return False
+
+
+def respond(problem: ResponseProblem, kappa: LawStiffness) -> ComplexArray:
+    """Motions (rad) and reactions (N m) per unit excitation, (n_read, n_exc, n_points), from ``kappa`` of all laws.
+
+    Large problems take the compiled loop where it works. Only their size decides, so that a result does not depend on
+    what was calculated before.
+    """
+    if chosen_method(problem, kappa.n_points, "auto") == "compiled":
+        with contextlib.suppress(Exception):
+            return respond_compiled(problem, kappa)
+    return eliminate(problem, kappa)
+
+
+def respond_compiled(problem: ResponseProblem, kappa: LawStiffness) -> ComplexArray:
+    """Motions (rad) and reactions (N m) per unit excitation by the compiled loop, (n_read, n_exc, n_points).
+
+    Raises
+    ------
+    MissingExtraError
+        numba is not installed.
+    """
+    import torsionnet.linear.dynamic_stiffness.compiled as compiled
+
+    return eliminate(problem, kappa, compiled.sweep)
+
+
 Respond: TypeAlias = Callable[[ResponseProblem, LawStiffness], ComplexArray]
 
 
@@ -97,9 +146,9 @@ def _respond_densely(problem: ResponseProblem, kappa: LawStiffness) -> ComplexAr
 
 
 METHODS: dict[str, Respond] = {
-    "auto": elimination.respond,
-    "graph": elimination.eliminate,
-    "compiled": elimination.respond_compiled,
+    "auto": respond,
+    "graph": eliminate,
+    "compiled": respond_compiled,
     "dense": _respond_densely,
 }
 
@@ -122,7 +171,7 @@ def transfer_functions(
     reading_problem, n_out = request.reading_problem, len(request.outputs)
     if other_order:
         reading_problem = reading_problem.in_other_order
-    method = elimination.chosen_method(reading_problem.problem, kappa.n_points, method)
+    method = chosen_method(reading_problem.problem, kappa.n_points, method)
     if method == "compiled" and (whole := _compiled(request, reading_problem, kappa)) is not None:
         points = np.flatnonzero(~np.isfinite(whole.values).all(axis=(1, 2)))
         if len(points):  # beyond its range, or infinite

@@ -14,14 +14,13 @@ has to be kept for a way back. That is the better way for few readings.
 >>> rows = [{0: 1.0}, {1: 1.0}, {0: 1.0, 1: -1.0}]
 >>> free = ResponseProblem(rows, 2, (Loading(load={0: 1.0}),), ({1: 1.0}, {0: 1.0, 1: -1.0}))
 >>> J, c, k = (np.array([values]) for values in ([1.0, 3.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 1e9]))
->>> motion = respond(free, LawStiffness(J, c, k, omega=np.array([1e-3])))
+>>> motion = eliminate(free, LawStiffness(J, c, k, omega=np.array([1e-3])))
 >>> [f"{value.real:.12g}" for value in motion[:, 0, 0]]
 ['-250000', '7.5e-10']
 """
 
 from __future__ import annotations
 
-import contextlib
 import math
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Sequence
@@ -353,55 +352,6 @@ class ResponseProblem:
 
 
 Walk: TypeAlias = Callable[[Tape, LawStiffness], Array]
-
-COMPILED_WORK = 1e9
-"""Tape operations times frequency points above which the compiled loop saves more than the second or two that starting
-it takes."""
-
-
-def chosen_method(problem: ResponseProblem, n_points: int, method: str) -> str:
-    """Name of the solver to use, for ``auto`` the compiled loop for many points wherever numba works, else numpy."""
-    if method != "auto":
-        return method
-    is_large = n_points * sum(len(part.tape) for _, part in problem.parts) >= COMPILED_WORK
-    return "compiled" if is_large and compiled_works() else "graph"
-
-
-def compiled_works() -> bool:
-    """Whether the compiled loop can be used, that is whether numba is installed and works with this numpy.
-
-    numpy can do the same.
-    """
-    with contextlib.suppress(Exception):
-        import torsionnet.linear.dynamic_stiffness.compiled  # noqa: F401
-
-        return True
-    return False
-
-
-def respond(problem: ResponseProblem, kappa: LawStiffness) -> ComplexArray:
-    """Motions (rad) and reactions (N m) per unit excitation, (n_read, n_exc, n_points), from ``kappa`` of all laws.
-
-    Large problems take the compiled loop where it works. Only their size decides, so that a result does not depend on
-    what was calculated before.
-    """
-    if chosen_method(problem, kappa.n_points, "auto") == "compiled":
-        with contextlib.suppress(Exception):
-            return respond_compiled(problem, kappa)
-    return eliminate(problem, kappa)
-
-
-def respond_compiled(problem: ResponseProblem, kappa: LawStiffness) -> ComplexArray:
-    """Motions (rad) and reactions (N m) per unit excitation by the compiled loop, (n_read, n_exc, n_points).
-
-    Raises
-    ------
-    MissingExtraError
-        numba is not installed.
-    """
-    import torsionnet.linear.dynamic_stiffness.compiled as compiled
-
-    return eliminate(problem, kappa, compiled.sweep)
 
 
 def eliminate(problem: ResponseProblem, kappa: LawStiffness, walk: Walk = sweep) -> ComplexArray:

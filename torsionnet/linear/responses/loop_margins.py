@@ -17,8 +17,8 @@ from torsionnet.base.table import Column, Table
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.law_stiffness import law_stiffness
 from torsionnet.linear.assembly.rows import ActionLaw, ComplexArray, FloatArray
+from torsionnet.linear.dynamic_stiffness.quotient import respond
 from torsionnet.linear.dynamic_stiffness.reading_problem import make_reading_problem
-from torsionnet.linear.dynamic_stiffness.response_problem import respond
 from torsionnet.linear.modes.natural_modes import natural_modes
 
 STABLE_NOTE = "the drivetrain is stable"

@@ -15,8 +15,7 @@ from torsionnet.base.expressions import ExpressionError
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.law_stiffness import LawStiffness
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
-from torsionnet.linear.dynamic_stiffness.quotient import rounding_errors, uncertain_points
-from torsionnet.linear.dynamic_stiffness.response_problem import respond
+from torsionnet.linear.dynamic_stiffness.quotient import respond, rounding_errors, uncertain_points
 from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest, resolve_request
 from torsionnet.linear.responses.transfer import ACCEPTED_ERROR, expected_errors, frequency_response
 from torsionnet.linear.sensitivity.augmented import Augmented, augmented

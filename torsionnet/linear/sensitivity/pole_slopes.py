@@ -23,7 +23,7 @@ from torsionnet.base.errors import UsageError
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.law_stiffness import LawStiffness
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
-from torsionnet.linear.dynamic_stiffness.response_problem import respond
+from torsionnet.linear.dynamic_stiffness.quotient import respond
 from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest
 from torsionnet.linear.modes.natural_modes import cut_definition, elements_beyond_cut
 from torsionnet.linear.sensitivity.augmented import Augmented, augmented

@@ -15,10 +15,11 @@ from numpy.typing import NDArray
 from torsionnet.base.delimited.dialect import data_start, detect_dialect, detect_encoding, headings, line_position
 from torsionnet.base.delimited.number_rows import NumberRows
 from torsionnet.base.entries.composite import Listed, Nested
-from torsionnet.base.entries.declared import Declared, nearby_file
+from torsionnet.base.entries.declared import Declared
 from torsionnet.base.entries.scalars import Value
 from torsionnet.base.entries.spec import EntryError, Json, Schema, Text, entry
 from torsionnet.base.errors import EntryPath, Fault, ModelError, UsageError, did_you_mean
+from torsionnet.base.nearby_files import nearby_file
 from torsionnet.machinery.excitations.harmonic_torque import not_covered
 from torsionnet.machinery.excitations.order_excitation import (
     ComplexArray,

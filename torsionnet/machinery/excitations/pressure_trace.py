@@ -23,10 +23,10 @@ from torsionnet.base.delimited.dialect import (
 )
 from torsionnet.base.delimited.number_rows import NumberRows
 from torsionnet.base.entries.composite import Composite
-from torsionnet.base.entries.declared import nearby_file
 from torsionnet.base.entries.scalars import SCALAR_SCHEMA, Value
 from torsionnet.base.entries.spec import EntryError, Json, Schema, not_none
 from torsionnet.base.errors import Fault, ModelError, Position, got
+from torsionnet.base.nearby_files import nearby_file
 from torsionnet.base.units import ANGLES, DIMENSIONS, Unit, UnitError, parse_unit
 from torsionnet.machinery.excitations.order_excitation import ComplexArray, FloatArray
 

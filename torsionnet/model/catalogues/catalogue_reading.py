@@ -18,9 +18,9 @@ from torsionnet.base.delimited.cell_grid import (
     read_grid,
 )
 from torsionnet.base.delimited.sheet_headings import named_unit, sheet_unit
-from torsionnet.base.entries.declared import nearby_file
 from torsionnet.base.entries.spec import EntryError, Spec
 from torsionnet.base.errors import Fault, ModelError, UsageError, comma_list, got, nearest, question
+from torsionnet.base.nearby_files import nearby_file
 from torsionnet.base.units import UnitError, expected_unit, numeral_of, parse_number
 from torsionnet.model.catalogues.catalogue import Catalogue, CatalogueCell, CatalogueRow
 from torsionnet.model.catalogues.catalogue_entries import CATALOGUE, SIZE

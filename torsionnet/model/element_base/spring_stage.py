@@ -1,4 +1,4 @@
-"""One stage of a spring, its entries, the points where it begins and ends, and the stage in force at a mean torque.
+"""Stage of a spring with its entries, the points where it begins and ends, and the one in force at a mean torque.
 
 Few springs have stages; the entry for all of them is in :mod:`torsionnet.model.element_base.spring_stages`.
 """

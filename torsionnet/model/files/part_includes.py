@@ -6,9 +6,10 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
-from torsionnet.base.entries.declared import KEY, files_beside, nearby_bytes, nearby_file
+from torsionnet.base.entries.declared import KEY, files_beside
 from torsionnet.base.entries.spec import EntryError
 from torsionnet.base.errors import EntryPath, Fault, ModelError
+from torsionnet.base.nearby_files import nearby_bytes, nearby_file
 from torsionnet.model.files.library import decode, library_parts
 from torsionnet.model.files.located_yaml import LocatedDocument, LocatedNode, compose
 

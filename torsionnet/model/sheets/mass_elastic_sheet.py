@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 from torsionnet.base.delimited.cell_grid import Cell, CellGrid, is_like_number, read_grid
 from torsionnet.base.delimited.sheet_headings import has_power
-from torsionnet.base.entries.declared import nearby_file
 from torsionnet.base.entries.spec import EntryError, Schema, Spec, full_name
 from torsionnet.base.errors import Fault, ModelError, got
+from torsionnet.base.nearby_files import nearby_file
 from torsionnet.base.plain_names import plain_name
 from torsionnet.base.units import DIMENSIONS, numeral_of
 from torsionnet.model.sheets.factor_readings import READINGS, FactorDecision, decide_factors, factor_text

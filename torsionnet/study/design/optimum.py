@@ -9,7 +9,7 @@ from typing import ClassVar
 from torsionnet.base.entries.composite import Named, Nested
 from torsionnet.base.entries.spec import Count, entry
 from torsionnet.base.errors import EntryPath, Fault, ModelError
-from torsionnet.linear.dynamic_stiffness.response_problem import compiled_works
+from torsionnet.linear.dynamic_stiffness.quotient import compiled_works
 from torsionnet.machinery.design.damper_optimum import DesignParameter
 from torsionnet.study.answers.answer import (
     PARAMETER,

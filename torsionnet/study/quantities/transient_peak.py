@@ -9,10 +9,10 @@ from typing import Any, ClassVar
 import numpy as np
 
 from torsionnet.base.entries.composite import Composite, Listed
-from torsionnet.base.entries.declared import nearby_file
 from torsionnet.base.entries.scalars import SCALAR_SCHEMA, Value
 from torsionnet.base.entries.spec import EntryError, Json, OneOf, Schema, Text, entry, not_none
 from torsionnet.base.errors import Fault, TorsionnetError, UsageError, fault_of, got, remedy
+from torsionnet.base.nearby_files import nearby_file
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.identification.plan.fit_entries import READING, FileReading
 from torsionnet.linear.assembly.rows import FloatArray

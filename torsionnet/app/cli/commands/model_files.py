@@ -280,7 +280,7 @@ def watch(models: Iterable[str], check: Callable[[], None]) -> None:
     Changes are seen by time, size and number of a file, on all file systems alike; one that is gone, or replaced by
     another of its name, has changed, too.
     """
-    from torsionnet.base.entries.declared import file_state, files_recorded
+    from torsionnet.base.nearby_files import file_state, files_recorded
     from torsionnet.model.files.reader import find_model
 
     own: list[Path] = []
@@ -306,7 +306,7 @@ def watch(models: Iterable[str], check: Callable[[], None]) -> None:
 
 def _until_written(files: Iterable[Path]) -> None:
     """Wait until an editor that empties a file, or takes it away, has written the new one."""
-    from torsionnet.base.entries.declared import file_state
+    from torsionnet.base.nearby_files import file_state
 
     known = list(files)
     before = None

@@ -12,10 +12,11 @@ from torsionnet.app.text.cursor_context import CursorContext
 from torsionnet.app.text.name_homes import Scope, changed_section, properties_of
 from torsionnet.app.text.tolerant_reading import tolerant_document
 from torsionnet.base.entries.composite import Named, Nested, Typed
-from torsionnet.base.entries.declared import Declared, files_beside, nearby_file
+from torsionnet.base.entries.declared import Declared, files_beside
 from torsionnet.base.entries.scalars import AnyQuantity, Band, Bands, NumberTable, PhysicalQuantity, QuantityKind, Value
 from torsionnet.base.entries.spec import EntryError, OneOf, Schema, Spec, Text
 from torsionnet.base.errors import EntryPath
+from torsionnet.base.nearby_files import nearby_file
 from torsionnet.base.units import expected_unit
 from torsionnet.model.channels import ChannelName, RecordedName
 from torsionnet.model.configurations import AlternativeEntry, AxesEntry

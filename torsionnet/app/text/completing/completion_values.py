@@ -21,10 +21,11 @@ from torsionnet.app.text.completing.completion_places import (
 )
 from torsionnet.app.text.name_homes import changeable_sections, properties_of
 from torsionnet.base.entries.composite import Listed, Nested, PairOf, Typed
-from torsionnet.base.entries.declared import Declared, files_beside, nearby_file
+from torsionnet.base.entries.declared import Declared, files_beside
 from torsionnet.base.entries.scalars import AnyQuantity, QuantityKind
 from torsionnet.base.entries.spec import MODEL_NAME, EntryError, Spec, Text
 from torsionnet.base.errors import TorsionnetError
+from torsionnet.base.nearby_files import nearby_file
 from torsionnet.base.units import (
     CELSIUS,
     DIMENSIONS,
@@ -304,7 +305,7 @@ def _kinds(writing: Writing, typed: Typed[Any]) -> Iterator[CompletionOption]:
 def _words(spec: Spec[Any], folder: Path | None) -> Iterator[CompletionOption]:
     """Words of a fixed list, from the specification of the entry or its JSON Schema."""
     if isinstance(spec, SectionName):
-        from torsionnet.report.plan.title_block import SECTIONS
+        from torsionnet.report.plan import SECTIONS
 
         yield from (CompletionOption(name, "word", name, "section") for name in SECTIONS)
         return
