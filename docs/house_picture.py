@@ -24,7 +24,8 @@ from torsionnet.linear.dynamic_stiffness.response_problem import make_tape
 from torsionnet.linear.dynamic_stiffness.tape import Tape
 from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest, cached_request
 from torsionnet.linear.frequency_response import FrequencyResponse
-from torsionnet.model.definition import Definition, define
+from torsionnet.model.defining import define
+from torsionnet.model.definition import Definition
 from torsionnet.model.files.located_yaml import LocatedDocument, compose
 from torsionnet.report.build import build
 from torsionnet.report.document_tree import Report

@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import torsionnet as tn
 from torsionnet.base.entries.spec import Renaming
-from torsionnet.model.definition import Definition, flatten_definition
+from torsionnet.model.defining import flatten_definition
+from torsionnet.model.definition import Definition
 from torsionnet.model.parts.authored_model import part_of
 from torsionnet.model.parts.use import Use
 

@@ -28,15 +28,8 @@ from torsionnet.model.configurations import (
     parse_choice,
     read_overrides,
 )
-from torsionnet.model.definition import (
-    Definition,
-    all_nodes,
-    collect_elements,
-    define,
-    flatten_definition,
-    with_operating_values,
-    with_tangents,
-)
+from torsionnet.model.defining import collect_elements, define, flatten_definition
+from torsionnet.model.definition import Definition, all_nodes, with_operating_values, with_tangents
 from torsionnet.model.elements import Element
 from torsionnet.model.load.external_torques import ExternalTorques, mean_torques
 from torsionnet.model.operating_point import OperatingPoint

@@ -1,22 +1,16 @@
-"""Conversion of element values quoted at the speed of another shaft to their own, and faults of such values.
-
-Here as well: faults of sensors that are referred to a shaft to which no ratio leads.
-"""
+"""Conversion of element values quoted at the speed of another shaft to their own, and faults of such values."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from torsionnet.base.entries.spec import not_none
-from torsionnet.base.errors import Fault, TorsionnetError, UsageError, message_of
+from torsionnet.base.errors import Fault, TorsionnetError
 from torsionnet.base.phrases import ModelName, phrase
-from torsionnet.model.channels import Sensor
-from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.element_base.laws import own_node
 from torsionnet.model.element_base.speed_path import LawsAtOwnShaft, SpeedPath, SpeedPaths, second_ratio
 from torsionnet.model.elements import Element, Law, Values
-from torsionnet.model.readings import referring_factor
 
 
 def at_own_speeds(elements: Sequence[Element], values: Mapping[str, Any]) -> tuple[Element, ...]:
@@ -86,26 +80,3 @@ def _two_ratios(element: Element, paths: SpeedPaths, own: str) -> str | None:
         "as {0} by them; give the values of {4} at its own shaft, {0}, without referred_to",
         ModelName(own), ModelName(end), float(first), float(second), ModelName(element.name),
     )  # fmt: skip
-
-
-def unreachable_shafts(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
-    """Faults of sensors whose readings cannot be referred to the shaft they name.
-
-    Those that are switched off are left out.
-    """
-    referred = {name: sensor for name, sensor in definition.sensors.items() if sensor.referred_to is not None}
-    elements = {element.name: element for element in definition.active}
-    nodes = all_nodes(definition.active)
-    faults = []
-    for name, sensor in referred.items():
-        if _is_on(sensor, elements, nodes):
-            try:
-                referring_factor(sensor, elements, Values(values))
-            except UsageError as error:
-                text = phrase("{}: {}", ModelName(name), message_of(error))
-                faults.append(Fault(text, ("sensors", name, "referred_to"), kind="no-ratio"))
-    return faults
-
-
-def _is_on(sensor: Sensor, elements: Mapping[str, Any], nodes: Collection[str]) -> bool:
-    return sensor.of in elements if sensor.is_on_element else all(node in nodes for node in sensor.nodes)

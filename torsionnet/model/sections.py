@@ -59,19 +59,16 @@ def _read_element(name: Any, raw: object) -> tuple[Element | None, list[Fault]]:
     if not isinstance(kind, str) or kind not in ELEMENT_TYPES:
         return None, [_kind_fault(kind)]
     cls, entries = ELEMENT_TYPES[kind], {key: value for key, value in raw.items() if key != "type"}
-    if entries.keys().isdisjoint((CATALOGUE, SIZE)):
-        return _made(cls, name, entries)
-    from torsionnet.model.catalogues.catalogue_reading import chosen_row, row_entries
+    if not entries.keys().isdisjoint((CATALOGUE, SIZE)):
+        from torsionnet.model.catalogues.catalogue_reading import chosen_row, row_entries
 
-    row, faults = chosen_row(entries)
-    if row is None:
-        return (None, faults) if faults else _made(cls, name, entries)
-    # What the model says itself wins over the catalogue.
-    taken, faults = row_entries(row, dict(cls.specs()), entries)
-    return (None, faults) if faults else _made(cls, name, {**taken, **entries, CATALOGUE: row})
-
-
-def _made(cls: type[Element], name: str, entries: Mapping[str, Any]) -> tuple[Element | None, list[Fault]]:
+        row, faults = chosen_row(entries)
+        if row is not None:
+            # What the model says itself wins over the catalogue.
+            taken, faults = row_entries(row, dict(cls.specs()), entries)
+            entries = {**taken, **entries, CATALOGUE: row}
+        if faults:
+            return None, faults
     faults = cls.key_faults(entries, name)
     known: dict[str, Any] = {key: entries[key] for key, _ in cls.specs() if key in entries}
     if any(known[key] is None for key in known if key not in cls.required()):

@@ -14,7 +14,8 @@ from torsionnet.base.entries.declared import files_beside
 from torsionnet.base.errors import UNKNOWN_NAMES, EntryPath, Fault, ModelError, Position
 from torsionnet.base.packages import gc_paused
 from torsionnet.model.checks import names, variants
-from torsionnet.model.definition import Definition, define
+from torsionnet.model.defining import define
+from torsionnet.model.definition import Definition
 from torsionnet.model.files.located_yaml import LocatedDocument, compose
 from torsionnet.model.files.part_includes import include_parts
 from torsionnet.model.files.reader import located_faults, presentable_faults, read_text

@@ -130,7 +130,9 @@ class Declared:
         stored = {name: spec.absent for name, spec in cls.specs()}
         for one, (name, spec) in zip(cls.declared(), cls.specs(), strict=True):
             if one.default not in (MISSING, None):
-                stored[name] = spec.coerce(one.default) if one.default != "" else ""  # an empty text: not given
+                # Texts that give nothing, truth values and objects of entries are in their stored form.
+                is_stored = one.default == "" or isinstance(one.default, bool | Declared)
+                stored[name] = one.default if is_stored else spec.coerce(one.default)
         return stored
 
     @classmethod

@@ -95,7 +95,7 @@ def chosen_method(problem: ResponseProblem, n_points: int, method: str) -> str:
     """Name of the solver to use, for ``auto`` the compiled loop for many points wherever numba works, else numpy."""
     if method != "auto":
         return method
-    is_large = n_points * sum(len(part.tape) for _, part in problem.parts) >= COMPILED_WORK
+    is_large = n_points * sum(len(part.tape.operations) for _, part in problem.parts) >= COMPILED_WORK
     return "compiled" if is_large and compiled_works() else "graph"
 
 

@@ -55,9 +55,6 @@ class Tape:
     n_registers: int
     n_values: int
 
-    def __len__(self) -> int:
-        return len(self.operations)
-
     @cached_property
     def steps(self) -> list[tuple[int, int, int, int, float]]:
         """Operations as plain numbers: code, target, sources and factor."""

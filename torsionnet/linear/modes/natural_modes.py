@@ -24,7 +24,6 @@ from torsionnet.base.registers import Groups
 from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.rows import ActionLaw, ComplexArray, FloatArray, Rows, RowSystem
 from torsionnet.linear.assembly.system import Assembly
-from torsionnet.linear.assembly.table_range import range_notes
 from torsionnet.linear.dynamic_stiffness.reduction import LARGE_SYSTEM, require_resistance
 from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest, resolve_inputs
 from torsionnet.linear.modes.eigen import (
@@ -277,7 +276,7 @@ def natural_modes(
         converged=solution.converged,
         descriptions=with_growth(solution, motions),
         title=drivetrain.title,
-        notes=(*notes, *more, *_table_notes(assembly, solution)),
+        notes=(*notes, *more, *(_table_notes(assembly, solution) if assembly.system.dynamic else ())),
         motions=motions,
     )
     return modes, (*warned, *convergence_warnings(solution), *accuracy_warnings(solution.errors))
@@ -285,6 +284,8 @@ def natural_modes(
 
 def _table_notes(assembly: Assembly, solution: EigenSolution) -> tuple[str, ...]:
     """Notes on tables that are read beyond their rows, and on steep ones that let more modes vibrate than at rest."""
+    from torsionnet.linear.assembly.table_range import range_notes
+
     read = np.abs(solution.eigenvalues.imag[[kind != RIGID for kind in solution.kinds]]) / (2 * np.pi)
     further = f"{solution.more} vibration{'s' * (solution.more > 1)} more than with their values at rest"
     steep = f"tables over frequency are so steep that there {'are' if solution.more > 1 else 'is'} {further}"

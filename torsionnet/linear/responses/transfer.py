@@ -21,7 +21,6 @@ from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.law_stiffness import LawStiffness, law_stiffness
 from torsionnet.linear.assembly.rows import ComplexArray, FloatArray
 from torsionnet.linear.assembly.system import Assembly
-from torsionnet.linear.assembly.table_range import range_notes
 from torsionnet.linear.dynamic_stiffness.quotient import (
     METHODS,
     NOTHING,
@@ -240,6 +239,8 @@ def frequency_response(
 
         notes = (*notes, *law_notes(drivetrain.definition))
     if drivetrain.assembly.system.dynamic:
+        from torsionnet.linear.assembly.table_range import range_notes
+
         # Tables over frequency that end before some of the frequencies.
         notes = (*notes, *range_notes(drivetrain.assembly, f))
     return FrequencyResponse(

@@ -48,7 +48,8 @@ def _expressions(definition: Definition) -> Iterator[tuple[EntryPath, Expression
             for name, value in overlay.parameters.items():
                 yield ("configurations", axis, label, name), value
             yield from _point_expressions(overlay.operating_point, ("configurations", axis, label, "operating_point"))
-    yield from _point_expressions(definition.operating_point, ("operating_point",))
+    if definition.operating_point:
+        yield from _point_expressions(definition.operating_point, ("operating_point",))
     if definition.has_overrides:
         from torsionnet.model.checks.overrides import changed_expressions
 

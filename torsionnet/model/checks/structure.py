@@ -175,9 +175,6 @@ def contradicting_inputs(definition: Definition, kinematics: Kinematics) -> list
 
 def indeterminate_torques(definition: Definition, kinematics: Kinematics) -> list[Fault]:
     """Warnings about torque sensors on a rigid connection whose torque equilibrium does not determine."""
-    # No rigid constraint follows from others, so that equilibrium gives the torque of each.
-    if not kinematics.reduction.redundant and not kinematics.reduction.blocked:
-        return []
     faults = []
     for name, sensor in definition.sensors.items():
         if sensor.quantity != "torque":
@@ -233,16 +230,6 @@ def rigid_motions(kinematics: Kinematics) -> list[str]:
     return [name for name in kinematics.coordinates if left.is_free(name)]
 
 
-CHECKS = (
-    contradicting_inputs,
-    massless_without_hold,
-    indeterminate_torques,
-    idle_channels,
-    rigid_body_modes,
-)
-"""Functions that check the structure of a configuration, in the order in which they run, after locked channels."""
-
-
 def check_structure(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
     """Faults of all structural checks of one configuration; contradicting gears make the rest meaningless."""
     on = definition.active
@@ -264,9 +251,15 @@ def check_structure(definition: Definition, values: Mapping[str, Any]) -> list[F
         return faults
     faults = locked_channels(definition, kinematics)
     faults = faults if slipping is None else _stuck_channels(faults, locked_channels(definition, slipping))
-    faults += [fault for check in CHECKS for fault in check(definition, kinematics)]
+    faults += contradicting_inputs(definition, kinematics) if kinematics.imposed else []
+    faults += massless_without_hold(definition, kinematics)
+    # Where no rigid constraint follows from others, equilibrium gives the torque of each.
+    if kinematics.reduction.redundant or kinematics.reduction.blocked:
+        faults += indeterminate_torques(definition, kinematics)
+    faults += idle_channels(definition, kinematics) if len(on) < len(definition.elements) else []
+    faults += rigid_body_modes(definition, kinematics)
     if any(sensor.referred_to is not None for sensor in definition.sensors.values()):
-        from torsionnet.model.referral import unreachable_shafts
+        from torsionnet.model.checks.referred_sensors import unreachable_shafts
 
         faults += unreachable_shafts(definition, values)
     if has_motion_laws:

@@ -233,18 +233,21 @@ def unusual_sizes(definition: Definition, numbers: Numbers) -> list[Fault]:
                 path = (*path, value.measure)
             elif isinstance(spec, LossFactor):
                 text, meant = _percent(DampingMeasure("eta", value, None), numbers)
+            elif isinstance(spec, QuantityKind) and (usual := spec.usual or USUAL_SIZES.get(spec.dimension)):
+                text, meant = _unusual(entry, spec, value, numbers, usual)
             else:
-                text, meant = _unusual(entry, spec, value, numbers) if isinstance(spec, QuantityKind) else ("", "")
+                continue
             if text:
                 faults.append(Fault(text, path, "warning", meant=meant, kind="implausible-size"))
     return faults
 
 
-def _unusual(entry: str, spec: QuantityKind[object], value: Expression, numbers: Numbers) -> tuple[str, str]:
+def _unusual(
+    entry: str, spec: QuantityKind[object], value: Expression, numbers: Numbers, usual: tuple[float, float]
+) -> tuple[str, str]:
     """Message on a value of unusual size, and the value probably meant; both empty where it is usual."""
-    usual = spec.usual or USUAL_SIZES.get(spec.dimension)
-    size = _size(value, numbers) if usual else None
-    if usual is None or size is None or size == 0 or usual[0] <= abs(size) <= usual[1]:
+    size = _size(value, numbers)
+    if size is None or size == 0 or usual[0] <= abs(size) <= usual[1]:
         return "", ""
     low, high = usual
     unit = expected_unit(spec.dimension)

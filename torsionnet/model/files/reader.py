@@ -30,7 +30,8 @@ from torsionnet.base.phrases import phrase
 from torsionnet.base.units import misread
 from torsionnet.model.checks import check_definition, has_errors, names, values
 from torsionnet.model.configurations import DEFAULT_AXIS
-from torsionnet.model.definition import Definition, define
+from torsionnet.model.defining import define
+from torsionnet.model.definition import Definition
 from torsionnet.model.files.library import decode, library_models, other_use
 from torsionnet.model.files.located_yaml import LocatedDocument, compose
 from torsionnet.model.parameters import resolve
