@@ -18,7 +18,6 @@ from torsionnet.base.expressions import exact
 from torsionnet.base.phrases import ModelName, phrase
 from torsionnet.model.channels import Sensor, channel_words, port_fault
 from torsionnet.model.element_base.laws import own_node
-from torsionnet.model.element_base.round_section import section_modulus
 from torsionnet.model.elements import GROUND, Element, Row, Values
 from torsionnet.model.kinematics import Kinematics, virtual_motion
 
@@ -74,7 +73,11 @@ def reading(
         # A torque at one node of the element: of each of its laws and constraints by the coefficient there.
         element = elements[sensor.of]
         node, sign = port_of(element, sensor.at)
-        share = sign if sensor.quantity == "torque" else sign / section_modulus(element, value)
+        share: Any = sign
+        if sensor.quantity == "stress":
+            from torsionnet.model.element_base.round_section import section_modulus
+
+            share = sign / section_modulus(element, value)
         tables: tuple[Iterable[tuple[str, Mapping[str, Any]]], ...] = (laws, constraints, actions)
         own, rigid, driving = (
             {i: share * row[node] for i, (owner, row) in enumerate(rows) if owner == element.name and node in row}

@@ -17,10 +17,10 @@ from torsionnet.base.errors import Fault, ModelError, got, unfit_word
 from torsionnet.base.expression_reading import check_name
 from torsionnet.base.expressions import Number
 from torsionnet.base.packages import imported
-from torsionnet.model.catalogues.catalogue_entries import CATALOGUE, SIZE
 from torsionnet.model.channels import INPUT, SENSOR
 from torsionnet.model.configurations import AxesEntry
 from torsionnet.model.element_base.element import ELEMENT_TYPES, Element
+from torsionnet.model.element_base.element_entries import CATALOGUE, SIZE
 from torsionnet.model.parameters import PARAMETER
 
 FORM = "{name: {type: inertia, node: ..., inertia: ...}, ...}"

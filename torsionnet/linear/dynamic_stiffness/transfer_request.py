@@ -13,7 +13,6 @@ from torsionnet.linear.assembly.law_stiffness import Functional, functional
 from torsionnet.linear.assembly.system import Assembly
 from torsionnet.linear.dynamic_stiffness.reading_problem import ReadingProblem, make_reading_problem
 from torsionnet.model.channels import UNITS, Input, Sensor, immobility_text, named_nodes, named_sensor, parse_pair
-from torsionnet.model.element_base.round_section import section_modulus
 from torsionnet.model.elements import GROUND, Values
 from torsionnet.model.kinematics import twist_fault
 
@@ -142,6 +141,8 @@ def stress_section_moduli(
         for one in entry if isinstance(entry, list | tuple) else [entry]:
             sensor = named_sensor(one, drivetrain.sensors) if isinstance(one, str | Sensor) else None
             if sensor is not None and sensor.quantity == "stress" and sensor.of in drivetrain.elements:
+                from torsionnet.model.element_base.round_section import section_modulus
+
                 found.append(section_modulus(drivetrain.elements[sensor.of], Values(drivetrain.exact_values)))
     return tuple(found)
 

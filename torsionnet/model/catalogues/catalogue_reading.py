@@ -23,7 +23,7 @@ from torsionnet.base.errors import Fault, ModelError, UsageError, comma_list, go
 from torsionnet.base.nearby_files import nearby_file
 from torsionnet.base.units import UnitError, expected_unit, numeral_of, parse_number
 from torsionnet.model.catalogues.catalogue import Catalogue, CatalogueCell, CatalogueRow
-from torsionnet.model.catalogues.catalogue_entries import CATALOGUE, SIZE
+from torsionnet.model.element_base.element_entries import CATALOGUE, SIZE
 
 MOST_NAMED = 20
 """Largest number of sizes listed in the message that a size does not exist, so that the message stays readable."""

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 from torsionnet.base.errors import Fault, unfit_word
 from torsionnet.base.phrases import phrase
-from torsionnet.model.catalogues.catalogue_entries import SIZE
 from torsionnet.model.definition import Definition
+from torsionnet.model.element_base.element_entries import SIZE
 from torsionnet.model.sections import section_class
 
 REMARKS = frozenset({SIZE, "description", "remark", "remarks", "note", "maker", "source"})

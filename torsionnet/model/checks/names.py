@@ -17,7 +17,6 @@ from torsionnet.model.definition import (
     Definition,
     all_nodes,
 )
-from torsionnet.model.element_base.round_section import section_fault
 from torsionnet.model.elements import GROUND
 from torsionnet.model.operating_point import OperatingPoint, torque_place
 from torsionnet.model.response_pair import Pair
@@ -138,9 +137,11 @@ def unknown_elements(definition: Definition) -> list[Fault]:
             unfit = port_fault(element, sensor.at)
             if unfit:
                 faults.append(replace(unfit, path=("sensors", name, "at")))
-        reason = section_fault(element) if sensor.quantity == "stress" else None
-        if reason:
-            faults.append(Fault(reason, path, kind="unfit-channel"))
+        if sensor.quantity == "stress":
+            from torsionnet.model.element_base.round_section import section_fault
+
+            if reason := section_fault(element):
+                faults.append(Fault(reason, path, kind="unfit-channel"))
     return faults
 
 
@@ -241,7 +242,9 @@ def dead_ends(definition: Definition) -> list[Fault]:
     used |= {node for place in loading for node in torque_place(place).nodes}
     used |= {node for one in definition.scenarios.values() for node in one.places}
     used |= {node for one in definition.elements.values() if one.may_end_anywhere for node in one.ports.values()}
-    used |= {GROUND, *definition.ports, *definition.operating_point.speed, *definition.operating_point.loaded_nodes}
+    used |= {GROUND, *definition.ports}
+    if point := definition.operating_point:
+        used |= {*point.speed, *point.loaded_nodes}
     faults: list[Fault] = []
     for node, names in touching.items():
         if len(names) == 1 and node not in used and len(definition.elements[names[0]].ports) > 1:

@@ -22,14 +22,17 @@ from torsionnet.base.expressions import Expression
 from torsionnet.base.packages import ArgumentHints
 from torsionnet.base.phrases import ModelName, phrase
 from torsionnet.base.registers import TypeRegister, settle
-from torsionnet.model.catalogues.catalogue_entries import CATALOGUE, SIZE, CatalogueEntry, SizeName
 from torsionnet.model.damping import DampingMeasure
 from torsionnet.model.element_base.element_entries import (
+    CATALOGUE,
+    SIZE,
+    CatalogueEntry,
     MultipleValues,
     NodeName,
     NodePair,
     QuantityGroup,
     ReferenceNode,
+    SizeName,
 )
 from torsionnet.model.element_base.laws import (
     AT_REST,

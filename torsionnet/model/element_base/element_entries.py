@@ -1,4 +1,4 @@
-"""Entries that name nodes and elements of a model.
+"""Entries that name nodes and elements of a model, and a catalogue with the size in it.
 
 Here as well: base class of entries with several values of one kind; base class of entries with several quantities of
 different kinds; entry for the teeth counts of a gear pair.
@@ -10,12 +10,15 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from numbers import Integral
-from typing import Any, ClassVar, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
 from torsionnet.base.entries.spec import EntryError, Json, Plural, Renaming, Schema, Spec, Stored_co, Text, name_fault
 from torsionnet.base.errors import EntryPath, Fault, got
 from torsionnet.base.expressions import Expression, Number
 from torsionnet.model.element_base.laws import GROUND, Values
+
+if TYPE_CHECKING:
+    from torsionnet.model.catalogues.catalogue import CatalogueRow
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -215,3 +218,47 @@ class Teeth(Spec[tuple[int, int]]):
     @property
     def accepted(self) -> str:
         return "tuple[int, int] | list[int]"
+
+
+CATALOGUE, SIZE = "catalogue", "size"
+"""Names of the entries of an element for its catalogue and its size."""
+
+
+class CatalogueEntry(Spec["CatalogueRow"]):
+    """Entry of the name of a catalogue: a file beside the model, or one that comes with the package."""
+
+    def coerce(self, raw: object) -> CatalogueRow:
+        from torsionnet.model.catalogues.catalogue import CatalogueRow
+
+        if isinstance(raw, CatalogueRow):
+            return raw
+        raise EntryError(
+            f"by its name a catalogue is found beside a model file; in Python give Path({raw!r})", kind="missing-file"
+        )
+
+    def plain(self, value: Any) -> str:
+        return str(value.file)
+
+    def schema(self) -> Schema:
+        return {"type": "string", "description": self.description}
+
+    @property
+    def accepted(self) -> str:
+        catalogue = "torsionnet.model.catalogues.catalogue"
+        return f"pathlib.PurePath | {catalogue}.Catalogue | {catalogue}.CatalogueRow"
+
+
+class SizeName(Spec[str]):
+    """Entry of a size in a catalogue, which may look like a number."""
+
+    def coerce(self, raw: object) -> str:
+        if isinstance(raw, bool) or not isinstance(raw, str | int | float):
+            raise EntryError(f"expected the size as the catalogue names it, {got(raw)}", kind="wrong-form")
+        return str(raw)
+
+    def schema(self) -> Schema:
+        return {"type": ["string", "number"], "description": self.description}
+
+    @property
+    def accepted(self) -> str:
+        return "str | float"

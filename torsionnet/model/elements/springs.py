@@ -15,7 +15,6 @@ from torsionnet.model.damping import DampingMeasure, DampingQuantity
 from torsionnet.model.element_base.element import Element, register, viscous
 from torsionnet.model.element_base.element_entries import NodePair, shown
 from torsionnet.model.element_base.laws import Law, MotionLaw, Part, Values, WholePart, difference
-from torsionnet.model.element_base.round_section import section_faults
 from torsionnet.model.element_base.spring_stages import (
     ExpressionRows,
     QuantityRows,
@@ -95,8 +94,10 @@ class Spring(Element):
 
     def contradictions(self) -> list[Fault]:
         faults = one_at_most(self, *_WAYS) if given_entries(self, *_WAYS) else [self._shapeless()]
-        # A spring may leave out both diameters of the shaft that it stands for.
-        faults += section_faults(self) if self.diameters or self.inner_diameter != Number(0) else []
+        if self.diameters or self.inner_diameter != Number(0):  # those of the shaft that it stands for
+            from torsionnet.model.element_base.round_section import section_faults
+
+            faults += section_faults(self)
         if self.cubic is not None and self.stiffness is None:
             faults.append(
                 Fault("cubic stands beside a stiffness, which may be 0", ("cubic",), on_key=True, kind="missing-entry")

@@ -36,12 +36,11 @@ from torsionnet.base.units import (
     parse_quantity,
     parse_unit,
 )
-from torsionnet.model.catalogues.catalogue_entries import CATALOGUE, CatalogueEntry, SizeName
 from torsionnet.model.channels import ELEMENT_QUANTITIES, ChannelEntry, ChannelName
 from torsionnet.model.configurations import ChangedEntry
 from torsionnet.model.damping import MEASURES, DampingQuantity, LossFactor
 from torsionnet.model.element_base.element import ELEMENT_TYPES
-from torsionnet.model.element_base.element_entries import NodeName, NodePair
+from torsionnet.model.element_base.element_entries import CATALOGUE, CatalogueEntry, NodeName, NodePair, SizeName
 from torsionnet.model.element_base.laws import GROUND
 from torsionnet.model.element_base.quantity_table import TableByName, TableByNode
 from torsionnet.model.files.library import library_models
