@@ -18,7 +18,8 @@ from torsionnet.app.explore.session import ResponseChoice, Session, default_pair
 from torsionnet.app.explore.sliders import point_settings
 from torsionnet.app.explore.state import State
 from torsionnet.app.text.text_edits import TextEdit, TextLines, TextSpan
-from torsionnet.app.text.text_faults import LocatedFault, stretched_faults, text_faults, unstable_configurations
+from torsionnet.app.text.text_faults import LocatedFault, stretched_faults, text_faults
+from torsionnet.app.text.unstable_configurations import unstable_configurations
 from torsionnet.base.errors import Fault, TorsionnetError
 from torsionnet.base.registers import RecentResults
 from torsionnet.drivetrain import Drivetrain

@@ -10,36 +10,15 @@ from torsionnet.app.text.fixes.quick_fixes import quick_fixes
 from torsionnet.app.text.fixes.syntax_fixes import syntax_fixes
 from torsionnet.app.text.text_edits import TextFix, TextLines, TextSpan, WrittenText
 from torsionnet.app.text.tolerant_reading import tolerant_document
+from torsionnet.app.text.unstable_configurations import unstable_configurations
 from torsionnet.base.entries.declared import files_beside
 from torsionnet.base.errors import UNKNOWN_NAMES, EntryPath, Fault, ModelError, Position
 from torsionnet.base.packages import gc_paused
-from torsionnet.model.checks import names, variants
+from torsionnet.model.checks import names
 from torsionnet.model.defining import define
-from torsionnet.model.definition import Definition
 from torsionnet.model.files.located_yaml import LocatedDocument, compose
 from torsionnet.model.files.part_includes import include_parts
 from torsionnet.model.files.reader import located_faults, presentable_faults, read_text
-
-# Warnings about modes that grow, in all configurations of a model.
-
-
-def unstable_configurations(definition: Definition) -> list[Fault]:
-    """Warnings about modes of a model that grow, in all its configurations.
-
-    None, and nothing numerical is loaded, if no element can feed energy into a vibration.
-    """
-    found: list[Fault] = []
-    for name, variant in (("", definition), *variants(definition)):
-        if not any(element.may_feed for element in variant.active):
-            continue
-        from torsionnet.linear.assembly.assembled import AssembledModel
-        from torsionnet.linear.modes.stability import unstable_modes
-
-        known = {(fault.message, fault.path) for fault in found}
-        faults = unstable_modes(AssembledModel.from_definition(variant))
-        found += [replace(one, configuration=name) for one in faults if (one.message, one.path) not in known]
-    return found
-
 
 # Faults of the rest of a model text that is no sound YAML, without those that only follow from the break.
 

@@ -29,6 +29,7 @@ from torsionnet.base.result_rows import Out
 
 if TYPE_CHECKING:
     from torsionnet.base.entries.spec import Schema
+    from torsionnet.base.fault_rows import CheckRecord
     from torsionnet.base.table import Table
     from torsionnet.drivetrain import Drivetrain
 
@@ -195,17 +196,11 @@ class CheckCommand(Command):
     watch: bool = option("--watch", help="Check again whenever a file changes, until Ctrl-C; exit code 0 then.")
 
     def answer(self) -> Answer:
-        from torsionnet.base.fault_rows import check_record
-
         if self.watch:
             self._watch()
             return Answer()
         reports, code = self._checked()
-        return Answer(
-            screen=lambda: _lines(reports),
-            data=lambda: [check_record(model, faults) for model, faults in reports.items()],
-            exit_code=code,
-        )
+        return Answer(screen=lambda: _lines(reports), data=lambda: _records(reports), exit_code=code)
 
     def _checked(self) -> tuple[dict[str, Sequence[Fault]], int]:
         """Faults of each model that can be read, and the exit code; what cannot be read becomes a message."""
@@ -242,6 +237,12 @@ class CheckCommand(Command):
                 print_line(line)
 
         watch(self.models, check)
+
+
+def _records(reports: dict[str, Sequence[Fault]]) -> list[CheckRecord]:
+    from torsionnet.base.fault_rows import check_record
+
+    return [check_record(model, faults) for model, faults in reports.items()]
 
 
 def _lines(reports: dict[str, Sequence[Fault]]) -> Iterator[str]:
