@@ -5,7 +5,7 @@ from torsionnet.base.entries.accepted_types import Entries, GivenStateSpace, Giv
 from torsionnet.model.catalogues.catalogue import Catalogue, CatalogueRow
 from torsionnet.model.damping import DampingMeasure
 from torsionnet.model.element_base.control_entries import ControlLaw, SensedMotion
-from torsionnet.model.element_base.spring_stages import SpringStage
+from torsionnet.model.element_base.spring_stage import SpringStage
 from torsionnet.model.element_base.stiffness_table import StiffnessTable
 from torsionnet.model.element_base.viscoelastic import FilmGap, ShearedBush, ShearedDisc, Viscoelastic
 from torsionnet.model.sheets.mass_elastic_sheet import MassElasticSheet
