@@ -111,6 +111,7 @@ def law_network(definition: Definition, values: Mapping[str, Any]) -> LawNetwork
     """Network of the laws of a drivetrain, from the exact values of its parameters."""
     value = Values(values)
     floats = Values({name: float(one) for name, one in values.items()}, FLOAT)
+    # Imposed angles stand still, as what is clamped does.
     held: list[Row] = [
         channel.row
         for channel in definition.inputs.values()
@@ -121,6 +122,7 @@ def law_network(definition: Definition, values: Mapping[str, Any]) -> LawNetwork
     for element in definition.switched_on:
         parts: Sequence[WholePart] = element.parts(value)
         rounded: Iterator[MotionLaw] = iter(())
+        # Laws of motion twice: exact for balances, and in floats for the search of points.
         if element.has_motion_laws and not keeps_own_point(element, definition):
             parts = element.whole_parts(value)
             rounded = (part for part in element.whole_parts(floats) if isinstance(part, MotionLaw))

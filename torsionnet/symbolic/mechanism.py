@@ -366,6 +366,7 @@ def response(
         There are closed loops, or the torque acts on several coordinates.
     """
     found = mechanism.reduced([mechanism.row(load)])
+    # Continued fractions, equation (3.4), need a tree of single edges and a torque on one coordinate of it.
     network, loaded = single_edges(found.network), found.rows[0]
     if len(loaded) != 1 or not is_forest(network):
         raise NoContinuedFractionError
@@ -376,6 +377,7 @@ def response(
     tree = ContinuedFraction(network, root, element)
     if tree.receptance[root] is None:
         raise NoContinuedFractionError
+    # y = sum of factor s^power (a theta), or of the torque that a law or a rigid connection makes of it.
     total = element(0)
     for part, row in zip(parts, rows, strict=True):
         if part.rigid is None:

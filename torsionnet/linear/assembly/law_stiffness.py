@@ -193,6 +193,7 @@ class LawStiffness:
     def write(self, law: int, real: FloatArray, imag: FloatArray | None) -> None:
         """Write the dynamic stiffness of a law in N m/rad into arrays (n_variants, n_f), real and imaginary part."""
         squares, polynomials = self._polynomials
+        # Re kappa = k - J omega^2, Im kappa = c omega; what a law has not is not multiplied by zero.
         J, c, k, samples = polynomials[law]
         if J is None:
             real[...] = 0.0 if k is None else k
@@ -212,6 +213,7 @@ class LawStiffness:
     def blocks(self, size: int) -> Iterator[LawStiffness]:
         """Yield the dynamic stiffness of all laws in N m/rad in blocks of at most ``size`` points."""
         n_f = self.omega.shape[-1]
+        # Several variants while all of their frequencies fit, else one in pieces.
         together = max(1, size // max(1, n_f))
         for first in range(0, len(self.stiffness), together):
             variants = slice(first, first + together)
@@ -242,6 +244,7 @@ def law_stiffness(systems: Sequence[RowSystem], omega: FloatArray) -> LawStiffne
     >>> kappa.n_points
     4
     """
+    # kappa = J s^2 + c s + k, equation (1.2), by variant and law; tables and actions are sampled.
     J = np.array([system.inertia for system in systems])
     c = np.array([system.damping for system in systems])
     k = np.array([system.stiffness for system in systems])

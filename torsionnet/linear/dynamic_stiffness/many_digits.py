@@ -58,6 +58,7 @@ class ManyDigits:
         """Readings of outputs and measured inputs per unit excitation at one s, [reading][excitation]."""
         problem = self.reading_problem.problem
         solved = [[in_many_digits(0)] * len(problem.excitations) for _ in range(problem.n_read)]
+        # The tapes of double precision, with numbers of many digits.
         for excitations, part in problem.parts:
             slots = [sum(factor * kappa[law] for law, factor in source) for source in part.plan.sources]
             for value, found in run_tape(part.tape, slots).items():
@@ -67,6 +68,7 @@ class ManyDigits:
         readings = [
             [_factor(part, kappa, s) * motion for motion in solved[part.solved]] for part in self.reading_problem.parts
         ]
+        # The torque read at an element has that of its own actions in it.
         for values, driven in zip(readings, self.reading_problem.driven, strict=True):
             for action, factor in driven.items():
                 values[:] = [
@@ -116,6 +118,7 @@ def run_tape(tape: Tape, kappa: Sequence[Any]) -> dict[int, Any]:
     """
     r: list[Any] = [None] * tape.n_registers
     values: dict[int, Any] = {}
+    # Each operation as the head of tape.py says, r_t from r_a and r_b.
     for code, t, a, b, factor in tape.steps:
         if code == ops.LAW:
             r[t] = kappa[a]

@@ -173,6 +173,7 @@ class _Back(_Taping):
     def _motions(self, way: Sequence[_Eliminated], excitation: int) -> dict[int, TapeQuantity]:
         writer = self.writer
         found = {slot: TapeQuantity(-1, given[excitation]) for slot, given in self.plan.given if given[excitation]}
+        # Back along the way: r q = r_v f_v/S + sum_e (kappa_e a_ev/S) b_e q, equation (3.5).
         for one in reversed(way):
             for motion in one.step.motions:
                 total = None
@@ -193,6 +194,7 @@ class _Back(_Taping):
                 yield number, writer.times(motions[slot], TapeQuantity(-1, factor))
         for number, reaction in enumerate(self.plan.reactions, len(self.plan.outputs)):
             total = None
+            # Reaction of a given column, sum_l w_l l_g - sum_e kappa_e a_eg (a_e q).
             for slot, factor, motion in reaction.laws:
                 if motion in motions:
                     torque = writer.times(writer.times(self._link(slot), motions[motion]), TapeQuantity(-1, factor))

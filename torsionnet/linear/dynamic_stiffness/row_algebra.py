@@ -105,9 +105,11 @@ def common_motion(rows: Iterable[Mapping[int, float]]) -> dict[int, float]:
     around: dict[int, list[tuple[int, float]]] = {}
     for row in links:
         (i, a), (j, b) = row.items()
+        # a x_i + b x_j = 0 leaves the link without twist.
         around.setdefault(i, []).append((j, -a / b))
         around.setdefault(j, []).append((i, -b / a))
     scale: dict[int, float] = {}
+    # Outwards from one coordinate of each tree; the first link that reaches a coordinate decides.
     for root in around:
         waiting = [(root, 1.0)]
         while waiting:

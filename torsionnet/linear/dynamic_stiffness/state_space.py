@@ -145,6 +145,7 @@ def requested_state_space(
         warn_of_lost_digits,
     )
 
+    # H = Y_out Y_in^-1, equation (5.1): both readings of the same states, divided.
     measured = output_matrices(drivetrain.assembly, request.measured, request.excitations, form)
     names = [reading.name for reading in request.outputs]
     system = against_measured(
@@ -227,9 +228,11 @@ def first_order(
             "an imposed angle has no state space with torque inputs; make it a torque, or use frequency_response",
             kind="unsupported-law",
         )
+    # Columns of B: torques on rows of nodes, and after them those of actions, whose loops are closed last.
     loads = [assembly.rows_of(channel.row)[0] for channel in inputs]
     actions = law_states(assembly, points) if closing is None else closing
     loads += [one.row for one in (*opened, *actions)]
+    # Motions with inertia have two states, those with dampers alone one, the others follow at once.
     kinds = motion_kinds(system)
     columns = np.array(loads).reshape(len(loads), system.n_coordinates).T
     states = _state_names(assembly.kinematics.coordinates, kinds[0], kinds[1])
@@ -256,6 +259,7 @@ def reduced_matrices(
     """
     found = [system.K, system.C, system.M]
     _, damped, static = kinds
+    # A torque that follows a rate at once needs a damper there, one that follows an acceleration an inertia.
     for power, without in ((1, static), (2, np.hstack([damped, static]))):
         for one in actions:
             touched = max(float(np.abs(row @ without).max(initial=0.0)) for row in (one.row, one.sensed))
@@ -265,6 +269,7 @@ def reduced_matrices(
                     f"{one.action.owner} acts at once on a rate where there is no {what}; give it a filter",
                     kind="unsupported-law",
                 )
+    # An action drives by the factor at_once[p] times s^p y, which leaves the matrix of that power: K, C or M.
     for one in actions:
         found = [
             matrix - value * np.outer(one.row, one.sensed) for matrix, value in zip(found, one.at_once, strict=True)

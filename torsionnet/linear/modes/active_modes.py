@@ -278,6 +278,7 @@ def _count_warning(counted: int, found: int, where: str = "") -> tuple[str, ...]
 def _on_exact_equation(pencil: ActivePencil, pole: Pole) -> Pole | None:
     """Pole in rad/s on the exact characteristic equation near a start, or None where the iteration leaves it."""
     root = pencil.root_near(pole.value, pole.vector)
+    # Further away than its error lets expect lies another pole.
     if root is None or abs(root[0] - pole.value) > max(1e-3, 100 * pole.error) * abs(pole.value):
         return None
     value = complex(root[0].real, 0.0) if pole.is_real else root[0]

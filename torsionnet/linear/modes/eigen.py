@@ -106,9 +106,11 @@ def complex_modes(system: RowSystem, lowest: int | None = None) -> EigenSolution
     if system.dynamic:
         from torsionnet.linear.modes import frozen_stiffness
 
+        # Every mode by the laws at its own frequency.
         rigid, pairs, more = frozen_stiffness.modes(system)
         solution = _sorted_solution(rigid, pairs, passive=is_passive(system, pairs.values)).first(lowest)
         return replace(solution, more=more)
+    # (4.1) as a first-order problem in velocities and spring forces, equation (4.5).
     spaces = subspaces(system, stiff, system.damping != 0)
     spectrum = refined_spectrum(solve_spectrum(system, spaces, system.stiffness, undamped=not np.any(system.damping)))
     kept, real = one_per_pair(spectrum)
@@ -245,6 +247,7 @@ def _undamped_modes(system: RowSystem, lowest: int | None) -> tuple[FloatArray, 
             return _sorted_undamped(motions.rigid, few, lowest)
     if system.dynamic:
         return _sorted_undamped(*frozen_stiffness.modes(system, undamped=True)[:2], lowest)
+    # (K - omega^2 M) phi = 0, from rows scaled by the roots of their coefficients.
     spaces = subspaces(system, stiff, undamped)
     spectrum = refined_spectrum(solve_spectrum(system, spaces, system.stiffness, undamped=True))
     pairs = Eigenpairs.all_converged(spectrum, *one_per_pair(spectrum))

@@ -409,12 +409,14 @@ class FixedPoints:
         starts, shapes = frozen.spectrum.values[some], frozen.over_all(frozen.spectrum.shapes[:, some])
         try:
             with np.errstate(all="ignore"):
+                # Each start to its fixed point, its law at its own frequency, equation (4.6); undamped in z = omega^2.
                 begin = starts.imag**2 if undamped else starts
                 z, shapes, errors = polished(pencil, begin, shapes / pencil.scale[:, None])
         except NotFoundError:
             return []
         z, shapes, errors = refined(pencil, z, pencil.scale[:, None] * shapes, errors)
         values = 1j * np.sqrt(np.maximum(z.real, 0.0)) if undamped else z
+        # What has left the range belongs to another one, which finds it from nearer.
         met = (errors <= SETTLED) & (values.imag > low) & (values.imag <= high)
         return [Mode(complex(values[j]), shapes[:, j], float(errors[j])) for j in np.flatnonzero(met)]
 

@@ -107,6 +107,7 @@ def vibration_modes(drivetrain: AssembledModel, modes: Modes) -> tuple[Vibration
     rates, shapes = rates[rates > 0], shapes[:, rates > 0]
     places = [assembly.node_index[name] for name in assembly.kinematics.coordinates]
     vibrating = [number for number, kind in enumerate(modes.kinds) if kind == OSCILLATORY]
+    # Similarity of strain, the MAC with K as metric, equation (7.3).
     similarities = _similarity(assembly.system, rates, shapes, np.asarray(modes.shapes[np.ix_(places, vibrating)]))
     partners = _in_order(dict(_assigned(similarities)), rates)
     behind = itertools.count(len(vibrating) + 1)
@@ -247,6 +248,7 @@ def referred_shapes(drivetrain: AssembledModel, modes: Modes, referred_to: str) 
     value = Values(drivetrain.exact_values)
     paths = SpeedPaths(tuple(drivetrain.elements.values()), value)
     found = {node: paths.between(node, referred_to) for node in modes.nodes}
+    # An angle on another shaft is the angle times the ratio of speeds.
     factors = np.array([1.0 if path is None else float(path.ratio(value)) for path in found.values()])
     own = [node for node, path in found.items() if path is None]
     notes = (f"angles referred to {referred_to}", *([f"no ratio leads there from {', '.join(own)}"] if own else []))

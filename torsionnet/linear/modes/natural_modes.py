@@ -244,22 +244,27 @@ def natural_modes(
     """
     assembly = drivetrain.assembly
     system = assembly.system
+    # Numbers of modes below a limit are those of the laws alone, without torques of controllers.
     passive = replace(system, actions=()) if system.actions else system
     if up_to is not None and passive.is_continuous:
         from torsionnet.linear.modes import continuous
 
+        # Of infinitely many modes those that (4.8) counts below the limit, and some more against rounding.
         count = continuous.number_below(passive, 2 * np.pi * up_to) + EXTRA_MODES
         lowest = count if lowest is None else min(lowest, count)
     if system.actions:
         from torsionnet.linear.modes.active_modes import active_modes
 
+        # det P(s) = 0 with controllers and delays, equation (8.6).
         solution, warned, more = active_modes(assembly)
     else:
+        # (lambda^2 M + lambda C + K) phi = 0, equation (4.1).
         solution, warned, more = complex_modes(system, lowest), (), ()
         if system.is_active:
             solution = replace(solution, eigenvalues=with_zero_damping(solution.eigenvalues, solution.errors))
     elements = tuple(drivetrain.elements)
     solution, notes = with_chosen_shapes(solution, _motion(assembly.node_rows, solution.vectors), assembly.nodes)
+    # Shares of elements, equation (4.10), do not depend on the size of a shape.
     kinetic, strain, dissipated = energies(assembly, solution, elements)
     shapes = unit_shapes(_motion(assembly.node_rows, solution.vectors)).astype(complex)
     motions = describe(assembly, solution, shapes, elements, strain, dissipated)

@@ -183,6 +183,7 @@ def _with_isolated_roots(
     space = isolation_radii(starts, spectrum.errors)
     values, shapes, errors = spectrum.values.copy(), spectrum.shapes.copy(), spectrum.errors.copy()
     settled = np.zeros(len(starts), dtype=bool)
+    # With real coefficients the root below the real axis is the conjugate of the one just before it.
     conjugates = not (spectrum.undamped or np.iscomplexobj(spectrum.stiffness))
     for j in some:
         if conjugates and values[j].imag < 0 and settled[j - 1]:

@@ -127,6 +127,7 @@ def expected_errors(evaluate: Evaluate, kappa: LawStiffness, values: ComplexArra
             unsure = np.flatnonzero(error.max(axis=rows, initial=0.0) > SURE_ERROR)
         if not len(unsure):
             break
+        # Equation (3.6): each stiffness moved by some roundings, up or down by chance.
         moves = PERTURBATION * random.uniform(0.5, 1, kappa.n_laws) * random.choice([-1.0, 1.0], kappa.n_laws)
         again = evaluate(kappa.at(unsure).scaled(1 + moves), draw % 2 > 0)
         with np.errstate(all="ignore"):
@@ -296,6 +297,7 @@ def responses(drivetrains: Sequence[AssembledModel], request: TransferRequest, f
     evaluated = Evaluated(
         np.empty((*shape, len(request.outputs), len(request.measured)), dtype=complex), np.ones(shape)
     )
+    # At 0 Hz a response is a limit, and found for itself.
     if moving.any():
         evaluated.values[:, moving], evaluated.conditioning[:, moving] = evaluate(
             assemblies, request, f[moving], method

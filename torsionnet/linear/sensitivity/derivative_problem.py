@@ -133,11 +133,13 @@ class DerivativeProblem:
         self.followed: range | tuple[int, ...] = range(len(system.law_owners)) if probes else system.varied
         self.driven: list[str] = [name for name in system.condition_owners if name.startswith("input:")]
         order = {node: index for index, node in enumerate(nodes)}
+        # theta = T q + S x, equation (2.1), with imposed angles x kept.
         self.reduction = reduce_rows(system.exact_conditions, order, set(self.driven))
         free = [node for node in nodes if self.reduction.is_free(node)]
         self.columns: dict[str, int] = {name: column for column, name in enumerate((*free, *self.driven))}
         self.n_free: int = len(free)
         self.gaps: list[GapDerivative] = []
+        # A constraint whose coefficients follow a parameter does work with its torque: that is solved for, too.
         self.multipliers: dict[int, int] = {
             condition: self._gap(GapDerivative(self._opened(condition)))
             for condition in np.flatnonzero(system.condition_slopes.any(axis=(1, 2))).tolist()

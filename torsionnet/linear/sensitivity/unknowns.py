@@ -219,6 +219,7 @@ def _with_parameter(definition: Definition, name: str, drivetrain: AssembledMode
             f"{name} is given as {value}; vary the parameters in it, or give it a plain value",
             kind="expression-not-allowed",
         )
+    # The number becomes a parameter of that value, and is varied as any other.
     parameter = f"{element_name}__{field}"
     varied: Any = {field: Name(parameter)}
     changed: Element = replace(element, **varied)
