@@ -14,7 +14,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +25,6 @@ from torsionnet.linear.assembly.assembled import AssembledModel
 from torsionnet.linear.assembly.rows import ActionLaw, ComplexArray, FloatArray, Rows, RowSystem
 from torsionnet.linear.assembly.system import Assembly
 from torsionnet.linear.dynamic_stiffness.reduction import LARGE_SYSTEM, require_resistance
-from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest, resolve_inputs
 from torsionnet.linear.modes.eigen import (
     RIGID,
     EigenSolution,
@@ -45,7 +44,9 @@ from torsionnet.linear.modes.modes import Modes
 from torsionnet.model.channels import Channels
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.elements import GROUND, Element
-from torsionnet.model.readings import port_of
+
+if TYPE_CHECKING:
+    from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest
 
 ModesAndWarnings: TypeAlias = tuple[Modes, tuple[str, ...]]
 """Modes of a drivetrain, and texts of warnings about uncertain ones."""
@@ -90,6 +91,8 @@ def elements_beyond_cut(drivetrain: AssembledModel, request: TransferRequest) ->
     sensor = request.measured[0].sensor
     if sensor is None or sensor.quantity != "torque" or len(request.measured) > 1:
         return None
+    from torsionnet.model.readings import port_of
+
     node, _ = port_of(drivetrain.elements[sensor.of], sensor.at)
     ends = {name: {*one.ports.values(), *one.internal_nodes} - {GROUND} for name, one in drivetrain.elements.items()}
     # The cut lies between the element and its node at the port.
@@ -205,7 +208,11 @@ def modes(
             "driven_by= goes with measured_input=; the modes of the drivetrain itself need none",
             kind="wrong-count",
         )
-    request = None if measured_input is None else resolve_inputs(drivetrain, measured_input, driven_by)
+    request = None
+    if measured_input is not None:
+        from torsionnet.linear.dynamic_stiffness.transfer_request import resolve_inputs
+
+        request = resolve_inputs(drivetrain, measured_input, driven_by)
     found = modes_against(drivetrain, request, lowest, up_to)
     if not drivetrain.definition.following and drivetrain.definition.tangents is None:
         return found

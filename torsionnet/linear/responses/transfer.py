@@ -32,7 +32,6 @@ from torsionnet.linear.dynamic_stiffness.quotient import (
 )
 from torsionnet.linear.dynamic_stiffness.transfer_request import TransferRequest, cached_request
 from torsionnet.linear.frequency_response import FrequencyResponse
-from torsionnet.linear.modes.natural_modes import modes_against
 from torsionnet.model.channels import Channels
 from torsionnet.model.checks.structure import rigid_motions
 
@@ -321,6 +320,8 @@ def _static(drivetrain: AssembledModel, request: TransferRequest, method: str) -
 
 def _resolving(drivetrain: AssembledModel, wanted: Adaptive, request: TransferRequest) -> FloatArray:
     """Frequencies (n_f,) in Hz that resolve the peaks of a drivetrain and the poles against a measured input."""
+    from torsionnet.linear.modes.natural_modes import modes_against
+
     modes = [modes_against(drivetrain, None)]
     if request.is_measured and len(request.measured) == 1:
         modes.append(modes_against(drivetrain, request))
