@@ -47,14 +47,15 @@ def define(entries: Mapping[str, Any]) -> tuple[Definition, list[Fault]]:
     authored = Definition(**{name: value for name, value in values.items() if value is not None})
     if authored.include:
         faults.append(Fault("files are included by model files only", ("include",), on_key=True, kind="needless-entry"))
-    flat, found = flatten_definition(authored, whole=not any(fault.path[:1] == ("parts",) for fault in faults))
+    lost = {key for fault in faults for key in fault.path[:1]} & {"parts", "use"}
+    flat, found = flatten_definition(authored, whole=not lost)
     return flat, [*faults, *found]
 
 
 def flatten_definition(authored: Definition, *, whole: bool = True) -> tuple[Definition, list[Fault]]:
     """Definition of a model with all parts put in, linked to the definition as written, and its faults.
 
-    Without ``whole`` some part could not be read; names that parts lack are then no faults of their own.
+    Without ``whole`` some part or use could not be read; names that parts lack are then no faults of their own.
     """
     authored = _with_settled_alternatives(authored) if authored.configurations else authored
     if authored.is_flat:
