@@ -165,5 +165,5 @@ class TestCore:
         four, response = use_of(FOUR_CALLS), use_of(ONE_RESPONSE)
         assert len(four.loaded) <= 104
         assert four.code_lines <= 12_800
-        assert len(response.functions) <= 336
+        assert len(response.functions) <= 340
         assert len(response.files) <= 52
