@@ -3,11 +3,15 @@
 import numpy as np
 import pytest
 import scipy
+from support.campaigns import examples
 from support.stepped_sines import INERTIA, STAGES, measured, of_stages, steps
 
 import torsionnet as tn
 from torsionnet.base.errors import UsageError
 from torsionnet.identification.fit_file import load_fit_plan
+from torsionnet.identification.fit_problem import make_problem
+from torsionnet.identification.fit_search import start_by_equations
+from torsionnet.identification.unknown_parameter import read_unknowns
 from torsionnet.signals import Recording, Signal, write_recording
 
 F = np.linspace(6.0, 18.0, 25)
@@ -43,6 +47,39 @@ def test_stages_and_friction_from_afar_on_the_branch_of_the_test():
         assert fit.standard_errors[name] < WITHIN[name] * value / 2
     assert not fit.lack_of_fit.rejected
     assert fit.units["k1"] == "N*m/rad"
+
+
+def test_equations_at_the_measured_motion_lead_near_the_truth():
+    """Nothing is solved for the motion there: noise of 1 % is all that keeps the values off."""
+    data = measured(of_stages(**STAGES), LEVELS, F, seed=1)
+    test = tn.Measurement(data, "gamma", "T", error=0.01, name="steps")
+    model = rig(k1=400, g1=0.1, k2=1700, c=1.0, M=2.0)
+    problem = make_problem(model, [test], read_unknowns(list(STAGES)), "complex")
+    begun = dict(zip(problem.names, start_by_equations(problem, problem.start), strict=True))
+    for name, value in STAGES.items():
+        assert begun[name] == pytest.approx(value, rel=0.1), name
+
+
+GOALS = {"k1": 0.005, "k2": 0.005, "M": 0.02}
+"""Largest root mean square of the error over draws, of the value."""
+UNLIKELY = 1e-5
+"""Probability of so few intervals with the truth, were it in 90 % of all, from which the intervals are wrong."""
+
+
+@pytest.mark.slow
+def test_errors_and_intervals_over_draws():
+    """Of 200 draws 95 % intervals hold the truth in 90 % or more; a few draws tell only what is far off."""
+    draws = [measured(of_stages(**STAGES), LEVELS, F, seed=seed) for seed in range(100, 100 + examples(8, 200))]
+    fits = [fitted(rig(k1=430, g1=0.11, k2=1600, c=0.7, M=2.5), one, list(STAGES)) for one in draws]
+    for name, true in STAGES.items():
+        ends = [fit.intervals()[name] for fit in fits]
+        inside = sum(low <= true <= high for low, high in ends)
+        assert scipy.stats.binom.cdf(inside, len(fits), 0.9) > UNLIKELY, (name, inside)
+        # Intervals that are too wide would hold it always: their size is that of the scatter.
+        scatter = np.sqrt(np.mean([(fit.values[name] / true - 1) ** 2 for fit in fits]))
+        stated = np.sqrt(np.mean([(fit.standard_errors[name] / true) ** 2 for fit in fits]))
+        assert scipy.stats.chi2.cdf(len(fits) * (scatter / stated) ** 2, len(fits)) > UNLIKELY, name
+        assert scatter < GOALS.get(name, 0.05), name
 
 
 def test_a_cubic_spring_from_integrated_motion():
