@@ -98,6 +98,7 @@ BUILDERS = {
     "scenarios": "forced_response.scenarios_section",
     "measurement_plan": "measurement_plan.measurement_plan_section",
     "test": "responses.comparison_section",
+    "loops": "loops.loops_section",
     "fit": "responses.fit_section",
     "study": "studies.studies_section",
     "checks": "validity.checks_section",

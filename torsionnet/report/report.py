@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
     from torsionnet.identification import Fit
     from torsionnet.report.template_folder import TemplateFolder
+    from torsionnet.signals.torque_loops.loop_result import TorqueLoops
     from torsionnet.study.study import Study
     from torsionnet.study.study_result import StudyResult
 
@@ -118,7 +119,8 @@ def write_report(model: Model, path: str | os.PathLike[str], **options: Any) -> 
         beside it. PDF needs an installed Chromium, Chrome or Edge, Word the package python-docx.
     **options
         As for :func:`torsionnet.report.make_report`: configurations, sections, transfer_functions, band, settings,
-        title, author, notes, angle, simplify, date, tests, fits, studies, measured, template, title_block.
+        title, author, notes, angle, simplify, date, tests, fits, studies, measured, loops, template,
+        title_block.
 
     Returns
     -------
@@ -184,6 +186,7 @@ def make_report(
     fits: Iterable[Fit] = (),
     studies: Iterable[StudyResult] = (),
     measured: Iterable[Any] | Mapping[str, Any] = (),
+    loops: Iterable[TorqueLoops] = (),
     template: str | os.PathLike[str] | None = None,
     appendix: bool | None = None,
     title_block: Mapping[str, Any] | TitleBlock | None = None,
@@ -224,6 +227,8 @@ def make_report(
     measured : mapping or iterable of str or path
         Files with orders measured on board, for the measurement plan: paths, ``"CONFIGURATION=FILE"``,
         ``"CONFIGURATION:SENSOR=FILE"``, or paths by configuration.
+    loops : iterable of TorqueLoops
+        Of a component bench.
     template : str or path
         Folder with a letterhead, style and wording; default: that of the file, a path from there.
     appendix : bool
@@ -282,6 +287,7 @@ def make_report(
         tuple(fits),
         shown,
         measured_files(measured, drivetrain),
+        tuple(loops),
     )
     _require_plan(request, drivetrain)
     cases = cases_of(drivetrain, plan.configurations, plan.kind, plan.normal)

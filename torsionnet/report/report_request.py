@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from torsionnet.identification import Fit
     from torsionnet.linear.frequency_response import FrequencyResponse
     from torsionnet.report.measured_orders import MeasuredFile
+    from torsionnet.signals.torque_loops.loop_result import TorqueLoops
     from torsionnet.study.study_result import StudyResult
 
 
@@ -51,6 +52,7 @@ class ReportRequest:
     studies : tuple of StudyResult
     measured : tuple of MeasuredFile
         Files with orders measured on board, for the measurement plan.
+    loops : tuple of TorqueLoops
     """
 
     plan: ReportPlan = field(default_factory=ReportPlan)
@@ -60,12 +62,14 @@ class ReportRequest:
     fits: tuple[Fit, ...] = ()
     studies: tuple[StudyResult, ...] = ()
     measured: tuple[MeasuredFile, ...] = ()
+    loops: tuple[TorqueLoops, ...] = ()
 
     def wants(self, section: str) -> bool:
         """Whether the report has a section of this name."""
         chosen = self.plan.sections
         if_given = {
             "test": bool(self.tests),
+            "loops": bool(self.loops),
             "fit": bool(self.fits),
             "study": bool(self.studies),
             "simplified": self.plan.simplify is not None or "simplified" in chosen,

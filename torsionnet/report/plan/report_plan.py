@@ -104,6 +104,7 @@ SECTIONS = {
         "where to measure on board, the amplitudes expected, and measured orders beside them", APPROVAL
     ),
     "test": SectionContent("tests over the model", BOTH),
+    "loops": SectionContent("loops of a component bench: picture, stages, what was corrected and what was not", BOTH),
     "fit": SectionContent("fitted parameters with intervals", BOTH),
     "study": SectionContent("what varies, every quantity over all variants, limits kept, and what is concluded", BOTH),
     "checks": SectionContent("findings of the checks, and how well the numbers agree with a second way to them"),

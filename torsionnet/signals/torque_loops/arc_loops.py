@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from torsionnet.base.phrases import phrase
 from torsionnet.model.arc_spring.slow_loop import ArcSprings, SlowLoop, loop_from_top
 from torsionnet.signals.recording import FloatArray
 from torsionnet.signals.torque_loops.loop_numbers import student
@@ -51,18 +52,24 @@ class ArcLoops:
 
     def notes(self) -> tuple[str, ...]:
         """Notes that say what the loops show, and what they do not tell apart."""
-        found = [f"loops of arc springs: k mu psi is {_shown(self.product)} N m/rad"]
+        found = [phrase("loops of arc springs: k mu psi is {product} N m/rad", product=_shown(self.product))]
         if self.winding.half_width is None:
             found.append(
-                f"no loop moves all coils, so that k is not told from mu psi: with mu psi {USUAL_WINDING:g} assumed k "
-                f"is {self.stiffness.value:.4g} N m/rad; swing further, or about a lower torque"
+                phrase(
+                    "no loop moves all coils, so that k is not told from mu psi: with mu psi {winding:g} assumed k is "
+                    "{stiffness:.4g} N m/rad; swing further, or about a lower torque",
+                    winding=USUAL_WINDING,
+                    stiffness=self.stiffness.value,
+                )
             )
         else:
-            found.append(f"k is {_shown(self.stiffness)} N m/rad and mu psi {_shown(self.winding)}")
+            text = "k is {stiffness} N m/rad and mu psi {winding}"
+            found.append(phrase(text, stiffness=_shown(self.stiffness), winding=_shown(self.winding)))
         if self.pressing.half_width is None:
             found.append("pressing by speed is not seen: run the loops at two speeds, with --speed-channel")
         else:
-            found.append(f"m r^2/psi, by which speed presses the coils, is {_shown(self.pressing)} kg m^2")
+            text = "m r^2/psi, by which speed presses the coils, is {pressing} kg m^2"
+            found.append(phrase(text, pressing=_shown(self.pressing)))
         return tuple(found)
 
 

@@ -9,6 +9,7 @@ from itertools import combinations
 import numpy as np
 
 from torsionnet.base.notes import NoteOrText, warning
+from torsionnet.base.phrases import phrase
 from torsionnet.signals.torque_loops.cycles import ALIKE
 from torsionnet.signals.torque_loops.loop_numbers import LoopRecord
 from torsionnet.signals.torque_loops.loop_result import LoopStage, LoopValue, TorqueLoop
@@ -38,9 +39,10 @@ class Applied:
         """Notes on the corrections asked for."""
         found = []
         if self.delay:
-            found.append(f"torque moved {1e3 * self.delay:g} ms to earlier times")
+            found.append(phrase("torque moved {delay:g} ms to earlier times", delay=1e3 * self.delay))
         if self.inertia:
-            found.append(f"torque without that of {self.inertia:g} kg m^2 that move with the twist")
+            text = "torque without that of {inertia:g} kg m^2 that move with the twist"
+            found.append(phrase(text, inertia=self.inertia))
         if self.drift:
             found.append("torque without a straight line in each cycle, by the same twist a cycle apart")
         return tuple(found)
@@ -52,7 +54,8 @@ def loop_remarks(
     """Remarks on a loop: effects of inertia, delay, drift, steps and what is elastic, as far as not corrected."""
     found = [*_motion(loop, applied, sine=sine), *_drift(loop, applied), *_steps(loop, record, step), *_sides(loop)]
     if loop.cycles < 3:
-        found.append(f"{loop.cycles} cycles behind the intervals, of which the first is left out: record five or more")
+        text = "{count} cycles behind the intervals, of which the first is left out: record five or more"
+        found.append(phrase(text, count=loop.cycles))
     if loop.bends:
         found.append(
             "the spring line bends all along: stages are straight pieces laid through it, not stages of springs; "
@@ -62,8 +65,12 @@ def loop_remarks(
     if half is not None and loop.loss.value <= half:
         found.append(
             warning(
-                f"no loss is seen, {loop.loss.value:.2g} +- {half:.2g} J a cycle: nothing slips at this swing, as the "
-                "coils of an arc spring below their depth, and the stiffness is that of what sticks; swing further"
+                phrase(
+                    "no loss is seen, {loss:.2g} +- {half:.2g} J a cycle: nothing slips at this swing, as the coils of "
+                    "an arc spring below their depth, and the stiffness is that of what sticks; swing further",
+                    loss=loop.loss.value,
+                    half=half,
+                )
             )
         )
     return found
@@ -77,9 +84,12 @@ def series_remarks(loops: Sequence[TorqueLoop]) -> list[NoteOrText]:
     shares = [share for one in loops if (share := friction_build_up(one)) > BUILD_UP]
     return [
         warning(
-            f"behind a reversal the torque needs {100 * share:.2g} % of the swing to cross over: something elastic in "
-            "series with the friction, as a slider or an adapter between the sensors; measure the twist at the "
-            "component itself, or fit a slider"
+            phrase(
+                "behind a reversal the torque needs {share:.2g} % of the swing to cross over: something elastic in "
+                "series with the friction, as a slider or an adapter between the sensors; measure the twist at the "
+                "component itself, or fit a slider",
+                share=100 * share,
+            )
         )
         for share in shares
     ]
@@ -97,14 +107,25 @@ def _motion(loop: TorqueLoop, applied: Applied, *, sine: bool) -> list[NoteOrTex
     lost = UNIT_INERTIA * omega**2
     if not applied.inertia and lost > TOLD * loop.storage_stiffness.value:
         found.append(
-            f"inertia that moves between meter and component is not taken out: at {loop.frequency:.3g} Hz each "
-            f"{UNIT_INERTIA:g} kg m^2 lowers the stiffness by {lost:.3g} N m/rad"
+            phrase(
+                "inertia that moves between meter and component is not taken out: at {frequency:.3g} Hz each "
+                "{inertia:g} kg m^2 lowers the stiffness by {lost:.3g} N m/rad",
+                frequency=loop.frequency,
+                inertia=UNIT_INERTIA,
+                lost=lost,
+            )
         )
     wide = loop.storage_stiffness.value * loop.amplitude.value * np.sin(omega * UNIT_DELAY)
     if not applied.delay and wide > TOLD * abs(loop.friction.value):
         found.append(
-            f"lateness of the torque is not taken out: at {loop.frequency:.3g} Hz each {1e3 * UNIT_DELAY:g} ms narrows "
-            f"the loop, {wide:.3g} N m of the friction torque {loop.friction.value:.3g} N m"
+            phrase(
+                "lateness of the torque is not taken out: at {frequency:.3g} Hz each {delay:g} ms narrows the loop, "
+                "{wide:.3g} N m of the friction torque {friction:.3g} N m",
+                frequency=loop.frequency,
+                delay=1e3 * UNIT_DELAY,
+                wide=wide,
+                friction=loop.friction.value,
+            )
         )
     return found
 
@@ -114,15 +135,19 @@ def _drift(loop: TorqueLoop, applied: Applied) -> list[NoteOrText]:
     size, half = abs(loop.drift.value), loop.drift.half_width
     if applied.drift or half is None or size <= half:
         return []
-    told = f"the torque drifts by {loop.drift.value:.3g} N m a cycle"
     if size > abs(loop.friction.value):
         return [
             warning(
-                f"{told}, more than the friction torque {loop.friction.value:.3g} N m: take the drift out, and let the "
-                "meter warm up or run faster"
+                phrase(
+                    "the torque drifts by {drift:.3g} N m a cycle, more than the friction torque {friction:.3g} N m: "
+                    "take the drift out, and let the meter warm up or run faster",
+                    drift=loop.drift.value,
+                    friction=loop.friction.value,
+                )
             )
         ]
-    return [f"{told}: the torque offset means nothing beyond it"]
+    text = "the torque drifts by {drift:.3g} N m a cycle: the torque offset means nothing beyond it"
+    return [phrase(text, drift=loop.drift.value)]
 
 
 def _steps(loop: TorqueLoop, record: LoopRecord, step: float) -> list[NoteOrText]:
@@ -132,8 +157,12 @@ def _steps(loop: TorqueLoop, record: LoopRecord, step: float) -> list[NoteOrText
     if over <= HARMLESS_STEP:
         return []
     return [
-        f"steps of the twist of {np.degrees(step):.3g} deg are {over:.3g} times the noise of the torque and repeat "
-        "every cycle: the intervals have a term from shifting them"
+        phrase(
+            "steps of the twist of {step:.3g} deg are {over:.3g} times the noise of the torque and repeat every cycle: "
+            "the intervals have a term from shifting them",
+            step=np.degrees(step),
+            over=over,
+        )
     ]
 
 
@@ -157,7 +186,8 @@ def _difference(drive: LoopStage, coast: LoopStage, name: str) -> str:
     # Stages are many: only differences beyond both intervals together are told.
     if apart <= one.half_width + other.half_width or apart <= TOLD * max(abs(one.value), abs(other.value)):
         return ""
-    return f"stage {drive.number}: {name} differs, {one.value:.4g} in drive and {other.value:.4g} in coast"
+    text = "stage {number}: {quantity} differs, {drive:.4g} in drive and {coast:.4g} in coast"
+    return phrase(text, number=drive.number, quantity=phrase(name), drive=one.value, coast=other.value)
 
 
 def friction_build_up(loop: TorqueLoop) -> float:
@@ -187,12 +217,16 @@ def _rates(slow: TorqueLoop, fast: TorqueLoop) -> list[str]:
     change = _surely(slow.friction, fast.friction)
     if not change:
         return []
-    told = f"from {slow.frequency:.3g} to {fast.frequency:.3g} Hz the friction torque"
     if change < 0:
-        return [f"{told} falls by {-change:.3g} N m: what grows with slowness is creep"]
+        text = (
+            "from {slow:.3g} to {fast:.3g} Hz the friction torque falls by {change:.3g} N m: what grows with slowness "
+        )
+        return [phrase(text + "is creep", slow=slow.frequency, fast=fast.frequency, change=-change)]
     # k'' = c omega + 4 M/(pi a), whatever the course of the twist.
     damping = (fast.loss_stiffness.value - slow.loss_stiffness.value) / (2 * np.pi * (fast.frequency - slow.frequency))
-    return [f"{told} grows by {change:.3g} N m: a part of it is viscous, c = {damping:.2g} N m s/rad"]
+    text = "from {slow:.3g} to {fast:.3g} Hz the friction torque grows by {change:.3g} N m: a part of it is viscous, "
+    text += "c = {damping:.2g} N m s/rad"
+    return [phrase(text, slow=slow.frequency, fast=fast.frequency, change=change, damping=damping)]
 
 
 def _inertia(slow: TorqueLoop, fast: TorqueLoop) -> list[str]:
@@ -201,8 +235,14 @@ def _inertia(slow: TorqueLoop, fast: TorqueLoop) -> list[str]:
         return []
     inertia = -change / (2 * np.pi) ** 2 / (fast.frequency**2 - slow.frequency**2)
     return [
-        f"from {slow.frequency:.3g} to {fast.frequency:.3g} Hz the stiffness k' falls by {-change:.3g} N m/rad, as by "
-        f"an inertia of {inertia:.3g} kg m^2 that moves between meter and component"
+        phrase(
+            "from {slow:.3g} to {fast:.3g} Hz the stiffness k' falls by {change:.3g} N m/rad, as by an inertia of "
+            "{inertia:.3g} kg m^2 that moves between meter and component",
+            slow=slow.frequency,
+            fast=fast.frequency,
+            change=-change,
+            inertia=inertia,
+        )
     ]
 
 

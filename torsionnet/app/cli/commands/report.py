@@ -44,7 +44,7 @@ class ReportCommand(ModelCommand):
     summary, conditions, installation, schematic, elements, parameters, kinematics, equations, mass_elastic, modes,
     natural_frequencies, formulas, simplified, responses, excitations, harmonics, mean_torques, critical_speeds,
     resonances, orders, periodic_motions, forced_response, limits, components, passage, scenarios, measurement_plan,
-    test, fit, study, checks, validity.
+    test, loops, fit, study, checks, validity.
 
     \b
     torsionnet report amt_rig
