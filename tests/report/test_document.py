@@ -109,7 +109,8 @@ class TestSections:
         assert [section.name for section in amt.sections] == [
             name
             for name, content in SECTIONS.items()
-            if "rig" in content.kinds and name not in ("simplified", "scenarios", "test", "fit", "study", *RUNNING)
+            if "rig" in content.kinds
+            and name not in ("simplified", "scenarios", "test", "loops", "fit", "study", *RUNNING)
         ]
 
     def test_chosen(self):
