@@ -58,8 +58,12 @@ COUPLING_RULE = "coupling"
 """Type of the limit that makes a coupling of any spring."""
 FOLLOWING = ("torque", "speed")
 """Entries of a propeller that follow the operating point and are no data of its sheet."""
-LABELS = {"archer": "Archer's factor", "second_inertia": "inertia of the second half"}
-"""Words for entries whose names say too little."""
+LABELS = {
+    "archer": "Archer's factor",
+    "second_inertia": "inertia of the second half",
+    "power_per_area": "power per area",
+}
+"""Words for entries, in place of their names."""
 
 
 def machines(model: Drivetrain) -> Iterator[tuple[str, Text, str]]:
@@ -177,7 +181,7 @@ def _of_element(model: Drivetrain, element: Element) -> Iterator[tuple[Inline, s
             for name, spec in limit.specs():
                 value = getattr(limit, name)
                 if isinstance(spec, Value) and value is not None and value != absent.get(name):
-                    yield symbol_or_words(name), quantity_text(value, spec.dimension)
+                    yield LABELS.get(name) or symbol_or_words(name), quantity_text(value, spec.dimension)
 
 
 def _as_loss_factor(damping: DampingMeasure, number: float) -> str:

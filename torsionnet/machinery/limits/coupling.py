@@ -264,8 +264,10 @@ class CouplingLimit(ElementLimit):
         if self.given_off is None or self.ambient_temperature is None or self.largest_temperature is None:
             return []
         ambient, largest = self.ambient_temperature - ICE_POINT, self.largest_temperature - ICE_POINT
-        template = "t = t_a + P/Lambda <= {largest:g} degC in steady operation, t_a = {ambient:g} degC, "
-        return [phrase(f"{template}Lambda = {{off:.4g}} W/K", largest=largest, ambient=ambient, off=self.given_off)]
+        template = (
+            "t = t_a + P/Lambda <= {largest:g} degC in steady operation, t_a = {ambient:g} degC, Lambda = {off:.4g} W/K"
+        )
+        return [phrase(template, largest=largest, ambient=ambient, off=self.given_off)]
 
     def _vibratory(self, evidence: Evidence) -> LimitLine:
         weights = np.ones(evidence.run.frequencies.shape)

@@ -7,6 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
+from torsionnet.base.phrases import phrase
 from torsionnet.linear.frequency_response import FloatArray
 from torsionnet.machinery.limits.shaft_limit import RoundSection
 from torsionnet.machinery.verdicts.limit_verdict import RuleFactor, RuleSymbol, RuleWords
@@ -195,7 +196,7 @@ def m68_factors(limit: M68Shaft, section: RoundSection) -> tuple[RuleFactor, ...
     rated, slow = permissible(limit.strength, feature * size, ratios).tolist()
     own = "entry of the limit" if limit.diameter is not None else "shaft of the model"
     product: RuleWords = (C_W, " ", C_K, " ", C_D)
-    continuous = f" = {CONSTANT_ABOVE:g} to {HIGHEST_RATIO:g}"
+    continuous = phrase(" = {low:g} to {high:g}", low=CONSTANT_ABOVE, high=HIGHEST_RATIO)
     return (
         RuleFactor(("outer diameter",), RuleSymbol("d"), section.outer, "m", (own,)),
         RuleFactor(("inner diameter",), BORE, section.inner, "m", (own,)),
@@ -222,7 +223,14 @@ def m68_factors(limit: M68Shaft, section: RoundSection) -> tuple[RuleFactor, ...
             RuleSymbol("tau", "C", at=f"{NO_BARRED_ABOVE:g}"),
             slow,
             "Pa",
-            (*product, " (3 - 2 ", RuleSymbol("lambda", power="2"), "), ", RATIO, f" below {CONSTANT_ABOVE:g}"),
+            (
+                *product,
+                " (3 - 2 ",
+                RuleSymbol("lambda", power="2"),
+                "), ",
+                RATIO,
+                phrase(" below {low:g}", low=CONSTANT_ABOVE),
+            ),
         ),
         RuleFactor(
             ("in quick passage at ", RATIO, f" = {NO_BARRED_ABOVE:g}"),
@@ -236,7 +244,7 @@ def m68_factors(limit: M68Shaft, section: RoundSection) -> tuple[RuleFactor, ...
                 RuleSymbol("C", "K", root=True),
                 ", ",
                 RATIO,
-                f" up to {NO_BARRED_ABOVE:g}",
+                phrase(" up to {high:g}", high=NO_BARRED_ABOVE),
             ),
         ),
     )
