@@ -13,7 +13,7 @@ from typing import Any
 
 import torsionnet as tn
 from torsionnet.study.quantities.evaluator import Evaluator
-from torsionnet.study.run import evaluation_memory as shared_blocks
+from torsionnet.study.run import evaluation_memory
 from torsionnet.study.run import run_chunks as workload
 from torsionnet.study.run.answering import Workers, answer_study
 from torsionnet.study.run.run_chunks import run_study
@@ -69,7 +69,7 @@ def answers_as_text(study: Study, folder: Path | None = None, workers: Workers |
 
 def slow_and_shared() -> None:
     """Every evaluation takes a while, so that it can be killed, and all that can be shared is."""
-    shared_blocks.LEAST_SHARED_SECONDS = shared_blocks.LEAST_CALL_SECONDS = 0.0
+    evaluation_memory.LEAST_SHARED_SECONDS = evaluation_memory.LEAST_CALL_SECONDS = 0.0
     rows = Evaluator.rows
 
     def slowly(self: Evaluator, *asked: Any) -> Any:
