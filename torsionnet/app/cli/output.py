@@ -176,8 +176,7 @@ OUTPUTS: dict[str, str] = {
     "calibrate-wheel": "torsionnet.signals.rotation.calibration_result:WheelCalibration",
     "campaign": "torsionnet.bench.campaign.campaign_result:CampaignResult",
     "check": "list[torsionnet.base.fault_rows:CheckRecord]",
-    "compare": "torsionnet.app.cli.commands.estimate:ComparedCurves or torsionnet.app.cli.stepped:SteppedComparison "
-    "without static, peaks",
+    "compare": "torsionnet.app.cli.commands.estimate:ComparedCurves|SteppedComparison without static, peaks",
     "clocks": "torsionnet.signals.rotation.clock_drift:ClockDrift",
     "critical-speeds": "list[torsionnet.machinery.criticals.critical_speeds:CriticalSpeeds]",
     "damper": "list[torsionnet.machinery.design.damper_optimum:DamperOptimum]",
