@@ -10,6 +10,7 @@ from support.models import sympy_algebra
 
 import torsionnet as tn
 from torsionnet.base.expressions import FLOAT
+from torsionnet.model.element_base.dynamic_stiffness import ComplexStiffness
 from torsionnet.model.element_base.laws import MotionState
 from torsionnet.model.elements import Action, Constraint, Law, MotionLaw, Values, make_element
 
@@ -431,3 +432,11 @@ class TestOperatingPoints:
         named = rig(tn.DualMassFlywheel("e", **entries, torque=torque))
         responses = [one.frequency_response("b", "T", [1.0, 9.0]).values for one in (found, named)]
         np.testing.assert_array_equal(*responses)
+
+
+def test_a_law_has_a_loss_factor_or_a_table():
+    """Of both the solvers would take the table alone."""
+    table = ComplexStiffness(500 + 20j)
+    assert Law({"a": 1}, stiffness=400, table=table).acts
+    with pytest.raises(ValueError, match="two laws"):
+        Law({"a": 1}, stiffness=400, loss_factor=0.1, table=table)

@@ -228,7 +228,8 @@ class RowSystem:
     law_rows : Rows
         gamma = row @ q, the scalar motion on which each law acts, in rad.
     inertia, damping, stiffness : (n_laws,) arrays
-        J in kg m^2, c in N m s/rad, k in N m/rad of each law; all >= 0.
+        J in kg m^2, c in N m s/rad, k in N m/rad of each law. Damping below zero feeds a vibration; a
+        stiffness with losses, or over frequency, stands in ``dynamic`` and is 0 here.
     dynamic : tuple of (law index, DynamicStiffness)
         Laws that also have a frequency-dependent complex stiffness kappa(omega), omega >= 0.
     actions : tuple of ActionLaw

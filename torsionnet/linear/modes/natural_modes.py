@@ -1,6 +1,4 @@
-"""Modes of a drivetrain as a result, with eigenvalues, shapes at all nodes, energy shares and descriptions.
-
-Poles of transfer functions against a measured input, mostly of the drivetrain cut at a transducer.
+"""Modes of a drivetrain, and poles of its responses over a measured input, mostly those of the drivetrain cut there.
 
 The reading of a torque transducer contains all that happens upstream. The poles of theta/T are therefore the poles of
 the drivetrain cut at the transducer, without everything on the side of the excitation, if the cut separates the two
@@ -53,9 +51,9 @@ ModesAndWarnings: TypeAlias = tuple[Modes, tuple[str, ...]]
 
 
 def poles_against_measured(
-    drivetrain: AssembledModel, request: TransferRequest, natural_modes: Callable[[AssembledModel], ModesAndWarnings]
+    drivetrain: AssembledModel, request: TransferRequest, modes_of: Callable[[AssembledModel], ModesAndWarnings]
 ) -> ModesAndWarnings:
-    """Modes of a drivetrain cut at its measured input, and texts of warnings about uncertain modes.
+    """Poles of responses over a measured input, and texts of warnings about uncertain ones.
 
     Under the same excitation theta = N_theta/det D and T = N_T/det D, so that theta/T = N_theta/N_T: its poles are the
     zeros of the measured torque. A meter that separates the drivetrain has N_T = n_before det D_beyond, with D_beyond
@@ -78,7 +76,7 @@ def poles_against_measured(
         from torsionnet.linear.modes.bordered_poles import measured_poles
 
         return measured_poles(drivetrain, request)
-    return _of_cut_system(drivetrain, kept, request.names, natural_modes)
+    return _of_cut_system(drivetrain, kept, request.names, modes_of)
 
 
 def elements_beyond_cut(drivetrain: AssembledModel, request: TransferRequest) -> tuple[str, ...] | None:
@@ -137,11 +135,11 @@ def _of_cut_system(
     drivetrain: AssembledModel,
     kept: Sequence[str],
     measured: str,
-    natural_modes: Callable[[AssembledModel], ModesAndWarnings],
+    modes_of: Callable[[AssembledModel], ModesAndWarnings],
 ) -> ModesAndWarnings:
     rest = drivetrain.with_definition(cut_definition(drivetrain.definition, kept))
     try:
-        rest_modes, warned = natural_modes(rest)
+        rest_modes, warned = modes_of(rest)
     except SolveError as error:  # the whole drivetrain resists every motion, so the cut leaves a loose end
         raise UsageError(
             f"{measured} is zero at every frequency: nothing on the other side of the transducer resists a motion",

@@ -1,7 +1,8 @@
 """Base class of all element types, and the register of element types.
 
-A new element type is one class in a file of ``model/elements`` named as its ``kind``: a frozen dataclass whose fields
-carry specifications (:mod:`torsionnet.base.entries`) and a method ``own_parts`` that yields laws and constraints.
+A new element type is one class in a file of ``model/elements`` named as its ``kind``, or in that of its family
+(`ELEMENT_TYPES`): a frozen dataclass whose fields carry specifications (:mod:`torsionnet.base.entries`), and a method
+``own_parts`` that yields laws and constraints.
 Registering it makes it known to model files, the JSON Schema, the checks and the documentation.
 """
 
@@ -112,8 +113,7 @@ class Element(Declared, ArgumentHints):
     kind: ClassVar[str] = ""
     """Word in ``type:`` of a model file that stands for the element type."""
     glyph: ClassVar[str] = ""
-    """Name of the element type's symbol in the schematic: disc, spring, damper, coupling, gear, planetary,
-    differential, gearbox, belt, clamp, shaft or pendulum."""
+    """Name of the element type's symbol in the schematic, as disc, spring or gear; types that behave alike share it."""
     sign: ClassVar[str] = "positive when it drives from the first node into the element"
     """Meaning of a positive torque at the element's first port; at other ports it drives out of the element."""
     drives: ClassVar[bool] = False

@@ -33,7 +33,8 @@ class Law:
     """Torque kappa(s) gamma against the motion of the row gamma, kappa(s) = J s^2 + c s + k (1 + j eta) + table(omega).
 
     ``inertia`` kg m^2, ``damping`` N m s/rad, ``stiffness`` N m/rad, ``loss_factor`` eta without unit,
-    ``table`` what depends on frequency.
+    ``table`` what depends on frequency. A law has a loss factor or a table, whose own loss is in it; with both it
+    raises `ValueError`.
     """
 
     row: Row
@@ -42,6 +43,10 @@ class Law:
     stiffness: Any = 0
     loss_factor: Any = 0
     table: DynamicStiffness | None = None
+
+    def __post_init__(self) -> None:
+        if self.table is not None and self.loss_factor:
+            raise ValueError("a law has a loss factor or a table over frequency: yield two laws on the same row")
 
     @property
     def is_elastic(self) -> bool:
