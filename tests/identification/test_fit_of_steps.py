@@ -106,6 +106,51 @@ def test_a_cubic_spring_from_integrated_motion():
         assert fit.standard_errors[name] < 0.05 * value
 
 
+def of_slider(a, omega, k=200.0, kt=300.0, T=4.0, c=0.3):
+    turned = np.arccos(1 - 2 * np.minimum(T / (kt * a), 1.0))
+    lost = np.where(a > T / kt, 4 * T * (a - T / kt) / (np.pi * a**2), 0.0)
+    return k + kt * (turned - np.sin(2 * turned) / 2) / np.pi + 1j * (lost + omega * c)
+
+
+def of_gap(a, omega, gap=0.0175, kc=8000.0, k=400.0, c=0.8):
+    x = np.minimum(gap / 2 / a, 1.0)
+    return k + kc * (1 - 2 / np.pi * (np.arcsin(x) + x * np.sqrt(1 - x**2))) + 1j * omega * c
+
+
+@pytest.mark.parametrize(
+    ("answer", "true", "beside", "levels", "frequencies"),
+    [
+        (of_slider, {"k": 200.0, "kt": 300.0, "T": 4.0}, {"stiffness": "kt", "torque": "T"}, (3.0, 10.0), (4.0, 14.0)),
+        (
+            of_gap,
+            {"k": 400.0, "kc": 8000.0, "gap": 0.0175},
+            {"stiffness": "kc", "gap": "gap"},
+            (1.0, 40.0),
+            (6.0, 30.0),
+        ),
+    ],
+)
+def test_a_slider_and_free_play_beside_a_spring(answer, true, beside, levels, frequencies):
+    data = measured(answer, levels, np.linspace(*frequencies, 25), seed=4)
+    kind = tn.Friction if "torque" in beside else tn.Clearance
+    start = {name: 1.1 * value for name, value in true.items()} | {"c": 0.5}
+    model = tn.Drivetrain(
+        "bench",
+        [
+            tn.Inertia("mass", node="a", inertia=INERTIA),
+            tn.Spring("disc", nodes=("a", "ground"), stiffness="k", damping="c"),
+            kind("ring", nodes=("a", "ground"), **beside),
+        ],
+        start, inputs={"T_M": {"torque": "a"}}, sensors={"gamma": {"angle": "a"}},
+    )  # fmt: skip
+    # One level within the gap, one beyond: without the former the spring beside it is told badly.
+    fit = tn.identify(model, tn.Measurement(data, "gamma", "T_M", error=0.01, name="steps"), list(start))
+    assert not fit.lack_of_fit.rejected
+    for name, value in true.items():
+        assert abs(fit.values[name] - value) < 4.5 * fit.standard_errors[name], name
+        assert fit.standard_errors[name] < 0.02 * value, name
+
+
 def test_what_no_swing_visits_is_not_seen():
     data = measured(of_stages(**STAGES), (8.0,), np.linspace(6.0, 8.0, 12), seed=2)
     assert np.abs(data.twists).max() < STAGES["g1"]
