@@ -79,15 +79,16 @@ class PeriodicProblem:
     """Laws of motion of a plant under periodic torques, see :mod:`.harmonic_balance`.
 
     ``parameter_scale`` is the length of the parameter along branches, 0 for the parameter itself, and ``least_size``
-    (n_laws,) that of motions at least.
+    (n_laws,) that of motions at least. ``shares`` (n_laws,) of a parameter put laws over the twist in the place of their
+    springs k_0, wholly where there is none.
     """
 
     parameter_scale = 0.0
+    shares: Callable[[float], FloatArray] | None = None
 
     def __init__(self, plant: CondensedPlant, drive: PeriodicDrive, at: float, subharmonics: int = 1) -> None:
         self.plant, self.drive, self.subharmonics = plant, drive, subharmonics
         omega = drive.omega(at)
-        self.shares = np.ones(len(plant.laws))
         self.forces: tuple[Force, ...] = tuple(
             force_of(one.owner, one.law, partial(plant.spring_before, place, omega), self._size(place, omega))
             for place, one in enumerate(plant.laws)
@@ -122,7 +123,7 @@ class PeriodicProblem:
         spread[::nu] = loads
         omega, speed = self.drive.omega(parameter) / nu, self.drive.speed(parameter)
         found = balance_of(self.plant, self.forces, omega, spread, harmonics, speed)
-        return found if (self.shares == 1).all() else replace(found, G=found.G * self.shares)
+        return found if self.shares is None else replace(found, G=found.G * self.shares(parameter))
 
     def solve(self, parameter: float, start: ComplexArray, harmonics: Harmonics = "auto") -> PeriodicMotion | None:
         """Periodic motion from a start, with the harmonics asked for or as many as it needs; None without one."""

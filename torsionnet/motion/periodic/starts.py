@@ -15,7 +15,7 @@ import numpy as np
 
 from torsionnet.linear.assembly.rows import ComplexArray
 from torsionnet.motion.periodic.branch import BranchPoint, Tracer
-from torsionnet.motion.periodic.harmonic_balance import HarmonicBalance, fitted, unpacked
+from torsionnet.motion.periodic.harmonic_balance import fitted, unpacked
 from torsionnet.motion.periodic.periodic_problem import PeriodicDrive, PeriodicMotion, PeriodicProblem
 
 TRACED_HARMONICS = 16
@@ -24,14 +24,6 @@ MOST_POINTS = 400
 """Most points on a way from rest."""
 FURTHEST = 2.5
 """Share of the full torques at which a way from rest ends: beyond it few come back."""
-
-
-class _LawsSetIn(PeriodicProblem):
-    """Problem whose parameter from 0 to 1 puts the laws over the twist in the place of their springs k_0."""
-
-    def balance(self, parameter: float, harmonics: int) -> HarmonicBalance:
-        self.shares = np.array([parameter if one.reference else 1.0 for one in self.plant.laws])
-        return super().balance(parameter, harmonics)
 
 
 def _scaled_loads(problem: PeriodicProblem, parameter: float, *, vibrates: bool) -> PeriodicDrive:
@@ -45,7 +37,8 @@ def _scaled_loads(problem: PeriodicProblem, parameter: float, *, vibrates: bool)
 def mean_start(problem: PeriodicProblem, parameter: float) -> ComplexArray | None:
     """Motion x (2, n_laws) at rest under the mean torques at a parameter; None where the way to it gets lost."""
     way = copy(problem)
-    way.__class__ = _LawsSetIn
+    laws_over_twist = np.array([bool(one.reference) for one in problem.plant.laws])
+    way.shares = lambda parameter: np.where(laws_over_twist, parameter, 1.0)
     way.drive, way.parameter_scale = _scaled_loads(problem, parameter, vibrates=False), 1.0
     start = way.balance(0.0, 1).driven
     way.least_size = np.maximum(np.abs(start[0]), way.least_size)
