@@ -1,4 +1,4 @@
-"""Public names of the package: what its lazy tables offer, results, the members of both, and their signatures.
+"""Public names of the package, results, the members of both, their signatures, and the options of all commands.
 
 ``python docs/public_names.py`` (``make signatures``) writes the list of signatures, with which ``make lint`` compares.
 """
@@ -297,9 +297,33 @@ def _annotation(annotation: Any) -> str:
     return annotation if isinstance(annotation, str) else getattr(annotation, "__name__", str(annotation))
 
 
+def option_lines() -> list[str]:
+    """Lines with every argument and option of every command, what it takes, and its default."""
+    group = importlib.import_module("torsionnet.app.cli.app").app
+    return [
+        f"torsionnet {name} {' '.join(one.opts)}{_taken(one.to_info_dict())}"
+        for name in sorted(group.list_commands(None))
+        for one in group.get_command(None, name).params
+    ]
+
+
+def _taken(option: dict[str, Any]) -> str:
+    kind = option["type"]
+    words = [" ".join(kind["choices"]) if "choices" in kind else kind["name"]]
+    if "min" in kind:
+        words += [
+            f"{'>' if kind['min_open'] else '>='} {kind['min']}",
+            f"{'<' if kind['max_open'] else '<='} {kind['max']}",
+        ]
+    words += [word for word in ("required", "multiple") if option[word]]
+    words += [f"{option['nargs']} values"] if option["nargs"] != 1 else []
+    given = option["default"]  # without one, versions of click have different words for it
+    return f": {', '.join(words)}" + (f" = {given}" if isinstance(given, str | int | float | tuple) and given else "")
+
+
 def signatures_text() -> str:
     """Text of the stored list."""
-    return HEAD + "".join(f"{line}\n" for line in signature_lines())
+    return HEAD + "".join(f"{line}\n" for line in (*signature_lines(), *option_lines()))
 
 
 if __name__ == "__main__":

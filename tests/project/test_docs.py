@@ -380,6 +380,14 @@ def test_broken_links_are_found(tmp_path):
 
 
 @pytest.mark.usefixtures("generate")
+def test_what_options_take_and_their_defaults_are_promised():
+    import public_names
+
+    stored = public_names.SIGNATURES.read_text(encoding="utf-8").splitlines()
+    assert public_names.option_lines() == [line for line in stored if line.startswith("torsionnet ")]
+
+
+@pytest.mark.usefixtures("generate")
 def test_every_public_name_has_a_page_and_a_line_in_the_index(tmp_path):
     import public_names
     import reference_pages
