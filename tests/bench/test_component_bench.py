@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
+import scipy
 
 import torsionnet as tn
 from torsionnet.bench.plan import Acquisition, Encoder, Plan, StrainGauge, Transducer
@@ -56,12 +56,14 @@ class TestWhatSpoils:
         assert stiffness(loop) == pytest.approx(900, rel=2e-3)
         assert loop.friction.value == pytest.approx(5, rel=1e-2)
 
+    @pytest.mark.slow
     def test_inertia_of_the_moving_side(self):
         """J w^2 = 4.0 of 900 N m/rad at 1.5 Hz; with little friction a sine of torque is one of twist."""
         record, _ = recorded(friction=0.5)
         assert stiffness(loop_of(record)) == pytest.approx(896.0, abs=0.3)
         assert stiffness(loop_of(record, inertia=0.045)) == pytest.approx(900, abs=0.3)
 
+    @pytest.mark.slow
     def test_torque_that_comes_late(self):
         """k a sin(w tau) = 1.5 of 5 N m."""
         record, _ = recorded(T_m=Transducer(noise="0.02 N*m", delay="1.2 ms"))
@@ -69,6 +71,7 @@ class TestWhatSpoils:
         assert loop_of(record).loss.value < 0.8 * true
         assert loop_of(record, delay=1.2e-3).loss.value == pytest.approx(true, rel=5e-3)
 
+    @pytest.mark.slow
     def test_drift_of_the_meter(self):
         """7 N m over seven cycles."""
         record, _ = recorded(T_m=StrainGauge(noise="0.02 N*m", zero_drift={"change": "7 N*m"}))
@@ -185,7 +188,7 @@ def test_friction_lags_at_the_lowest_frequencies_as_the_test_of_the_paper():
     page = (Path(__file__).parents[2] / "docs/how_to/characterise_a_flywheel.md").read_text(encoding="utf-8")
     rig = tn.loads(re.findall(r"```yaml\n# rig.yaml\n(.*?)```", page, re.DOTALL)[0])
     springs = ArcSprings(400.0, math.radians(149), 0.12, 0.9, 0.11, 0.0)
-    top = brentq(lambda torque: loop_from_top(springs, math.radians(2), torque).mean_torque - 40, 60, 90)
+    top = scipy.optimize.brentq(lambda torque: loop_from_top(springs, math.radians(2), torque).mean_torque - 40, 60, 90)
     arcs = loop_from_top(springs, math.radians(2), top).stiffness
     for name, stiffness in (("friction", arcs), ("viscous", 460)):
         found = rig.configured(name).frequency_response("theta_1", "T_T", [1e-4]).values[0, 0, 0]

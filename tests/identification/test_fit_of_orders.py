@@ -93,6 +93,7 @@ def test_stiffness_and_misfire_of_cylinder_4_are_found_within_their_intervals(tm
 
 
 @pytest.mark.parametrize("gain", [1.0, 1.5])
+@pytest.mark.slow
 def test_a_noisy_channel_beside_a_precise_one_is_no_contradiction_but_a_false_one_is(gain):
     sharp = Measurement(tracked(dense_orders(), SIGMA / 10, 0), name="sharp")
     rough = Measurement(tracked(gain * dense_orders(), SIGMA, 1), name="rough")

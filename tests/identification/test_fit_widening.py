@@ -79,6 +79,7 @@ def test_stated_noise_is_no_reason_to_doubt():
     assert not any("other peaks" in one for one in fit.verdicts)
 
 
+@pytest.mark.slow
 def test_what_is_worse_is_left():
     """Low lines that are wrong lead away: the plain optimum stays."""
     test = measured(noise=0.01)

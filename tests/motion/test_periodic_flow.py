@@ -36,6 +36,7 @@ def _agrees(
     assert error < MULTIPLIER * max(1.0, abs(largest))
 
 
+@pytest.mark.slow
 def test_contact_that_damps_and_never_pulls():
     elements = [
         tn.Inertia("wheel", node="a", inertia=0.05),
@@ -96,6 +97,7 @@ def _cubic_mass(damping: float) -> tn.Drivetrain:
     return tn.Drivetrain("cubic", [tn.Inertia("mass", node="a", inertia=1), spring])
 
 
+@pytest.mark.slow
 def test_symmetric_motion_becomes_lopsided_without_a_fold():
     found = _cubic_mass(0.2).periodic_response("a", frequencies=np.array([1.1, 1.3]) / (2 * pi), excitation={"a": 5})
     (fork,) = found.turns("symmetry")
@@ -115,6 +117,7 @@ def test_symmetric_motion_becomes_lopsided_without_a_fold():
             assert bool(abs(motion.amplitudes[0, 0]) > 0.1) is (motion.branch == 1)
 
 
+@pytest.mark.slow
 def test_peak_between_places_far_apart_is_added():
     found = _cubic_mass(0.2).periodic_response(
         "a", frequencies=np.array([0.2, 4]) / (2 * pi), excitation={"a": {1: 0.5}}
@@ -139,6 +142,7 @@ def test_chaos_is_said_where_no_motion_is_stable():
     assert np.abs(beside[1] - beside[0]).max() > 0.1
 
 
+@pytest.mark.slow
 def test_fan_brakes_with_the_torque_of_its_speed():
     from scipy.integrate import solve_ivp
     from scipy.optimize import brentq

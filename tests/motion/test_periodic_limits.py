@@ -98,6 +98,7 @@ def _table_rig() -> tn.Drivetrain:
     return tn.Drivetrain("table", [tn.Inertia("mass", node="a", inertia=1), spring])
 
 
+@pytest.mark.slow
 def test_motions_beyond_the_table_of_a_spring_are_left_out_and_told():
     found = _table_rig().periodic_response("a", frequencies=[1.5, 2.0, 2.2, 3.0], excitation={"a": 10})
     assert max(float(one.highest[0]) for one in found.motions) < 0.5
@@ -116,6 +117,7 @@ def test_branch_that_stops_says_where_and_why(monkeypatch):
     assert len(found.motions_at(0.5 / (2 * pi))) == 1
 
 
+@pytest.mark.slow
 def test_branches_that_only_a_simulation_leads_to(monkeypatch):
     asked = {"frequencies": np.array([0.75, 0.8]) / (2 * pi), "excitation": {"x": {0: 0.1, 1: 0.032}}}
     known = gear_pair().periodic_response("x", **asked)

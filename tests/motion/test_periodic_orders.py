@@ -86,6 +86,7 @@ def test_orders_are_those_of_the_periodic_response(rattle):
     assert rattle.motions.table().rows == found.table().rows
 
 
+@pytest.mark.slow
 def test_branches_are_followed_once_for_all_outputs(monkeypatch):
     from torsionnet.motion.periodic import periodic_response
 
@@ -146,6 +147,7 @@ def test_model_says_how_laws_act_and_an_argument_overrules_it():
     assert rig.configured().definition.to_data()["speeds"]["nonlinear"] == "periodic"
 
 
+@pytest.mark.slow
 def test_speeds_where_sweeps_jump_and_swings_peak_are_added_to_a_range():
     found = driven_car("1100..1200 rpm").order_response("twist(dmf)", refine=True)
     added = sorted(set(found.rpm) - {1100, 1150, 1200})
@@ -165,6 +167,7 @@ def test_speeds_where_sweeps_jump_and_swings_peak_are_added_to_a_range():
     assert any(note.startswith("between the speeds given") for note in found.notes)
 
 
+@pytest.mark.slow
 def test_limits_judge_the_upper_branch_and_name_its_jumps():
     limits = {"dmf": {"rule": "curve", "output": "torque(dmf)", "value": "300 N*m", "source": "maker"}}
     rig = driven_car(["1000 rpm", "1150 rpm", "1300 rpm"], limits=limits)

@@ -43,6 +43,7 @@ def _agree(found: dict[float, complex | None], wanted: dict[float, complex | Non
         assert expected is None or abs(multiplier - expected) < MULTIPLIER
 
 
+@pytest.mark.slow
 def test_every_point_of_the_flywheel_of_two_stages():
     found = two_stage_rig().periodic_response(
         "twist(dmf)", frequencies=[4.4, 4.55, 6.8, 10, 11, 15, 16], excitation={"T_M": {0: 40, 1: 60}}, subharmonics=2
@@ -95,6 +96,7 @@ def test_every_point_of_the_gear_pair():
         (10, 10.10376, 0.52849625, 10.10550, 0.52841794),
     ],
 )
+@pytest.mark.slow
 def test_friction_has_its_largest_swing_at_a_frequency(force, frequency, amplitude, described, first):
     shares = 1e-3 * np.array([-2, -1, 0, 1, 2])
     for harmonics, place, size in (("auto", frequency, amplitude), (1, described, first)):
@@ -110,6 +112,7 @@ def test_friction_has_its_largest_swing_at_a_frequency(force, frequency, amplitu
         _close(float(course(top)) * size, size, 1e-6)
 
 
+@pytest.mark.slow
 def test_every_point_of_the_clearance_between_free_masses():
     found = free_clearance().periodic_response(
         "twist(gap)", frequencies=[27, 30, 40, 45, 50], excitation={"a": {0: 25, 1: 40}, "b": {0: -25}}, subharmonics=2
@@ -162,6 +165,7 @@ CAR = {
 """Peaks to peaks of the twist of the flywheel in rad, and peaks of the gearbox's acceleration in rad/s^2, over rpm."""
 
 
+@pytest.mark.slow
 def test_every_point_of_the_car():
     gas = {"type": "harmonic", "node": "engine", "orders": {
         2: {"amplitude": "300 N*m"}, 4: {"amplitude": "60 N*m", "phase": "-90 deg"}}}  # fmt: skip

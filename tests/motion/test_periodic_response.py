@@ -42,6 +42,7 @@ def test_car_booms_only_on_the_way_down(driven_car):
     assert len(driven_car.stable_at(1150 * RPM)) == 2
 
 
+@pytest.mark.slow
 def test_both_jumps_are_told_from_motions_close_beside_a_fold():
     gas = {"type": "harmonic", "node": "engine", "orders": {
         2: {"amplitude": "300 N*m"}, 4: {"amplitude": "60 N*m", "phase": "-90 deg"}}}  # fmt: skip
@@ -105,6 +106,7 @@ def test_simulation_stays_on_a_stable_motion_and_leaves_an_unstable_one_at_its_m
         assert abs(growth - 1.729186) < 1e-3
 
 
+@pytest.mark.slow
 def test_one_harmonic_says_how_far_it_is_off():
     found = two_stage_rig().periodic_response(
         "twist(dmf)", frequencies=[10.0, 10.1], excitation={"T_M": {0: 40, 1: 60}}, harmonics=1

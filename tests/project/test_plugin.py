@@ -42,6 +42,7 @@ def run(environment, folder, *arguments, code=0):
     return done.stdout + done.stderr
 
 
+@pytest.mark.slow
 def test_commands_know_it(installed):
     said = run(*installed, "-m", "torsionnet", "check", "rig.yaml")
     assert "no errors" in said or "error" not in said

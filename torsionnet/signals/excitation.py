@@ -296,7 +296,8 @@ class LoadCycles(Excitation):
     Attributes
     ----------
     frequencies, levels, means : tuple of float
-        Hz, shares of the amplitude, and means in the unit of the amplitude beside ``mean``, in turn from the last on.
+        Hz, shares of the amplitude, and means in the unit of the amplitude beside ``mean``: at each mean each level, at
+        each level each frequency.
     shape : {"triangle", "sine"}
     cycles : int
         How many of each.
@@ -304,7 +305,7 @@ class LoadCycles(Excitation):
     Examples
     --------
     >>> slow = LoadCycles(frequencies=(0.05,), amplitude=80, levels=(0.5, 1.0), means=(0.0, 100.0), cycles=4)
-    >>> slow.length, slow.samples(1.0)[[5, 85, 175, 185]].tolist()
+    >>> slow.length, slow.samples(1.0)[[5, 85, 180, 185]].tolist()
     (340.0, [40.0, 80.0, 100.0, 140.0])
     """
 
