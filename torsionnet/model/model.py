@@ -395,6 +395,7 @@ class Model:
         from torsionnet.model.parts.authored_model import with_use
 
         authored, faults = with_use(self._state.base, name, use, given)
+        # Names in the part get "name." before them.
         definition, found = flatten_definition(authored)
         _refuse(faults := [*faults, *found], self.name)
         _refuse(faults := [*faults, *check_definition(definition)], self.name)

@@ -48,6 +48,7 @@ def periodic_response(
     for place, (panel, channel) in enumerate(zip(panels, response.outputs, strict=True)):
         sizes = [float(one.highest[place] - one.lowest[place]) for one in response.motions]
         scale, unit = axis_unit(channel.unit, max(sizes, default=0.0), conventions)
+        # Each branch in its colour: stable parts as lines, unstable ones dashed, undetermined ones dotted.
         for number, group in groupby(response.motions, key=lambda one: one.branch):
             _draw_branch(panel, response, list(group), number, (place, scale))
         panel.set_ylabel(axis_label(f"{channel.name}, peak to peak", unit, 40))

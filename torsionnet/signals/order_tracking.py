@@ -86,6 +86,7 @@ def sweep_harmonics(
     instantaneous = _checked(frequency, len(chosen), points)
     cycles = sweep_cycles(instantaneous, chosen.sampling_rate)
     centres = _centres(cycles, periods, points)
+    # All orders at once by weighted least squares over some periods around each centre: none leaks into another.
     fits = np.array([_fit(chosen[name].values, cycles, centre, orders, periods) for centre in centres])
     return Harmonics(
         times=chosen.time[centres],

@@ -86,6 +86,7 @@ class ActivePencil:
     def at(self, s: complex) -> ComplexArray:
         """Matrix P(s) of the characteristic equation at s in rad/s, (size, size), with roots at zero taken out."""
         whole = self._whole(s)
+        # Columns with roots of det P at zero are replaced by deflated ones, divided by s as often as they vanish there.
         for column in self.columns:
             whole[:, column.place] = column.at(s)
             if self.loss is not None:

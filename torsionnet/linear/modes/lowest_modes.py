@@ -209,6 +209,7 @@ class _Symmetric:
             return np.asarray(y - self.known @ (self.known.T @ y))
 
         size = self.rows.shape[0]
+        # S (K + sigma M)^-1 S^T with M = S^T S: the largest 1/(omega^2 + sigma) are those of the lowest modes.
         operator = _operator(lambda y: project(self.rows @ self.factors.solve(self.rows.T @ project(y))), size)
         first = project(np.random.default_rng(0).standard_normal(size))
         lanczos = min(size, max(2 * count + 1, count + 30))

@@ -79,8 +79,8 @@ class PeriodicProblem:
     """Laws of motion of a plant under periodic torques, see :mod:`.harmonic_balance`.
 
     ``parameter_scale`` is the length of the parameter along branches, 0 for the parameter itself, and ``least_size``
-    (n_laws,) that of motions at least. ``shares`` (n_laws,) of a parameter put laws over the twist in the place of their
-    springs k_0, wholly where there is none.
+    (n_laws,) that of motions at least. ``shares`` (n_laws,) of a parameter put laws over the twist in the place of
+    their springs k_0, wholly where there is none.
     """
 
     parameter_scale = 0.0
