@@ -569,6 +569,18 @@ class TestWorstCase:
             np.take_along_axis(pairs, high[..., None, None], axis=2), low[..., None, None], axis=3
         )[..., 0, 0] == pytest.approx(pairs[..., ::2, :].max(axis=(2, 3)), rel=0.01)
 
+    @pytest.mark.parametrize("seed", [45, 79, 106, 215])
+    def test_one_speed_and_one_output_are_searched_from_the_best_start(self, seed):
+        """Waves of which the farthest instant lies between two starts."""
+        rng = np.random.default_rng(seed)
+        turns = np.arange(64) / 64 * 2 * np.pi
+        waves = np.array([
+            sum(rng.normal() * np.cos(order * turns + rng.uniform(0, 6)) for order in (8, 5)) for _ in range(3)
+        ])  # fmt: skip
+        pairs = waves[0][:, None] - waves[0] + np.abs(waves[1:, :, None] - waves[1:, None, :]).sum(axis=0)
+        high, low = worst_combination._highest_and_lowest(waves[0][None, None], waves[1:, None, None])
+        assert pairs[high.item(), low.item()] >= pairs[::2].max() * (1 - 1e-12)
+
     @pytest.mark.parametrize("count", [1, 2, 5])
     def test_largest_amplitude_is_that_of_the_best_corner(self, count):
         """Also where contributions are parallel or vanish."""

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import torsionnet as tn
-from torsionnet.signals.excitation import BurstRandom, LinearChirp, LogarithmicSweep, Multisine, SteppedSine
+from torsionnet.signals.excitation import BurstRandom, LinearChirp, LoadCycles, LogarithmicSweep, Multisine, SteppedSine
 
 RATE = 2000.0
 
@@ -93,6 +93,9 @@ def test_burst_of_the_whole_period_is_never_silent():
         (lambda: LogarithmicSweep(start=1, stop=5, duration=np.nan, amplitude=-2), "amplitude.*; duration"),
         (lambda: SteppedSine(frequencies=(), hold=1), "at least one"),
         (lambda: Multisine(start=5, stop=2, period=4), "out-of-range"),
+        (lambda: LoadCycles(frequencies=(1,), shape="square"), "out-of-range"),
+        (lambda: LoadCycles(frequencies=(1,), cycles=2.5), "out-of-range"),
+        (lambda: LoadCycles(frequencies=(1,), means=(np.inf,)), "out-of-range"),
         (lambda: Multisine(start=1.01, stop=1.02, period=4), "no line between"),
         (lambda: Multisine(start=1, stop=20, period=1.23456789).samples(1000), "contradicting-values"),
         (lambda: BurstRandom(start=1, stop=20, period=4, share=1.5), "out-of-range"),

@@ -287,6 +287,10 @@ class SteppedSine(Excitation):
         return np.asarray(np.sin(TURN * f * (time - self.starts[step])))
 
 
+SHAPES = ("triangle", "sine")
+"""Courses of a load cycle."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class LoadCycles(Excitation):
     """Test signal of a component bench: cycles of one course at every mean, share of the amplitude and frequency.
@@ -312,7 +316,7 @@ class LoadCycles(Excitation):
     kind: ClassVar[str] = "load cycles"
 
     frequencies: tuple[float, ...] = entry(Frequencies("cycles per second, one after the other"))
-    shape: str = entry(OneOf("course of a cycle", ("triangle", "sine")), "triangle")
+    shape: str = entry(OneOf("course of a cycle", SHAPES), "triangle")
     cycles: int = entry(Count("how many at every mean, level and frequency", upper=10_000), 6)
     levels: tuple[float, ...] = entry(Listed("shares of the amplitude", Value("share", "1"), form="a list"), (1.0,))
     means: tuple[float, ...] = entry(
@@ -324,6 +328,10 @@ class LoadCycles(Excitation):
             return ["frequencies must be positive numbers, at least one"]
         if not self.levels or not 0 < min(self.levels) <= max(self.levels) <= 1 or not self.means:
             return ["levels are shares of the amplitude above 0 up to 1, and there is at least one mean"]
+        if not np.isfinite(self.means).all():
+            return [f"means must be numbers, got {', '.join(f'{mean:g}' for mean in self.means)}"]
+        if self.shape not in SHAPES or self.cycles != int(self.cycles):
+            return [f"shape is {' or '.join(SHAPES)} and cycles a whole number, got {self.shape!r}, {self.cycles!r}"]
         return []
 
     @property

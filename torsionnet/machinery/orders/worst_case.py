@@ -168,7 +168,8 @@ def _highest_and_lowest(base: FloatArray, shares: FloatArray) -> tuple[NDArray[n
     # Starts all over the cycle, since improving one end at a time may stop at a local maximum; but for those from which
     # even the farthest value of every share would not be as far off as what one start reaches.
     most = _largest_differences(base, shares)
-    reached = np.max(_differences(base, shares, np.argmax(most, axis=2)), axis=2)
+    farthest = START_STRIDE * np.argmax(most[:, :, ::START_STRIDE], axis=2)  # itself one of the starts
+    reached = np.max(_differences(base, shares, farthest), axis=2)
     promising = np.any(most >= reached[..., None] * (1 - ROUNDING), axis=(0, 1))
     for start in range(0, base.shape[2], START_STRIDE):
         if not promising[start]:
