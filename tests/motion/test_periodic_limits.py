@@ -117,6 +117,16 @@ def test_branch_that_stops_says_where_and_why(monkeypatch):
     assert len(found.motions_at(0.5 / (2 * pi))) == 1
 
 
+def test_branch_of_a_fork_that_is_one_too_many_is_told(monkeypatch):
+    monkeypatch.setattr(all_branches, "MOST_FOLLOWED", 1)
+    found = gear_pair(0.06).periodic_response(
+        "x", frequencies=np.array([1.75, 2]) / (2 * pi), excitation={"x": {0: 0.12, 1: 0.6}}, subharmonics=2
+    )
+    assert {one.branch for one in found.motions} == {0}
+    fork = found.turns("doubling")[0].at
+    assert any(f"begins at {fork:.8g} Hz is not followed to its end" in note for note in found.notes)
+
+
 @pytest.mark.slow
 def test_branches_that_only_a_simulation_leads_to(monkeypatch):
     asked = {"frequencies": np.array([0.75, 0.8]) / (2 * pi), "excitation": {"x": {0: 0.1, 1: 0.032}}}

@@ -65,3 +65,22 @@ def test_monodromy_is_the_derivative_of_the_passage_where_a_damped_mesh_closes()
     steps = 1e-7 * np.eye(len(begin.z))
     slopes = [(passed(begin.z + h, begin.contact).end - passed(begin.z - h, begin.contact).end) / 2e-7 for h in steps]
     np.testing.assert_allclose(np.transpose(slopes), stability.passage.monodromy, atol=1e-6)
+
+
+@pytest.mark.parametrize(("bearing", "count"), [(0.0, 2), (0.02, 1)])
+def test_mass_that_never_touches_its_gap_is_neutral(bearing, count):
+    elements = [
+        tn.Inertia("oscillator", node="a", inertia=1),
+        tn.Spring("spring", nodes=("a", "ground"), stiffness=4000, damping=2),
+        tn.Inertia("ball", node="b", inertia=0.05),
+        tn.Clearance("gap", nodes=("a", "b"), gap="40 deg", stiffness=2000, damping=0.5),
+    ]
+    if bearing:
+        elements.append(tn.Damper("bearing", nodes=("b", "ground"), damping=bearing))
+    (motion,) = tn.Drivetrain("loose", elements).periodic_response("a", frequencies=[9], excitation={"a": 1}).motions
+    # the oscillator moves by M/|k - w^2 J + j w c|; its pair of multipliers shrinks by e^(-cT/2J), the ball stays put
+    w = 18 * np.pi
+    assert abs(motion.highest[0] * abs(4000 - w**2 + 2j * w) - 1) < 1e-6
+    assert (np.abs(np.abs(motion.multipliers) - 1) < 1e-6).sum() == count
+    assert abs(np.abs(motion.multipliers)[-1] - np.exp(-1 / 9)) < 1e-6
+    assert (motion.stability, motion.is_stable) == ("neutral", None)

@@ -25,8 +25,8 @@ from torsionnet.motion.scenarios.scenario import REST
 
 TRACED = 20
 """Harmonics with which branches are followed; motions at the parameters asked for have as many as they need."""
-MOST_POINTS = 1200
-"""Most points of a branch."""
+MOST_POINTS, MOST_FOLLOWED, OWN = 400, 600, 100
+"""Most points of a branch in a direction, and of all together, since some have no end; from rest each has some."""
 FEWEST_ROUND = 5
 """Fewest points of a branch that comes back to where it began."""
 WIDER = 1e-3
@@ -46,13 +46,14 @@ class FoundBranch:
     """Branch with its forks, and the fork at which it begins, if it does.
 
     ``second_frequencies`` are the motions at which a second frequency sets in or ends, each with the number of the
-    point before it.
+    point before it, and ``unfollowed`` the forks whose branches were one too many.
     """
 
     branch: MotionBranch
     forks: tuple[Fork, ...]
     second_frequencies: tuple[tuple[int, PeriodicMotion], ...] = ()
     begins: Fork | None = None
+    unfollowed: tuple[Fork, ...] = ()
 
     @property
     def problem(self) -> PeriodicProblem:
@@ -74,33 +75,46 @@ def all_branches(
     """
     traced = TRACED if harmonics == "auto" else harmonics
     found: list[FoundBranch] = []
+
+    def left() -> int:
+        return MOST_FOLLOWED - sum(len(one.branch.points) for one in found)
+
     middle = np.sqrt(low * high)
     for at in dict.fromkeys((high, low, middle)):
         for motion in from_rest(problem, at):
             if not _known(found, motion):
-                found.append(_with_crossings(_both_ways(problem, motion, (low, high), traced, "from rest")))
+                most = max(left(), OWN)
+                found.append(_with_crossings(_both_ways(problem, motion, (low, high), traced, "from rest", most)))
     for motion in _other_starts(problem, (middle, low, high), traced):
-        if not _known(found, motion):
+        if left() > 0 and not _known(found, motion):
             way = "from a start of another size, joined to no other"
-            found.append(_with_crossings(_both_ways(problem, motion, (low, high), traced, way)))
+            found.append(_with_crossings(_both_ways(problem, motion, (low, high), traced, way, left())))
     for at in dict.fromkeys((high, low, middle)) if state is not None else ():
         for motion in from_simulation(problem, at, state or REST, subharmonics):
             if not _known(found, motion):
                 own = problem.with_subharmonics(motion.subharmonics)
                 count = traced * motion.subharmonics
                 way = "from a simulated motion"
-                found.append(_with_crossings(_both_ways(own, motion, (low, high), count, way)))
-    place = 0
+                found.append(_with_crossings(_both_ways(own, motion, (low, high), count, way, max(left(), OWN))))
+    place, tried = 0, 0
     while place < len(found):
-        one = found[place]
-        place += 1
+        one, unfollowed = found[place], []
         for fork in one.forks:
             if fork.periods > subharmonics:
                 continue
+            if (most := left() - tried) <= 0:
+                unfollowed.append(fork)
+                continue
             counts = [more * min(fork.periods, 2) * traced for more in (FINER if harmonics == "auto" else (1,))]
-            branch = _forked(one.problem, fork, (low, high), counts)
-            if branch is not None and not _known(found, branch.tracer.motion(branch.points[len(branch.points) // 2])):
+            branch = _forked(one.problem, fork, (low, high), counts, most)
+            if branch is None:
+                continue
+            if _known(found, branch.tracer.motion(branch.points[len(branch.points) // 2])):
+                tried += len(branch.points)
+            else:
                 found.append(replace(_with_crossings(branch), begins=fork))
+        found[place] = replace(one, unfollowed=tuple(unfollowed))
+        place += 1
     return found
 
 
@@ -129,9 +143,9 @@ def _alike(first: ComplexArray, second: ComplexArray, share: float) -> bool:
 
 
 def _both_ways(
-    problem: PeriodicProblem, motion: PeriodicMotion, ends: tuple[float, float], harmonics: int, way: str
+    problem: PeriodicProblem, motion: PeriodicMotion, ends: tuple[float, float], harmonics: int, way: str, most: int
 ) -> MotionBranch:
-    """Branch through a motion, in both directions to the ends of the range."""
+    """Branch through a motion, with up to ``most`` points, in both directions to the ends of the range."""
     tracer = Tracer(problem, harmonics)
     parts: list[list[BranchPoint]] = []
     stops: list[tuple[PeriodicMotion, str]] = []
@@ -139,7 +153,8 @@ def _both_ways(
         first = tracer.first(motion.parameter, motion.x, direction)
         if first is None:
             continue
-        parts.append([first, *_inside(tracer.along(first, MOST_POINTS), ends, first)])
+        parts.append([first, *_inside(tracer.along(first, min(MOST_POINTS, most)), ends, first)])
+        most = max(most - len(parts[-1]), 1)
         if tracer.stopped:
             stops.append((tracer.motion(parts[-1][-1]), tracer.stopped))
             tracer.stopped = ""
@@ -172,25 +187,28 @@ def _other_starts(problem: PeriodicProblem, parameters: tuple[float, ...], harmo
         driven = problem.balance(at, harmonics).driven
         # about the twists under the mean torques: a spring in place of a clearance would stand in the gap
         rest = mean_start(problem, at)
+        reached: list[ComplexArray] = []
         for size, phase in STARTS:
             start = size * phase * driven
             start[0] = driven[0] if rest is None else rest[0]
             motion = problem.solve(at, start, harmonics)
-            if motion is not None:
+            # many starts lead to the same few motions, which cost much with all their harmonics
+            if motion is not None and not any(_alike(motion.x, x, SAME) for x in reached):
+                reached.append(motion.x)
                 full = problem.solve(at, motion.x)
                 if full is not None:
                     yield full
 
 
 def _forked(
-    problem: PeriodicProblem, fork: Fork, ends: tuple[float, float], counts: Sequence[int]
+    problem: PeriodicProblem, fork: Fork, ends: tuple[float, float], counts: Sequence[int], most: int
 ) -> MotionBranch | None:
     """Branch from a fork on, with the first of some numbers of harmonics that leads away from it."""
     low, high = ends[0] * (1 - WIDER), ends[1] * (1 + WIDER)
     for harmonics in counts:
         tracer = Tracer(problem.with_subharmonics(fork.periods), harmonics)
         points: list[BranchPoint] = []
-        for point in forked_branch(tracer, fork, MOST_POINTS):
+        for point in forked_branch(tracer, fork, min(MOST_POINTS, most)):
             points.append(point)
             if not low <= point.p <= high:
                 break

@@ -153,7 +153,7 @@ class Tracer:
             yield point
             if count <= FEW:
                 ds = min(1.5 * ds, LONGEST_STEP)
-        self.stopped = f"it goes on, but only {most} points of it are followed"
+        self.stopped = f"it goes on, but only {most} points of it are followed, not to its end"
 
     def motion(self, point: BranchPoint) -> PeriodicMotion:
         """Motion of a point."""

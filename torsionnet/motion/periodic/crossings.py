@@ -21,8 +21,8 @@ from torsionnet.motion.periodic.stability import ON_CIRCLE, stability_of
 
 LOCATED = 1e-8
 """Share of the parameter to which a crossing is located."""
-APART = 6
-"""Points of a branch from one look at its multipliers to the next."""
+APART, MOST_LOOKS = 6, 50
+"""Points of a branch from one look at its multipliers to the next, and most looks."""
 PASSING = 1e-4
 """Distance from the unit circle of a pair that passes it at a located place."""
 
@@ -87,7 +87,11 @@ def second_frequencies(branch: MotionBranch) -> Iterator[tuple[int, PeriodicMoti
     def at(place: int) -> float | None:
         return value(branch.tracer.motion(points[place]))
 
-    looks = [(place, found) for place in range(0, len(points), APART) if (found := at(place)) is not None]
+    looks = [
+        (place, found)
+        for place in range(0, len(points), max(APART, len(points) // MOST_LOOKS))
+        if (found := at(place)) is not None
+    ]
     for (start, first), (end, second) in pairwise(looks):
         if first * second >= 0:
             continue

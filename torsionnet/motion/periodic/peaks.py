@@ -24,6 +24,8 @@ HIGHER = 1e-6
 """Share by which a peak is above the motions listed beside it."""
 LOCATED = 1e-3
 """Part of two steps along a branch to which a peak is located: its height is known to the square of that."""
+LOCATING = 64
+"""Most harmonics of a period of the torques with which a peak is located."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +78,8 @@ def _top(
     beside = problem.solve(before.p, unpacked(before.u, n_laws), harmonics)
     if beside is None:
         return None
-    tracer = Tracer(problem, beside.harmonics)
+    # a top is found with few harmonics, and its motion then has as many as it needs
+    tracer = Tracer(problem, min(beside.harmonics, LOCATING * problem.subharmonics))
     start = tracer.first(before.p, beside.x, float(np.sign(before.turns)))
     if start is None:
         return None
@@ -90,7 +93,10 @@ def _top(
     top = minimize_scalar(lambda along: -swing(along), bounds=(0, length), method="bounded",
                           options={"xatol": LOCATED * length})  # fmt: skip
     stepped = tracer.step(start, float(top.x))
-    return None if stepped is None else (stepped[0], tracer.motion(stepped[0]))
+    if stepped is None:
+        return None
+    motion = problem.solve(stepped[0].p, unpacked(stepped[0].u, n_laws), harmonics)
+    return None if motion is None else (stepped[0], motion)
 
 
 def _lies_between(

@@ -39,7 +39,7 @@ def periodic_notes(
         follow = "" if 2 * one.periods in doubled else f"; subharmonics={2 * one.periods} follows it"
         yield f"at {_at(found, one.at)} the motion of branch {one.branch + 1} doubles its period{follow}"
     for one in found.turns("symmetry"):
-        text = "loses its symmetry, and two lopsided ones begin, mirror images of each other, of which one is followed"
+        text = "loses its symmetry, and two lopsided ones begin, mirror images of each other: one at most is followed"
         yield f"at {_at(found, one.at)} the motion of branch {one.branch + 1} {text}"
     for one in found.turns("second frequency"):
         text = "passes into motions with a second frequency, which no period repeats; simulate shows them"
@@ -50,6 +50,9 @@ def periodic_notes(
             owner, swing = each.problem.largest_twist(motion)
             place = f"at {_at(found, motion.parameter)}, where {owner} swings by {swing:.4g} rad"
             yield f"branch {number + 1} stops {place}: {why}; simulate shows what follows"
+        for fork in each.unfollowed:
+            begins = f"the branch that begins at {_at(found, fork.motion.parameter)}"
+            yield f"{begins} is not followed to its end: those found before are long"
     for number, group in groupby(beyond, key=lambda each: each[0]):
         places = list(group)
         span = _span(found, sorted(at for _, at, _ in places))

@@ -73,8 +73,8 @@ class FoundMotion:
 
     @property
     def is_stable(self) -> bool | None:
-        """Whether the motion is stable; None where that is not determined."""
-        return None if self.stability.startswith("stability not") else self.stability == "stable"
+        """Whether the motion is stable; None where it is neutral or that is not determined."""
+        return None if self.stability.startswith(("stability not", "neutral")) else self.stability == "stable"
 
 
 @dataclass(frozen=True, eq=False)

@@ -35,6 +35,8 @@ MOST_CLOSED = 8
 """Most Newton steps by which a period over contact states closes."""
 ON_CIRCLE = 1e-7
 """Distance from the unit circle up to which a multiplier counts as on it."""
+DOUBLE = 1e-5
+"""Distance from the unit circle up to which a double multiplier counts as on it: to the root of rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +45,7 @@ class Stability:
 
     ``passage`` is the period over contact states, where laws have straight pieces. ``growing`` is the number of
     disturbances that grow where Hill's determinant counts them; the multipliers are then some of all that there are.
+    ``idle`` motions have a law over the twist without any torque, as that of a gap never closed.
     """
 
     multipliers: ComplexArray
@@ -50,11 +53,17 @@ class Stability:
     march: ContactMarch | None = None
     passage: Passage | None = None
     growing: int | None = None
+    idle: bool = False
+
+    @property
+    def is_neutral(self) -> bool:
+        """Whether a law that never acts leaves something where it is put, or drifting: nothing brings it back."""
+        return self.idle and abs(float(np.abs(self.multipliers).max(initial=0.0)) - 1) < DOUBLE
 
     @property
     def is_stable(self) -> bool | None:
-        """Whether the motion is stable; None where that is not determined."""
-        if self.undetermined:
+        """Whether the motion is stable; None where it is neutral or that is not determined."""
+        if self.undetermined or self.is_neutral:
             return None
         if self.growing is not None:
             return not self.growing
@@ -65,6 +74,8 @@ class Stability:
         """Stability in words."""
         if self.undetermined:
             return "stability not determined"
+        if self.is_neutral:
+            return "neutral"
         if self.is_stable:
             return "stable"
         if not (np.abs(self.multipliers) > 1).any():
@@ -114,7 +125,9 @@ def _over_contacts(problem: PeriodicProblem, motion: PeriodicMotion, most: int) 
     size = np.abs(z[own]).max()
     if left_open > (CLOSED if most else NEAR) or np.abs((first - z)[own]).max() > NEAR * size:
         return Stability(np.zeros(0, dtype=complex), "over its contact states the motion does not close")
-    return Stability(march.multipliers(passage), march=march, passage=passage)
+    over_twist = np.array([one.law.curve.over == "twist" for one in problem.plant.laws])
+    idle = bool((over_twist & ~motion.torques.any(axis=0)).any())
+    return Stability(march.multipliers(passage), march=march, passage=passage, idle=idle)
 
 
 def _variational(problem: PeriodicProblem, motion: PeriodicMotion) -> Stability:
