@@ -13,6 +13,7 @@ from torsionnet.identification.fit_problem import make_problem
 from torsionnet.identification.fit_search import start_by_equations
 from torsionnet.identification.unknown_parameter import read_unknowns
 from torsionnet.signals import Recording, Signal, write_recording
+from torsionnet.signals.stepped_levels import SteppedStiffness
 
 F = np.linspace(6.0, 18.0, 25)
 LEVELS = (15.0, 40.0, 90.0)
@@ -149,6 +150,26 @@ def test_a_slider_and_free_play_beside_a_spring(answer, true, beside, levels, fr
     for name, value in true.items():
         assert abs(fit.values[name] - value) < 4.5 * fit.standard_errors[name], name
         assert fit.standard_errors[name] < 0.02 * value, name
+
+
+@pytest.mark.parametrize(("nodes", "held"), [(("ground", "a"), 0.0), (("a", "ground"), 0.0), (("a", "b"), 800.0)])
+def test_the_mean_of_the_output_is_referred_to_the_element(nodes, held):
+    """Stiffness 400 N m/rad one way, 1700 up to 0.05 rad the other, by which end is first; also before a spring."""
+    mean, f, c, J = 60.0, np.array([3.0, 5.0, 7.0]), 1.0, 0.14
+    k = 1700.0 if nodes[0] == "a" else 400.0
+    s = 2j * np.pi * f
+    beside = 1 / (k + s * c) + (1 / held if held else 0.0)
+    twists = 4.0 / (J * s**2 + 1 / beside)
+    still = np.full(3, mean * (1 / k + (1 / held if held else 0.0)))
+    data = SteppedStiffness(f, twists, np.full(3, 4.0 + 0j), still, np.full(3, mean), np.zeros(3))
+    law = [("-1 rad", "-400 N*m"), (0, 0), ("0.05 rad", "85 N*m"), ("1 rad", "465 N*m")]
+    parts = [
+        tn.Inertia("mass", node="a", inertia="J"),
+        tn.Spring("disc", nodes=nodes, damping=c, torque_over_twist=law),
+        *([tn.Spring("shaft", nodes=("b", "ground"), stiffness=held)] if held else []),
+    ]
+    model = tn.Drivetrain("bench", parts, {"J": 0.2}, inputs={"T": {"torque": "a"}}, sensors={"gamma": {"angle": "a"}})
+    assert fitted(model, data, ["J"]).values["J"] == pytest.approx(J, rel=1e-5)
 
 
 def test_what_no_swing_visits_is_not_seen():

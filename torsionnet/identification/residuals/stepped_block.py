@@ -126,5 +126,5 @@ def _curve(
     rig: AssembledModel, measurement: Measurement, steps: SteppedStiffness, parameters: tuple[str, ...]
 ) -> SteppedCurve:
     output, into = measurement.model_output or measurement.output, measurement.model_input or measurement.input
-    each = (steps.frequencies, np.abs(steps.torques), steps.mean_twists, _measured(steps))
+    each = (steps.frequencies, np.abs(steps.torques), steps.mean_twists, steps.mean_torques, _measured(steps))
     return stepped_curve(rig, output, into, measurement.excitation, parameters, each)

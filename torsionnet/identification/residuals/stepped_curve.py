@@ -35,6 +35,8 @@ RELATIVE_STEP = 1e-6
 """Relative step by which the describing functions are differenced; they are smooth but at the corners of laws."""
 MOST_STEPS, SETTLED = 60, 1e-11
 """Most steps of Newton's method, and the change of all twists, over their size, below which it ends."""
+SLOW = 1e-4
+"""Part of the lowest frequency at which what is linear answers as at rest, also where it turns freely."""
 MOST_KEPT = 64
 """Most sets of values of the unknowns of which the laws are kept."""
 FIRST_DAMPING, MOST_DAMPING = 1e-3, 1e6
@@ -74,7 +76,7 @@ class SteppedCurve:
     row : Row
         Twist of the element over nodes, without those that stand still.
     frequencies, torques, mean_twists : (n,) arrays
-        Hz, N m and rad at each step.
+        Hz, N m and rad of the twist of the element at each step.
     measured : (n,) complex array
         Output over torque.
     spring : float
@@ -185,6 +187,12 @@ class SteppedCurve:
         A, B = self._newton(beside, K, self._rise(numbers, size), gamma)
         moves = np.sqrt(np.abs(A) ** 2 + np.abs(B) ** 2) * self.torques / np.abs(beside.output_by_torque)
         return np.asarray((K - self.spring) * gamma - tau), np.asarray(moves)
+
+    def static_twists(self, outputs: FloatArray, torques: FloatArray) -> FloatArray:
+        """Twists (n,) in rad of the element at mean outputs and torques, at the start values of what is linear."""
+        beside = self._beside(self.start.tolist())
+        tau = (beside.of_output * torques - outputs) / beside.output_by_torque
+        return np.asarray((beside.of_twist * torques - beside.by_torque * tau).real)
 
     def _measured_twist(self, beside: _Beside) -> tuple[ComplexArray, ComplexArray]:
         """Twist of the element, and torque beside the spring k_0, that the measured output asks for, each (n,)."""
@@ -320,9 +328,11 @@ def stepped_curve(
     into: str,
     excitation: str | None,
     parameters: tuple[str, ...],
-    steps: tuple[FloatArray, FloatArray, FloatArray, ComplexArray],
+    steps: tuple[FloatArray, FloatArray, FloatArray, FloatArray, ComplexArray],
 ) -> SteppedCurve:
-    """First harmonic of an output of a model over a torque at ``steps``: frequencies, torques, mean twists, measured.
+    """First harmonic of an output of a model over a torque at ``steps``.
+
+    These are frequencies, amplitudes of the torque, means of output and torque, and the output measured over torque.
 
     Raises
     ------
@@ -331,7 +341,7 @@ def stepped_curve(
     """
     varied = unknowns(rig, parameters)
     elements, row = _on_one_twist(rig)
-    frequencies, torques, means, measured = steps
+    frequencies, torques, means, mean_torques, measured = steps
     at_start = Values(dict(rig.exact_values), FLOAT)
     sizes = (np.abs(measured) * torques, means, 2 * np.pi * frequencies)
     typical = sum(
@@ -361,7 +371,10 @@ def stepped_curve(
     linear = parametric_response(linear_rig, outputs, [driving, *free], frequencies, varied.parameters)
     held = {node: row[node] for node in free}
     unit = f"{named_output(linear_rig, output).unit}/(N*m)"
-    return SteppedCurve(rig, varied, elements, linear, held, *common, unit)
+    found = SteppedCurve(rig, varied, elements, linear, held, *common, unit)
+    slow = [SLOW * float(frequencies.min())]
+    still = replace(found, linear=parametric_response(linear_rig, outputs, [driving, *free], slow, varied.parameters))
+    return replace(found, mean_twists=still.static_twists(means, mean_torques))
 
 
 def _driving(rig: AssembledModel, excitation: str | None) -> str:
